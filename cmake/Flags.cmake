@@ -1,0 +1,20 @@
+# Every target of the project links hertzline_flags: one place for warnings and floating-point rules.
+add_library(hertzline_flags INTERFACE)
+target_compile_options(hertzline_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  # g++ 12 sees overlaps in std::string operator+ that are not there (GCC bug 105651)
+  -Wno-restrict
+  # The compiler may not fuse a*b+c on its own: where a fused operation is wanted the code says so.
+  # Otherwise the bits of a result would depend on the compiler's mood and on the instruction set.
+  -ffp-contract=off
+  # sqrt as one instruction: nobody reads errno.
+  -fno-math-errno)
+if(HERTZLINE_WERROR)
+  target_compile_options(hertzline_flags INTERFACE -Werror)
+endif()
+
+set(HERTZLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
+if(HERTZLINE_SANITIZE)
+  add_compile_options(-fsanitize=${HERTZLINE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${HERTZLINE_SANITIZE})
+endif()
