@@ -1,0 +1,79 @@
+// One copy of the integrators per instruction set; the widest that this processor has is chosen at run time.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/integrators/kernels.cpp"
+// Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors cannot be kept in
+// arrays of registers.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include <hwy/foreach_target.h>
+// after foreach_target
+#include <hwy/highway.h>
+
+#include "core/integrators/chin4a-inl.hpp"
+#include "core/integrators/leapfrog-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline {
+namespace HWY_NAMESPACE {
+
+template <template <std::size_t> class Pick>
+Kernel for_rows(std::size_t rows) {
+    switch (rows) {
+        case 1: return Pick<1>::kernel;
+        case 2: return Pick<2>::kernel;
+        case 4: return Pick<4>::kernel;
+        case 8: return Pick<8>::kernel;
+        default: return Pick<0>::kernel;
+    }
+}
+
+template <std::size_t K>
+struct LeapfrogRows {
+    static constexpr Kernel kernel = advance_leapfrog<K>;
+};
+template <std::size_t K>
+struct Chin4aRows {
+    static constexpr Kernel kernel = advance_chin4a<K>;
+};
+
+Kernel pick(Integrator integrator, std::size_t rows) {
+    switch (integrator) {
+        case Integrator::leapfrog: return for_rows<LeapfrogRows>(rows);
+        case Integrator::chin4a: break;
+    }
+    return for_rows<Chin4aRows>(rows);
+}
+
+std::size_t lanes() {
+    return hn::Lanes(Doubles());
+}
+
+const char* target() {
+    return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hertzline {
+
+HWY_EXPORT(pick);
+HWY_EXPORT(lanes);
+HWY_EXPORT(target);
+
+Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
+    return HWY_DYNAMIC_DISPATCH(pick)(integrator, rows);
+}
+
+std::size_t kernel_lanes() noexcept {
+    return HWY_DYNAMIC_DISPATCH(lanes)();
+}
+
+const char* kernel_target() noexcept {
+    return HWY_DYNAMIC_DISPATCH(target)();
+}
+
+}  // namespace hertzline
+#endif

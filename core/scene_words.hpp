@@ -1,0 +1,64 @@
+#pragma once
+// The words that stand for the choices of a Scene, in scene files and in messages. A new choice is one word
+// here.
+
+#include <array>
+#include <string_view>
+
+#include "core/scene.hpp"
+
+namespace hertzline {
+
+template <class Choice>
+struct Word {
+    std::string_view text;
+    Choice choice;
+};
+
+template <class Choice>
+struct Words;  // Words<Envelope>::all and so on
+
+template <>
+struct Words<Envelope> {
+    static constexpr std::array all{Word<Envelope>{"hann", Envelope::hann},
+                                    Word<Envelope>{"tukey", Envelope::tukey},
+                                    Word<Envelope>{"rectangular", Envelope::rectangular}};
+};
+
+template <>
+struct Words<Tension> {
+    static constexpr std::array all{Word<Tension>{"allowed", Tension::allowed},
+                                    Word<Tension>{"clamped", Tension::clamped}};
+};
+
+template <>
+struct Words<EndKind> {
+    static constexpr std::array all{Word<EndKind>{"plate", EndKind::plate},
+                                    Word<EndKind>{"wall", EndKind::wall},
+                                    Word<EndKind>{"free", EndKind::free}};
+};
+
+template <>
+struct Words<PlatePreload> {
+    static constexpr std::array all{Word<PlatePreload>{"balanced", PlatePreload::balanced},
+                                    Word<PlatePreload>{"as_printed", PlatePreload::as_printed}};
+};
+
+template <>
+struct Words<Integrator> {
+    static constexpr std::array all{Word<Integrator>{"leapfrog", Integrator::leapfrog},
+                                    Word<Integrator>{"chin4a", Integrator::chin4a}};
+};
+
+/// The word for a choice, word(Envelope::hann) == "hann"; empty for a value that is no choice.
+template <class Choice>
+constexpr std::string_view word(Choice choice) noexcept {
+    for (const auto& entry : Words<Choice>::all) {
+        if (entry.choice == choice) {
+            return entry.text;
+        }
+    }
+    return {};
+}
+
+}  // namespace hertzline

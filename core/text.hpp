@@ -1,0 +1,42 @@
+#pragma once
+// Values as text, for messages and for scene files. Nothing here depends on the locale.
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace hertzline {
+
+/// Shortest decimal text that reads back to exactly the same number: "0.0005", "73000", "1e-09", "inf",
+/// "nan".
+std::string number_text(double value);
+std::string number_text(std::int64_t value);
+
+/// The text between double quotes, with everything but printable ASCII escaped: a TOML string, safe on a
+/// terminal.
+std::string quoted(std::string_view text);
+
+/// quoted(), shortened to what fits a message.
+std::string quoted_briefly(std::string_view text);
+
+/// The text without quotes, for a message: what a terminal might act on becomes '?', and a long text is cut.
+std::string printable(std::string_view text);
+
+/// True for what TOML accepts as a key without quotes: letters, digits, '_' and '-'.
+bool is_bare_key(std::string_view text) noexcept;
+
+/// The text as one part of a dotted TOML key: as it is, or quoted where it must be.
+std::string key_part(std::string_view text);
+
+/// The words in a row, separated by ", ".
+std::string comma_separated(std::span<const std::string> words);
+
+/// Number of characters to insert, delete or replace to turn a into b (Levenshtein distance).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// "; did you mean 'x'?" with the candidate x that resembles the text most; empty when none does. A dotted
+/// text also resembles the candidates that share its last part, or begin with it ("end.damping").
+std::string suggestion(std::string_view text, std::span<const std::string> candidates);
+
+}  // namespace hertzline
