@@ -1,0 +1,98 @@
+#include "stream/publisher.hpp"
+
+#include <cerrno>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "stream/endpoint.hpp"
+
+namespace hertzline {
+
+namespace {
+
+std::string bind_failure(const std::string& endpoint, const zmq::error_t& error) {
+    switch (error.num()) {
+        case EADDRINUSE:
+            return fmt::format("endpoint \"{}\": address in use, another program listens there", endpoint);
+        case ENODEV:
+        case EADDRNOTAVAIL:
+            return fmt::format(
+                "endpoint \"{}\": this machine has no such address (to bind, the host is one of its "
+                "addresses or interfaces, such as 127.0.0.1, or *)",
+                endpoint);
+        default:
+            return fmt::format("endpoint \"{}\": {}", endpoint, error.what());
+    }
+}
+
+}  // namespace
+
+Publisher::Publisher(const std::string& endpoint, std::span<const std::string_view> topics,
+                     const PublisherOptions& options)
+    : socket_(context_, zmq::socket_type::xpub), subscriptions_(topics) {
+    if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
+        throw std::runtime_error(*fault);
+    }
+    if (const auto fault = occupied_fault(endpoint)) {
+        throw std::runtime_error(*fault);
+    }
+    const auto heartbeat = static_cast<int>(options.heartbeat.count());
+    socket_.set(zmq::sockopt::sndhwm, options.send_high_water_mark);
+    socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
+    // Tells of every subscriber, not of a topic's first one only: each has to be sent the meta message.
+    socket_.set(zmq::sockopt::xpub_verbose, true);
+    // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory.
+    socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{256});
+    // Without them a peer whose machine froze is never noticed and its queue stays.
+    socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
+    socket_.set(zmq::sockopt::heartbeat_timeout, 3 * heartbeat);
+    socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+    try {
+        socket_.bind(endpoint);
+    } catch (const zmq::error_t& error) {
+        throw std::runtime_error(bind_failure(endpoint, error));
+    }
+    endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
+}
+
+std::size_t Publisher::poll_subscriptions() {
+    constexpr int most_per_call = 1000;
+    std::size_t subscribed = 0;
+    for (int i = 0; i < most_per_call; ++i) {
+        if (zmq_msg_recv(incoming_.handle(), socket_.handle(), ZMQ_DONTWAIT) < 0) {
+            break;  // nothing more, or a signal came: the rest is taken in by the next call
+        }
+        const auto* data = static_cast<const std::byte*>(incoming_.data());
+        switch (subscriptions_.apply({data, incoming_.size()})) {
+            case Subscriptions::Change::subscribed:
+                ++subscribed;
+                break;
+            case Subscriptions::Change::unsubscribed:
+                break;
+            case Subscriptions::Change::foreign:
+                ++foreign_;
+                break;
+            case Subscriptions::Change::malformed:
+                ++malformed_;
+                break;
+        }
+    }
+    return subscribed;
+}
+
+bool Publisher::send_parts(std::span<const std::span<const std::byte>> parts) noexcept {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const int flags = ZMQ_DONTWAIT | (i + 1 < parts.size() ? ZMQ_SNDMORE : 0);
+        int status = 0;
+        do {
+            status = zmq_send(socket_.handle(), parts[i].data(), parts[i].size(), flags);
+        } while (status < 0 && errno == EINTR);
+        if (status < 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace hertzline

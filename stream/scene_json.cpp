@@ -1,0 +1,60 @@
+#include "stream/scene_json.hpp"
+
+#include <string_view>
+#include <type_traits>
+
+#include "core/scene_fields.hpp"
+#include "core/scene_words.hpp"
+
+namespace hertzline {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct ToJson {
+    Json& scene;
+
+    template <class Member, class Allowed>
+    void operator()(std::string_view key, const Member& member, const Allowed&) const {
+        const std::size_t dot = key.find('.');
+        scene[std::string(key.substr(0, dot))][std::string(key.substr(dot + 1))] = value(member);
+    }
+
+    template <class T>
+    static Json value(const T& member) {
+        if constexpr (std::is_enum_v<T>) {
+            return word(member);
+        } else {
+            return member;
+        }
+    }
+    template <class T>
+    static Json value(const std::optional<T>& member) {
+        return member ? value(*member) : Json(nullptr);
+    }
+};
+
+Json material_json(const Material& material) {
+    Json json = Json::object();
+    const auto add = [&](std::string_view key, double number, const auto&) { json[std::string(key)] = number; };
+    if (const auto* solid = std::get_if<Solid>(&material)) {
+        fields::visit_solid(*solid, add);
+    } else {
+        fields::visit_fluid(std::get<Fluid>(material), add);
+    }
+    return json;
+}
+
+}  // namespace
+
+Json scene_json(const Scene& scene) {
+    Json json = Json::object();
+    fields::visit_scene(scene, ToJson{json});
+    for (const auto& [name, material] : scene.materials) {
+        json["materials"][name] = material_json(material);
+    }
+    return json;
+}
+
+}  // namespace hertzline

@@ -1,0 +1,69 @@
+#pragma once
+// The listening end: connects, subscribes, receives whole messages. For one thread.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <zmq.hpp>
+
+namespace hertzline {
+
+struct SubscriberOptions {
+    /// Messages that wait for us before the publisher's queue for us begins to fill.
+    int receive_high_water_mark = 4096;
+    /// A tcp publisher that does not answer for three of these is connected anew. With our own queue full we
+    /// do not hear its answers: also how long we may pause between receiving without a break.
+    std::chrono::milliseconds heartbeat{5000};
+    /// Larger parts end the connection [bytes].
+    std::int64_t max_part_bytes = std::int64_t{1} << 30;
+};
+
+/// A received message: the topic and what follows it.
+class Message {
+public:
+    std::string_view topic() const noexcept { return text_of(parts_[0]); }
+    /// Parts after the topic.
+    std::size_t parts() const noexcept { return size_ - 1; }
+    /// Part i < parts(), as bytes or as text.
+    std::span<const std::byte> bytes(std::size_t i) const noexcept;
+    std::string_view text(std::size_t i) const noexcept;
+
+private:
+    friend class Subscriber;
+    static std::string_view text_of(const zmq::message_t& part) noexcept {
+        return {static_cast<const char*>(part.data()), part.size()};
+    }
+    std::vector<zmq::message_t> parts_{4};  // kept from message to message; size_ of them are in use
+    std::size_t size_ = 0;
+};
+
+class Subscriber {
+public:
+    /// Connects; whether anybody is there shows only when messages arrive. Throws std::runtime_error that
+    /// names the endpoint and what is wrong with it.
+    explicit Subscriber(const std::string& endpoint, const SubscriberOptions& options = {});
+
+    /// Every topic that begins with `prefix` is received from now on.
+    void subscribe(std::string_view prefix);
+    void unsubscribe(std::string_view prefix);
+
+    /// The next message; it stays valid until the next call. nullptr when none came in time (of at most a
+    /// day), or a signal did.
+    /// Messages of more parts than any of ours (8) are passed over.
+    const Message* receive(std::chrono::milliseconds timeout);
+
+private:
+    enum class Received { message, nothing, unusable };
+    Received receive_parts();
+
+    zmq::context_t context_;
+    zmq::socket_t socket_;
+    Message message_;
+};
+
+}  // namespace hertzline
