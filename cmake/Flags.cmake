@@ -3,7 +3,7 @@ add_library(hertzline_flags INTERFACE)
 target_compile_options(hertzline_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   # g++ 12 sees overlaps in std::string operator+ that are not there (GCC bug 105651)
-  -Wno-restrict
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # The compiler may not fuse a*b+c on its own: where a fused operation is wanted the code says so.
   # Otherwise the bits of a result would depend on the compiler's mood and on the instruction set.
   -ffp-contract=off

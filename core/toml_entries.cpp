@@ -130,8 +130,6 @@ TomlEntries toml_entries(std::string_view text) {
     }
     std::vector<TomlEntry> entries;
     append_entries(std::get<toml::table>(result), {}, entries);
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const auto& a, const auto& b) { return a.line < b.line; });
     return entries;
 }
 

@@ -35,7 +35,7 @@ struct TomlRefusal {
 
 using TomlEntries = std::variant<std::vector<TomlEntry>, TomlRefusal>;
 
-/// The entries of a whole scene file, in the order of their lines.
+/// The entries of a whole scene file; sections come before what is in them.
 TomlEntries toml_entries(std::string_view text);
 
 /// A single value; a bare word that means nothing else in TOML is a string.

@@ -41,24 +41,6 @@ double slots_for(const Scene& scene) noexcept {
     return std::clamp(std::min(by_time, most_ring_bytes / slot_bytes(scene)), fewest_slots, most_slots);
 }
 
-unsigned bits_of(TapSet taps) noexcept {
-    unsigned bits = 0;
-    for (const Tap tap : taps) {
-        bits |= 1U << static_cast<unsigned>(tap);
-    }
-    return bits;
-}
-
-TapSet taps_of_bits(unsigned bits) noexcept {
-    TapSet taps;
-    for (const Tap tap : all_taps) {
-        if ((bits >> static_cast<unsigned>(tap) & 1U) != 0) {
-            taps |= tap;
-        }
-    }
-    return taps;
-}
-
 std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {
     switch (tap) {
         case Tap::v_out: return {samples.v_out.data(), samples.count};
@@ -90,6 +72,14 @@ Pipeline::Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder)
 
 double Pipeline::memory_bytes(const Scene& scene) noexcept {
     return slots_for(scene) * slot_bytes(scene) + Simulation::memory_bytes(scene, everything);
+}
+
+PublisherOptions Pipeline::publisher_options(const Scene& scene) noexcept {
+    constexpr double most_queued_bytes = 512.0 * 1024 * 1024;  // for one subscriber that does not keep up
+    const auto largest_frame = static_cast<double>(scene.output.frame_samples * scene.chain.spheres) * sizeof(float);
+    PublisherOptions options;
+    options.send_high_water_mark = static_cast<int>(std::clamp(most_queued_bytes / largest_frame, 16.0, 65536.0));
+    return options;
 }
 
 Wish Pipeline::wish_for(TapSet taps) const noexcept {
@@ -146,7 +136,7 @@ void Pipeline::simulate() noexcept {
             busy_ns += (MonotonicClock::now() - begin).count();
             continue;
         }
-        const TapSet taps = taps_of_bits(wanted_bits_.load(std::memory_order_relaxed));
+        const TapSet taps = wanted_.load(std::memory_order_relaxed);
         running = simulation_.advance(slot->samples, static_cast<std::size_t>(count), wish_for(taps)) == Status::running;
         if (!running) {
             break;
@@ -177,7 +167,7 @@ void Pipeline::listen_for_subscriptions() {
             wanted |= tap;
         }
     }
-    wanted_bits_.store(bits_of(wanted), std::memory_order_relaxed);
+    wanted_.store(wanted, std::memory_order_relaxed);
     if (!wanted.empty() && first_subscription_ == Nanoseconds{0}) {
         first_subscription_ = MonotonicClock::now();
     }

@@ -79,6 +79,10 @@ public:
 
     const std::string& run_id() const noexcept { return run_id_; }
 
+    /// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams, and at most
+    /// half a GiB of the large ones.
+    static PublisherOptions publisher_options(const Scene& scene) noexcept;
+
     /// Bytes of the ring and the simulation for a scene.
     static double memory_bytes(const Scene& scene) noexcept;
 
@@ -110,7 +114,7 @@ private:
     TapSet possible_;
     RingBuffer<Block> ring_;
 
-    std::atomic<unsigned> wanted_bits_{0};
+    std::atomic<TapSet> wanted_{TapSet()};
     std::atomic<bool> meters_wanted_{false};
     std::atomic<bool> started_{false};
     std::atomic<bool> stopping_{false};
