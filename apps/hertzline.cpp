@@ -1,0 +1,114 @@
+// The program: hands the command line to a subcommand, and turns what went wrong into messages and an exit
+// status.
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <exception>
+#include <iostream>
+#include <new>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/commands.hpp"
+#include "core/text.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Examples:\n"
+    "  hertzline run paper-vitreous-carbon -o burst.csv\n"
+    "  hertzline stream paper-stream\n"
+    "  hertzline listen --connect tcp://127.0.0.1:5573\n"
+    "  hertzline scenes\n"
+    "  hertzline check my-scene.toml\n"
+    "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
+
+void send_messages_to_stderr() {
+    auto logger = spdlog::stderr_color_st("hertzline");
+    logger->set_pattern("%^%l%$: %v");
+    spdlog::set_default_logger(std::move(logger));
+    // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
+    std::signal(SIGPIPE, SIG_IGN);
+}
+
+void report(const std::string& faults) {
+    std::istringstream lines(faults);
+    for (std::string line; std::getline(lines, line);) {
+        spdlog::error(line);
+    }
+}
+
+/// CLI11 would only say that something was not expected.
+void refuse_unknown_subcommand(const CLI::App& program, int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-') {
+        return;
+    }
+    std::vector<std::string> names;
+    for (const CLI::App* command : program.get_subcommands({})) {
+        names.push_back(command->get_name());
+    }
+    if (std::ranges::find(names, argv[1]) == names.end()) {
+        throw WrongUse(fmt::format("found the subcommand {}, allowed: {}{}", quoted_briefly(argv[1]),
+                                   comma_separated(names), suggestion(argv[1], names)));
+    }
+}
+
+Exit run_program(int argc, char** argv) {
+    CLI::App program{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
+    program.set_version_flag("--version", "hertzline " HERTZLINE_VERSION);
+    program.footer(examples);
+    const std::vector<Command> commands{run_command(program), stream_command(program),
+                                        listen_command(program), scenes_command(program),
+                                        check_command(program)};
+    refuse_unknown_subcommand(program, argc, argv);
+    try {
+        program.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return program.exit(error) == 0 ? Exit::done : Exit::wrong_use;
+    }
+    const auto asked =
+        std::ranges::find_if(commands, [](const Command& command) { return command.words->parsed(); });
+    if (asked == commands.end()) {
+        std::cerr << program.help();
+        return Exit::wrong_use;
+    }
+    return asked->job();
+}
+
+Exit run_guarded(int argc, char** argv) {
+    try {
+        return run_program(argc, argv);
+    } catch (const WrongUse& wrong) {
+        report(wrong.what());
+        return Exit::wrong_use;
+    } catch (const std::bad_alloc&) {
+        report("not enough memory");
+    } catch (const std::exception& error) {
+        report(error.what());
+    }
+    return Exit::failed;
+}
+
+}  // namespace
+
+void require_positive(const char* option, double value) {
+    if (!(value > 0) || !std::isfinite(value)) {
+        throw WrongUse(
+            fmt::format("{}: found {}, allowed: a finite number above 0", option, number_text(value)));
+    }
+}
+
+}  // namespace hertzline::app
+
+int main(int argc, char** argv) {
+    hertzline::app::send_messages_to_stderr();
+    return static_cast<int>(hertzline::app::run_guarded(argc, argv));
+}

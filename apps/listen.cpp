@@ -1,0 +1,169 @@
+// hertzline listen: the reference subscriber. Says whether everything arrived, and saves it.
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/commands.hpp"
+#include "apps/listening.hpp"
+#include "apps/output.hpp"
+#include "apps/progress.hpp"
+#include "apps/run_needs.hpp"
+#include "apps/signals.hpp"
+#include "core/text.hpp"
+#include "stream/endpoint.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+constexpr const char* examples =
+    "Samples that were missed are reported, not filled in; the exit status is 1 when anything was.\n"
+    "Examples:\n"
+    "  hertzline listen\n"
+    "  hertzline listen --stream v_last --duration 1e-3 -o last.csv\n"
+    "  hertzline listen --connect ipc:///tmp/hertzline --timeout 10 --json";
+
+struct ListenOptions {
+    std::string endpoint = "tcp://127.0.0.1:5573";
+    std::string stream = "v_out";
+    std::optional<double> duration_s;
+    std::optional<double> timeout_s;
+    std::string file;  // empty: none
+    Format format = Format::text;
+};
+
+Tap tap_of(const ListenOptions& options) {
+    if (const auto tap = tap_named(options.stream)) {
+        return *tap;
+    }
+    std::vector<std::string> names;
+    names.reserve(all_taps.size());
+    for (const Tap tap : all_taps) {
+        names.emplace_back(names_of(tap).name);
+    }
+    throw WrongUse(fmt::format("--stream: found {}, allowed: {}{}", quoted_briefly(options.stream),
+                               comma_separated(names), suggestion(options.stream, names)));
+}
+
+void refuse_wrong_use(const ListenOptions& options) {
+    if (const auto fault = endpoint_fault(options.endpoint, EndpointUse::connect)) {
+        throw WrongUse("--connect: " + *fault);
+    }
+    if (options.duration_s) {
+        require_positive("--duration", *options.duration_s);
+    }
+    if (options.timeout_s) {
+        require_positive("--timeout", *options.timeout_s);
+    }
+    if (!options.file.empty()) {
+        refuse_wrong_endings({&options.file, 1});
+    }
+}
+
+void listen_to_the_end(Subscriber& subscriber, Listening& listening, ProgressLine& line,
+                       const ListenOptions& options) {
+    constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the clock and the stop flag
+    const std::atomic<bool>& stop = stop_asked();
+    const steady_clock::time_point start = steady_clock::now();
+    steady_clock::time_point last_heard = start;
+    const auto seconds_since = [](steady_clock::time_point then) {
+        return std::chrono::duration<double>(steady_clock::now() - then).count();
+    };
+    while (listening.ending() == Ending::none) {
+        const Message* message = subscriber.receive(nap);
+        if (message != nullptr) {
+            listening.take(*message);
+            last_heard = steady_clock::now();
+        } else if (options.timeout_s && seconds_since(last_heard) > *options.timeout_s) {
+            listening.end(Ending::silence);
+        }
+        if (stop && listening.ending() == Ending::none) {
+            listening.end(Ending::stopped);
+        }
+        if (line.due()) {
+            line.show(listening.heard_samples()
+                          ? progress_text({listening.simulated_s(), options.duration_s, seconds_since(start)})
+                          : "waiting for " + options.stream + " from " + options.endpoint);
+        }
+    }
+}
+
+/// What was wrong, after everything was saved.
+void complain(const Listening& listening, const ListenOptions& options) {
+    if (listening.ending() == Ending::silence) {
+        spdlog::error("nothing arrived for {} s from {}", number_text(*options.timeout_s), options.endpoint);
+    }
+    if (!listening.heard_samples()) {
+        spdlog::error("no samples of {} were received", options.stream);
+    } else if (!listening.sound()) {
+        spdlog::error("the stream is not unbroken: {}", listening.text());
+    }
+}
+
+Exit listen(const ListenOptions& options) {
+    refuse_wrong_use(options);
+    const Tap tap = tap_of(options);
+    stop_asked();
+    std::optional<OutputFile> file;
+    if (!options.file.empty()) {
+        file.emplace(options.file);
+    }
+    ProgressLine line;
+    Listening listening(tap, options.duration_s, file ? &*file : nullptr, [&line](const std::string& text) {
+        line.clear();
+        spdlog::warn(text);
+    });
+    Subscriber subscriber(options.endpoint);
+    subscriber.subscribe(meta_topic);
+    subscriber.subscribe(end_topic);
+    subscriber.subscribe(names_of(tap).np_topic);  // last: it may start the stream
+    listen_to_the_end(subscriber, listening, line, options);
+    line.clear();
+
+    if (file && listening.heard_samples()) {
+        file->commit();
+    }
+    if (listening.heard_samples() || options.format == Format::json) {
+        Json summary = listening.summary();
+        summary["endpoint"] = options.endpoint;
+        print_summary(summary, options.format);
+    }
+    complain(listening, options);
+    return listening.sound() ? Exit::done : Exit::failed;
+}
+
+}  // namespace
+
+Command listen_command(CLI::App& program) {
+    auto options = std::make_shared<ListenOptions>();
+    CLI::App* command =
+        program.add_subcommand("listen", "receive a stream, check that nothing is missing, save it");
+    command->add_option("--connect", options->endpoint, "where a stream is published")
+        ->type_name("ENDPOINT")
+        ->capture_default_str();
+    command->add_option("--stream", options->stream, "v_out, v_last, v_plate or v_chain")
+        ->type_name("NAME")
+        ->capture_default_str();
+    command
+        ->add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")
+        ->type_name("S");
+    command->add_option("-o,--output", options->file, "save the samples; the ending picks the format: .csv")
+        ->type_name("FILE");
+    command
+        ->add_option("--timeout", options->timeout_s,
+                     "give up when nothing arrives for S seconds (default: never)")
+        ->type_name("S");
+    add_format_option(*command, options->format, "print the summary as one JSON object");
+    command->footer(examples);
+    return {command, [options] { return listen(*options); }};
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,76 @@
+#pragma once
+// What a listener hears: checks that it is unbroken, saves the samples, knows when it is over. The messages
+// come from outside and are not trusted.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/output.hpp"
+#include "stream/continuity.hpp"
+#include "stream/csv.hpp"
+#include "stream/output_file.hpp"
+#include "stream/subscriber.hpp"
+#include "stream/taps.hpp"
+
+namespace hertzline::app {
+
+/// Why listening ended.
+enum class Ending { none, end_of_run, heard_enough, stopped, silence, run_broke_off, no_such_stream };
+
+class Listening {
+public:
+    /// @param wanted_s simulated seconds; unset: all of the run. @param file where to save; nullptr: nowhere.
+    /// @param tell takes the messages for the user, as things happen
+    Listening(Tap tap, std::optional<double> wanted_s, OutputFile* file,
+              std::function<void(const std::string&)> tell);
+
+    /// Takes the next message. Afterwards ending() tells whether it was the last one.
+    void take(const Message& message);
+
+    void end(Ending ending) noexcept { ending_ = ending; }
+    Ending ending() const noexcept { return ending_; }
+
+    /// Something was received, and nothing was missing, odd or cut short.
+    bool sound() const noexcept;
+
+    bool heard_samples() const noexcept { return check_.totals().frames > 0; }
+    double simulated_s() const noexcept { return fs_ > 0 ? static_cast<double>(samples_) / fs_ : 0; }
+
+    /// The totals as a line of text, and as an object.
+    std::string text() const;
+    Json summary() const;
+
+private:
+    void take_frame(const Message& message);
+    void take_meta(const Message& message);
+    void take_end(const Message& message);
+    void take_samples(const FrameHeader& header, std::span<const std::byte> payload);
+    void begin(const FrameHeader& header);
+    void note_malformed(const std::string& reason);
+
+    Tap tap_;
+    std::optional<double> wanted_s_;
+    OutputFile* file_;
+    std::function<void(const std::string&)> tell_;
+    ContinuityCheck check_;
+    std::optional<CsvWriter> csv_;
+    Ending ending_ = Ending::none;
+
+    // of the run that is listened to
+    std::string run_;
+    double fs_ = 0;
+    std::size_t channels_ = 0;
+    std::uint64_t first_sample_ = 0;
+    std::uint64_t next_sample_ = 0;
+
+    std::uint64_t samples_ = 0;  // kept
+    std::uint64_t missing_at_end_ = 0;
+    std::uint64_t malformed_ = 0;
+    std::vector<float> values_;
+    std::vector<double> row_;
+};
+
+}  // namespace hertzline::app

@@ -1,0 +1,43 @@
+#pragma once
+// How far it is, on a terminal: one line on stderr that is written over. Elsewhere nothing is shown.
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace hertzline::app {
+
+class ProgressLine {
+public:
+    ProgressLine();
+    ~ProgressLine() { clear(); }
+    ProgressLine(const ProgressLine&) = delete;
+    ProgressLine& operator=(const ProgressLine&) = delete;
+
+    /// Whether there is a terminal and the line is old enough to be written anew.
+    bool due() const noexcept;
+
+    void show(const std::string& text);
+
+    /// Takes the line away, so that a message can be written.
+    void clear();
+
+private:
+    bool terminal_;
+    bool shown_ = false;
+    std::chrono::steady_clock::time_point last_;
+};
+
+struct Progress {
+    double simulated_s = 0;
+    std::optional<double> goal_s;  ///< unset: until stopped
+    double wall_s = 0;             ///< since the start
+};
+
+/// " 42 %  210 us of 500 us simulated, 3.1 x real time, 12 s left"
+std::string progress_text(const Progress& progress);
+
+/// "210 us", "12.3 s", "2 h 5 min"
+std::string time_text(double seconds);
+
+}  // namespace hertzline::app

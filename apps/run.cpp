@@ -1,0 +1,191 @@
+// hertzline run: a scene flat out, to files and a summary.
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/commands.hpp"
+#include "apps/output.hpp"
+#include "apps/progress.hpp"
+#include "apps/run_needs.hpp"
+#include "apps/scene_argument.hpp"
+#include "apps/signals.hpp"
+#include "core/scene_toml.hpp"
+#include "core/scene_words.hpp"
+#include "stream/pacer.hpp"
+#include "stream/recorder.hpp"
+#include "stream/spectrum.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "wall_s and real_time_factor are those of the simulation; choosing the step, formatting files and the\n"
+    "spectrum are not counted.\n"
+    "Examples:\n"
+    "  hertzline run paper-vitreous-carbon\n"
+    "  hertzline run paper-wall -o wall.csv --set chain.spheres=7\n"
+    "  hertzline run my-scene.toml --all -o all.csv --json";
+
+struct RunOptions {
+    SceneRequest scene;
+    std::vector<std::string> files;
+    RecordedBodies bodies = RecordedBodies::outputs;
+    Format format = Format::text;
+};
+
+/// What is kept of a run for its summary.
+struct RunRecord {
+    std::vector<double> v_out;
+    double peak_v_last = 0;
+    double peak_v_out = 0;
+    Nanoseconds busy{0};  // simulating
+    bool stopped = false;
+
+    double wall_s() const { return std::chrono::duration<double>(busy).count(); }
+};
+
+void keep(const Samples& block, RunRecord& record) {
+    for (std::size_t i = 0; i < block.count; ++i) {
+        record.peak_v_last = std::max(record.peak_v_last, std::abs(block.v_last[i]));
+        record.peak_v_out = std::max(record.peak_v_out, std::abs(block.v_out[i]));
+    }
+    record.v_out.insert(record.v_out.end(), block.v_out.data(), block.v_out.data() + block.count);
+}
+
+RunRecord simulate(Simulation& simulation, const Scene& scene, RecordedBodies bodies,
+                   std::deque<Recorder>& recorders) {
+    const Wish wish = wish_for(bodies);
+    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
+    Samples block(simulation.chain(), block_of_run(scene, bodies), wish);
+    RunRecord record;
+    record.v_out.reserve(rows);
+    ProgressLine line;
+    const std::atomic<bool>& stop = stop_asked();
+    const Nanoseconds start = MonotonicClock::now();
+    while (record.v_out.size() < rows) {
+        if (stop) {
+            record.stopped = true;
+            return record;
+        }
+        const Nanoseconds before = MonotonicClock::now();
+        const Status status =
+            simulation.advance(block, std::min(block.capacity, rows - record.v_out.size()), wish);
+        const Nanoseconds after = MonotonicClock::now();
+        record.busy += after - before;
+        if (status != Status::running) {
+            throw std::runtime_error(simulation.failure());
+        }
+        keep(block, record);
+        for (Recorder& recorder : recorders) {
+            recorder.write(block);
+        }
+        if (line.due()) {
+            line.show(progress_text({static_cast<double>(record.v_out.size()) / scene.output.sample_rate_hz,
+                                     scene.output.duration_s,
+                                     std::chrono::duration<double>(after - start).count()}));
+        }
+    }
+    return record;
+}
+
+void add_spectrum(Json& summary, const RunRecord& record, const Scene& scene) {
+    SpectrumAnalyser analyser(record.v_out.size(), scene.output.sample_rate_hz);
+    const SpectrumSummary spectrum = analyser.analyse(record.v_out, scene.drive.frequency_hz);
+    const auto edge = [](const std::optional<Band>& band, double Band::*side) {
+        return band ? Json((*band).*side) : Json(nullptr);
+    };
+    const auto width = [](const std::optional<Band>& band) {
+        return band ? Json(band->width_hz()) : Json(nullptr);
+    };
+    summary["fundamental_hz"] = spectrum.fundamental_hz;
+    summary["harmonics_db"] = spectrum.harmonics_db.empty() ? Json(nullptr) : Json(spectrum.harmonics_db);
+    summary["subharmonic_db"] = number_or_null(spectrum.subharmonic_db);
+    summary["thd_r"] = number_or_null(spectrum.thd_r);
+    summary["bandwidth_6db_hz"] = width(spectrum.band_6db);
+    summary["band_6db_low_hz"] = edge(spectrum.band_6db, &Band::low_hz);
+    summary["band_6db_high_hz"] = edge(spectrum.band_6db, &Band::high_hz);
+    summary["bandwidth_20db_hz"] = width(spectrum.band_20db);
+    summary["band_20db_low_hz"] = edge(spectrum.band_20db, &Band::low_hz);
+    summary["band_20db_high_hz"] = edge(spectrum.band_20db, &Band::high_hz);
+}
+
+Json summarise(Simulation& simulation, const RunRecord& record, const Resolved& resolved,
+               const std::vector<std::string>& files) {
+    const Scene& scene = resolved.scene;
+    const double simulated_s = static_cast<double>(record.v_out.size() - 1) / scene.output.sample_rate_hz;
+    const double wall_s = record.wall_s();
+    Json summary;
+    summary["simulated_s"] = simulated_s;
+    summary["wall_s"] = wall_s;
+    summary["real_time_factor"] = wall_s > 0 ? Json(simulated_s / wall_s) : Json(nullptr);
+    summary["steps"] = simulation.steps();
+    summary["step_s"] = simulation.step_s();
+    summary["integrator"] = word(*scene.numerics.integrator);
+    summary["estimated_error"] = number_or_null(estimated_error(resolved));
+    summary["contact_events"] = simulation.contact_events();
+    summary["energy_residual"] = simulation.energy_residual();
+    summary["peak_v_last_m_per_s"] = record.peak_v_last;
+    summary["peak_v_out_m_per_s"] = record.peak_v_out;
+    add_spectrum(summary, record, scene);
+    summary["rows"] = record.v_out.size();
+    summary["files"] = files;
+    summary["scene_hash"] = scene_hash(scene);
+    summary["version"] = HERTZLINE_VERSION;
+    return summary;
+}
+
+Exit run(const RunOptions& options) {
+    refuse_wrong_endings(options.files);
+    const Resolved resolved = resolved_scene(options.scene);
+    const Scene& scene = resolved.scene;
+    refuse_shortages(scene, options.files, options.bodies);
+    stop_asked();  // from here on there are files to be cleaned up
+    Simulation simulation(scene, wish_for(options.bodies));
+    std::deque<Recorder> recorders;
+    for (const std::string& file : options.files) {
+        recorders.emplace_back(file, simulation.chain(), scene.output.sample_rate_hz, options.bodies);
+    }
+    const RunRecord record = simulate(simulation, scene, options.bodies, recorders);
+    if (record.stopped) {
+        spdlog::error("stopped before the end, nothing was saved");
+        return Exit::failed;
+    }
+    const Json summary = summarise(simulation, record, resolved, options.files);
+    for (Recorder& recorder : recorders) {
+        recorder.commit();
+    }
+    print_summary(summary, options.format);
+    return Exit::done;
+}
+
+}  // namespace
+
+Command run_command(CLI::App& program) {
+    auto options = std::make_shared<RunOptions>();
+    CLI::App* command =
+        program.add_subcommand("run", "simulate a scene as fast as possible, to files and a summary");
+    add_scene_options(*command, options->scene)->required();
+    command
+        ->add_option("-o,--output", options->files,
+                     "save the samples; the ending picks the format: .csv; repeatable")
+        ->type_name("FILE")
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command->add_flag_callback(
+        "--all", [options] { options->bodies = RecordedBodies::all; },
+        "save every sphere's displacement and velocity too");
+    add_format_option(*command, options->format, "print the summary as one JSON object");
+    command->footer(examples);
+    return {command, [options] { return run(*options); }};
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,82 @@
+// hertzline scenes: the shipped scenes, or one scene with every default resolved.
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "apps/commands.hpp"
+#include "apps/output.hpp"
+#include "apps/scene_argument.hpp"
+#include "core/scene_toml.hpp"
+#include "core/shipped_scenes.hpp"
+#include "core/text.hpp"
+#include "stream/scene_json.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Examples:\n"
+    "  hertzline scenes\n"
+    "  hertzline scenes paper-wall > my-scene.toml\n"
+    "  hertzline scenes paper-wall --set chain.spheres=7 --json";
+
+struct ScenesOptions {
+    SceneRequest scene;
+    Format format = Format::text;
+};
+
+void list_scenes(Format format) {
+    Json list = Json::array();
+    std::string text;
+    std::size_t width = 0;
+    for (const ShippedScene& scene : shipped_scenes()) {
+        width = std::max(width, scene.name.size());
+    }
+    for (const ShippedScene& scene : shipped_scenes()) {
+        list.push_back({{"name", scene.name}, {"description", scene.description}});
+        text += fmt::format("{:<{}}  {}\n", scene.name, width, scene.description);
+    }
+    print(format == Format::json ? json_text(list) + '\n' : text);
+}
+
+/// A scene file that says what its step is good for.
+std::string annotated_toml(const Resolved& resolved, const SceneRequest& request) {
+    const auto error = estimated_error(resolved);
+    const std::string step =
+        error ? fmt::format("step_s was chosen by the program: estimated relative error {:.1e}", *error)
+              : std::string("step_s was given");
+    return fmt::format("# {} with every default resolved; {}\n\n{}", printable(request.scene), step,
+                       to_toml(resolved.scene));
+}
+
+Exit scenes(const ScenesOptions& options) {
+    if (options.scene.scene.empty()) {
+        if (!options.scene.settings.empty()) {
+            throw WrongUse("--set: found no scene to set a key of, allowed: with a scene's NAME");
+        }
+        list_scenes(options.format);
+        return Exit::done;
+    }
+    const Resolved resolved = resolved_scene(options.scene);
+    print(options.format == Format::json ? json_text(scene_json(resolved.scene)) + '\n'
+                                         : annotated_toml(resolved, options.scene));
+    return Exit::done;
+}
+
+}  // namespace
+
+Command scenes_command(CLI::App& program) {
+    auto options = std::make_shared<ScenesOptions>();
+    CLI::App* command =
+        program.add_subcommand("scenes", "list the shipped scenes, or print one with every default resolved");
+    add_scene_options(*command, options->scene);
+    add_format_option(*command, options->format, "print JSON");
+    command->footer(examples);
+    return {command, [options] { return scenes(*options); }};
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <atomic>
+
+namespace hertzline::app {
+
+/// From the first call on, Ctrl-C, SIGTERM and a closed terminal set this flag instead of ending the program;
+/// system calls that wait are interrupted.
+const std::atomic<bool>& stop_asked();
+
+}  // namespace hertzline::app

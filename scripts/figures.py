@@ -1,0 +1,146 @@
+#!/usr/bin/python3
+"""Draws what the paper found: waveform and spectrum for five matching layers and the rigid wall.
+
+    scripts/figures.py --program build/release/hertzline --out docs/
+
+runs the program on the shipped scenes and writes docs/paper-result.png. Debian: python3-numpy python3-matplotlib.
+"""
+import argparse
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import matplotlib
+import numpy as np
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+
+# Hard layers, soft layers, wall: scene name, title, colour. The order tells the story.
+SCENES = [
+    ("paper-vitreous-carbon", "vitreous carbon", "#0b6e8a"),
+    ("paper-pyrex", "pyrex", "#2a8fbd"),
+    ("paper-aluminium", "aluminium", "#5f7f96"),
+    ("paper-acrylic", "acrylic", "#c46a1b"),
+    ("paper-silicone-rubber", "silicone rubber", "#b03a2e"),
+    ("paper-wall", "rigid wall", "#4a4a4a"),
+]
+FUNDAMENTAL_HZ = 73e3
+TIME_US = (0, 400)
+SPAN_KHZ = (0, 700)
+SPAN_DB = (-60, 6)
+
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "font.size": 10,
+    "axes.edgecolor": "#8a8a8a",
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.labelcolor": "#333333",
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "text.color": "#222222",
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.7,
+}
+
+
+def velocity(csv):
+    """Time [s] and the velocity that counts [m/s]: v_out where there is a layer, the last sphere's at a wall."""
+    table = np.genfromtxt(csv, delimiter=",", names=True)
+    column = "v_out_m_per_s" if "v_out_m_per_s" in table.dtype.names else "v_last_m_per_s"
+    return table["t_s"], table[column]
+
+
+def spectrum(t, v):
+    """Frequency [Hz] and level [dB under the maximum] of the whole record, zero-padded, no window: a burst starts and
+    ends at rest. The same definition as stream/spectrum.hpp."""
+    padded = 8 * len(v)
+    magnitude = np.abs(np.fft.rfft(v, padded))
+    step = (t[-1] - t[0]) / (len(t) - 1)
+    return np.fft.rfftfreq(padded, step), 20 * np.log10(np.maximum(magnitude / magnitude.max(), 1e-9))
+
+
+def draw_waveform(axes, t, v, colour, lowest, highest):
+    margin = 0.15 * (highest - lowest)
+    axes.plot(t * 1e6, v, color=colour, lw=0.9)
+    axes.set_xlim(*TIME_US)
+    axes.set_ylim(lowest - margin, highest + margin)
+    axes.set_xticks(range(0, TIME_US[1] + 1, 100))
+    axes.grid(axis="y")
+    axes.text(0.985, 0.93, f"peak {v.max():.2f} m/s", transform=axes.transAxes, ha="right", va="top", fontsize=9)
+
+
+def draw_spectrum(axes, t, v, colour):
+    frequency, level = spectrum(t, v)
+    axes.fill_between(frequency / 1e3, level, SPAN_DB[0], color=colour, alpha=0.15, lw=0)
+    axes.plot(frequency / 1e3, level, color=colour, lw=0.9)
+    axes.axhline(-20, color="#555555", lw=0.8, ls=(0, (4, 3)))
+    axes.set_xlim(*SPAN_KHZ)
+    axes.set_ylim(*SPAN_DB)
+    axes.set_xticks(range(0, SPAN_KHZ[1] + 1, 100))
+    axes.set_yticks([-60, -40, -20, 0])
+    axes.grid(axis="y")
+    harmonics = np.arange(1, SPAN_KHZ[1] * 1e3 // FUNDAMENTAL_HZ + 1) * FUNDAMENTAL_HZ / 1e3
+    axes.plot(harmonics, np.full_like(harmonics, SPAN_DB[1]), "v", color="#777777", ms=3.5, clip_on=False)
+
+
+def explain(axes):
+    """Names the marks of the spectra, once, above the topmost."""
+    for k in range(1, int(SPAN_KHZ[1] * 1e3 // FUNDAMENTAL_HZ) + 1):
+        axes.annotate(f"{k}f", (k * FUNDAMENTAL_HZ / 1e3, SPAN_DB[1]), (0, 4), textcoords="offset points",
+                      ha="center", fontsize=8, color="#666666")
+    axes.annotate("−20 dB", (SPAN_KHZ[1], -20), (0, 3), textcoords="offset points", ha="right", fontsize=8,
+                  color="#555555")
+
+
+def draw_all(csv_of, png):
+    """Six rows, waveform left and spectrum right; one scale for all layers, another for the wall."""
+    records = {scene: velocity(csv_of(scene)) for scene, _, _ in SCENES}
+    layers = np.concatenate([v for scene, (_, v) in records.items() if scene != "paper-wall"])
+    plt.rcParams.update(STYLE)
+    figure, rows = plt.subplots(len(SCENES), 2, figsize=(10, 10.5), sharex="col", layout="constrained")
+    for (scene, title, colour), (wave, lines) in zip(SCENES, rows):
+        t, v = records[scene]
+        wall = scene == "paper-wall"
+        scale = v if wall else layers
+        draw_waveform(wave, t, v, colour, scale.min(), scale.max())
+        draw_spectrum(lines, t, v, colour)
+        wave.set_title(title, loc="left", fontweight="bold", fontsize=11, color=colour)
+        wave.set_ylabel("$v_\\mathrm{last}$ [m/s]" if wall else "$v_\\mathrm{out}$ [m/s]")
+        lines.set_ylabel("level [dB]")
+    explain(rows[0, 1])
+    rows[-1, 0].set_xlabel("time [µs]")
+    rows[-1, 1].set_xlabel("frequency [kHz]      f = 73 kHz")
+    figure.savefig(png, dpi=110, facecolor="white")
+
+
+def run_scenes(program, folder):
+    for scene, _, _ in SCENES:
+        subprocess.run([program, "run", scene, "-o", folder / f"{scene}.csv"], check=True, stdout=subprocess.DEVNULL)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
+    parser.add_argument("--out", type=pathlib.Path, default="docs", help="folder of the picture (%(default)s)")
+    parser.add_argument("--csv-dir", type=pathlib.Path, help="draw SCENE.csv files of this folder, run nothing")
+    wish = parser.parse_args()
+    wish.out.mkdir(parents=True, exist_ok=True)
+    png = wish.out / "paper-result.png"
+    if wish.csv_dir:
+        draw_all(lambda scene: wish.csv_dir / f"{scene}.csv", png)
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            run_scenes(wish.program, pathlib.Path(folder))
+            draw_all(lambda scene: pathlib.Path(folder) / f"{scene}.csv", png)
+    print(png)
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (OSError, subprocess.CalledProcessError) as error:
+        sys.exit(f"figures.py: {error}")

@@ -1,0 +1,17 @@
+#!/bin/sh
+# Checks format and style: clang-format, clang-tidy. `lint.sh --fix` formats.
+set -eu
+cd "$(dirname "$0")/.."
+./scripts/install_packages.sh
+sources=$(git ls-files '*.cpp' '*.hpp')
+if [ "${1:-}" = --fix ]; then
+    echo "$sources" | xargs clang-format -i
+    exit 0
+fi
+echo "clang-format ..." >&2
+echo "$sources" | xargs clang-format --dry-run --Werror
+echo "clang-tidy ..." >&2
+./scripts/build.sh release  # generated sources and the list of compile commands
+# g++'s warning options mean nothing to clang
+git ls-files 'core/*.cpp' 'stream/*.cpp' 'apps/*.cpp' |
+    xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option

@@ -1,0 +1,141 @@
+#include "tests/apps/program.hpp"
+
+#include <csignal>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace hertzline::test {
+
+namespace {
+
+using std::chrono::steady_clock;
+
+/// Asks again and again until it is so or the time is up.
+template <class Condition>
+bool wait_until(Condition condition, Program::Seconds limit) {
+    const auto end = steady_clock::now() + limit;
+    while (!condition()) {
+        if (steady_clock::now() > end) {
+            return false;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+}
+
+}  // namespace
+
+Program::Program(const std::vector<std::string>& arguments, const std::string& standard_output) {
+    std::vector<std::string> words{HERTZLINE_PROGRAM};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    const std::string out = standard_output.empty() ? folder_.file("out") : standard_output;
+    const std::string err = folder_.file("err");
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    constexpr int flags = O_WRONLY | O_CREAT | O_TRUNC;
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, out.c_str(), flags, 0600);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, err.c_str(), flags, 0600);
+    const int failure = posix_spawn(&process_, words[0].c_str(), &files, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    if (failure != 0) {
+        process_ = -1;
+        ADD_FAILURE() << "cannot start " << words[0];
+    }
+}
+
+Program::~Program() {
+    if (process_ > 0) {
+        kill(process_, SIGKILL);
+        waitpid(process_, nullptr, 0);
+    }
+}
+
+void Program::send(int signal) const {
+    ASSERT_EQ(kill(process_, signal), 0);
+}
+
+std::string Program::messages_with(const std::string& text) const {
+    std::string messages;
+    const bool found = wait_until(
+        [&] {
+            messages = text_of(folder_.file("err"));
+            return messages.find(text) != std::string::npos;
+        },
+        long_enough);
+    EXPECT_TRUE(found) << "never said '" << text << "' but: " << messages;
+    return messages;
+}
+
+std::string Program::endpoint() const {
+    const std::string messages = messages_with("run ");  // after the endpoint's line, so that is complete
+    const std::string before = "endpoint ";
+    const std::size_t begin = messages.find(before) + before.size();
+    return messages.substr(begin, messages.find('\n', begin) - begin);
+}
+
+Outcome Program::wait(Seconds limit) {
+    Outcome outcome;
+    int status = 0;
+    const bool ended = wait_until([&] { return waitpid(process_, &status, WNOHANG) == process_; }, limit);
+    outcome.out = text_of(folder_.file("out"));
+    outcome.err = text_of(folder_.file("err"));
+    if (ended) {
+        process_ = -1;
+        outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+    EXPECT_TRUE(ended) << "did not end in time; said: " << outcome.err;
+    return outcome;
+}
+
+Outcome hertzline(const std::vector<std::string>& arguments) {
+    return Program(arguments).wait();
+}
+
+std::string text_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+std::map<std::string, std::vector<double>> csv_of(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    std::vector<std::string> names;
+    std::istringstream header(line);
+    for (std::string name; std::getline(header, name, ',');) {
+        names.push_back(name);
+    }
+    std::map<std::string, std::vector<double>> columns;
+    while (std::getline(in, line)) {
+        const char* rest = line.c_str();
+        for (const std::string& name : names) {
+            char* end = nullptr;
+            columns[name].push_back(std::strtod(rest, &end));
+            EXPECT_NE(end, rest) << "no number in " << line;
+            rest = *end == ',' ? end + 1 : end;
+        }
+        EXPECT_EQ(*rest, '\0') << "more numbers than columns: " << line;
+    }
+    return columns;
+}
+
+}  // namespace hertzline::test

@@ -1,0 +1,62 @@
+#pragma once
+// Runs the built program as its users do, and keeps what it says.
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <sys/types.h>
+
+#include "tests/stream/temporary_folder.hpp"
+
+namespace hertzline::test {
+
+struct Outcome {
+    int status = -1;  ///< exit status; -1: it did not end by itself, in time
+    std::string out;
+    std::string err;
+
+    nlohmann::json json() const { return nlohmann::json::parse(out); }
+};
+
+/// The program, running. Ended with the object at the latest.
+class Program {
+public:
+    using Seconds = std::chrono::duration<double>;
+    static constexpr Seconds long_enough{120};  // for a loaded machine with sanitizers
+
+    /// @param standard_output where it goes; empty: kept for Outcome
+    explicit Program(const std::vector<std::string>& arguments, const std::string& standard_output = "");
+    ~Program();
+    Program(const Program&) = delete;
+    Program& operator=(const Program&) = delete;
+
+    void send(int signal) const;
+
+    /// What it has written to stderr so far, as soon as that contains `text`. Fails the test when it never
+    /// does.
+    std::string messages_with(const std::string& text) const;
+
+    /// The endpoint that a stream has bound.
+    std::string endpoint() const;
+
+    Outcome wait(Seconds limit = long_enough);
+
+private:
+    TemporaryFolder folder_;
+    pid_t process_ = -1;
+};
+
+/// The program from start to end.
+Outcome hertzline(const std::vector<std::string>& arguments);
+
+std::string text_of(const std::filesystem::path& file);
+void write_text(const std::filesystem::path& file, const std::string& text);
+
+/// A CSV: its columns by name.
+std::map<std::string, std::vector<double>> csv_of(const std::filesystem::path& file);
+
+}  // namespace hertzline::test

@@ -1,0 +1,162 @@
+// hertzline run, as its users see it.
+
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "tests/apps/program.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+using testing::ContainsRegex;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Key;
+
+const std::vector<std::string> contract_names{"simulated_s",
+                                              "wall_s",
+                                              "real_time_factor",
+                                              "steps",
+                                              "step_s",
+                                              "integrator",
+                                              "contact_events",
+                                              "energy_residual",
+                                              "peak_v_last_m_per_s",
+                                              "peak_v_out_m_per_s",
+                                              "fundamental_hz",
+                                              "harmonics_db",
+                                              "thd_r",
+                                              "bandwidth_6db_hz",
+                                              "bandwidth_20db_hz",
+                                              "scene_hash",
+                                              "version"};
+
+std::size_t files_in(const std::filesystem::path& folder) {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(Run, SummaryHasTheContractsNamesInJsonAndText) {
+    const Outcome json = hertzline({"run", "paper-vitreous-carbon", "--json"});
+    ASSERT_EQ(json.status, 0) << json.err;
+    const Outcome text = hertzline({"run", "paper-vitreous-carbon"});
+    ASSERT_EQ(text.status, 0) << text.err;
+    for (const std::string& name : contract_names) {
+        EXPECT_TRUE(json.json().contains(name)) << name;
+        EXPECT_THAT(text.out, HasSubstr(name));
+    }
+}
+
+TEST(Run, ReproducesThePapersDevice) {
+    const auto summary = hertzline({"run", "paper-vitreous-carbon", "--json"}).json();
+    EXPECT_EQ(summary["simulated_s"], 500e-6);
+    EXPECT_NEAR(summary["peak_v_out_m_per_s"].get<double>(), 0.355, 0.002);
+    EXPECT_EQ(summary["fundamental_hz"], 73e3);
+    const std::vector<double> levels{-5.7, 0, -4.0, -13.0, -24.4};
+    for (std::size_t k = 0; k < levels.size(); ++k) {
+        EXPECT_NEAR(summary["harmonics_db"][k].get<double>(), levels[k], 0.3) << "harmonic " << k + 1;
+    }
+    EXPECT_GT(summary["bandwidth_20db_hz"].get<double>(), summary["bandwidth_6db_hz"].get<double>());
+    EXPECT_LT(summary["energy_residual"].get<double>(), 1e-3);
+}
+
+TEST(Run, NothingGoesToStderrWithoutATerminal) {
+    EXPECT_THAT(hertzline({"run", "paper-wall"}).err, IsEmpty());
+}
+
+TEST(Run, FilesHoldEverySampleUpToAndIncludingTheDuration) {
+    const TemporaryFolder folder;
+    const Outcome outcome = hertzline(
+        {"run", "paper-vitreous-carbon", "-o", folder.file("a.csv"), "-o", folder.file("b.csv"), "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto columns = csv_of(folder.file("a.csv"));
+    EXPECT_THAT(columns,
+                ElementsAre(Key("t_s"), Key("v_last_m_per_s"), Key("v_out_m_per_s"), Key("v_plate_m_per_s")));
+    const std::vector<double>& time = columns.at("t_s");
+    ASSERT_EQ(time.size(), 5001U);
+    EXPECT_EQ(time.front(), 0);
+    EXPECT_EQ(time.back(), 500e-6);
+    EXPECT_EQ(outcome.json()["rows"], 5001);
+    EXPECT_EQ(text_of(folder.file("a.csv")), text_of(folder.file("b.csv")));
+    EXPECT_EQ(files_in(std::filesystem::path(folder.file("a.csv")).parent_path()), 2U);
+}
+
+TEST(Run, RowsStopBeforeADurationBetweenSamples) {
+    const auto summary =
+        hertzline({"run", "paper-wall", "--json", "--set", "output.duration_s=10.19e-6"}).json();
+    EXPECT_EQ(summary["rows"], 102);
+    EXPECT_NEAR(summary["simulated_s"].get<double>(), 10.1e-6, 1e-18);
+}
+
+TEST(Run, AllAddsEverySphere) {
+    const TemporaryFolder folder;
+    const Outcome outcome = hertzline({"run", "paper-wall", "--all", "-o", folder.file("all.csv"), "--set",
+                                       "chain.spheres=2", "--set", "output.duration_s=100e-6"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto columns = csv_of(folder.file("all.csv"));
+    EXPECT_THAT(columns, ElementsAre(Key("t_s"), Key("v1_m_per_s"), Key("v2_m_per_s"), Key("v_last_m_per_s"),
+                                     Key("x1_m"), Key("x2_m")));
+    EXPECT_EQ(columns.at("v2_m_per_s"), columns.at("v_last_m_per_s"));
+}
+
+TEST(Run, ASilentRunHasNoSpectrum) {
+    const auto summary = hertzline({"run", "paper-wall", "--json", "--set", "drive.amplitude_m=0"}).json();
+    EXPECT_EQ(summary["peak_v_out_m_per_s"], 0);
+    for (const char* name : {"harmonics_db", "thd_r", "bandwidth_6db_hz", "bandwidth_20db_hz"}) {
+        EXPECT_TRUE(summary[name].is_null()) << name;
+    }
+}
+
+TEST(Run, SameSceneSameHashOtherSceneOtherHash) {
+    const auto hash = [](const std::string& setting) {
+        return hertzline({"run", "paper-wall", "--json", "--set", setting}).json()["scene_hash"];
+    };
+    EXPECT_EQ(hash("chain.spheres=6"), hash("drive.cycles=25"));
+    EXPECT_NE(hash("chain.spheres=6"), hash("chain.spheres=5"));
+}
+
+TEST(Run, InterruptedRunLeavesNoFile) {
+    const TemporaryFolder folder;
+    Program program({"run", "paper-stream", "-o", folder.file("long.csv"), "--set", "output.duration_s=1.2"});
+    const std::filesystem::path directory = std::filesystem::path(folder.file("long.csv")).parent_path();
+    while (files_in(directory) == 0) {  // until it has begun to write
+        usleep(1000);
+    }
+    program.send(SIGINT);
+    const Outcome outcome = program.wait();
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("stopped"));
+    EXPECT_EQ(files_in(directory), 0U);
+}
+
+TEST(Run, AFullDiskIsAFailureThatLeavesTheOldFileAlone) {
+    const TemporaryFolder folder;
+    write_text(folder.file("old.csv"), "old");
+    const Outcome outcome = hertzline({"run", "paper-wall", "-o", "/dev/full", "-o", folder.file("old.csv")});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_EQ(text_of(folder.file("old.csv")), "old");
+    EXPECT_THAT(outcome.err, HasSubstr("/dev/full"));
+    EXPECT_THAT(outcome.err, HasSubstr("No space left"));
+}
+
+TEST(Run, SceneMayBeAFile) {
+    const TemporaryFolder folder;
+    write_text(folder.file("my.toml"), "[end]\nkind = \"wall\"\nmaterial = \"steel\"\n");
+    const auto mine = hertzline({"run", folder.file("my.toml"), "--json"}).json();
+    EXPECT_EQ(mine["scene_hash"], hertzline({"run", "paper-wall", "--json"}).json()["scene_hash"]);
+}
+
+TEST(Run, WarnsOfAChaoticScene) {
+    const Outcome outcome = hertzline({"run", "sonic-vacuum", "--set", "chain.damping_kg_per_s=0", "--set",
+                                       "numerics.accuracy=1e-14", "--set", "output.duration_s=1e-5"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, ContainsRegex("warning: .*accuracy"));
+}
+
+}  // namespace
+
+}  // namespace hertzline::test

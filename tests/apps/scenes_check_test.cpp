@@ -1,0 +1,101 @@
+// hertzline scenes and hertzline check.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/shipped_scenes.hpp"
+#include "tests/apps/program.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(Scenes, ListsEveryShippedSceneWithItsDescription) {
+    const Outcome text = hertzline({"scenes"});
+    const auto list = hertzline({"scenes", "--json"}).json();
+    EXPECT_EQ(text.status, 0);
+    ASSERT_EQ(list.size(), shipped_scenes().size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        EXPECT_EQ(list[i]["name"], shipped_scenes()[i].name);
+        EXPECT_EQ(list[i]["description"], shipped_scenes()[i].description);
+        EXPECT_THAT(text.out, HasSubstr(std::string(shipped_scenes()[i].description)));
+    }
+}
+
+TEST(Scenes, PrintsAFileThatRunsTheSame) {
+    const TemporaryFolder folder;
+    const Outcome printed = hertzline({"scenes", "paper-pyrex", "--set", "drive.cycles=5"});
+    ASSERT_EQ(printed.status, 0) << printed.err;
+    EXPECT_THAT(printed.out, HasSubstr("estimated relative error"));
+    EXPECT_THAT(printed.out, HasSubstr("step_s = "));
+    EXPECT_THAT(printed.out, HasSubstr("integrator = "));
+    write_text(folder.file("pyrex.toml"), printed.out);
+    const auto again = hertzline({"run", folder.file("pyrex.toml"), "--json"}).json();
+    const auto original = hertzline({"run", "paper-pyrex", "--set", "drive.cycles=5", "--json"}).json();
+    EXPECT_EQ(again["scene_hash"], original["scene_hash"]);
+    EXPECT_EQ(again["peak_v_out_m_per_s"], original["peak_v_out_m_per_s"]);
+}
+
+TEST(Scenes, PrintsJsonWithEveryDefaultResolved) {
+    const auto scene = hertzline({"scenes", "paper-wall", "--json"}).json();
+    EXPECT_EQ(scene["end"]["kind"], "wall");
+    EXPECT_EQ(scene["drive"]["frequency_hz"], 73e3);
+    EXPECT_TRUE(scene["numerics"]["step_s"].is_number());
+    EXPECT_TRUE(scene["numerics"]["integrator"].is_string());
+}
+
+TEST(Check, DerivesThePapersNumbers) {
+    const Outcome outcome = hertzline({"check", "paper-vitreous-carbon", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto derived = outcome.json();
+    const auto value = [&derived](const char* name) { return derived.at(name).get<double>(); };
+    EXPECT_NEAR(value("sphere_mass_kg"), 1.4137e-6, 1e-10);
+    EXPECT_NEAR(value("plate_stiffness_n_per_m"), 7.50e5, 1e3);
+    EXPECT_NEAR(value("transmission"), 0.6902, 1e-4);
+    EXPECT_NEAR(value("plate_moving_mass_kg"), value("plate_mass_kg") / 4, 1e-18);
+    EXPECT_NEAR(value("burst_duration_s"), 25 / 73e3, 1e-15);
+    EXPECT_EQ(value("rows"), 5001);
+    EXPECT_LT(value("step_s"), value("largest_stable_step_s"));
+    EXPECT_GT(value("fastest_dynamic_hz"), value("fastest_static_hz"));
+    EXPECT_NEAR(value("steps_per_sample"), 1 / (10e6 * value("step_s")), 1e-9);
+    EXPECT_EQ(derived["accuracy_met"], true);
+    EXPECT_EQ(derived["integrator"], "chin4a");
+}
+
+TEST(Check, HasNoPlateWhereThereIsNone) {
+    const auto derived = hertzline({"check", "paper-wall", "--json"}).json();
+    for (const char* name :
+         {"plate_mass_kg", "plate_stiffness_n_per_m", "plate_frequency_hz", "transmission"}) {
+        EXPECT_TRUE(derived.at(name).is_null()) << name;
+    }
+    EXPECT_TRUE(hertzline({"check", "paper-wall", "--set", "end.kind=free", "--json"})
+                    .json()
+                    .at("end_contact_stiffness_n_per_m1_5")
+                    .is_null());
+    EXPECT_TRUE(hertzline({"check", "paper-wall", "--set", "chain.spheres=1", "--json"})
+                    .json()
+                    .at("wave_speed_m_per_s")
+                    .is_null());
+}
+
+TEST(Check, TextHasUnitsAndNoMessages) {
+    const Outcome outcome = hertzline({"check", "paper-acrylic"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, HasSubstr("1.41372e-06 kg"));
+    EXPECT_THAT(outcome.out, HasSubstr("N/m^1.5"));
+    EXPECT_THAT(outcome.err, IsEmpty());
+}
+
+TEST(Check, EveryShippedSceneIsGood) {
+    for (const ShippedScene& scene : shipped_scenes()) {
+        const Outcome outcome = hertzline({"check", std::string(scene.name)});
+        EXPECT_EQ(outcome.status, 0) << scene.name << ": " << outcome.err;
+    }
+}
+
+}  // namespace
+
+}  // namespace hertzline::test

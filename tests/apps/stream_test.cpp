@@ -1,0 +1,244 @@
+// hertzline stream and hertzline listen, against each other and against the wire's contract.
+
+#include <csignal>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stream/subscriber.hpp"
+#include "tests/apps/program.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Key;
+using testing::StartsWith;
+
+const std::string any_port = "tcp://127.0.0.1:*";
+
+struct Heard {
+    Outcome stream;
+    Outcome listener;
+};
+
+using Words = std::vector<std::string>;
+
+Words joined(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// Streams 2 ms to a listener that is there from sample 0 on.
+Heard hear(const std::string& endpoint, const Words& stream_words, const Words& listener_words) {
+    Program stream(joined({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
+                           "--wait-for-subscriber", "--json", "--bind", endpoint},
+                          stream_words));
+    Program listener(joined({"listen", "--json", "--connect", stream.endpoint()}, listener_words));
+    Heard heard;
+    heard.listener = listener.wait();
+    heard.stream = stream.wait();
+    EXPECT_EQ(heard.stream.status, 0) << heard.stream.err;
+    EXPECT_EQ(heard.listener.status, 0) << heard.listener.err;
+    return heard;
+}
+
+std::vector<float> as_floats(const std::vector<double>& numbers, std::size_t count) {
+    return {numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+/// What `hertzline run` writes of the same 2 ms.
+std::map<std::string, std::vector<double>> run_of_the_same(const TemporaryFolder& folder) {
+    const Outcome run = hertzline(
+        {"run", "paper-stream", "--all", "--set", "output.duration_s=2e-3", "-o", folder.file("run.csv")});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return csv_of(folder.file("run.csv"));
+}
+
+TEST(StreamAndListen, EverySampleOfARunArrivesBitForBit) {
+    const TemporaryFolder folder;
+    const Heard heard =
+        hear(any_port, {"--record", folder.file("record.csv")}, {"-o", folder.file("heard.csv")});
+    const auto run = run_of_the_same(folder);
+    const auto received = csv_of(folder.file("heard.csv"));
+    EXPECT_THAT(received, ElementsAre(Key("t_s"), Key("v_out_m_per_s")));
+    EXPECT_EQ(received.at("v_out_m_per_s").size(), 20'000U);
+    EXPECT_EQ(as_floats(received.at("v_out_m_per_s"), 20'000), as_floats(run.at("v_out_m_per_s"), 20'000));
+    EXPECT_EQ(received.at("t_s"), std::vector(run.at("t_s").begin(), run.at("t_s").end() - 1));
+
+    const auto recorded = csv_of(folder.file("record.csv"));
+    EXPECT_EQ(recorded.at("v_out_m_per_s"),
+              std::vector(run.at("v_out_m_per_s").begin(), run.at("v_out_m_per_s").end() - 1));
+
+    const json account = heard.listener.json();
+    EXPECT_EQ(account["samples"], 20'000);
+    EXPECT_EQ(account["missing_samples"], 0);
+    EXPECT_EQ(account["unbroken"], true);
+    EXPECT_EQ(account["ended_by"], "end of run");
+    EXPECT_EQ(account["run"], heard.stream.json()["run"]);
+}
+
+TEST(StreamAndListen, WholeChainOverAUnixSocket) {
+    const TemporaryFolder folder;
+    hear("ipc://" + folder.file("s"), {}, {"--stream", "v_chain", "-o", folder.file("heard.csv")});
+    const auto run = run_of_the_same(folder);
+    const auto received = csv_of(folder.file("heard.csv"));
+    ASSERT_EQ(received.size(), 7U);
+    for (const char* column : {"v1_m_per_s", "v6_m_per_s"}) {
+        EXPECT_EQ(as_floats(received.at(column), 20'000), as_floats(run.at(column), 20'000)) << column;
+    }
+}
+
+TEST(StreamAndListen, DurationOfTheListenerIsExact) {
+    const TemporaryFolder folder;
+    const Heard heard = hear(any_port, {}, {"--duration", "123.4e-6", "-o", folder.file("heard.csv")});
+    EXPECT_EQ(heard.listener.json()["samples"], 1234);
+    EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(), 1234U);
+}
+
+TEST(StreamAndListen, ListenerIsToldWhenTheRunHasNoSuchStream) {
+    Program stream({"stream", "paper-wall", "--bind", any_port});
+    const Outcome listener = hertzline({"listen", "--connect", stream.endpoint(), "--stream", "v_plate"});
+    EXPECT_EQ(listener.status, 1);
+    EXPECT_THAT(listener.err, HasSubstr("no stream v_plate, it has v_out, v_last, v_chain"));
+}
+
+/// Waits for a message of the topic, passing over others. Null when none comes.
+json object_of(Subscriber& subscriber, std::string_view topic) {
+    for (int tries = 0; tries < 1000; ++tries) {
+        const Message* message = subscriber.receive(std::chrono::seconds(60));
+        if (message == nullptr) {
+            break;
+        }
+        if (message->topic() == topic && message->parts() == 1) {
+            return json::parse(message->text(0));
+        }
+    }
+    ADD_FAILURE() << "no message of " << topic;
+    return nullptr;
+}
+
+TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
+    Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
+                    "--wait-for-subscriber", "--json", "--bind", any_port});
+    Subscriber subscriber(stream.endpoint());
+    for (const char* topic : {"meta", "meters", "end", "v_out/raw"}) {
+        subscriber.subscribe(topic);
+    }
+    const json meta = object_of(subscriber, "meta");
+    EXPECT_EQ(meta["scene"]["drive"]["repetition_hz"], 1000);
+    EXPECT_TRUE(meta["scene"]["numerics"]["step_s"].is_number());
+    EXPECT_EQ(meta["version"], HERTZLINE_VERSION);
+    EXPECT_EQ(meta["streams"].size(), 4U);
+    for (const char* name : {"scene_hash", "run", "fs", "units"}) {
+        EXPECT_TRUE(meta.contains(name)) << name;
+    }
+    const json meters = object_of(subscriber, "meters");
+    for (const char* name : {"real_time_factor", "load", "late_frames", "dropped", "ring_fill",
+                             "energy_residual", "contact_events"}) {
+        EXPECT_TRUE(meters[name].is_number()) << name;
+    }
+    const json end = object_of(subscriber, "end");
+    const Outcome outcome = stream.wait();
+    EXPECT_EQ(end, outcome.json());
+    for (const char* name : {"simulated_s", "wall_s", "real_time_factor", "steps", "step_s", "integrator",
+                             "contact_events", "energy_residual", "frames", "late_frames", "dropped_frames",
+                             "samples", "load", "scene_hash", "version", "run", "endpoint"}) {
+        EXPECT_TRUE(end.contains(name)) << name;
+    }
+    EXPECT_EQ(end["samples"], 20'000);
+    EXPECT_EQ(end["run"], meta["run"]);
+    EXPECT_EQ(end["scene_hash"], meta["scene_hash"]);
+}
+
+TEST(Stream, CtrlCEndsItWithASummaryAndAReadableRecording) {
+    for (const int signal : {SIGINT, SIGTERM}) {
+        const TemporaryFolder folder;
+        Program stream(
+            {"stream", "paper-stream", "--json", "--record", folder.file("r.csv"), "--bind", any_port});
+        Subscriber subscriber(stream.endpoint());
+        subscriber.subscribe("v_out/raw");
+        ASSERT_NE(subscriber.receive(std::chrono::seconds(60)), nullptr);
+        stream.send(signal);
+        const Outcome outcome = stream.wait(std::chrono::seconds(10));
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const auto recorded = csv_of(folder.file("r.csv"));
+        EXPECT_EQ(recorded.at("t_s").size(), outcome.json()["samples"].get<std::size_t>());
+        EXPECT_GT(recorded.at("t_s").size(), 0U);
+    }
+}
+
+TEST(Stream, CtrlCWhileWaitingForASubscriberEndsIt) {
+    Program stream({"stream", "paper-stream", "--json", "--wait-for-subscriber", "--bind", any_port});
+    stream.messages_with("waiting for a subscriber");
+    stream.send(SIGINT);
+    const Outcome outcome = stream.wait(std::chrono::seconds(10));
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.json()["samples"], 0);
+}
+
+TEST(Stream, SaysHowToListen) {
+    Program stream({"stream", "paper-stream", "--bind", any_port});
+    const std::string endpoint = stream.endpoint();
+    EXPECT_THAT(endpoint, StartsWith("tcp://127.0.0.1:"));
+    EXPECT_THAT(stream.messages_with("hertzline listen"), HasSubstr("--connect " + endpoint));
+}
+
+TEST(Stream, AFullDiskIsAFailure) {
+    const Outcome outcome = hertzline(
+        {"stream", "paper-stream", "--pace", "flat-out", "--record", "/dev/full", "--bind", any_port});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("No space left"));
+}
+
+TEST(Listen, CtrlCSavesWhatCame) {
+    const TemporaryFolder folder;
+    Program stream({"stream", "paper-stream", "--bind", any_port});
+    Program listener({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")});
+    listener.messages_with("joined run");
+    listener.send(SIGINT);
+    const Outcome outcome = listener.wait(std::chrono::seconds(10));
+    EXPECT_EQ(outcome.json()["ended_by"], "stopped");
+    EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(),
+              outcome.json()["samples"].get<std::size_t>());
+}
+
+/// Frames that a stream has sent, as its meters tell.
+std::int64_t frames_sent(Subscriber& meters) {
+    return object_of(meters, "meters").value("frames", std::int64_t{0});
+}
+
+TEST(Listen, AFloodThatFillsTheQueueIsCountedHonestly) {
+    const TemporaryFolder folder;
+    const std::string endpoint = "ipc://" + folder.file("s");
+    Program stream({"stream", "paper-stream", "--json", "--wait-for-subscriber", "--bind", endpoint, "--set",
+                    "output.frame_samples=1", "--set", "output.sample_rate_hz=20e3"});
+    Program listener({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")});
+    Subscriber meters(endpoint);
+    meters.subscribe("meters");
+    while (frames_sent(meters) == 0) {
+    }
+    listener.send(SIGSTOP);
+    constexpr std::int64_t more_than_any_queue = 30'000;
+    const std::int64_t before = frames_sent(meters);
+    while (frames_sent(meters) < before + more_than_any_queue && !HasFailure()) {
+    }
+    listener.send(SIGCONT);
+    listener.messages_with("samples are missing");
+    stream.send(SIGINT);
+    const json account = listener.wait().json();
+    const Outcome sent = stream.wait();
+    EXPECT_FALSE(account["unbroken"]);
+    EXPECT_GT(account["missing_samples"], 0);
+    EXPECT_GT(account["frames_lost_on_the_way"], 0);
+    EXPECT_EQ(account["samples"].get<std::int64_t>() + account["missing_samples"].get<std::int64_t>(),
+              sent.json()["samples"].get<std::int64_t>());
+    EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(), account["samples"].get<std::size_t>());
+}
+
+}  // namespace
+
+}  // namespace hertzline::test

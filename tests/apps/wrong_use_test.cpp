@@ -1,0 +1,198 @@
+// What users get wrong: a clear message on stderr, nothing on stdout, nothing left behind, the right exit
+// status.
+
+#include <ostream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stream/publisher.hpp"
+#include "tests/apps/program.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+using Words = std::vector<std::string>;
+
+struct Mistake {
+    const char* name;
+    Words arguments;  // FOLDER stands for a temporary folder, with scene.toml, huge.toml, accent.toml
+    int status;
+    Words says;
+};
+
+void PrintTo(const Mistake& mistake, std::ostream* out) {
+    *out << mistake.name;
+}
+
+class WrongUse : public testing::TestWithParam<Mistake> {
+protected:
+    static std::string placed(std::string word, const std::string& folder) {
+        const std::string mark = "FOLDER";
+        if (const std::size_t at = word.find(mark); at != std::string::npos) {
+            word.replace(at, mark.size(), folder);
+        }
+        return word;
+    }
+};
+
+TEST_P(WrongUse, IsToldClearlyAndEndsWithTheRightStatus) {
+    const TemporaryFolder folder;
+    const std::string path = std::filesystem::path(folder.file("x")).parent_path();
+    write_text(folder.file("scene.toml"), "[chain]\nspheres = 0\n\n[numerics]\nstep_s = 1e-3 # too long\n");
+    write_text(folder.file("step.toml"), "# step_s is below\n[numerics]\n\nstep_s = 1e-3\n");
+    write_text(folder.file("huge.toml"), std::string(70'000, '#'));
+    write_text(folder.file("accent.toml"), "# caf\xc3\xa9\n");
+    Words arguments;
+    for (const std::string& word : GetParam().arguments) {
+        arguments.push_back(placed(word, path));
+    }
+    const auto files_before = std::distance(std::filesystem::directory_iterator(path), {});
+    const Outcome outcome = hertzline(arguments);
+    EXPECT_EQ(outcome.status, GetParam().status) << outcome.err;
+    EXPECT_THAT(outcome.out, IsEmpty());
+    for (const std::string& text : GetParam().says) {
+        EXPECT_THAT(outcome.err, HasSubstr(placed(text, path)));
+    }
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(path), {}), files_before);
+}
+
+Words with_setting(const std::string& setting) {
+    return {"check", "paper-wall", "--set", setting};
+}
+
+const Mistake mistakes[] = {
+    // the command line
+    {"NoSubcommand", {}, 2, {"Usage:", "Examples:"}},
+    {"UnknownSubcommand", {"steam"}, 2, {"steam", "did you mean 'stream'?", "run"}},
+    {"UnknownOption", {"run", "paper-wall", "--frobnicate"}, 2, {"--frobnicate"}},
+    {"NoScene", {"run"}, 2, {"SCENE is required"}},
+    {"TwoScenes", {"run", "paper-wall", "paper-pyrex"}, 2, {"paper-pyrex"}},
+    {"PaceIsNoWord", {"stream", "paper-wall", "--pace", "warp"}, 2, {"--pace", "warp", "flat-out"}},
+    {"PaceOfZero", {"stream", "paper-wall", "--pace", "0"}, 2, {"--pace"}},
+    {"NegativePace", {"stream", "paper-wall", "--pace", "-1"}, 2, {"--pace", "-1"}},
+    {"NegativeDuration", {"stream", "paper-wall", "--duration", "-1"}, 2, {"--duration", "-1", "above 0"}},
+    {"DurationIsNoNumber", {"stream", "paper-wall", "--duration", "nan"}, 2, {"--duration", "nan"}},
+    {"DurationIsNoNumberAtAll", {"stream", "paper-wall", "--duration", "soon"}, 2, {"--duration", "soon"}},
+    {"EndlessDuration", {"stream", "paper-wall", "--duration", "1e300"}, 2, {"--duration", "samples"}},
+    {"NegativeTimeout", {"listen", "--timeout", "-3"}, 2, {"--timeout", "-3"}},
+    {"UnknownStream", {"listen", "--stream", "v_outt"}, 2, {"v_outt", "did you mean 'v_out'?"}},
+    {"SettingWithoutScene", {"scenes", "--set", "chain.spheres=3"}, 2, {"--set"}},
+
+    // scenes that cannot be read
+    {"MissingFile", {"run", "FOLDER/none.toml"}, 2, {"FOLDER/none.toml", "no such file", "paper-wall"}},
+    {"MistypedName", {"run", "paper-wal"}, 2, {"paper-wal", "did you mean 'paper-wall'?", "sonic-vacuum"}},
+    {"MistypedNameOfScenes", {"scenes", "paper-wal"}, 2, {"did you mean 'paper-wall'?"}},
+    {"DirectoryAsScene", {"run", "FOLDER"}, 2, {"Is a directory"}},
+    {"HugeFile", {"run", "FOLDER/huge.toml"}, 2, {"FOLDER/huge.toml", "65536 bytes"}},
+    {"EndlessFile", {"run", "/dev/zero"}, 2, {"/dev/zero", "65536 bytes"}},
+    {"NotAscii", {"check", "FOLDER/accent.toml"}, 2, {"FOLDER/accent.toml:1"}},
+
+    // scenes that say what cannot be
+    {"EveryFaultAtOnce",
+     {"check", "FOLDER/scene.toml", "--set", "drive.cycle=3", "--set", "end.kind=wal"},
+     2,
+     {"scene.toml:2: chain.spheres: found 0", "drive.cycle", "did you mean 'drive.cycles'?", "end.kind",
+      "\"wall\""}},
+    {"WrongType", with_setting("chain.spheres=\"six\""), 2, {"chain.spheres", "six", "an integer"}},
+    {"NotANumber", with_setting("chain.preload_n=nan"), 2, {"chain.preload_n", "nan"}},
+    {"Negative", with_setting("chain.diameter_m=-1e-3"), 2, {"chain.diameter_m", "-0.001"}},
+    {"NoSpheres", with_setting("chain.spheres=0"), 2, {"chain.spheres", "found 0", "from 1"}},
+    {"TooManySpheres",
+     with_setting("chain.spheres=1000000000"),
+     2,
+     {"chain.spheres", "1000000000", "10000000"}},
+    {"UnknownMaterial", with_setting("chain.material=aluminum"), 2, {"aluminum", "aluminium"}},
+    {"UnknownKey", with_setting("chain.sphere=3"), 2, {"chain.sphere", "did you mean 'chain.spheres'?"}},
+    {"SettingIsNoAssignment", with_setting("chain"), 2, {"--set chain"}},
+    {"StepBeyondTheLimit",
+     {"run", "paper-wall", "--set", "numerics.step_s=1e-5"},
+     2,
+     {"--set numerics.step_s=1e-5", "1e-05", "stability limit", "recommended"}},
+    {"StepBeyondTheLimitInAFile",
+     {"check", "FOLDER/step.toml"},
+     2,
+     {"step.toml:4: numerics.step_s: found 0.001"}},
+
+    // what the machine has not got
+    {"MoreRowsThanMemory",
+     {"run", "paper-wall", "--set", "output.duration_s=1e6", "--set", "output.sample_rate_hz=1e12"},
+     1,
+     {"memory", "available"}},
+    {"AbsurdDuration", {"run", "paper-wall", "--set", "output.duration_s=1e300"}, 2, {"output.duration_s"}},
+    {"MoreRowsThanDisk",
+     {"run", "paper-wall", "--all", "-o", "FOLDER/a.csv", "--set", "chain.spheres=1_000_000", "--set",
+      "output.duration_s=0.5"},
+     1,
+     {"FOLDER/a.csv", "disk"}},
+    {"RecordingThanDisk",
+     {"stream", "paper-wall", "--record", "FOLDER/a.csv", "--duration", "1e9", "--bind", "tcp://127.0.0.1:*"},
+     1,
+     {"FOLDER/a.csv", "disk"}},
+    {"StreamThanMemory",
+     {"stream", "paper-wall", "--set", "chain.spheres=10_000_000", "--set", "output.frame_samples=1_000_000"},
+     1,
+     {"memory", "available"}},
+
+    // files and endpoints
+    {"WrongEnding",
+     {"run", "paper-wall", "-o", "FOLDER/a.mp3", "-o", "FOLDER/b.xls"},
+     2,
+     {"a.mp3", "b.xls", ".csv"}},
+    {"WrongEndingOfRecording", {"stream", "paper-wall", "--record", "FOLDER/a"}, 2, {"FOLDER/a", ".csv"}},
+    {"WrongEndingOfListener", {"listen", "-o", "FOLDER/a.txt"}, 2, {"FOLDER/a.txt", ".csv"}},
+    {"NoSuchFolder", {"run", "paper-wall", "-o", "FOLDER/no/a.csv"}, 1, {"FOLDER/no/a.csv", "No such file"}},
+    {"NoSuchFolderForRecording",
+     {"stream", "paper-wall", "--record", "FOLDER/no/a.csv", "--bind", "tcp://127.0.0.1:*"},
+     1,
+     {"FOLDER/no/a.csv"}},
+    {"PortOutOfRange", {"stream", "paper-wall", "--bind", "tcp://127.0.0.1:99999"}, 2, {"99999", "65535"}},
+    {"PortOutOfRangeOfListener", {"listen", "--connect", "tcp://127.0.0.1:0"}, 2, {"--connect"}},
+    {"NoEndpoint", {"stream", "paper-wall", "--bind", "here"}, 2, {"--bind", "tcp://"}},
+    {"NobodyStreams",
+     {"listen", "--connect", "ipc://FOLDER/s", "--timeout", "0.2"},
+     1,
+     {"nothing arrived for 0.2 s"}},
+};
+
+INSTANTIATE_TEST_SUITE_P(Each, WrongUse, testing::ValuesIn(mistakes),
+                         [](const auto& mistake) { return std::string(mistake.param.name); });
+
+TEST(Endpoints, PortInUseIsAFailureThatNamesIt) {
+    const Publisher occupant("tcp://127.0.0.1:*");
+    const Outcome outcome = hertzline({"stream", "paper-wall", "--bind", occupant.endpoint()});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr(occupant.endpoint()));
+    EXPECT_THAT(outcome.err, HasSubstr("in use"));
+}
+
+TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
+    const Outcome program = hertzline({"--help"});
+    EXPECT_EQ(program.status, 0);
+    for (const char* command : {"run", "stream", "listen", "scenes", "check"}) {
+        const Outcome help = hertzline({command, "--help"});
+        EXPECT_EQ(help.status, 0);
+        EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));
+        EXPECT_THAT(program.out, HasSubstr(command));
+    }
+}
+
+TEST(Help, VersionIsTheProjects) {
+    const Outcome outcome = hertzline({"--version"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_EQ(outcome.out, "hertzline " HERTZLINE_VERSION "\n");
+}
+
+TEST(Output, AFullStandardOutputIsAFailure) {
+    const Outcome full = Program({"scenes"}, "/dev/full").wait();
+    EXPECT_EQ(full.status, 1);
+    EXPECT_THAT(full.err, HasSubstr("standard output"));
+}
+
+}  // namespace
+
+}  // namespace hertzline::test
