@@ -160,7 +160,7 @@ Exit stream(const StreamOptions& options) {
                           .start = options.start};
     refuse_stream_shortages(options, plan);
     const std::atomic<bool>& stop = stop_asked();
-    Publisher publisher(options.endpoint);
+    Publisher publisher(options.endpoint, all_topics, Pipeline::publisher_options(plan.scene));
     std::optional<Recorder> recorder;
     if (!options.recording.empty()) {
         recorder.emplace(options.recording, Chain(plan.scene), plan.scene.output.sample_rate_hz,
@@ -208,6 +208,7 @@ Command stream_command(CLI::App& program) {
     command
         ->add_option("--record", options->recording,
                      "save the samples as well; the ending picks the format: .csv")
+        ->check(missing_name)
         ->type_name("FILE");
     command->add_flag_callback(
         "--wait-for-subscriber", [options] { options->start = StreamStart::with_first_subscriber; },

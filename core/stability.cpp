@@ -12,16 +12,16 @@ namespace {
 
 /// Gershgorin's bound on the eigenvalues of M^-1/2 K M^-1/2 for a chain of couplings k(c) [N/m or kg/s]; NaN stays NaN.
 template <class Coupling>
-double spectral_bound(const Chain& chain, Coupling coupling, bool with_spring) noexcept {
+double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling, double spring_weight) noexcept {
     double bound = 0;
-    const Eigen::Index last = chain.bodies() - 1;
+    const Eigen::Index last = bodies - 1;
     double left = coupling(0);
     double left_mobility = 0;  // the horn's motion is prescribed
     double root = std::sqrt(chain.inv_mass[0]);
     for (Eigen::Index b = 0; b <= last; ++b) {
         const double right = b < last ? coupling(b + 1) : 0;
         const double right_mobility = b < last ? std::sqrt(chain.inv_mass[b + 1]) : 0;
-        const double spring = with_spring ? chain.spring[b] : 0;
+        const double spring = spring_weight * chain.spring[b];
         const double row = root * ((left + right + spring) * root + left * left_mobility + right * right_mobility);
         bound = row <= bound ? bound : row;  // a NaN wins
         left = right;
@@ -31,20 +31,21 @@ double spectral_bound(const Chain& chain, Coupling coupling, bool with_spring) n
     return bound;
 }
 
-double squared_frequency(const Chain& chain, const Eigen::ArrayXd& overlaps) noexcept {
+double squared_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
     return spectral_bound(
-        chain, [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlaps[c], 0.0)); }, true);
+        chain, overlaps.size(),
+        [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlaps[c], 0.0)); }, 1);
 }
 
 }  // namespace
 
-double fastest_frequency(const Chain& chain, const Eigen::ArrayXd& overlaps) noexcept {
+double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
     return std::sqrt(squared_frequency(chain, overlaps));
 }
 
-double largest_stable_step(const Chain& chain, const Eigen::ArrayXd& overlaps, Integrator integrator) noexcept {
+double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps, Integrator integrator) noexcept {
     const double omega_squared = squared_frequency(chain, overlaps);
-    const double gamma = spectral_bound(chain, [&](Eigen::Index c) { return chain.damping[c]; }, false);
+    const double gamma = spectral_bound(chain, overlaps.size(), [&](Eigen::Index c) { return chain.damping[c]; }, 0);
     const bool leapfrog = integrator == Integrator::leapfrog;
     const double a = omega_squared / (leapfrog ? 4.0 : 12.0);
     const double b = gamma / (leapfrog ? 2.0 : 5.57);
