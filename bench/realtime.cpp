@@ -2,13 +2,8 @@
 //
 //     bench_realtime [SECONDS [STREAMS...]]        60 s with 1 and with 4 streams by default
 //
-// The program streams paper-stream from one core. The listener, on another core, simulates the same scene itself and
-// compares every float32 that arrives with its own, bit for bit: what `hertzline run` would write.
-
-#include <fcntl.h>
-#include <sched.h>
-#include <sys/wait.h>
-#include <unistd.h>
+// The program streams paper-stream from one core. The listener, on another core, simulates the same scene
+// itself and compares every float32 that arrives with its own, bit for bit: what `hertzline run` would write.
 
 #include <bit>
 #include <cstdio>
@@ -18,6 +13,11 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "core/numerics.hpp"
 #include "core/scene_toml.hpp"
@@ -59,8 +59,8 @@ struct Program {
             stay_on_core(0);
             dup2(ends[1], STDOUT_FILENO);
             dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-            execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration", seconds.c_str(),
-                  "--wait-for-subscriber", "--json", nullptr);
+            execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration",
+                  seconds.c_str(), "--wait-for-subscriber", "--json", nullptr);
             _exit(127);
         }
         close(ends[1]);
@@ -84,7 +84,7 @@ Scene streamed_scene() {
 
 /// The same samples, made here.
 class Oracle {
-   public:
+public:
     Oracle(const Scene& scene, Wish wish)
         : simulation_(scene, wish),
           samples_(simulation_.chain(), static_cast<std::size_t>(scene.output.frame_samples), wish),
@@ -99,7 +99,7 @@ class Oracle {
         return samples_;
     }
 
-   private:
+private:
     Simulation simulation_;
     Samples samples_;
     Wish wish_;
@@ -107,10 +107,14 @@ class Oracle {
 
 const std::vector<double>& column(const Samples& samples, Tap tap) {
     switch (tap) {
-        case Tap::v_out: return samples.v_out;
-        case Tap::v_last: return samples.v_last;
-        case Tap::v_plate: return samples.v_plate;
-        case Tap::v_chain: break;
+        case Tap::v_out:
+            return samples.v_out;
+        case Tap::v_last:
+            return samples.v_last;
+        case Tap::v_plate:
+            return samples.v_plate;
+        case Tap::v_chain:
+            break;
     }
     return samples.chain_v;
 }
@@ -167,9 +171,10 @@ void listen(const std::string& seconds, std::size_t streams) {
         missing += check.totals().missing_samples;
         samples += check.totals().samples;
     }
-    std::cout << "{\"streams\": " << streams << ", \"samples_received\": " << samples << ", \"values_compared\": " << values
-              << ", \"values_that_differ\": " << wrong << ", \"samples_missing\": " << missing
-              << ",\n \"program\": " << program.result() << "}" << std::endl;
+    std::cout << "{\"streams\": " << streams << ", \"samples_received\": " << samples
+              << ", \"values_compared\": " << values << ", \"values_that_differ\": " << wrong
+              << ", \"samples_missing\": " << missing << ",\n \"program\": " << program.result() << "}"
+              << std::endl;
 }
 
 }  // namespace

@@ -20,11 +20,7 @@ double sphere_mass(const Solid& material, double radius_m) {
 }  // namespace
 
 Chain::Chain(const Scene& scene)
-    : end(scene.end.kind),
-      tension(scene.chain.tension),
-      preload_n(scene.chain.preload_n),
-      end_load_n(0),
-      transmission(1) {
+    : end(scene.end.kind), tension(scene.chain.tension), preload_n(scene.chain.preload_n) {
     const Eigen::Index n = scene.chain.spheres;
     const double radius = scene.chain.diameter_m / 2;
     const Solid& sphere = solid(scene, scene.chain.material);
@@ -58,8 +54,10 @@ Chain::Chain(const Scene& scene)
         }
     }
 
-    static_overlap = stiffness.unaryExpr([this](double k) { return k > 0 ? hertzline::static_overlap(k, preload_n) : 1.0; });
-    static_force = stiffness.binaryExpr(static_overlap, [](double k, double overlap) { return elastic_force(k, overlap); });
+    static_overlap = stiffness.unaryExpr(
+        [this](double k) { return k > 0 ? hertzline::static_overlap(k, preload_n) : 1.0; });
+    static_force = stiffness.binaryExpr(static_overlap,
+                                        [](double k, double overlap) { return elastic_force(k, overlap); });
 }
 
 }  // namespace hertzline

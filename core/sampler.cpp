@@ -249,7 +249,8 @@ void Sampler::emit_between(Samples* samples, std::int64_t end) noexcept {
 
 void Sampler::drop_rows_before(std::size_t row) noexcept {
     const std::size_t kept = trace_.count - row;
-    std::memmove(trace_.rows, trace_.rows + row * trace_.row_size(), kept * trace_.row_size() * sizeof(double));
+    std::memmove(trace_.rows, trace_.rows + row * trace_.row_size(),
+                 kept * trace_.row_size() * sizeof(double));
     std::copy_n(trace_.fractions + row, kept, trace_.fractions);
     std::copy_n(trace_.steps + row, kept, trace_.steps);
     trace_.count = kept;

@@ -1,6 +1,7 @@
 #pragma once
-// From moments of the integration to samples. The sample rate and the step are separate: samples that fall on steps are
-// taken as they are, others from the cubic through values and slopes at both ends of the smooth piece that they lie in.
+// From moments of the integration to samples. The sample rate and the step are separate: samples that fall on
+// steps are taken as they are, others from the cubic through values and slopes at both ends of the smooth
+// piece that they lie in.
 
 #include <cstdint>
 #include <vector>
@@ -11,7 +12,7 @@
 namespace hertzline {
 
 class Sampler {
-   public:
+public:
     /// @param most the largest wish that samples will be made for
     Sampler(const Chain& chain, double sample_rate_hz, double step_s, Wish most);
 
@@ -37,17 +38,17 @@ class Sampler {
 
     static double bytes(double bodies, Wish most) noexcept;
 
-   private:
+private:
     void emit_rows(Samples* samples, std::int64_t end) noexcept;
     void emit_between(Samples* samples, std::int64_t end) noexcept;
     void drop_rows_before(std::size_t row) noexcept;
 
-    int grid_;                    ///< steps per sample when that is a whole number; 0: samples lie between steps
+    int grid_;  ///< steps per sample when that is a whole number; 0: samples lie between steps
     StepPosition sample_period_;  ///< in steps
     double step_s_;
     bool plate_;
     double transmission_;
-    double end_overlap_;          ///< static, of the last contact [m]
+    double end_overlap_;  ///< static, of the last contact [m]
     std::vector<double> rows_, fractions_;
     std::vector<std::int64_t> steps_;
     Trace trace_;
@@ -55,7 +56,8 @@ class Sampler {
     StepPosition next_position_;  ///< of that sample
 };
 
-/// The step that is used for a wish of `step_s`: one that divides the sample period but for rounding is taken to divide it.
+/// The step that is used for a wish of `step_s`: one that divides the sample period but for rounding is taken
+/// to divide it.
 double exact_step(double step_s, double sample_rate_hz) noexcept;
 
 }  // namespace hertzline

@@ -10,8 +10,8 @@ namespace hertzline {
 
 /// What a block of samples shall hold. What is not wanted is not computed.
 struct Wish {
-    bool outputs = true;             ///< v_last, v_plate, v_out
-    bool chain_velocities = false;   ///< of all spheres
+    bool outputs = true;            ///< v_last, v_plate, v_out
+    bool chain_velocities = false;  ///< of all spheres
     bool chain_displacements = false;
     bool chain() const noexcept { return chain_velocities || chain_displacements; }
 };
@@ -21,20 +21,21 @@ struct Samples {
     /// @param most what advance() may ever be asked to put here @param capacity samples
     Samples(const Chain& chain, std::size_t capacity, Wish most);
 
-    std::int64_t first = 0;        ///< index of the first sample since the start
-    std::size_t count = 0;         ///< samples in this block
+    std::int64_t first = 0;  ///< index of the first sample since the start
+    std::size_t count = 0;   ///< samples in this block
     std::size_t capacity = 0;
     std::size_t spheres = 0;
-    Wish holds;                    ///< which of the columns are filled
-    std::vector<double> v_last;    ///< velocity of the last sphere [m/s], [sample]
-    std::vector<double> v_plate;   ///< of the plate [m/s], [sample]; empty without a plate
-    std::vector<double> v_out;     ///< into the medium [m/s], [sample]
-    std::vector<double> chain_v;   ///< [m/s], [sample][sphere]
-    std::vector<double> chain_x;   ///< [m], [sample][sphere]
+    Wish holds;                   ///< which of the columns are filled
+    std::vector<double> v_last;   ///< velocity of the last sphere [m/s], [sample]
+    std::vector<double> v_plate;  ///< of the plate [m/s], [sample]; empty without a plate
+    std::vector<double> v_out;    ///< into the medium [m/s], [sample]
+    std::vector<double> chain_v;  ///< [m/s], [sample][sphere]
+    std::vector<double> chain_x;  ///< [m], [sample][sphere]
 };
 
-/// A moment counted in steps, as a fixed-point number with 64 bits behind the point. Adding the sample period again and
-/// again is exact, so the moment of a sample does not drift: after 1e12 samples it is off by 5e-8 steps.
+/// A moment counted in steps, as a fixed-point number with 64 bits behind the point. Adding the sample period
+/// again and again is exact, so the moment of a sample does not drift: after 1e12 samples it is off by 5e-8
+/// steps.
 struct StepPosition {
     std::int64_t step = 0;
     std::uint64_t part = 0;  ///< of the step, in units of 2^-64

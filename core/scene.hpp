@@ -1,6 +1,7 @@
 #pragma once
-// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a wish: validate() says
-// what is wrong with it, resolved() (numerics.hpp) fills in what was left open, Chain is derived from it.
+// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a wish: validate()
+// says what is wrong with it, resolved() (numerics.hpp) fills in what was left open, Chain is derived from
+// it.
 
 #include <cstdint>
 #include <map>
@@ -90,8 +91,8 @@ struct Fault {
     std::string allowed;  ///< what may stand there
 };
 
-/// Every fault of the scene's values at once; empty when it can be simulated. Does not know of steps beyond the
-/// stability limit: that needs the dynamics, see numerics.hpp.
+/// Every fault of the scene's values at once; empty when it can be simulated. Does not know of steps beyond
+/// the stability limit: that needs the dynamics, see numerics.hpp.
 std::vector<Fault> validate(const Scene& scene);
 
 /// The material of that name, the scene's own first; nullptr when there is none.

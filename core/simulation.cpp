@@ -1,6 +1,7 @@
 #include "core/simulation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
@@ -52,7 +53,8 @@ const ChainState& Simulation::state() noexcept {
     return state_;
 }
 
-/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on block sizes.
+/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on
+/// block sizes.
 void Simulation::begin_batch() noexcept {
     collect_ledger();
     fold_active();
@@ -71,9 +73,10 @@ void Simulation::fold_active() noexcept {
     while (front_ > 0 && front_ < bodies && state_.x[front_ - 1] == 0 && state_.v[front_ - 1] == 0) {
         --front_;
     }
-    // In one step a disturbance travels a bounded number of bodies: two with leapfrog (two looks at the dashpots), twelve
-    // with Chin 4A (eight powers of the drift, two forces, one gradient), doubled for a step that is split. What a step of
-    // many splits carries further has fallen by a hundred orders of magnitude on its way.
+    // In one step a disturbance travels a bounded number of bodies: two with leapfrog (two looks at the
+    // dashpots), twelve with Chin 4A (eight powers of the drift, two forces, one gradient), doubled for a
+    // step that is split. What a step of many splits carries further has fallen by a hundred orders of
+    // magnitude on its way.
     const Eigen::Index reach = integrator_ == Integrator::leapfrog ? 2 : 24;
     const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
     folded_.fold(chain_, state_, active);
@@ -117,7 +120,8 @@ double Simulation::energy_residual() noexcept {
 }
 
 bool Simulation::stable() noexcept {
-    // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront nothing changes
+    // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront
+    // nothing changes
     for (Eigen::Index b = 0; b < folded_.active(); ++b) {
         state_.peak_overlap[b] = folded_.column(Column::peak_overlap)[folded_.slot(b)];
     }
@@ -131,14 +135,15 @@ std::string Simulation::failure() const {
     }
     Eigen::Index contact = 0;
     (chain_.stiffness.square() * state_.peak_overlap).maxCoeff(&contact);
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  "the step of %.4g s lies beyond the stability limit of %.4g s that the contacts reached by t = %.6g s "
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(),
+                  "the step of %.4g s lies beyond the stability limit of %.4g s that the contacts reached by "
+                  "t = %.6g s "
                   "(stiffest: contact %lld, overlap %.3g m)",
                   step_s_, largest_stable_step(chain_, state_.peak_overlap, integrator_),
                   static_cast<double>(state_.step) * step_s_, static_cast<long long>(contact),
                   state_.peak_overlap[contact]);
-    return text;
+    return text.data();
 }
 
 /// Takes steps until `step` is reached or the trace is full.

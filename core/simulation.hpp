@@ -20,16 +20,17 @@ namespace hertzline {
 enum class Status { running, unstable };
 
 class Simulation {
-   public:
-    /// @param scene validated and resolved (numerics.hpp): integrator and step_s are set. @param most the largest wish
-    /// that advance() will get. @throws std::invalid_argument if the scene is not resolved; std::bad_alloc
+public:
+    /// @param scene validated and resolved (numerics.hpp): integrator and step_s are set. @param most the
+    /// largest wish that advance() will get. @throws std::invalid_argument if the scene is not resolved;
+    /// std::bad_alloc
     Simulation(const Scene& scene, Wish most);
 
     /// Back to sample 0, at static equilibrium.
     void reset() noexcept;
 
-    /// The next `count` samples (at most samples.capacity). Allocates nothing. If the step turns out to lie beyond the
-    /// stability limit the block comes back empty, and failure() tells where and when.
+    /// The next `count` samples (at most samples.capacity). Allocates nothing. If the step turns out to lie
+    /// beyond the stability limit the block comes back empty, and failure() tells where and when.
     Status advance(Samples& samples, std::size_t count, Wish wish) noexcept;
 
     /// Passes over the next `count` samples: the motion goes on, nothing is put down.
@@ -53,7 +54,7 @@ class Simulation {
     /// Bytes that a simulation of this scene needs, roughly from above.
     static double memory_bytes(const Scene& scene, Wish most) noexcept;
 
-   private:
+private:
     void run_until(std::int64_t step, Trace& trace) noexcept;
     void begin_batch() noexcept;
     void fold_active() noexcept;

@@ -10,9 +10,11 @@ namespace hertzline {
 
 namespace {
 
-/// Gershgorin's bound on the eigenvalues of M^-1/2 K M^-1/2 for a chain of couplings k(c) [N/m or kg/s]; NaN stays NaN.
+/// Gershgorin's bound on the eigenvalues of M^-1/2 K M^-1/2 for a chain of couplings k(c) [N/m or kg/s]; NaN
+/// stays NaN.
 template <class Coupling>
-double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling, double spring_weight) noexcept {
+double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling,
+                      double spring_weight) noexcept {
     double bound = 0;
     const Eigen::Index last = bodies - 1;
     double left = coupling(0);
@@ -22,7 +24,8 @@ double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling
         const double right = b < last ? coupling(b + 1) : 0;
         const double right_mobility = b < last ? std::sqrt(chain.inv_mass[b + 1]) : 0;
         const double spring = spring_weight * chain.spring[b];
-        const double row = root * ((left + right + spring) * root + left * left_mobility + right * right_mobility);
+        const double row =
+            root * ((left + right + spring) * root + left * left_mobility + right * right_mobility);
         bound = row <= bound ? bound : row;  // a NaN wins
         left = right;
         left_mobility = root;
@@ -43,9 +46,11 @@ double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::Array
     return std::sqrt(squared_frequency(chain, overlaps));
 }
 
-double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps, Integrator integrator) noexcept {
+double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
+                           Integrator integrator) noexcept {
     const double omega_squared = squared_frequency(chain, overlaps);
-    const double gamma = spectral_bound(chain, overlaps.size(), [&](Eigen::Index c) { return chain.damping[c]; }, 0);
+    const double gamma = spectral_bound(
+        chain, overlaps.size(), [&](Eigen::Index c) { return chain.damping[c]; }, 0);
     const bool leapfrog = integrator == Integrator::leapfrog;
     const double a = omega_squared / (leapfrog ? 4.0 : 12.0);
     const double b = gamma / (leapfrog ? 2.0 : 5.57);

@@ -1,8 +1,9 @@
 #pragma once
 // What moves. Everything else about a run is read-only (Chain) or bookkeeping (Ledger).
 
-#include <Eigen/Core>
 #include <cstdint>
+
+#include <Eigen/Core>
 
 #include "core/chain.hpp"
 
@@ -23,11 +24,12 @@ struct ChainState {
         step = 0;
     }
 
-    Eigen::ArrayXd x;             ///< displacement from static equilibrium [m], bodies()
-    Eigen::ArrayXd v;             ///< velocity [m/s], bodies()
-    Eigen::ArrayXd closed;        ///< 1 while the contact touches, else 0, contacts()
-    Eigen::ArrayXd peak_overlap;  ///< largest overlap so far [m], contacts(); tells whether the step is still stable
-    std::int64_t step = 0;        ///< steps taken; time is step * h, never accumulated
+    Eigen::ArrayXd x;       ///< displacement from static equilibrium [m], bodies()
+    Eigen::ArrayXd v;       ///< velocity [m/s], bodies()
+    Eigen::ArrayXd closed;  ///< 1 while the contact touches, else 0, contacts()
+    Eigen::ArrayXd
+        peak_overlap;  ///< largest overlap so far [m], contacts(); tells whether the step is still stable
+    std::int64_t step = 0;  ///< steps taken; time is step * h, never accumulated
 };
 
 }  // namespace hertzline

@@ -16,7 +16,8 @@ constexpr int silence = 3;
 constexpr double smallest_piece = 1e-9;  // [steps]: a break closer to a step's end than this is at its end
 
 /// Product of carrier s(t) and envelope e(t) with its derivatives.
-HornMotion product(double amplitude, double omega, double s, double c, double e, double de, double dde) noexcept {
+HornMotion product(double amplitude, double omega, double s, double c, double e, double de,
+                   double dde) noexcept {
     return {amplitude * (e * s), amplitude * (de * s + e * (omega * c)),
             amplitude * ((dde - omega * omega * e) * s + 2 * de * (omega * c))};
 }
@@ -28,8 +29,6 @@ ToneBurst::ToneBurst(const Drive& drive, double step_s)
       amplitude_(drive.amplitude_m),
       omega_(2 * std::numbers::pi * drive.frequency_hz),
       duration_(drive.cycles / drive.frequency_hz),
-      rise_(0),
-      ramp_omega_(0),
       repetition_hz_(drive.repetition_hz),
       hann_(drive.envelope == Envelope::hann) {
     if (hann_) {
@@ -65,10 +64,14 @@ double ToneBurst::since_burst(std::int64_t step, double fraction, std::int64_t b
 
 double ToneBurst::piece_end(int piece) const noexcept {
     switch (piece) {
-        case rise: return rise_;
-        case top: return duration_ - rise_;
-        case fall: return duration_;
-        default: return repetition_hz_ > 0 ? 1 / repetition_hz_ : std::numeric_limits<double>::infinity();
+        case rise:
+            return rise_;
+        case top:
+            return duration_ - rise_;
+        case fall:
+            return duration_;
+        default:
+            return repetition_hz_ > 0 ? 1 / repetition_hz_ : std::numeric_limits<double>::infinity();
     }
 }
 

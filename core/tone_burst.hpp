@@ -28,7 +28,7 @@ struct HornStep {
 };
 
 class ToneBurst {
-   public:
+public:
     /// @param step_s the integrator's step: times are step counts, so that they neither drift nor accumulate.
     ToneBurst(const Drive& drive, double step_s);
 
@@ -36,16 +36,18 @@ class ToneBurst {
     HornMotion at(std::int64_t step, double fraction, double on_piece) const noexcept;
     HornMotion at(std::int64_t step, double fraction) const noexcept { return at(step, fraction, fraction); }
 
-    /// Fraction of the step at which the next piece begins, looking from `after`; >= 1 when none does in this step.
+    /// Fraction of the step at which the next piece begins, looking from `after`; >= 1 when none does in this
+    /// step.
     double next_break(std::int64_t step, double after) const noexcept;
 
-    /// The motion over `count` steps from `first`. Batches should start at multiples of batch_steps, so that the bits do
-    /// not depend on how a run is cut into blocks. @returns whether the horn rests in all of them.
+    /// The motion over `count` steps from `first`. Batches should start at multiples of batch_steps, so that
+    /// the bits do not depend on how a run is cut into blocks. @returns whether the horn rests in all of
+    /// them.
     bool fill(std::int64_t first, HornStep* steps, int count) const noexcept;
 
     static constexpr int batch_steps = 64;
 
-   private:
+private:
     struct Place {
         std::int64_t burst;
         int piece;     ///< 0 rise, 1 top, 2 fall, 3 silence
@@ -62,13 +64,14 @@ class ToneBurst {
 
     double step_;
     double amplitude_;
-    double omega_;      ///< carrier 2 pi f [rad/s]
-    double duration_;   ///< of a burst [s]
-    double rise_;       ///< of the envelope [s]; 0 for rectangular, the whole burst for hann
-    double ramp_omega_;  ///< the envelope's angular frequency [rad/s]
+    double omega_;           ///< carrier 2 pi f [rad/s]
+    double duration_;        ///< of a burst [s]
+    double rise_ = 0;        ///< of the envelope [s]; 0 for rectangular, the whole burst for hann
+    double ramp_omega_ = 0;  ///< the envelope's angular frequency [rad/s]
     double repetition_hz_;
     bool hann_;
-    // cos and sin of carrier and envelope at multiples of half a step, so that a batch needs four calls of sin
+    // cos and sin of carrier and envelope at multiples of half a step, so that a batch needs four calls of
+    // sin
     std::vector<double> carrier_cos_, carrier_sin_, ramp_cos_, ramp_sin_;
 };
 

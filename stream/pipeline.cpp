@@ -13,19 +13,20 @@ namespace hertzline {
 
 namespace {
 
-using std::chrono::milliseconds;
 using std::chrono::microseconds;
+using std::chrono::milliseconds;
 
 constexpr Nanoseconds meters_period = milliseconds(100);
 constexpr Nanoseconds meta_period = milliseconds(1000);
-/// Frames are let go in bursts this far apart: waking up for each of ten thousand frames a second costs more than sending.
+/// Frames are let go in bursts this far apart: waking up for each of ten thousand frames a second costs more
+/// than sending.
 constexpr double release_period_s = 1e-3;
 /// Subscribers that come together shall all get sample 0.
 constexpr Nanoseconds gathering = milliseconds(200);
 constexpr Nanoseconds idle_nap = milliseconds(1);
 constexpr Nanoseconds full_ring_nap = microseconds(200);
 
-constexpr double reserve_s = 0.05;               // of samples that the ring holds,
+constexpr double reserve_s = 0.05;                      // of samples that the ring holds,
 constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this
 constexpr double fewest_slots = 4;
 constexpr double most_slots = 4096;
@@ -33,20 +34,26 @@ constexpr double most_slots = 4096;
 constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = false};
 
 double slot_bytes(const Scene& scene) noexcept {
-    return static_cast<double>(scene.output.frame_samples) * 8 * (3 + static_cast<double>(scene.chain.spheres));
+    return static_cast<double>(scene.output.frame_samples) * 8 *
+           (3 + static_cast<double>(scene.chain.spheres));
 }
 
 double slots_for(const Scene& scene) noexcept {
-    const double by_time = reserve_s * scene.output.sample_rate_hz / static_cast<double>(scene.output.frame_samples);
+    const double by_time =
+        reserve_s * scene.output.sample_rate_hz / static_cast<double>(scene.output.frame_samples);
     return std::clamp(std::min(by_time, most_ring_bytes / slot_bytes(scene)), fewest_slots, most_slots);
 }
 
 std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {
     switch (tap) {
-        case Tap::v_out: return {samples.v_out.data(), samples.count};
-        case Tap::v_last: return {samples.v_last.data(), samples.count};
-        case Tap::v_plate: return {samples.v_plate.data(), samples.count};
-        case Tap::v_chain: break;
+        case Tap::v_out:
+            return {samples.v_out.data(), samples.count};
+        case Tap::v_last:
+            return {samples.v_last.data(), samples.count};
+        case Tap::v_plate:
+            return {samples.v_plate.data(), samples.count};
+        case Tap::v_chain:
+            break;
     }
     return {samples.chain_v.data(), samples.count * samples.spheres};
 }
@@ -76,18 +83,22 @@ double Pipeline::memory_bytes(const Scene& scene) noexcept {
 
 PublisherOptions Pipeline::publisher_options(const Scene& scene) noexcept {
     constexpr double most_queued_bytes = 512.0 * 1024 * 1024;  // for one subscriber that does not keep up
-    const auto largest_frame = static_cast<double>(scene.output.frame_samples * scene.chain.spheres) * sizeof(float);
+    const auto largest_frame =
+        static_cast<double>(scene.output.frame_samples * scene.chain.spheres) * sizeof(float);
     PublisherOptions options;
-    options.send_high_water_mark = static_cast<int>(std::clamp(most_queued_bytes / largest_frame, 16.0, 65536.0));
+    options.send_high_water_mark =
+        static_cast<int>(std::clamp(most_queued_bytes / largest_frame, 16.0, 65536.0));
     return options;
 }
 
 Wish Pipeline::wish_for(TapSet taps) const noexcept {
     const bool outputs = !(taps - TapSet(Tap::v_chain)).empty() || recorder_ != nullptr;
-    return {.outputs = outputs, .chain_velocities = taps.contains(Tap::v_chain), .chain_displacements = false};
+    return {
+        .outputs = outputs, .chain_velocities = taps.contains(Tap::v_chain), .chain_displacements = false};
 }
 
-// ---------------------------------------------------------------------------------------------- simulating thread
+// ---------------------------------------------------------------------------------------------- simulating
+// thread
 
 bool Pipeline::wait_for_start() noexcept {
     while (!started_.load(std::memory_order_acquire)) {
@@ -99,8 +110,8 @@ bool Pipeline::wait_for_start() noexcept {
     return true;
 }
 
-/// The slot for the next block; nullptr when it must be discarded (its time has passed and there is no room) or the
-/// stream is stopping.
+/// The slot for the next block; nullptr when it must be discarded (its time has passed and there is no room)
+/// or the stream is stopping.
 Block* Pipeline::wait_for_slot(std::int64_t first, std::int64_t count) noexcept {
     const auto due_with = static_cast<std::uint64_t>(first + count);
     while (!stopping_.load(std::memory_order_relaxed)) {
@@ -137,7 +148,8 @@ void Pipeline::simulate() noexcept {
             continue;
         }
         const TapSet taps = wanted_.load(std::memory_order_relaxed);
-        running = simulation_.advance(slot->samples, static_cast<std::size_t>(count), wish_for(taps)) == Status::running;
+        running = simulation_.advance(slot->samples, static_cast<std::size_t>(count), wish_for(taps)) ==
+                  Status::running;
         if (!running) {
             break;
         }
@@ -156,7 +168,8 @@ void Pipeline::simulate() noexcept {
     finished_.store(true, std::memory_order_release);
 }
 
-// ------------------------------------------------------------------------------------------------- sending thread
+// ------------------------------------------------------------------------------------------------- sending
+// thread
 
 void Pipeline::listen_for_subscriptions() {
     const std::size_t news = publisher_.poll_subscriptions();
@@ -189,10 +202,11 @@ void Pipeline::start_when_ready() {
     }
 }
 
-/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it is, negative when
-/// there was time left.
+/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it is,
+/// negative when there was time left.
 Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>& stop) {
-    const double samples_per_release = plan_.scene.output.sample_rate_hz * plan_.pace.times() * release_period_s;
+    const double samples_per_release =
+        plan_.scene.output.sample_rate_hz * plan_.pace.times() * release_period_s;
     const auto grain = static_cast<std::uint64_t>(std::max(1.0, samples_per_release));
     const auto end = static_cast<std::uint64_t>(block.samples.first) + block.samples.count;
     const std::uint64_t deadline = (end + grain - 1) / grain * grain;
@@ -282,7 +296,8 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
             if (finished) {
                 return;
             }
-            MonotonicClock::sleep_until(MonotonicClock::now() + (pacer_.flat_out() ? full_ring_nap : idle_nap));
+            MonotonicClock::sleep_until(MonotonicClock::now() +
+                                        (pacer_.flat_out() ? full_ring_nap : idle_nap));
             continue;
         }
         if (hold_until_due(*block, stop) > late_after) {
@@ -296,7 +311,8 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
     }
 }
 
-StreamMeters Pipeline::run(const std::atomic<bool>& stop, const std::function<void(const StreamMeters&)>& progress,
+StreamMeters Pipeline::run(const std::atomic<bool>& stop,
+                           const std::function<void(const StreamMeters&)>& progress,
                            const std::function<std::string(const StreamMeters&)>& summary) {
     progress_ = progress;
     publisher_.send(meta_topic, meta_json());

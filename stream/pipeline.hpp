@@ -4,8 +4,9 @@
 //     Simulation -> [ring of blocks] -> pacer -> frames -> publisher
 //                                            \-> recorder
 //
-// The simulating thread works ahead until the ring is full, so a hiccup of it or of the system is not heard; the sending
-// thread (the caller's) lets each block go when it is due. What nobody subscribes to or records is not computed.
+// The simulating thread works ahead until the ring is full, so a hiccup of it or of the system is not heard;
+// the sending thread (the caller's) lets each block go when it is due. What nobody subscribes to or records
+// is not computed.
 
 #include <atomic>
 #include <cstdint>
@@ -27,7 +28,7 @@ namespace hertzline {
 enum class StreamStart { at_once, with_first_subscriber };
 
 struct StreamPlan {
-    Scene scene;         ///< resolved (core/numerics.hpp)
+    Scene scene;  ///< resolved (core/numerics.hpp)
     std::string scene_hash;
     std::string version;
     Pace pace = Pace::realtime();
@@ -35,19 +36,20 @@ struct StreamPlan {
     StreamStart start = StreamStart::at_once;
 };
 
-/// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's business.
+/// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's
+/// business.
 inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
 
 /// How the stream is doing; the meters topic and the summary are made of this.
 struct StreamMeters {
-    std::int64_t samples = 0;         ///< sent or passed over because nobody wanted them
+    std::int64_t samples = 0;  ///< sent or passed over because nobody wanted them
     std::int64_t frames = 0;
     std::int64_t late_frames = 0;     ///< sent more than late_after after they were due
     std::int64_t dropped_frames = 0;  ///< discarded because the ring was full and their time had passed
     double simulated_s = 0;
     double wall_s = 0;
-    double load = 0;                  ///< part of the wall time that the simulating thread worked
-    double ring_fill = 0;             ///< 0 empty (no reserve) to 1 full (all reserve)
+    double load = 0;       ///< part of the wall time that the simulating thread worked
+    double ring_fill = 0;  ///< 0 empty (no reserve) to 1 full (all reserve)
     double energy_residual = 0;
     std::int64_t contact_events = 0;
     std::int64_t steps = 0;
@@ -62,25 +64,27 @@ struct Block {
     std::uint64_t dropped = 0;  ///< frames of the run discarded before this one
     std::int64_t contact_events = 0;
     std::int64_t steps = 0;
-    std::int64_t busy_ns = 0;   ///< the simulating thread's work up to and with this block
+    std::int64_t busy_ns = 0;  ///< the simulating thread's work up to and with this block
     double energy_residual = 0;
 };
 
 class Pipeline {
 public:
-    /// @param recorder nullptr: nothing is recorded. With one, blocks are never discarded; the stream falls behind instead.
+    /// @param recorder nullptr: nothing is recorded. With one, blocks are never discarded; the stream falls
+    /// behind instead.
     Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder);
 
-    /// Streams until done, or until `stop` becomes true (then it returns within a fraction of a second). `progress` is
-    /// called about ten times a second from this thread. Publishes meta, meters and, last, end with the summary's JSON
-    /// that `summary` makes. @throws std::runtime_error when the simulation fails or a recording cannot be written.
+    /// Streams until done, or until `stop` becomes true (then it returns within a fraction of a second).
+    /// `progress` is called about ten times a second from this thread. Publishes meta, meters and, last, end
+    /// with the summary's JSON that `summary` makes. @throws std::runtime_error when the simulation fails or
+    /// a recording cannot be written.
     StreamMeters run(const std::atomic<bool>& stop, const std::function<void(const StreamMeters&)>& progress,
                      const std::function<std::string(const StreamMeters&)>& summary);
 
     const std::string& run_id() const noexcept { return run_id_; }
 
-    /// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams, and at most
-    /// half a GiB of the large ones.
+    /// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams,
+    /// and at most half a GiB of the large ones.
     static PublisherOptions publisher_options(const Scene& scene) noexcept;
 
     /// Bytes of the ring and the simulation for a scene.

@@ -17,7 +17,8 @@ std::int64_t listed(const Chain& chain, RecordedBodies bodies) {
 
 std::optional<std::string> recording_fault(const std::filesystem::path& path) {
     std::string ending = path.extension().string();
-    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    std::ranges::transform(ending, ending.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     const bool device = std::filesystem::is_character_file(path) || std::filesystem::is_fifo(path);
     if (ending == ".csv" || (ending.empty() && device)) {
         return std::nullopt;
@@ -31,7 +32,8 @@ double recording_bytes(const Scene& scene, double samples, RecordedBodies bodies
     return samples * (outputs + all) * bytes_per_number;
 }
 
-Recorder::Recorder(const std::filesystem::path& path, const Chain& chain, double sample_rate_hz, RecordedBodies bodies)
+Recorder::Recorder(const std::filesystem::path& path, const Chain& chain, double sample_rate_hz,
+                   RecordedBodies bodies)
     : sample_rate_hz_(sample_rate_hz),
       bodies_(bodies),
       file_(path),

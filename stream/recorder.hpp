@@ -24,9 +24,11 @@ double recording_bytes(const Scene& scene, double samples, RecordedBodies bodies
 class Recorder {
 public:
     /// Opens the file. Throws std::runtime_error that names the path and the reason.
-    Recorder(const std::filesystem::path& path, const Chain& chain, double sample_rate_hz, RecordedBodies bodies);
+    Recorder(const std::filesystem::path& path, const Chain& chain, double sample_rate_hz,
+             RecordedBodies bodies);
 
-    /// Appends a block that holds the outputs (and for RecordedBodies::all the whole chain). Throws like above.
+    /// Appends a block that holds the outputs (and for RecordedBodies::all the whole chain). Throws like
+    /// above.
     void write(const Samples& block);
 
     /// Completes the file and gives it its name; without this nothing is left behind.

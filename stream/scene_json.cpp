@@ -37,7 +37,9 @@ struct ToJson {
 
 Json material_json(const Material& material) {
     Json json = Json::object();
-    const auto add = [&](std::string_view key, double number, const auto&) { json[std::string(key)] = number; };
+    const auto add = [&](std::string_view key, double number, const auto&) {
+        json[std::string(key)] = number;
+    };
     if (const auto* solid = std::get_if<Solid>(&material)) {
         fields::visit_solid(*solid, add);
     } else {

@@ -1,16 +1,19 @@
 // Chin's forward fourth-order algorithm 4A with located contacts.
 //
-//     V/6, A/2, 2V~/3, A/2, V/6        S. A. Chin, Phys. Lett. A 226 (1997) 344; time-dependent forces: S. A. Chin and
+//     V/6, A/2, 2V~/3, A/2, V/6        S. A. Chin, Phys. Lett. A 226 (1997) 344; time-dependent forces: S. A.
+//     Chin and
 //                                      C. R. Chen, astro-ph/0304223
 //
-// V kicks by the elastic forces, the plate's spring and the horn's part of the first dashpot, all functions of position
-// and time. A drifts: positions by velocities, velocities by the dashpots, a linear flow that is exact up to its fifth
-// power (the dashpots' decay over a step is small), which keeps the method fourth order with damping. V~ adds the force
-// gradient h^2/48 grad |F|^2/m, which needs the tangent stiffness only. All coefficients are positive: no step backward.
+// V kicks by the elastic forces, the plate's spring and the horn's part of the first dashpot, all functions
+// of position and time. A drifts: positions by velocities, velocities by the dashpots, a linear flow that is
+// exact up to its fifth power (the dashpots' decay over a step is small), which keeps the method fourth order
+// with damping. V~ adds the force gradient h^2/48 grad |F|^2/m, which needs the tangent stiffness only. All
+// coefficients are positive: no step backward.
 //
-// All this holds while the set of closed contacts stays what it is, so the set is frozen during a step. A step at whose
-// end a contact is found on the wrong side is taken again up to the crossing, the contact is switched, and the rest of
-// the step follows. The horn's motion is smooth only piecewise; where a piece ends inside a step the step is split, too.
+// All this holds while the set of closed contacts stays what it is, so the set is frozen during a step. A
+// step at whose end a contact is found on the wrong side is taken again up to the crossing, the contact is
+// switched, and the rest of the step follows. The horn's motion is smooth only piecewise; where a piece ends
+// inside a step the step is split, too.
 #if defined(HERTZLINE_CHIN4A_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_CHIN4A_INL
 #undef HERTZLINE_CHIN4A_INL
@@ -26,7 +29,8 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline {
 namespace HWY_NAMESPACE {
 
-/// Displacement, velocity and elastic acceleration (carried over: the end of a step is the start of the next).
+/// Displacement, velocity and elastic acceleration (carried over: the end of a step is the start of the
+/// next).
 template <std::size_t K>
 struct Motion {
     Col<K> x, v, a;
@@ -35,16 +39,18 @@ struct Motion {
 /// What the end of a step tells besides the motion: contacts, and the power that the ledger integrates.
 template <std::size_t K>
 struct Node {
-    Col<K> overlap;        ///< [m]
-    Col<K> total_accel;    ///< with dashpots [m/s^2]
-    Col<K> loss, loss_dot; ///< lambda w^2 [W] and its slope [W/s]
-    Vec work, work_dot;    ///< force on the horn times its velocity [W], slope [W/s]; lane 0
+    Col<K> overlap;         ///< [m]
+    Col<K> total_accel;     ///< with dashpots [m/s^2]
+    Col<K> loss, loss_dot;  ///< lambda w^2 [W] and its slope [W/s]
+    Vec work, work_dot;     ///< force on the horn times its velocity [W], slope [W/s]; lane 0
 };
 
-/// The horn over a part of a step, as the quintic through its motion at both ends (error 1e-11 of the amplitude at 200 ns).
+/// The horn over a part of a step, as the quintic through its motion at both ends (error 1e-11 of the
+/// amplitude at 200 ns).
 class HornCurve {
-   public:
-    HornCurve(const HornMotion& from, const HornMotion& to, double duration) : duration_(duration), from_(from) {
+public:
+    HornCurve(const HornMotion& from, const HornMotion& to, double duration)
+        : duration_(duration), from_(from) {
         const double d = duration;
         const double x = to.x - from.x - d * (from.v + 0.5 * d * from.a);
         const double v = d * (to.v - from.v - d * from.a);
@@ -61,7 +67,7 @@ class HornCurve {
                 from_.a + z * (6 * c3_ + z * (12 * c4_ + z * 20 * c5_)) / (d * d)};
     }
 
-   private:
+private:
     double duration_;
     HornMotion from_;
     double c3_, c4_, c5_;
@@ -69,7 +75,7 @@ class HornCurve {
 
 template <std::size_t K>
 class Chin4a {
-   public:
+public:
     explicit HWY_INLINE Chin4a(FoldedChain& chain)
         : fold_(chain),
           h_(chain.step_s),
@@ -141,13 +147,14 @@ class Chin4a {
         const Vec hermite = hn::Set(d_, h * h * (one_sixth / 2));
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec slopes = hn::Sub(node_.loss_dot[k], next_node_.loss_dot[k]);
-            const Vec mean = hn::MulAdd(half, hn::Add(node_.loss[k], next_node_.loss[k]), hn::Mul(hermite, slopes));
+            const Vec mean =
+                hn::MulAdd(half, hn::Add(node_.loss[k], next_node_.loss[k]), hn::Mul(hermite, slopes));
             lost_.set(k, hn::Add(lost_[k], mean));
             peak_.set(k, hn::Max(peak_[k], next_node_.overlap[k]));
         }
         const Vec slopes = hn::Sub(node_.work_dot, next_node_.work_dot);
-        work_ = hn::Add(
-            work_, hn::MulAdd(half, hn::Add(node_.work, next_node_.work), hn::Mul(hermite, slopes)));
+        work_ =
+            hn::Add(work_, hn::MulAdd(half, hn::Add(node_.work, next_node_.work), hn::Mul(hermite, slopes)));
         fold_.copy(now_.x, next_.x);
         fold_.copy(now_.v, next_.v);
         fold_.copy(now_.a, next_.a);
@@ -188,15 +195,16 @@ class Chin4a {
         closed_.set(0, hn::Add(closed_[0], changed));
     }
 
-    /// A smooth piece of a step, the contacts' crossings located. `record_row` is called with the fraction of the piece
-    /// before and after each switch.
+    /// A smooth piece of a step, the contacts' crossings located. `record_row` is called with the fraction of
+    /// the piece before and after each switch.
     template <class RecordRow>
     HWY_INLINE void located(const HornCurve& horn, double duration, RecordRow&& record_row);
 
-   private:
+private:
     /// The frozen-contact step. Leaves the result in next_, next_node_.
-    HWY_INLINE bool advance_to_next(double h, const Col<K>& from_left, const Col<K>& from_right, const Col<K>& from_self,
-                                    const HornMotion& middle, const HornMotion& end) {
+    HWY_INLINE bool advance_to_next(double h, const Col<K>& from_left, const Col<K>& from_right,
+                                    const Col<K>& from_self, const HornMotion& middle,
+                                    const HornMotion& end) {
         const Vec sixth = hn::Set(d_, h * one_sixth);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             next_.x.set(k, now_.x[k]);
@@ -212,9 +220,11 @@ class Chin4a {
         return hn::AllFalse(d_, any_crossing(end));
     }
 
-    /// A: exp of the linear dashpots on the velocities, its integral on the positions, as Taylor series. The positions'
-    /// series needs one power less for the same order; the forces wait for them, so they are summed up as powers come.
-    HWY_INLINE void drift(double time, const Col<K>& from_left, const Col<K>& from_right, const Col<K>& from_self) {
+    /// A: exp of the linear dashpots on the velocities, its integral on the positions, as Taylor series. The
+    /// positions' series needs one power less for the same order; the forces wait for them, so they are
+    /// summed up as powers come.
+    HWY_INLINE void drift(double time, const Col<K>& from_left, const Col<K>& from_right,
+                          const Col<K>& from_self) {
         Col<K> term = fold_.scratch(Column::t7);
         Col<K> following = fold_.scratch(Column::t8);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
@@ -279,7 +289,8 @@ class Chin4a {
         }
     }
 
-    /// Fills in a node from motion, overlap and the forces just computed. None of it feeds back into the motion.
+    /// Fills in a node from motion, overlap and the forces just computed. None of it feeds back into the
+    /// motion.
     HWY_INLINE void observe(const Motion<K>& motion, Node<K>& node, const HornMotion& horn) {
         const Vec per_half = hn::Set(d_, per_half_step_);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
@@ -329,7 +340,8 @@ class Chin4a {
         return any;
     }
 
-    HWY_INLINE Vec crossing_time(std::size_t k, double h, const HornMotion& begin, const HornMotion& end) const;
+    HWY_INLINE Vec crossing_time(std::size_t k, double h, const HornMotion& begin,
+                                 const HornMotion& end) const;
 
     static constexpr Doubles d_{};
     static constexpr int drift_powers = 4;
@@ -344,7 +356,8 @@ class Chin4a {
     Col<K> closed_, peak_, lost_;
     Vec work_;
     Col<K> stiffness_, damping_;  // of the closed contacts
-    Col<K> from_left_, from_right_, from_self_;  ///< dashpots' decay of a velocity over half a step, by neighbour
+    Col<K> from_left_, from_right_,
+        from_self_;  ///< dashpots' decay of a velocity over half a step, by neighbour
     Motion<K> now_;
     Node<K> node_;
     Motion<K> next_;
@@ -352,10 +365,11 @@ class Chin4a {
     Col<K> root_stiffness_ = fold_.scratch(Column::t11);  ///< k sqrt(delta) of the last forces()
 };
 
-/// Fraction of the step from now to next at which contact k crosses: root of the cubic through overlap and relative
-/// velocity at both ends.
+/// Fraction of the step from now to next at which contact k crosses: root of the cubic through overlap and
+/// relative velocity at both ends.
 template <std::size_t K>
-HWY_INLINE Vec Chin4a<K>::crossing_time(std::size_t k, double h, const HornMotion& begin, const HornMotion& end) const {
+HWY_INLINE Vec Chin4a<K>::crossing_time(std::size_t k, double h, const HornMotion& begin,
+                                        const HornMotion& end) const {
     const Vec zero = hn::Zero(d_);
     const Vec one = hn::Set(d_, 1.0);
     const Vec duration = hn::Set(d_, h);
@@ -366,7 +380,8 @@ HWY_INLINE Vec Chin4a<K>::crossing_time(std::size_t k, double h, const HornMotio
     const Vec rise = hn::Sub(o1, o0);
     const Vec c2 = hn::Sub(hn::Sub(hn::Mul(hn::Set(d_, 3.0), rise), hn::Add(w0, w0)), w1);
     const Vec c3 = hn::Sub(hn::Add(w0, w1), hn::Add(rise, rise));
-    const auto overlap = [&](Vec z) HWY_ATTR { return hn::MulAdd(z, hn::MulAdd(z, hn::MulAdd(z, c3, c2), w0), o0); };
+    const auto overlap = [&](Vec z)
+                             HWY_ATTR { return hn::MulAdd(z, hn::MulAdd(z, hn::MulAdd(z, c3, c2), w0), o0); };
     const auto slope = [&](Vec z) HWY_ATTR {
         const Vec three_c3 = hn::Mul(hn::Set(d_, 3.0), c3);
         return hn::MulAdd(z, hn::MulAdd(z, three_c3, hn::Add(c2, c2)), w0);
@@ -407,7 +422,8 @@ HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, Recor
     Col<K> self = fold_.scratch(Column::t14);
     Col<K> times = fold_.scratch(Column::t15);
     double done = 0;
-    // Contacts may chatter for ever in theory; after as many switches as a trace has room for the step is taken as it is.
+    // Contacts may chatter for ever in theory; after as many switches as a trace has room for the step is
+    // taken as it is.
     for (int switches = 0;; ++switches) {
         const auto advance = [&](double part) HWY_ATTR {
             const Vec scale = hn::Set(d_, part * duration / h_);
@@ -416,7 +432,8 @@ HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, Recor
                 right.set(k, hn::Mul(scale, from_right_[k]));
                 self.set(k, hn::Mul(scale, from_self_[k]));
             }
-            return advance_to_next(part * duration, left, right, self, horn.at(done + 0.5 * part), horn.at(done + part));
+            return advance_to_next(part * duration, left, right, self, horn.at(done + 0.5 * part),
+                                   horn.at(done + part));
         };
         const double rest = 1 - done;
         if (advance(rest) || switches == max_switches) {
@@ -456,8 +473,8 @@ HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, Recor
 
 /// A step in which a contact switches or the horn's motion has a break. Works from and to the chain's memory.
 template <std::size_t K>
-HWY_NOINLINE void take_split_step(FoldedChain& chain, const ToneBurst& burst, const HornStep& horn, std::int64_t step,
-                                  Trace& trace) {
+HWY_NOINLINE void take_split_step(FoldedChain& chain, const ToneBurst& burst, const HornStep& horn,
+                                  std::int64_t step, Trace& trace) {
     Chin4a<K> chin(chain);
     double from = 0;
     while (from < 1) {
@@ -487,8 +504,8 @@ HWY_NOINLINE void take_split_step(FoldedChain& chain, const ToneBurst& burst, co
 }
 
 template <std::size_t K>
-int advance_chin4a(FoldedChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first, int count,
-                   Trace& trace) {
+int advance_chin4a(FoldedChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first,
+                   int count, Trace& trace) {
     Chin4a<K> chin(chain);
     if (chain.rebuild) {
         chin.rebuild(horn[0].start);

@@ -29,7 +29,8 @@ FoldedChain::FoldedChain(const Chain& chain, std::size_t lanes) : tension(chain.
     const std::size_t slots = rows_for(chain.bodies(), lanes) * lanes;
     stride_ = (slots + per_vector - 1) / per_vector * per_vector;
     const std::size_t size = stride_ * static_cast<std::size_t>(Column::count);
-    columns_.reset(static_cast<double*>(::operator new[](size * sizeof(double), std::align_val_t{alignment})));
+    columns_.reset(
+        static_cast<double*>(::operator new[](size * sizeof(double), std::align_val_t{alignment})));
     std::fill_n(columns_.get(), size, 0.0);
     slot_of_.resize(static_cast<std::size_t>(chain.bodies()));
 }

@@ -1,15 +1,17 @@
 #pragma once
 // The chain as the SIMD kernels see it: folded over the lanes of a vector register.
 //
-// Lane l holds the contiguous stretch of bodies l*rows .. l*rows + rows - 1, row k of every column is one vector. The
-// left neighbour of row k is then row k - 1, lane for lane; only row 0 needs one rotation of row rows - 1. A chain of six
-// spheres fills one AVX-512 register, a chain of ten thousand is a column of them, and one piece of code serves both.
+// Lane l holds the contiguous stretch of bodies l*rows .. l*rows + rows - 1, row k of every column is one
+// vector. The left neighbour of row k is then row k - 1, lane for lane; only row 0 needs one rotation of row
+// rows - 1. A chain of six spheres fills one AVX-512 register, a chain of ten thousand is a column of them,
+// and one piece of code serves both.
 //
 //     rows = 2, lanes = 4:   lane   0   1   2   3
 //                    row 0          b0  b2  b4  b6
 //                    row 1          b1  b3  b5  pad     the last slot is always a pad that never moves
 //
-// Only the part of the chain that can have moved is folded: what lies ahead of the wavefront is at rest exactly.
+// Only the part of the chain that can have moved is folded: what lies ahead of the wavefront is at rest
+// exactly.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,21 +27,57 @@ namespace hertzline {
 /// Columns of a FoldedChain. The first groups mirror Chain and ChainState, the others belong to the kernels.
 enum class Column : std::size_t {
     // constants (Chain)
-    stiffness, static_overlap, static_force, damping, inv_mass, spring, bias,
+    stiffness,
+    static_overlap,
+    static_force,
+    damping,
+    inv_mass,
+    spring,
+    bias,
     // motion and contacts (ChainState)
-    x, v, closed, peak_overlap,
-    // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the last collect() [J]
-    lost, work,
+    x,
+    v,
+    closed,
+    peak_overlap,
+    // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the last
+    // collect() [J]
+    lost,
+    work,
     // carried from step to step by a kernel, rebuilt by it after a fold
-    overlap, elastic_accel, total_accel, closed_stiffness, closed_damping, from_left, from_right, from_self, loss_rate,
-    loss_rate_dot, work_rate, work_rate_dot,
+    overlap,
+    elastic_accel,
+    total_accel,
+    closed_stiffness,
+    closed_damping,
+    from_left,
+    from_right,
+    from_self,
+    loss_rate,
+    loss_rate_dot,
+    work_rate,
+    work_rate_dot,
     // scratch of one step
-    t0, t1, t2, t3, t4, t5, t6, t7, t8, t9, t10, t11, t12, t13, t14, t15,
+    t0,
+    t1,
+    t2,
+    t3,
+    t4,
+    t5,
+    t6,
+    t7,
+    t8,
+    t9,
+    t10,
+    t11,
+    t12,
+    t13,
+    t14,
+    t15,
     count
 };
 
 class FoldedChain {
-   public:
+public:
     /// Room for all bodies of the chain. @param lanes doubles in a vector register of the kernels in use.
     FoldedChain(const Chain& chain, std::size_t lanes);
 
@@ -61,7 +99,7 @@ class FoldedChain {
     Tension tension = Tension::allowed;
     bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
 
-   private:
+private:
     void fill_pads() noexcept;
 
     struct Free {
@@ -77,16 +115,16 @@ class FoldedChain {
 
 /// Where a kernel writes what was asked to be seen: one row per recorded moment, [x v a] of each probed body.
 struct Trace {
-    double* rows = nullptr;          ///< capacity * row_size
-    double* fractions = nullptr;     ///< moment of each row within its step
-    std::int64_t* steps = nullptr;   ///< step that the row's moment follows
+    double* rows = nullptr;         ///< capacity * row_size
+    double* fractions = nullptr;    ///< moment of each row within its step
+    std::int64_t* steps = nullptr;  ///< step that the row's moment follows
     std::size_t capacity = 0;
     std::size_t count = 0;
-    Eigen::Index first_body = 0;     ///< bodies [first_body, chain.bodies()) are probed
+    Eigen::Index first_body = 0;  ///< bodies [first_body, chain.bodies()) are probed
     Eigen::Index bodies = 0;
-    std::int64_t next = never;       ///< step after which the next row is due, ...
-    int every = 1;                   ///< ... and how many steps later the one after it
-    bool between = false;            ///< record contact events as well, for samples off the grid
+    std::int64_t next = never;  ///< step after which the next row is due, ...
+    int every = 1;              ///< ... and how many steps later the one after it
+    bool between = false;       ///< record contact events as well, for samples off the grid
 
     static constexpr std::int64_t never = -1;
 
@@ -101,8 +139,8 @@ inline constexpr int max_switches = 40;
 
 /// Advances the folded chain by up to `count` steps, the first of them being step `first`.
 /// @returns the steps taken: fewer when the trace has no room for another.
-using Kernel = int (*)(FoldedChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first, int count,
-                       Trace& trace);
+using Kernel = int (*)(FoldedChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first,
+                       int count, Trace& trace);
 
 /// The kernel for an integrator and a number of rows, for the widest SIMD instructions of this processor.
 Kernel kernel(Integrator integrator, std::size_t rows) noexcept;

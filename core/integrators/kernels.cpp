@@ -2,9 +2,10 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/integrators/kernels.cpp"
-// Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors cannot be kept in
-// arrays of registers.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+// Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors cannot be
+// kept in arrays of registers.
+#define HWY_DISABLED_TARGETS \
+    (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 // after foreach_target
 #include <hwy/highway.h>
@@ -19,11 +20,16 @@ namespace HWY_NAMESPACE {
 template <template <std::size_t> class Pick>
 Kernel for_rows(std::size_t rows) {
     switch (rows) {
-        case 1: return Pick<1>::kernel;
-        case 2: return Pick<2>::kernel;
-        case 4: return Pick<4>::kernel;
-        case 8: return Pick<8>::kernel;
-        default: return Pick<0>::kernel;
+        case 1:
+            return Pick<1>::kernel;
+        case 2:
+            return Pick<2>::kernel;
+        case 4:
+            return Pick<4>::kernel;
+        case 8:
+            return Pick<8>::kernel;
+        default:
+            return Pick<0>::kernel;
     }
 }
 
@@ -38,8 +44,10 @@ struct Chin4aRows {
 
 Kernel pick(Integrator integrator, std::size_t rows) {
     switch (integrator) {
-        case Integrator::leapfrog: return for_rows<LeapfrogRows>(rows);
-        case Integrator::chin4a: break;
+        case Integrator::leapfrog:
+            return for_rows<LeapfrogRows>(rows);
+        case Integrator::chin4a:
+            break;
     }
     return for_rows<Chin4aRows>(rows);
 }

@@ -6,10 +6,10 @@
 #define HERTZLINE_LANES_INL
 #endif
 
-#include <hwy/highway.h>
-
 #include <cstring>
 #include <limits>
+
+#include <hwy/highway.h>
 
 #include "core/integrators/folded_chain.hpp"
 
@@ -36,7 +36,9 @@ struct Col {
 template <>
 struct Col<0> {
     double* rows;
-    HWY_INLINE Vec operator[](std::size_t k) const { return hn::Load(Doubles(), rows + k * hn::Lanes(Doubles())); }
+    HWY_INLINE Vec operator[](std::size_t k) const {
+        return hn::Load(Doubles(), rows + k * hn::Lanes(Doubles()));
+    }
     HWY_INLINE void set(std::size_t k, Vec value) const {
         hn::Store(value, Doubles(), rows + k * hn::Lanes(Doubles()));
     }
@@ -45,7 +47,7 @@ struct Col<0> {
 /// Access to a FoldedChain row by row.
 template <std::size_t K>
 class Fold {
-   public:
+public:
     explicit HWY_INLINE Fold(FoldedChain& chain) : chain_(&chain) {
         const std::size_t lanes = hn::Lanes(Doubles());
         HWY_ALIGN std::int64_t up[hn::MaxLanes(Doubles())];
@@ -100,12 +102,13 @@ class Fold {
     HWY_INLINE Vec left(const Col<K>& col, std::size_t k) const {
         return k > 0 ? col[k - 1] : hn::TableLookupLanes(col[rows() - 1], up_);
     }
-    /// Values of the right neighbours of row k; meaningless in the last slot, which is a pad without mobility.
+    /// Values of the right neighbours of row k; meaningless in the last slot, which is a pad without
+    /// mobility.
     HWY_INLINE Vec right(const Col<K>& col, std::size_t k) const {
         return k + 1 < rows() ? col[k + 1] : hn::TableLookupLanes(col[0], down_);
     }
-    /// left - self, with the horn's value as the first body's left neighbour. The rotation takes longest, so all else is
-    /// done beside it.
+    /// left - self, with the horn's value as the first body's left neighbour. The rotation takes longest, so
+    /// all else is done beside it.
     HWY_INLINE Vec difference(const Col<K>& col, std::size_t k, double horn_value) const {
         if (k > 0) {
             return hn::Sub(left(col, k), col[k]);
@@ -120,7 +123,7 @@ class Fold {
     /// The horn's value in lane 0 of row 0, zero in all other lanes.
     HWY_INLINE Vec horn(double value) const { return hn::Mul(horn_lane_, hn::Set(Doubles(), value)); }
 
-   private:
+private:
     HWY_INLINE double* at(Column c, std::size_t k) const {
         return chain_->column(c) + k * hn::Lanes(Doubles());
     }

@@ -1,9 +1,10 @@
 // Leapfrog (drift, kick, drift) with fractional contact. Second order, symplectic for the elastic part.
 //
-// The dashpot's force jumps where a contact opens or closes. Taking the contact as open or closed for a whole step would
-// leave any method first order; so each dashpot is weighed by the fraction of the step during which its contact is closed,
-// as estimated from overlap and relative velocity at mid-step: clamp(1/2 + delta/(|w| h), 0, 1).
-// The dashpots act at the mid-step velocity, predicted by half a kick (explicit midpoint rule).
+// The dashpot's force jumps where a contact opens or closes. Taking the contact as open or closed for a whole
+// step would leave any method first order; so each dashpot is weighed by the fraction of the step during
+// which its contact is closed, as estimated from overlap and relative velocity at mid-step: clamp(1/2 +
+// delta/(|w| h), 0, 1). The dashpots act at the mid-step velocity, predicted by half a kick (explicit
+// midpoint rule).
 #if defined(HERTZLINE_LEAPFROG_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_LEAPFROG_INL
 #undef HERTZLINE_LEAPFROG_INL
@@ -19,7 +20,7 @@ namespace HWY_NAMESPACE {
 
 template <std::size_t K>
 class Leapfrog {
-   public:
+public:
     explicit HWY_INLINE Leapfrog(FoldedChain& chain)
         : fold_(chain),
           h_(chain.step_s),
@@ -83,7 +84,7 @@ class Leapfrog {
         fold_.store(Column::total_accel, a);
     }
 
-   private:
+private:
     HWY_INLINE void drift(double time) {
         HERTZLINE_EACH_ROW(k, fold_.rows()) x_.set(k, hn::MulAdd(hn::Set(d_, time), v_[k], x_[k]));
     }
@@ -119,7 +120,8 @@ class Leapfrog {
     }
 
     HWY_INLINE void kick(Col<K>& result, double time) const {
-        HERTZLINE_EACH_ROW(k, fold_.rows()) result.set(k, hn::MulAdd(hn::Set(d_, time), acceleration(k), v_[k]));
+        HERTZLINE_EACH_ROW(k, fold_.rows())
+        result.set(k, hn::MulAdd(hn::Set(d_, time), acceleration(k), v_[k]));
     }
 
     /// Ledger, contact events and peak overlaps; none of it feeds back into the motion.
@@ -152,8 +154,8 @@ class Leapfrog {
 };
 
 template <std::size_t K>
-int advance_leapfrog(FoldedChain& chain, const ToneBurst&, const HornStep* horn, std::int64_t first, int count,
-                     Trace& trace) {
+int advance_leapfrog(FoldedChain& chain, const ToneBurst&, const HornStep* horn, std::int64_t first,
+                     int count, Trace& trace) {
     Leapfrog<K> leapfrog(chain);
     int taken = 0;
     while (taken < count && trace.count + max_rows_per_step <= trace.capacity) {

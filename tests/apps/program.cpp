@@ -36,6 +36,7 @@ Program::Program(const std::vector<std::string>& arguments, const std::string& s
     std::vector<std::string> words{HERTZLINE_PROGRAM};
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
+    argv.reserve(words.size() + 1);
     for (std::string& word : words) {
         argv.push_back(word.data());
     }
@@ -102,6 +103,20 @@ Outcome Program::wait(Seconds limit) {
 
 Outcome hertzline(const std::vector<std::string>& arguments) {
     return Program(arguments).wait();
+}
+
+nlohmann::json object_of(Subscriber& subscriber, std::string_view topic) {
+    for (int tries = 0; tries < 1000; ++tries) {
+        const Message* message = subscriber.receive(std::chrono::seconds(60));
+        if (message == nullptr) {
+            break;
+        }
+        if (message->topic() == topic && message->parts() == 1) {
+            return nlohmann::json::parse(message->text(0));
+        }
+    }
+    ADD_FAILURE() << "no message of " << topic;
+    return nullptr;
 }
 
 std::string text_of(const std::filesystem::path& file) {

@@ -5,11 +5,13 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 #include <sys/types.h>
 
+#include "stream/subscriber.hpp"
 #include "tests/stream/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -52,6 +54,9 @@ private:
 
 /// The program from start to end.
 Outcome hertzline(const std::vector<std::string>& arguments);
+
+/// Waits for a message of the topic, passing over others. Fails the test when none comes.
+nlohmann::json object_of(Subscriber& subscriber, std::string_view topic);
 
 std::string text_of(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);

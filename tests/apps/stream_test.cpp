@@ -106,21 +106,6 @@ TEST(StreamAndListen, ListenerIsToldWhenTheRunHasNoSuchStream) {
     EXPECT_THAT(listener.err, HasSubstr("no stream v_plate, it has v_out, v_last, v_chain"));
 }
 
-/// Waits for a message of the topic, passing over others. Null when none comes.
-json object_of(Subscriber& subscriber, std::string_view topic) {
-    for (int tries = 0; tries < 1000; ++tries) {
-        const Message* message = subscriber.receive(std::chrono::seconds(60));
-        if (message == nullptr) {
-            break;
-        }
-        if (message->topic() == topic && message->parts() == 1) {
-            return json::parse(message->text(0));
-        }
-    }
-    ADD_FAILURE() << "no message of " << topic;
-    return nullptr;
-}
-
 TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
     Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
                     "--wait-for-subscriber", "--json", "--bind", any_port});
@@ -192,51 +177,6 @@ TEST(Stream, AFullDiskIsAFailure) {
         {"stream", "paper-stream", "--pace", "flat-out", "--record", "/dev/full", "--bind", any_port});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr("No space left"));
-}
-
-TEST(Listen, CtrlCSavesWhatCame) {
-    const TemporaryFolder folder;
-    Program stream({"stream", "paper-stream", "--bind", any_port});
-    Program listener({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")});
-    listener.messages_with("joined run");
-    listener.send(SIGINT);
-    const Outcome outcome = listener.wait(std::chrono::seconds(10));
-    EXPECT_EQ(outcome.json()["ended_by"], "stopped");
-    EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(),
-              outcome.json()["samples"].get<std::size_t>());
-}
-
-/// Frames that a stream has sent, as its meters tell.
-std::int64_t frames_sent(Subscriber& meters) {
-    return object_of(meters, "meters").value("frames", std::int64_t{0});
-}
-
-TEST(Listen, AFloodThatFillsTheQueueIsCountedHonestly) {
-    const TemporaryFolder folder;
-    const std::string endpoint = "ipc://" + folder.file("s");
-    Program stream({"stream", "paper-stream", "--json", "--wait-for-subscriber", "--bind", endpoint, "--set",
-                    "output.frame_samples=1", "--set", "output.sample_rate_hz=20e3"});
-    Program listener({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")});
-    Subscriber meters(endpoint);
-    meters.subscribe("meters");
-    while (frames_sent(meters) == 0) {
-    }
-    listener.send(SIGSTOP);
-    constexpr std::int64_t more_than_any_queue = 30'000;
-    const std::int64_t before = frames_sent(meters);
-    while (frames_sent(meters) < before + more_than_any_queue && !HasFailure()) {
-    }
-    listener.send(SIGCONT);
-    listener.messages_with("samples are missing");
-    stream.send(SIGINT);
-    const json account = listener.wait().json();
-    const Outcome sent = stream.wait();
-    EXPECT_FALSE(account["unbroken"]);
-    EXPECT_GT(account["missing_samples"], 0);
-    EXPECT_GT(account["frames_lost_on_the_way"], 0);
-    EXPECT_EQ(account["samples"].get<std::int64_t>() + account["missing_samples"].get<std::int64_t>(),
-              sent.json()["samples"].get<std::int64_t>());
-    EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(), account["samples"].get<std::size_t>());
 }
 
 }  // namespace

@@ -144,6 +144,8 @@ const Mistake mistakes[] = {
      2,
      {"a.mp3", "b.xls", ".csv"}},
     {"WrongEndingOfRecording", {"stream", "paper-wall", "--record", "FOLDER/a"}, 2, {"FOLDER/a", ".csv"}},
+    {"FileWithoutAName", {"run", "paper-wall", "-o", ""}, 2, {".csv"}},
+    {"RecordingWithoutAName", {"stream", "paper-wall", "--record", ""}, 2, {"--record", "found no name"}},
     {"WrongEndingOfListener", {"listen", "-o", "FOLDER/a.txt"}, 2, {"FOLDER/a.txt", ".csv"}},
     {"NoSuchFolder", {"run", "paper-wall", "-o", "FOLDER/no/a.csv"}, 1, {"FOLDER/no/a.csv", "No such file"}},
     {"NoSuchFolderForRecording",

@@ -1,0 +1,45 @@
+#pragma once
+// The reference solutions of tests/reference/ and how far a run is from them. For tests and benchmarks.
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/scene.hpp"
+#include "core/simulation.hpp"
+
+namespace hertzline::testing {
+
+struct ReferenceScene {
+    std::string file;  ///< without .csv
+    Scene scene;
+};
+
+/// All of them, each the default scene with its change.
+const std::vector<ReferenceScene>& reference_scenes();
+
+/// The scene of that file. Throws std::out_of_range.
+const Scene& reference_scene(const std::string& file);
+
+/// A reference's columns, [row]; those that a scene lacks are empty.
+struct Reference {
+    std::vector<double> v_last, v_plate, v_out;
+};
+Reference read_reference(const std::string& file);
+
+/// ||a - b|| / ||b||.
+double relative_l2(std::span<const double> a, std::span<const double> b);
+
+/// How a run compares.
+struct Comparison {
+    double v_last = 0;  ///< relative L2 errors over all rows
+    double v_plate = 0;
+    double v_out = 0;
+    double energy_residual = 0;
+    double step_s = 0;
+};
+
+/// Runs the scene (resolved here) over the reference's rows. Throws std::runtime_error if it does not run.
+Comparison compare_with_reference(const Scene& scene, const Reference& reference);
+
+}  // namespace hertzline::testing
