@@ -1,18 +1,20 @@
 // hertzline against an independent solver: the accuracy that is promised, scene by scene.
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
+#include "tests/support/reference.hpp"
 
 #include <cmath>
 
-#include "tests/support/reference.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
-namespace hertzline::testing {
+namespace hertzline::test {
 namespace {
 
 class EveryReference : public ::testing::TestWithParam<ReferenceScene> {
-   protected:
-    Comparison run(Scene scene) const { return compare_with_reference(scene, read_reference(GetParam().file)); }
+protected:
+    Comparison run(Scene scene) const {
+        return compare_with_reference(scene, read_reference(GetParam().file));
+    }
 };
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryReference, ::testing::ValuesIn(reference_scenes()),
@@ -33,7 +35,7 @@ TEST_P(EveryReference, AStepOf12NanosecondsIsFarBelowTheBound) {
     Scene scene = GetParam().scene;
     scene.numerics.step_s = 12.5e-9;
     const Comparison errors = run(scene);
-    expect_errors_at_most(errors, 5e-6);  // promised: 1e-4; largest seen: 5e-7 (free end)
+    expect_errors_at_most(errors, 5e-6);      // promised: 1e-4; largest seen: 5e-7 (free end)
     EXPECT_LE(errors.energy_residual, 3e-6);  // promised: 1e-4
 }
 
@@ -42,7 +44,8 @@ TEST_P(EveryReference, LeapfrogAt12NanosecondsIsSecondOrderGood) {
     scene.numerics.step_s = 12.5e-9;
     scene.numerics.integrator = Integrator::leapfrog;
     const Comparison errors = run(scene);
-    // 1e-4 but for the scenes that amplify errors: 2.2e-4 (2 mm), 5.4e-4 (free end), 1.1e-4 (sonic vacuum) were seen
+    // 1e-4 but for the scenes that amplify errors: 2.2e-4 (2 mm), 5.4e-4 (free end), 1.1e-4 (sonic vacuum)
+    // were seen
     const bool amplifies = GetParam().file == "vitreous_carbon_2mm" || GetParam().file == "free_end" ||
                            GetParam().file == "sonic_vacuum_10";
     EXPECT_LE(errors.v_last, amplifies ? 1e-3 : 1e-4);
@@ -89,7 +92,8 @@ using ::testing::Ge;
 using ::testing::Le;
 
 TEST(Order, LeapfrogIsSecondOrderWhereContactsStayClosed) {
-    EXPECT_THAT(orders("small_amplitude_wall", Integrator::leapfrog, 200e-9), Each(AllOf(Ge(1.85), Le(2.15))));
+    EXPECT_THAT(orders("small_amplitude_wall", Integrator::leapfrog, 200e-9),
+                Each(AllOf(Ge(1.85), Le(2.15))));
 }
 
 TEST(Order, Chin4aIsFourthOrderWhereContactsStayClosed) {
@@ -122,4 +126,4 @@ TEST(Order, TheEnergyResidualFallsWithTheMethodsOrder) {
 }
 
 }  // namespace
-}  // namespace hertzline::testing
+}  // namespace hertzline::test

@@ -11,7 +11,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
-#include "tests/stream/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {
 namespace {

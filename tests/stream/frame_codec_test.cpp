@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/stream/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace hertzline {
 namespace {

@@ -20,7 +20,7 @@
 #include "stream/frame_codec.hpp"
 #include "stream/publisher.hpp"
 #include "stream/subscriber.hpp"
-#include "tests/stream/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/stream/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace hertzline {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "stream/taps.hpp"
-#include "tests/stream/allocation_count.hpp"
+#include "tests/support/allocation_count.hpp"
 
 namespace hertzline {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/numerics.hpp"
 
-namespace hertzline::testing {
+namespace hertzline::test {
 
 namespace {
 
@@ -41,7 +41,8 @@ const std::vector<ReferenceScene>& reference_scenes() {
         {"paper_wall", wall()},
         {"vitreous_carbon_tukey", changed(Scene{}, [](Scene& s) { s.drive.envelope = Envelope::tukey; })},
         {"vitreous_carbon_2mm", changed(Scene{}, [](Scene& s) { s.end.thickness_m = 2e-3; })},
-        {"vitreous_carbon_as_printed", changed(Scene{}, [](Scene& s) { s.end.preload = PlatePreload::as_printed; })},
+        {"vitreous_carbon_as_printed",
+         changed(Scene{}, [](Scene& s) { s.end.preload = PlatePreload::as_printed; })},
         {"free_end", changed(Scene{}, [](Scene& s) { s.end.kind = EndKind::free; })},
         {"sonic_vacuum_10", changed(wall(),
                                     [](Scene& s) {
@@ -121,4 +122,4 @@ Comparison compare_with_reference(const Scene& scene, const Reference& reference
     return result;
 }
 
-}  // namespace hertzline::testing
+}  // namespace hertzline::test

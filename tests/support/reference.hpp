@@ -8,7 +8,7 @@
 #include "core/scene.hpp"
 #include "core/simulation.hpp"
 
-namespace hertzline::testing {
+namespace hertzline::test {
 
 struct ReferenceScene {
     std::string file;  ///< without .csv
@@ -42,4 +42,4 @@ struct Comparison {
 /// Runs the scene (resolved here) over the reference's rows. Throws std::runtime_error if it does not run.
 Comparison compare_with_reference(const Scene& scene, const Reference& reference);
 
-}  // namespace hertzline::testing
+}  // namespace hertzline::test

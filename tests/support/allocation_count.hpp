@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-// Sanitizers bring an operator new of their own, which sees more than a replacement would let them.
+// Sanitizers bring an allocator of their own.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define HERTZLINE_ALLOCATIONS_ARE_COUNTED 0
 #else
@@ -12,7 +12,7 @@
 
 namespace hertzline::test {
 
-/// Allocations by operator new of this thread since it started; always 0 under sanitizers.
+/// Allocations by this thread since it started, by malloc or whatever calls it; always 0 under sanitizers.
 std::size_t allocations() noexcept;
 
 }  // namespace hertzline::test
