@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <stdexcept>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -27,6 +28,9 @@ Command stream_command(CLI::App& program);
 Command listen_command(CLI::App& program);
 Command scenes_command(CLI::App& program);
 Command check_command(CLI::App& program);
+
+/// For CLI::Option::check(): a file needs a name, and "" would else mean none.
+std::string missing_name(const std::string& value);
 
 /// Throws WrongUse unless the option's value is a positive, finite number.
 void require_positive(const char* option, double value);

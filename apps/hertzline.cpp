@@ -99,6 +99,10 @@ Exit run_guarded(int argc, char** argv) {
 
 }  // namespace
 
+std::string missing_name(const std::string& value) {
+    return value.empty() ? "found no name, allowed: the name of a file" : "";
+}
+
 void require_positive(const char* option, double value) {
     if (!(value > 0) || !std::isfinite(value)) {
         throw WrongUse(

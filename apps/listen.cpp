@@ -1,6 +1,7 @@
 // hertzline listen: the reference subscriber. Says whether everything arrived, and saves it.
 
 #include <chrono>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -68,6 +69,16 @@ void refuse_wrong_use(const ListenOptions& options) {
     }
 }
 
+/// How long a silence may last [s]. A stream that runs sends its meta once a second, so one that was heard
+/// and falls silent is gone: it was killed, or its end was lost in a full queue. As long as the heartbeats of
+/// stream/subscriber take to tell.
+double patience(const Listening& listening, const ListenOptions& options) {
+    constexpr double for_a_stream_that_was_heard = 15;
+    constexpr double for_one_to_come = std::numeric_limits<double>::infinity();
+    return options.timeout_s.value_or(listening.heard_samples() ? for_a_stream_that_was_heard
+                                                                : for_one_to_come);
+}
+
 void listen_to_the_end(Subscriber& subscriber, Listening& listening, ProgressLine& line,
                        const ListenOptions& options) {
     constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the clock and the stop flag
@@ -82,7 +93,7 @@ void listen_to_the_end(Subscriber& subscriber, Listening& listening, ProgressLin
         if (message != nullptr) {
             listening.take(*message);
             last_heard = steady_clock::now();
-        } else if (options.timeout_s && seconds_since(last_heard) > *options.timeout_s) {
+        } else if (seconds_since(last_heard) > patience(listening, options)) {
             listening.end(Ending::silence);
         }
         if (stop && listening.ending() == Ending::none) {
@@ -99,7 +110,8 @@ void listen_to_the_end(Subscriber& subscriber, Listening& listening, ProgressLin
 /// What was wrong, after everything was saved.
 void complain(const Listening& listening, const ListenOptions& options) {
     if (listening.ending() == Ending::silence) {
-        spdlog::error("nothing arrived for {} s from {}", number_text(*options.timeout_s), options.endpoint);
+        spdlog::error("nothing arrived for {} s from {}", number_text(patience(listening, options)),
+                      options.endpoint);
     }
     if (!listening.heard_samples()) {
         spdlog::error("no samples of {} were received", options.stream);
@@ -156,10 +168,12 @@ Command listen_command(CLI::App& program) {
         ->add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")
         ->type_name("S");
     command->add_option("-o,--output", options->file, "save the samples; the ending picks the format: .csv")
+        ->check(missing_name)
         ->type_name("FILE");
     command
-        ->add_option("--timeout", options->timeout_s,
-                     "give up when nothing arrives for S seconds (default: never)")
+        ->add_option(
+            "--timeout", options->timeout_s,
+            "give up when nothing arrives for S seconds (default: 15 once samples came, never before)")
         ->type_name("S");
     add_format_option(*command, options->format, "print the summary as one JSON object");
     command->footer(examples);

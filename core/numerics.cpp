@@ -22,7 +22,8 @@ constexpr double first_phase = 0.6;               // omega h of the coarsest pil
 constexpr double drive_periods = 1.0 / 20;        // and it resolves the drive
 constexpr double bursts_watched = 1.5;            // the chain rings on after the burst
 constexpr int most_halvings = 8;
-constexpr double safety = 0.5;  // of the wanted accuracy: where contacts switch, errors scatter about their power law
+constexpr double safety =
+    0.5;  // of the wanted accuracy: where contacts switch, errors scatter about their power law
 constexpr double chaotic = 0.05;  // an error that halving does not bring below this is no truncation error
 
 /// Upper estimate of the overlaps before anything was simulated: the static ones and what an impact at the

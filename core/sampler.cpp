@@ -31,19 +31,37 @@ struct Hermite {
           d1(z * z * (z - 1) * length) {}
     double y0, d0, y1, d1;
 
-    /// From what a trace row holds of a body: [x v a].
-    double displacement(const double* from, const double* to) const noexcept {
-        return y0 * from[0] + d0 * from[1] + y1 * to[0] + d1 * to[1];
-    }
-    double velocity(const double* from, const double* to) const noexcept {
-        return y0 * from[1] + d0 * from[2] + y1 * to[1] + d1 * to[2];
+    double value(double from, double slope, double to, double slope_there) const noexcept {
+        return y0 * from + d0 * slope + y1 * to + d1 * slope_there;
     }
 };
 
-/// A sample that is a row.
+/// One row of a trace: displacements, velocities and accelerations of the probed bodies.
+struct Row {
+    Row(const double* row, std::size_t bodies) noexcept : x(row), v(row + bodies), a(row + 2 * bodies) {}
+    const double* x;
+    const double* v;
+    const double* a;
+};
+
+/// A moment between two rows.
+struct Between {
+    Row from;
+    Row to;
+    Hermite weights;
+    double displacement(std::size_t body) const noexcept {
+        return weights.value(from.x[body], from.v[body], to.x[body], to.v[body]);
+    }
+    double velocity(std::size_t body) const noexcept {
+        return weights.value(from.v[body], from.a[body], to.v[body], to.a[body]);
+    }
+};
+
+/// A moment that is a row.
 struct Exactly {
-    static double displacement(const double* from, const double*) noexcept { return from[0]; }
-    static double velocity(const double* from, const double*) noexcept { return from[1]; }
+    Row row;
+    double displacement(std::size_t body) const noexcept { return row.x[body]; }
+    double velocity(std::size_t body) const noexcept { return row.v[body]; }
 };
 
 /// Where samples go: plain pointers, so that writing one does not make the compiler look up the others again.
@@ -70,29 +88,32 @@ struct Ending {
     std::size_t body;  ///< the end's place in a row
 };
 
-template <class Between>
-void put(const Sink& sink, std::size_t i, const Ending& end, const double* from, const double* to,
-         const Between& between) noexcept {
-    const std::size_t plate = 3 * end.body;
-    const std::size_t last = plate - 3;
+template <class Moment>
+void put(const Sink& sink, std::size_t i, const Ending& end, const Moment& moment) noexcept {
     if (sink.last != nullptr) {
-        const double v_last = between.velocity(from + last, to + last);
+        const double v_last = moment.velocity(end.body - 1);
         double v_out = v_last;
         if (end.plate) {
-            const double v_plate = between.velocity(from + plate, to + plate);
-            const double overlap = end.overlap + (between.displacement(from + last, to + last) -
-                                                  between.displacement(from + plate, to + plate));
+            const double v_plate = moment.velocity(end.body);
+            const double overlap =
+                end.overlap + (moment.displacement(end.body - 1) - moment.displacement(end.body));
             v_out = (overlap > 0 ? end.transmission * v_last : 0) + v_plate;
             sink.plate[i] = v_plate;
         }
         sink.last[i] = v_last;
         sink.out[i] = v_out;
     }
-    for (std::size_t s = 0; sink.chain_v != nullptr && s < sink.spheres; ++s) {
-        sink.chain_v[i * sink.spheres + s] = between.velocity(from + 3 * s, to + 3 * s);
+    if (sink.chain_v != nullptr) {
+        double* const v = sink.chain_v + i * sink.spheres;
+        for (std::size_t s = 0; s < sink.spheres; ++s) {
+            v[s] = moment.velocity(s);
+        }
     }
-    for (std::size_t s = 0; sink.chain_x != nullptr && s < sink.spheres; ++s) {
-        sink.chain_x[i * sink.spheres + s] = between.displacement(from + 3 * s, to + 3 * s);
+    if (sink.chain_x != nullptr) {
+        double* const x = sink.chain_x + i * sink.spheres;
+        for (std::size_t s = 0; s < sink.spheres; ++s) {
+            x[s] = moment.displacement(s);
+        }
     }
 }
 
@@ -196,12 +217,13 @@ void Sampler::emit(Samples* samples, std::int64_t end) noexcept {
 
 /// On the grid each row is a sample.
 void Sampler::emit_rows(Samples* samples, std::int64_t end) noexcept {
-    const Ending ending{plate_, transmission_, end_overlap_, trace_.row_size() / 3 - 1};
+    const std::size_t bodies = trace_.row_size() / 3;
+    const Ending ending{plate_, transmission_, end_overlap_, bodies - 1};
     std::size_t row = 0;
     for (; row < trace_.count && next_sample_ < end; ++row, ++next_sample_) {
         if (samples != nullptr) {
-            const double* at = trace_.rows + row * trace_.row_size();
-            put(Sink(*samples), samples->count++, ending, at, at, Exactly{});
+            const Row at(trace_.rows + row * trace_.row_size(), bodies);
+            put(Sink(*samples), samples->count++, ending, Exactly{at});
         }
         next_position_.advance(sample_period_);
     }
@@ -210,20 +232,22 @@ void Sampler::emit_rows(Samples* samples, std::int64_t end) noexcept {
 
 /// Off the grid a sample lies between two rows, which enclose a smooth piece of the motion.
 void Sampler::emit_between(Samples* samples, std::int64_t end) noexcept {
-    const Ending ending{plate_, transmission_, end_overlap_, trace_.row_size() / 3 - 1};
+    const std::size_t bodies = trace_.row_size() / 3;
+    const Ending ending{plate_, transmission_, end_overlap_, bodies - 1};
     StepPosition at = next_position_;
     std::size_t row = 0;
     for (; row + 1 < trace_.count && next_sample_ < end; ++row) {
         const std::int64_t base = trace_.steps[row];
         const double begin = trace_.fractions[row];
         const double close = static_cast<double>(trace_.steps[row + 1] - base) + trace_.fractions[row + 1];
-        const double* from = trace_.rows + row * trace_.row_size();
+        const Row from(trace_.rows + row * trace_.row_size(), bodies);
+        const Row to(trace_.rows + (row + 1) * trace_.row_size(), bodies);
         const double per_span = close > begin ? 1 / (close - begin) : 0;
         const auto moment = [&] { return static_cast<double>(at.step - base) + at.fraction(); };
         for (double when = moment(); when < close && next_sample_ < end; when = moment()) {
             if (samples != nullptr) {
-                const Hermite between((close - begin) * step_s_, (when - begin) * per_span);
-                put(Sink(*samples), samples->count++, ending, from, from + trace_.row_size(), between);
+                const Hermite weights((close - begin) * step_s_, (when - begin) * per_span);
+                put(Sink(*samples), samples->count++, ending, Between{from, to, weights});
             }
             ++next_sample_;
             at.advance(sample_period_);
@@ -236,9 +260,9 @@ void Sampler::emit_between(Samples* samples, std::int64_t end) noexcept {
     const bool on_last = next_sample_ < end && row + 1 == trace_.count && trace_.steps[row] == at.step &&
                          trace_.fractions[row] == at.fraction();
     if (on_last) {
-        const double* last = trace_.rows + row * trace_.row_size();
         if (samples != nullptr) {
-            put(Sink(*samples), samples->count++, ending, last, last, Exactly{});
+            const Row last(trace_.rows + row * trace_.row_size(), bodies);
+            put(Sink(*samples), samples->count++, ending, Exactly{last});
         }
         ++next_sample_;
         at.advance(sample_period_);

@@ -26,7 +26,7 @@ struct PublisherOptions {
     /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
     int send_high_water_mark = 4096;
     /// How long the destructor waits for subscribers to take what was sent last.
-    std::chrono::milliseconds linger{300};
+    std::chrono::milliseconds linger{800};
     /// A tcp subscriber that does not answer for three of these is gone. One whose queue is full does not
     /// read our questions either, so this is also how long an analyser may pause without being disconnected.
     std::chrono::milliseconds heartbeat{5000};

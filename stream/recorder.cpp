@@ -19,7 +19,9 @@ std::optional<std::string> recording_fault(const std::filesystem::path& path) {
     std::string ending = path.extension().string();
     std::ranges::transform(ending, ending.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const bool device = std::filesystem::is_character_file(path) || std::filesystem::is_fifo(path);
+    std::error_code unknown;  // a name that cannot be asked about is no device
+    const bool device =
+        std::filesystem::is_character_file(path, unknown) || std::filesystem::is_fifo(path, unknown);
     if (ending == ".csv" || (ending.empty() && device)) {
         return std::nullopt;
     }

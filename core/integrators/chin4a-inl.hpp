@@ -73,6 +73,9 @@ private:
     double c3_, c4_, c5_;
 };
 
+/// Whether a whole piece was already tried, and found to cross, before it is taken in parts.
+enum class Trial { not_yet, crossed };
+
 template <std::size_t K>
 class Chin4a {
 public:
@@ -102,13 +105,9 @@ public:
                 fold_.load(Column::loss_rate_dot),
                 hn::Load(Doubles(), chain.column(Column::work_rate)),
                 hn::Load(Doubles(), chain.column(Column::work_rate_dot))},
-          next_{fold_.scratch(Column::t0), fold_.scratch(Column::t1), fold_.scratch(Column::t2)},
-          next_node_{fold_.scratch(Column::t3),
-                     fold_.scratch(Column::t4),
-                     fold_.scratch(Column::t5),
-                     fold_.scratch(Column::t6),
-                     hn::Zero(d_),
-                     hn::Zero(d_)} {}
+          next_{fold_.load(Column::t0), fold_.load(Column::t1), fold_.load(Column::t2)},
+          next_node_{fold_.load(Column::t3), fold_.load(Column::t4), fold_.load(Column::t5),
+                     fold_.load(Column::t6), hn::Zero(d_),           hn::Zero(d_)} {}
 
     HWY_INLINE void save() const {
         save_motion();
@@ -128,6 +127,12 @@ public:
         hn::Store(work_, d_, chain.column(Column::work));
         hn::Store(node_.work, d_, chain.column(Column::work_rate));
         hn::Store(node_.work_dot, d_, chain.column(Column::work_rate_dot));
+    }
+    /// The step that try_step() found crossed: enough of it to tell where.
+    HWY_INLINE void save_trial() const {
+        fold_.store(Column::t0, next_.x);
+        fold_.store(Column::t1, next_.v);
+        fold_.store(Column::t3, next_node_.overlap);
     }
     /// What a trace is recorded from.
     HWY_INLINE void save_motion() const {
@@ -198,7 +203,7 @@ public:
     /// A smooth piece of a step, the contacts' crossings located. `record_row` is called with the fraction of
     /// the piece before and after each switch.
     template <class RecordRow>
-    HWY_INLINE void located(const HornCurve& horn, double duration, RecordRow&& record_row);
+    HWY_INLINE void located(const HornCurve& horn, double duration, Trial trial, RecordRow&& record_row);
 
 private:
     /// The frozen-contact step. Leaves the result in next_, next_node_.
@@ -389,7 +394,7 @@ HWY_INLINE Vec Chin4a<K>::crossing_time(std::size_t k, double h, const HornMotio
     const Flags closing = hn::Eq(closed_[k], zero);
     const bool law_is_overlap = tension_ == Tension::allowed;
     // Newton's method kept inside a bracket; the clamped law has no such simple slope and is bisected
-    const int rounds = law_is_overlap ? 6 : 45;
+    const int rounds = law_is_overlap ? 5 : 45;
     Vec low = zero;
     Vec high = one;
     Vec z = hn::Set(d_, 0.5);
@@ -415,7 +420,8 @@ HWY_INLINE Vec Chin4a<K>::crossing_time(std::size_t k, double h, const HornMotio
 
 template <std::size_t K>
 template <class RecordRow>
-HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, RecordRow&& record_row) {
+HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, Trial trial,
+                                   RecordRow&& record_row) {
     constexpr double together = 1e-9;  // crossings closer than this [parts of the piece] are one
     Col<K> left = fold_.scratch(Column::t12);
     Col<K> right = fold_.scratch(Column::t13);
@@ -436,7 +442,8 @@ HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, Recor
                                    horn.at(done + part));
         };
         const double rest = 1 - done;
-        if (advance(rest) || switches == max_switches) {
+        const bool known_to_cross = trial == Trial::crossed && switches == 0;
+        if (!known_to_cross && (advance(rest) || switches == max_switches)) {
             accept(rest * duration);
             return;
         }
@@ -474,7 +481,7 @@ HWY_INLINE void Chin4a<K>::located(const HornCurve& horn, double duration, Recor
 /// A step in which a contact switches or the horn's motion has a break. Works from and to the chain's memory.
 template <std::size_t K>
 HWY_NOINLINE void take_split_step(FoldedChain& chain, const ToneBurst& burst, const HornStep& horn,
-                                  std::int64_t step, Trace& trace) {
+                                  std::int64_t step, Trial trial, Trace& trace) {
     Chin4a<K> chin(chain);
     double from = 0;
     while (from < 1) {
@@ -497,7 +504,7 @@ HWY_NOINLINE void take_split_step(FoldedChain& chain, const ToneBurst& burst, co
             record_row(0);
         }
         const double duration = (to - from) * chain.step_s;
-        chin.located(HornCurve(begin, end, duration), duration, record_row);
+        chin.located(HornCurve(begin, end, duration), duration, trial, record_row);
         from = to;
     }
     chin.save();
@@ -514,11 +521,14 @@ int advance_chin4a(FoldedChain& chain, const ToneBurst& burst, const HornStep* h
     int taken = 0;
     while (taken < count && trace.count + max_rows_per_step <= trace.capacity) {
         const HornStep& now = horn[taken];
-        if (HWY_LIKELY(!now.fresh && !now.breaks && chin.try_step(now.middle, now.end))) {
+        const bool smooth = !now.fresh && !now.breaks;
+        if (HWY_LIKELY(smooth && chin.try_step(now.middle, now.end))) {
             chin.accept(chain.step_s);
         } else {
             chin.save();
-            take_split_step<K>(chain, burst, now, first + taken, trace);
+            chin.save_trial();
+            take_split_step<K>(chain, burst, now, first + taken, smooth ? Trial::crossed : Trial::not_yet,
+                               trace);
             chin = Chin4a<K>(chain);
         }
         ++taken;

@@ -113,7 +113,8 @@ private:
     std::vector<std::uint32_t> slot_of_;  ///< a table: divisions are slow
 };
 
-/// Where a kernel writes what was asked to be seen: one row per recorded moment, [x v a] of each probed body.
+/// Where a kernel writes what was asked to be seen: one row per recorded moment, displacements, velocities
+/// and accelerations of the probed bodies, [x...][v...][a...].
 struct Trace {
     double* rows = nullptr;         ///< capacity * row_size
     double* fractions = nullptr;    ///< moment of each row within its step

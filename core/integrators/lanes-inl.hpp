@@ -6,7 +6,7 @@
 #define HERTZLINE_LANES_INL
 #endif
 
-#include <cstring>
+#include <algorithm>
 #include <limits>
 
 #include <hwy/highway.h>
@@ -135,16 +135,20 @@ private:
 
 /// Adds one row to the trace from the columns x, v and total_accel in memory.
 HWY_INLINE void record(const FoldedChain& chain, Trace& trace, std::int64_t step, double fraction) {
-    double* row = trace.rows + trace.count * trace.row_size();
-    const double* x = chain.column(Column::x);
-    const double* v = chain.column(Column::v);
-    const double* a = chain.column(Column::total_accel);
-    for (Eigen::Index b = trace.first_body; b < trace.bodies; ++b, row += 3) {
-        const bool moving = b < chain.active();
-        const std::size_t s = moving ? chain.slot(b) : 0;
-        row[0] = moving ? x[s] : 0;
-        row[1] = moving ? v[s] : 0;
-        row[2] = moving ? a[s] : 0;
+    const double* const x = chain.column(Column::x);
+    const double* const v = chain.column(Column::v);
+    const double* const a = chain.column(Column::total_accel);
+    const auto bodies = static_cast<std::size_t>(trace.bodies - trace.first_body);
+    double* const row = trace.rows + trace.count * trace.row_size();
+    std::size_t i = 0;
+    for (Eigen::Index b = trace.first_body; b < std::min(trace.bodies, chain.active()); ++b, ++i) {
+        const std::size_t s = chain.slot(b);
+        row[i] = x[s];
+        row[i + bodies] = v[s];
+        row[i + 2 * bodies] = a[s];
+    }
+    for (; i < bodies; ++i) {
+        row[i] = row[i + bodies] = row[i + 2 * bodies] = 0;  // not folded: at rest
     }
     trace.steps[trace.count] = step;
     trace.fractions[trace.count] = fraction;

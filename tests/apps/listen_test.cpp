@@ -23,8 +23,9 @@ constexpr std::string_view topic = "v_out/np";
 /// A stream that sends what a test tells it to, to one listener.
 class FakeStream {
 public:
-    FakeStream()
-        : publisher_(any_port), listener_(Words{"listen", "--json", "--connect", publisher_.endpoint()}) {
+    explicit FakeStream(const std::string& timeout_s = "100")
+        : publisher_(any_port),
+          listener_(Words{"listen", "--json", "--timeout", timeout_s, "--connect", publisher_.endpoint()}) {
         frame_.stream = "v_out";
         frame_.run = "run-1";
         frame_.fs = 1e6;

@@ -12,7 +12,7 @@
 #include <sys/types.h>
 
 #include "stream/subscriber.hpp"
-#include "tests/stream/temporary_folder.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
 

@@ -92,6 +92,13 @@ TEST(Run, RowsStopBeforeADurationBetweenSamples) {
     EXPECT_NEAR(summary["simulated_s"].get<double>(), 10.1e-6, 1e-18);
 }
 
+TEST(Run, RoundingOfTheDurationLosesNoRow) {
+    // 2.1e-6 * 10e6 is 20.999999999999996
+    const auto summary =
+        hertzline({"run", "paper-wall", "--json", "--set", "output.duration_s=2.1e-6"}).json();
+    EXPECT_EQ(summary["rows"], 22);
+}
+
 TEST(Run, AllAddsEverySphere) {
     const TemporaryFolder folder;
     const Outcome outcome = hertzline({"run", "paper-wall", "--all", "-o", folder.file("all.csv"), "--set",

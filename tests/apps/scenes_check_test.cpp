@@ -54,6 +54,7 @@ TEST(Check, DerivesThePapersNumbers) {
     const auto value = [&derived](const char* name) { return derived.at(name).get<double>(); };
     EXPECT_NEAR(value("sphere_mass_kg"), 1.4137e-6, 1e-10);
     EXPECT_NEAR(value("plate_stiffness_n_per_m"), 7.50e5, 1e3);
+    EXPECT_NEAR(value("plate_frequency_hz"), 36.9e3, 0.1e3);
     EXPECT_NEAR(value("transmission"), 0.6902, 1e-4);
     EXPECT_NEAR(value("plate_moving_mass_kg"), value("plate_mass_kg") / 4, 1e-18);
     EXPECT_NEAR(value("burst_duration_s"), 25 / 73e3, 1e-15);

@@ -1,0 +1,52 @@
+// One step of each integrator for chains of many lengths, all of them moving. "items" are sphere-steps.
+
+#include <benchmark/benchmark.h>
+
+#include "core/simulation.hpp"
+
+namespace {
+
+using namespace hertzline;
+
+/// A chain in motion from end to end: the horn works on it for as long as a wave takes to cross a short one; a long one is
+/// set ringing by an end that starts out of balance.
+Scene moving(std::int64_t spheres, Integrator integrator) {
+    Scene scene;
+    scene.chain.spheres = spheres;
+    scene.end.preload = PlatePreload::as_printed;
+    scene.numerics.integrator = integrator;
+    scene.numerics.step_s = 25e-9;
+    scene.output.sample_rate_hz = 1e6;
+    return scene;
+}
+
+void step(benchmark::State& state, Integrator integrator) {
+    const Scene scene = moving(state.range(0), integrator);
+    Simulation simulation(scene, {});
+    Samples part(simulation.chain(), 16, {});
+    simulation.skip(20);
+    std::int64_t steps = 0;
+    for (auto _ : state) {
+        const std::int64_t before = simulation.steps();
+        if (simulation.advance(part, 16, {}) != Status::running) {
+            state.SkipWithError("unstable");
+            break;
+        }
+        benchmark::DoNotOptimize(part.v_out.data());
+        steps += simulation.steps() - before;
+        if (simulation.next_sample() > 5000) {
+            state.PauseTiming();
+            simulation.reset();
+            simulation.skip(20);
+            state.ResumeTiming();
+        }
+    }
+    state.SetItemsProcessed(steps * state.range(0));
+}
+
+BENCHMARK_CAPTURE(step, leapfrog, Integrator::leapfrog)->Arg(1)->Arg(6)->Arg(14)->Arg(30)->Arg(100)->Arg(1000)->Arg(100'000);
+BENCHMARK_CAPTURE(step, chin4a, Integrator::chin4a)->Arg(1)->Arg(6)->Arg(14)->Arg(30)->Arg(100)->Arg(1000);
+
+}  // namespace
+
+BENCHMARK_MAIN();
