@@ -190,9 +190,12 @@ public:
         observe(now_, node_, horn);
     }
 
-    /// The horn's motion may jump where a piece of it begins: contact 0 is looked at anew.
+    /// The horn's motion may jump where a piece of it begins: contact 0 is looked at anew. What a jump of the
+    /// horn adds to the energy stored there is work.
     HWY_INLINE void meet_horn(const HornMotion& horn) {
         const Vec overlap = fold_.difference(static_overlap_[0], now_.x, 0, horn.x);
+        const Vec gained = hn::Sub(stored(0, overlap), stored(0, node_.overlap[0]));
+        work_ = hn::MulAdd(fold_.horn(1.0), gained, work_);
         const Vec w = fold_.difference(now_.v, 0, horn.v);
         const Vec touching = hn::IfThenElseZero(touches(0, overlap, w), hn::Set(d_, 1.0));
         const Vec changed = hn::Mul(fold_.horn(1.0), hn::Sub(touching, closed_[0]));
@@ -310,6 +313,9 @@ private:
             const Vec dashpot = hn::Mul(damping_[k], w);
             node.loss.set(k, hn::Mul(dashpot, w));
             node.loss_dot.set(k, hn::Mul(hn::Add(dashpot, dashpot), w_dot));
+            if (HWY_UNLIKELY(tension_ == Tension::clamped)) {
+                add_let_go(k, w, w_dot, node);
+            }
             if (k == 0) {
                 const Vec pushed = hn::Max(node.overlap[0], hn::Zero(d_));
                 const Vec force = hn::MulAdd(root_stiffness_[0], pushed, dashpot);
@@ -319,6 +325,26 @@ private:
                 node.work_dot = hn::MulAdd(force_dot, fold_.horn(horn.v), hn::Mul(force, fold_.horn(horn.a)));
             }
         }
+    }
+
+    /// A clamped contact lets go while it is still pressed: what it stores then is lost as it relaxes, k
+    /// delta^(3/2) |w|.
+    HWY_INLINE void add_let_go(std::size_t k, Vec w, Vec w_dot, Node<K>& node) const {
+        const Vec open = hn::Sub(hn::Set(d_, 1.0), closed_[k]);
+        const Vec stiffness = hn::Mul(open, fold_.load(Column::stiffness)[k]);
+        const Vec pushed = hn::Max(node.overlap[k], hn::Zero(d_));
+        const Vec tangent = hn::Mul(hn::Mul(hn::Set(d_, 1.5), stiffness), hn::Sqrt(pushed));
+        const Vec force = hn::Mul(hn::Mul(stiffness, pushed), hn::Sqrt(pushed));
+        node.loss.set(k, hn::NegMulAdd(force, w, node.loss[k]));
+        const Vec slope = hn::MulAdd(hn::Mul(tangent, w), w, hn::Mul(force, w_dot));
+        node.loss_dot.set(k, hn::Sub(node.loss_dot[k], slope));
+    }
+
+    /// Elastic energy (2/5) k delta^(5/2) of contact k.
+    HWY_INLINE Vec stored(std::size_t k, Vec overlap) const {
+        const Vec pushed = hn::Max(overlap, hn::Zero(d_));
+        const Vec force = hn::Mul(hn::Mul(fold_.load(Column::stiffness)[k], pushed), hn::Sqrt(pushed));
+        return hn::Mul(hn::Mul(hn::Set(d_, 0.4), force), pushed);
     }
 
     /// Whether the contact law has contact k closed at an overlap [m] and a relative velocity [m/s].

@@ -1,0 +1,149 @@
+// The energy ledger closes whatever the scene, undamped chains keep their energy, symmetric methods can go
+// back.
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/bare_chain.hpp"
+
+namespace hertzline::test {
+namespace {
+
+struct LedgerCase {
+    std::string name;
+    std::function<void(Scene&)> change;
+};
+
+const std::vector<LedgerCase>& ledger_cases() {
+    static const std::vector<LedgerCase> cases{
+        {"plate", [](Scene&) {}},
+        {"wall", [](Scene& s) { s.end.kind = EndKind::wall; }},
+        {"free_end", [](Scene& s) { s.end.kind = EndKind::free; }},
+        {"unbalanced_plate", [](Scene& s) { s.end.preload = PlatePreload::as_printed; }},
+        {"soft_plate", [](Scene& s) { s.end.material = "silicone_rubber"; }},
+        {"no_preload", [](Scene& s) { s.chain.preload_n = 0; }},
+        {"undamped", [](Scene& s) { s.chain.damping_kg_per_s = 0; }},
+        {"one_sphere", [](Scene& s) { s.chain.spheres = 1; }},
+        {"forty_spheres", [](Scene& s) { s.chain.spheres = 40; }},
+        {"rectangular", [](Scene& s) { s.drive.envelope = Envelope::rectangular; }},
+        {"tukey_that_ends_amid_a_cycle",
+         [](Scene& s) {
+             s.drive.envelope = Envelope::tukey;
+             s.drive.cycles = 10.3;
+         }},
+        {"repeated_one_cycle_bursts",
+         [](Scene& s) {
+             s.drive.envelope = Envelope::rectangular;
+             s.drive.cycles = 1;
+             s.drive.repetition_hz = 31e3;
+         }},
+    };
+    return cases;
+}
+
+double residual(Scene scene, const std::function<void(Scene&)>& change, Integrator integrator,
+                double step_s) {
+    change(scene);
+    Simulation simulation(with_step(scene, integrator, step_s), {});
+    EXPECT_EQ(simulation.skip(4001), Status::running);
+    EXPECT_GT(simulation.ledger().work, 0);
+    return simulation.energy_residual();
+}
+
+class Ledger : public ::testing::TestWithParam<LedgerCase> {};
+INSTANTIATE_TEST_SUITE_P(Scenes, Ledger, ::testing::ValuesIn(ledger_cases()),
+                         [](const auto& instance) { return instance.param.name; });
+
+TEST_P(Ledger, ClosesAndClosesFourfoldBetterWithHalfTheStepOfLeapfrog) {
+    const double coarse = residual(Scene{}, GetParam().change, Integrator::leapfrog, 25e-9);
+    const double fine = residual(Scene{}, GetParam().change, Integrator::leapfrog, 12.5e-9);
+    EXPECT_LE(coarse, 2e-3);
+    EXPECT_LE(fine, 5e-4);
+    if (GetParam().name != "undamped") {  // chaotic: another step is another motion
+        EXPECT_NEAR(std::log2(coarse / fine), 2, 0.15);
+    }
+}
+
+TEST_P(Ledger, ClosesToPartsInAMillionWithChin4a) {
+    EXPECT_LE(residual(Scene{}, GetParam().change, Integrator::chin4a, 25e-9), 2e-5);
+    EXPECT_LE(residual(Scene{}, GetParam().change, Integrator::chin4a, 6.25e-9), 5e-7);
+}
+
+void clamped(Scene& scene) {
+    scene.chain.tension = Tension::clamped;
+}
+
+TEST(ClampedLedger, ClosesWithLeapfrog) {
+    const double coarse = residual(Scene{}, clamped, Integrator::leapfrog, 25e-9);
+    const double fine = residual(Scene{}, clamped, Integrator::leapfrog, 12.5e-9);
+    EXPECT_LE(coarse, 2e-3);
+    EXPECT_NEAR(std::log2(coarse / fine), 2, 0.15);
+}
+
+TEST(ClampedLedger, ClosesWithChin4a) {
+    // a clamped contact lets go while it is still pressed; what is stored in it then is lost
+    EXPECT_LE(residual(Scene{}, clamped, Integrator::chin4a, 25e-9), 1e-5);
+}
+
+TEST(JumpLedger, ClosesWhenARectangularBurstEndsAmidACycle) {
+    // the horn jumps back to zero, and the pressed contact pushes it
+    const auto cut_short = [](Scene& scene) {
+        scene.drive.envelope = Envelope::rectangular;
+        scene.drive.cycles = 10.25;
+    };
+    EXPECT_LE(residual(Scene{}, cut_short, Integrator::chin4a, 25e-9), 1e-5);
+}
+
+/// An undamped chain before a wall, thrown about.
+BareChain thrown(Integrator integrator, double step_s, double speed) {
+    Scene scene = with_step(Scene{}, integrator, step_s);
+    scene.end.kind = EndKind::wall;
+    scene.chain.spheres = 9;
+    scene.chain.damping_kg_per_s = 0;
+    BareChain chain(scene);
+    for (Eigen::Index b = 0; b < 9; ++b) {
+        chain.state.v[b] = speed * std::sin(1.0 + 2.7 * static_cast<double>(b));
+    }
+    return chain;
+}
+
+TEST(Undamped, EnergyNeitherGrowsNorFallsOverManyCollisions) {
+    for (const auto& [integrator, bound] :
+         {std::pair{Integrator::leapfrog, 1.5e-3}, {Integrator::chin4a, 1.5e-5}}) {
+        BareChain chain = thrown(integrator, 20e-9, 0.3);
+        const double at_rest = thrown(integrator, 20e-9, 0).energy();
+        const double start = chain.energy() - at_rest;
+        double largest = 0;
+        for (int i = 0; i < 500; ++i) {
+            chain.advance(1000);
+            largest = std::max(largest, std::abs((chain.energy() - at_rest) / start - 1));
+        }
+        EXPECT_LE(largest, bound);
+    }
+}
+
+/// Largest distance [m] from the start after going on and, velocities turned round, back.
+double distance_from_start(BareChain chain, std::int64_t steps) {
+    const Eigen::ArrayXd start = chain.state.x;
+    chain.advance(steps);
+    EXPECT_GT((chain.state.x - start).abs().maxCoeff(), 1e-10);
+    chain.state.v *= -1;
+    chain.advance(steps);
+    return (chain.state.x - start).abs().maxCoeff();
+}
+
+TEST(Undamped, BothMethodsRetraceTheirStepsWhileContactsStayClosed) {
+    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+        EXPECT_LE(distance_from_start(thrown(integrator, 100e-9, 1e-3), 5000), 2e-21);
+    }
+}
+
+TEST(Undamped, LeapfrogRetracesEvenThroughOpeningsUntilRoundingHasGrown) {
+    EXPECT_LE(distance_from_start(thrown(Integrator::leapfrog, 20e-9, 0.3), 2000), 5e-20);
+}
+
+}  // namespace
+}  // namespace hertzline::test
