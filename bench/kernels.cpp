@@ -8,8 +8,8 @@ namespace {
 
 using namespace hertzline;
 
-/// A chain in motion from end to end: the horn works on it for as long as a wave takes to cross a short one; a long one is
-/// set ringing by an end that starts out of balance.
+/// A chain in motion from end to end: the horn works on it for as long as a wave takes to cross a short one;
+/// a long one is set ringing by an end that starts out of balance.
 Scene moving(std::int64_t spheres, Integrator integrator) {
     Scene scene;
     scene.chain.spheres = spheres;
@@ -44,7 +44,14 @@ void step(benchmark::State& state, Integrator integrator) {
     state.SetItemsProcessed(steps * state.range(0));
 }
 
-BENCHMARK_CAPTURE(step, leapfrog, Integrator::leapfrog)->Arg(1)->Arg(6)->Arg(14)->Arg(30)->Arg(100)->Arg(1000)->Arg(100'000);
+BENCHMARK_CAPTURE(step, leapfrog, Integrator::leapfrog)
+    ->Arg(1)
+    ->Arg(6)
+    ->Arg(14)
+    ->Arg(30)
+    ->Arg(100)
+    ->Arg(1000)
+    ->Arg(100'000);
 BENCHMARK_CAPTURE(step, chin4a, Integrator::chin4a)->Arg(1)->Arg(6)->Arg(14)->Arg(30)->Arg(100)->Arg(1000);
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Each shipped scene at its default settings on one core: time per step and per sphere-step, real-time factor, and the error
-// where a reference exists.
+// Each shipped scene at its default settings on one core: time per step and per sphere-step, real-time
+// factor, and the error where a reference exists.
 //
 //     bench_throughput [--json FILE]
 
@@ -8,10 +8,11 @@
 #include <cstring>
 #include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "bench/timing.hpp"
+#include <nlohmann/json.hpp>
+
 #include "core/numerics.hpp"
 #include "core/scene_toml.hpp"
 #include "core/shipped_scenes.hpp"
@@ -38,7 +39,8 @@ double largest_error(std::string_view name, const Scene& scene) {
     if (reference == references.end()) {
         return NAN;
     }
-    const test::Comparison errors = test::compare_with_reference(scene, test::read_reference(reference->second));
+    const test::Comparison errors =
+        test::compare_with_reference(scene, test::read_reference(reference->second));
     return std::max({errors.v_last, errors.v_plate, errors.v_out});
 }
 
@@ -46,8 +48,8 @@ double largest_error(std::string_view name, const Scene& scene) {
 
 int main(int argc, char** argv) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    std::printf("%s\n%-22s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernel_target(), "scene", "method", "spheres",
-                "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
+    std::printf("%s\n%-22s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernel_target(), "scene", "method",
+                "spheres", "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
     for (const ShippedScene& shipped : shipped_scenes()) {
         const Scene scene = resolved(*parse_scene(shipped.text, shipped.name).scene).scene;
         const double rate = scene.output.sample_rate_hz;
@@ -58,9 +60,10 @@ int main(int argc, char** argv) {
         const auto spheres = static_cast<double>(scene.chain.spheres);
         const double error = largest_error(shipped.name, scene);
         const char* method = scene.numerics.integrator == Integrator::chin4a ? "chin4a" : "leapfrog";
-        std::printf("%-22s %-9s %8lld %8.2f %10.1f %14.3f %10.3f %6.0f%% %10.2g\n", std::string(shipped.name).c_str(),
-                    method, static_cast<long long>(scene.chain.spheres), *scene.numerics.step_s * 1e9, per_step,
-                    per_step / spheres, factor, 100 * timing.spread, error);
+        std::printf("%-22s %-9s %8lld %8.2f %10.1f %14.3f %10.3f %6.0f%% %10.2g\n",
+                    std::string(shipped.name).c_str(), method, static_cast<long long>(scene.chain.spheres),
+                    *scene.numerics.step_s * 1e9, per_step, per_step / spheres, factor, 100 * timing.spread,
+                    error);
         rows.push_back({{"scene", shipped.name},
                         {"integrator", method},
                         {"spheres", scene.chain.spheres},
@@ -72,7 +75,8 @@ int main(int argc, char** argv) {
                         {"error", error}});
     }
     if (argc == 3 && std::strcmp(argv[1], "--json") == 0) {
-        std::ofstream(argv[2]) << nlohmann::ordered_json{{"simd", kernel_target()}, {"scenes", rows}}.dump(2) << '\n';
+        std::ofstream(argv[2]) << nlohmann::ordered_json{{"simd", kernel_target()}, {"scenes", rows}}.dump(2)
+                               << '\n';
     }
     return 0;
 }

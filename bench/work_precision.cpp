@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "bench/timing.hpp"
+#include <nlohmann/json.hpp>
+
 #include "tests/support/reference.hpp"
 
 namespace {
@@ -27,10 +28,15 @@ nlohmann::ordered_json measure(const std::string& file, Integrator integrator, d
     const double factor = static_cast<double>(samples - 1) / scene.output.sample_rate_hz / timing.median_s;
     const double v_out = std::max(errors.v_plate, errors.v_out);
     const char* name = integrator == Integrator::chin4a ? "chin4a" : "leapfrog";
-    std::printf("%-24s %-9s %8.1f %11.2g %11.2g %11.2g %10.2f\n", file.c_str(), name, step_s * 1e9, errors.v_last, v_out,
-                errors.energy_residual, factor);
-    return {{"scene", file},       {"integrator", name}, {"step_s", step_s}, {"error_v_last", errors.v_last},
-            {"error_v_out", v_out}, {"energy_residual", errors.energy_residual}, {"real_time_factor", factor}};
+    std::printf("%-24s %-9s %8.1f %11.2g %11.2g %11.2g %10.2f\n", file.c_str(), name, step_s * 1e9,
+                errors.v_last, v_out, errors.energy_residual, factor);
+    return {{"scene", file},
+            {"integrator", name},
+            {"step_s", step_s},
+            {"error_v_last", errors.v_last},
+            {"error_v_out", v_out},
+            {"energy_residual", errors.energy_residual},
+            {"real_time_factor", factor}};
 }
 
 }  // namespace
@@ -46,8 +52,8 @@ int main(int argc, char** argv) {
         files = {"paper_vitreous_carbon", "free_end"};
     }
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    std::printf("%s\n%-24s %-9s %8s %11s %11s %11s %10s\n", kernel_target(), "scene", "method", "step/ns", "error v_last",
-                "error v_out", "energy", "real-time");
+    std::printf("%s\n%-24s %-9s %8s %11s %11s %11s %10s\n", kernel_target(), "scene", "method", "step/ns",
+                "error v_last", "error v_out", "energy", "real-time");
     for (const std::string& file : files) {
         for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
             for (const double step_s : {400e-9, 200e-9, 100e-9, 50e-9, 25e-9, 12.5e-9, 6.25e-9}) {
