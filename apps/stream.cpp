@@ -80,7 +80,8 @@ void refuse_wrong_use(const StreamOptions& options) {
 }
 
 void refuse_stream_shortages(const StreamOptions& options, const StreamPlan& plan) {
-    if (const auto shortage = memory_shortage("streaming this scene", Pipeline::memory_bytes(plan.scene))) {
+    if (const auto shortage =
+            memory_shortage("streaming this scene", Pipeline::memory_bytes(plan.scene, plan.pace))) {
         throw std::runtime_error(*shortage);
     }
     if (!options.recording.empty() && plan.samples) {

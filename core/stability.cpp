@@ -26,7 +26,7 @@ double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling
         const double spring = spring_weight * chain.spring[b];
         const double row =
             root * ((left + right + spring) * root + left * left_mobility + right * right_mobility);
-        bound = row <= bound ? bound : row;  // a NaN wins
+        bound = row <= bound || std::isnan(bound) ? bound : row;  // a NaN wins, and stays
         left = right;
         left_mobility = root;
         root = right_mobility;

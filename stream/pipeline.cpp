@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include <pthread.h>
+
 #include "stream/frame_codec.hpp"
 #include "stream/run_id.hpp"
 #include "stream/scene_json.hpp"
@@ -26,7 +28,7 @@ constexpr Nanoseconds gathering = milliseconds(200);
 constexpr Nanoseconds idle_nap = milliseconds(1);
 constexpr Nanoseconds full_ring_nap = microseconds(200);
 
-constexpr double reserve_s = 0.05;                      // of samples that the ring holds,
+constexpr double reserve_s = 0.05;                      // of wall time that the ring's samples last,
 constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this
 constexpr double fewest_slots = 4;
 constexpr double most_slots = 4096;
@@ -38,9 +40,10 @@ double slot_bytes(const Scene& scene) noexcept {
            (3 + static_cast<double>(scene.chain.spheres));
 }
 
-double slots_for(const Scene& scene) noexcept {
-    const double by_time =
-        reserve_s * scene.output.sample_rate_hz / static_cast<double>(scene.output.frame_samples);
+double slots_for(const Scene& scene, Pace pace) noexcept {
+    const double pace_factor = pace.is_flat_out() ? 1 : pace.times();
+    const double frame_rate = scene.output.sample_rate_hz / static_cast<double>(scene.output.frame_samples);
+    const double by_time = reserve_s * pace_factor * frame_rate;
     return std::clamp(std::min(by_time, most_ring_bytes / slot_bytes(scene)), fewest_slots, most_slots);
 }
 
@@ -68,7 +71,7 @@ Pipeline::Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder)
       simulation_(plan_.scene, everything),
       pacer_(plan_.scene.output.sample_rate_hz, plan_.pace),
       possible_(taps_of(plan_.scene.end.kind)),
-      ring_(static_cast<std::size_t>(slots_for(plan_.scene)), [this] {
+      ring_(static_cast<std::size_t>(slots_for(plan_.scene, plan_.pace)), [this] {
           const auto capacity = static_cast<std::size_t>(plan_.scene.output.frame_samples);
           return Block{.samples = Samples(simulation_.chain(), capacity, everything), .taps = {}};
       }) {
@@ -77,8 +80,8 @@ Pipeline::Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder)
     payload_.reserve(static_cast<std::size_t>(plan_.scene.output.frame_samples * plan_.scene.chain.spheres));
 }
 
-double Pipeline::memory_bytes(const Scene& scene) noexcept {
-    return slots_for(scene) * slot_bytes(scene) + Simulation::memory_bytes(scene, everything);
+double Pipeline::memory_bytes(const Scene& scene, Pace pace) noexcept {
+    return slots_for(scene, pace) * slot_bytes(scene) + Simulation::memory_bytes(scene, everything);
 }
 
 PublisherOptions Pipeline::publisher_options(const Scene& scene) noexcept {
@@ -129,6 +132,7 @@ Block* Pipeline::wait_for_slot(std::int64_t first, std::int64_t count) noexcept 
 
 void Pipeline::simulate() noexcept {
     // Nothing here allocates, locks or sends.
+    pthread_setname_np(pthread_self(), simulating_thread_name);
     const std::int64_t frame = plan_.scene.output.frame_samples;
     const std::int64_t total = plan_.samples.value_or(std::numeric_limits<std::int64_t>::max());
     std::int64_t busy_ns = 0;

@@ -40,6 +40,9 @@ struct StreamPlan {
 /// business.
 inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
 
+/// As the system's tools list it (top -H).
+inline constexpr const char* simulating_thread_name = "simulating";
+
 /// How the stream is doing; the meters topic and the summary are made of this.
 struct StreamMeters {
     std::int64_t samples = 0;  ///< sent or passed over because nobody wanted them
@@ -88,7 +91,7 @@ public:
     static PublisherOptions publisher_options(const Scene& scene) noexcept;
 
     /// Bytes of the ring and the simulation for a scene.
-    static double memory_bytes(const Scene& scene) noexcept;
+    static double memory_bytes(const Scene& scene, Pace pace = Pace::realtime()) noexcept;
 
 private:
     // simulating thread

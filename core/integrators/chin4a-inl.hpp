@@ -545,7 +545,7 @@ int advance_chin4a(FoldedChain& chain, const ToneBurst& burst, const HornStep* h
         chain.rebuild = false;
     }
     int taken = 0;
-    while (taken < count && trace.count + max_rows_per_step <= trace.capacity) {
+    while (taken < count && trace.has_room()) {
         const HornStep& now = horn[taken];
         const bool smooth = !now.fresh && !now.breaks;
         if (HWY_LIKELY(smooth && chin.try_step(now.middle, now.end))) {

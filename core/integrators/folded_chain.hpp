@@ -113,6 +113,9 @@ private:
     std::vector<std::uint32_t> slot_of_;  ///< a table: divisions are slow
 };
 
+/// The largest number of rows that one step can add to a trace.
+inline constexpr std::size_t max_rows_per_step = 96;
+
 /// Where a kernel writes what was asked to be seen: one row per recorded moment, displacements, velocities
 /// and accelerations of the probed bodies, [x...][v...][a...].
 struct Trace {
@@ -129,11 +132,10 @@ struct Trace {
 
     static constexpr std::int64_t never = -1;
 
+    /// Whether the rows of another step fit; contact events add rows only between the samples' grid.
+    bool has_room() const noexcept { return count + (between ? max_rows_per_step : 1) <= capacity; }
     std::size_t row_size() const noexcept { return 3 * static_cast<std::size_t>(bodies - first_body); }
 };
-
-/// The largest number of rows that one step can add to a trace.
-inline constexpr std::size_t max_rows_per_step = 96;
 
 /// Contact switches that one smooth piece of a step may be split at; two trace rows each.
 inline constexpr int max_switches = 40;

@@ -158,7 +158,7 @@ int advance_leapfrog(FoldedChain& chain, const ToneBurst&, const HornStep* horn,
                      int count, Trace& trace) {
     Leapfrog<K> leapfrog(chain);
     int taken = 0;
-    while (taken < count && trace.count + max_rows_per_step <= trace.capacity) {
+    while (taken < count && trace.has_room()) {
         leapfrog.step(horn[taken]);
         ++taken;
         if (trace.between) {

@@ -1,3 +1,105 @@
-// Bursts of every shape, again and again: the integration follows the horn's breaks.
+// Bursts of every shape: the integration follows the horn's breaks without losing its order.
 
+#include <cmath>
+#include <numeric>
+#include <string>
+
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "tests/support/reference.hpp"
+#include "tests/support/runs.hpp"
+
+namespace hertzline::test {
+namespace {
+
+struct Shape {
+    std::string name;
+    Envelope envelope;
+    double cycles;
+    double taper;
+    double repetition_hz;
+};
+
+class EveryShape : public ::testing::TestWithParam<Shape> {
+protected:
+    static constexpr std::size_t samples = 3000;
+
+    Scene scene() const {
+        Scene scene;
+        scene.drive.envelope = GetParam().envelope;
+        scene.drive.cycles = GetParam().cycles;
+        scene.drive.taper = GetParam().taper;
+        scene.drive.repetition_hz = GetParam().repetition_hz;
+        return scene;
+    }
+
+    /// Errors at 100, 50, 25, 12.5 ns; none of the breaks lies on a step.
+    std::vector<double> errors(Integrator integrator) const {
+        const Record fine = recorded(with_step(scene(), Integrator::chin4a, 2.5e-9), samples);
+        std::vector<double> all;
+        for (const double step : {100e-9, 50e-9, 25e-9, 12.5e-9}) {
+            all.push_back(
+                relative_l2(recorded(with_step(scene(), integrator, step), samples).v_last, fine.v_last));
+        }
+        return all;
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape,
+                         ::testing::Values(Shape{"hann_one_cycle", Envelope::hann, 1, 0, 0},
+                                           Shape{"hann_half_a_cycle", Envelope::hann, 0.5, 0, 0},
+                                           Shape{"rectangular", Envelope::rectangular, 5, 0, 0},
+                                           Shape{"rectangular_one_cycle", Envelope::rectangular, 1, 0, 0},
+                                           Shape{"tukey", Envelope::tukey, 7.3, 0.2, 0},
+                                           Shape{"tukey_steep", Envelope::tukey, 5.3, 0.01, 0},
+                                           Shape{"tukey_as_hann", Envelope::tukey, 5.5, 1, 0},
+                                           Shape{"rectangular_repeated", Envelope::rectangular, 3, 0, 11e3},
+                                           Shape{"hann_without_a_pause", Envelope::hann, 3, 0, 73e3 / 3},
+                                           Shape{"tukey_repeated", Envelope::tukey, 4.2, 0.5, 13.7e3}),
+                         [](const auto& instance) { return instance.param.name; });
+
+/// Mean order over all halvings.
+double order(const std::vector<double>& errors) {
+    return std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
+}
+
+TEST_P(EveryShape, Chin4aConvergesFasterThanSecondOrder) {
+    const std::vector<double> e = errors(Integrator::chin4a);
+    EXPECT_GE(order(e), 2.2) << ::testing::PrintToString(e);
+    EXPECT_LE(e[1], 1e-4) << ::testing::PrintToString(e);
+}
+
+TEST_P(EveryShape, LeapfrogConvergesWithSecondOrder) {
+    const std::vector<double> e = errors(Integrator::leapfrog);
+    EXPECT_NEAR(order(e), 2, 0.25) << ::testing::PrintToString(e);
+    EXPECT_LE(e[3], 1.5e-3) << ::testing::PrintToString(e);
+}
+
+TEST(ABurstThatStopsAmidACycle, ConvergesThoughTheHornJumps) {
+    Scene scene;
+    scene.drive.envelope = Envelope::rectangular;
+    scene.drive.cycles = 4.25;
+    const Record fine = recorded(with_step(scene, Integrator::chin4a, 2.5e-9), 2000);
+    const auto error = [&](Integrator integrator, double step) {
+        return relative_l2(recorded(with_step(scene, integrator, step), 2000).v_last, fine.v_last);
+    };
+    EXPECT_LE(error(Integrator::chin4a, 50e-9), 1e-5);
+    EXPECT_LE(error(Integrator::leapfrog, 12.5e-9), 1e-2);
+}
+
+TEST(Drive, TheMeanOfTheHornIsZeroSoTheChainComesBack) {
+    // after the last burst a damped chain returns to where it was
+    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+        Scene scene = with_step(Scene{}, integrator, 50e-9);
+        scene.end.kind = EndKind::wall;
+        scene.chain.damping_kg_per_s = 1;
+        Simulation simulation(scene, {});
+        simulation.skip(50'000);
+        EXPECT_LE(simulation.state().x.abs().maxCoeff(), 1e-22);
+        EXPECT_LE(simulation.state().v.abs().maxCoeff(), 1e-20);
+    }
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -15,4 +15,14 @@ namespace hertzline::test {
 /// Allocations by this thread since it started, by malloc or whatever calls it; always 0 under sanitizers.
 std::size_t allocations() noexcept;
 
+/// Counts the allocations of any thread of that name (at most 15 characters) while it lives; one at a time.
+class AllocationsOfThread {
+public:
+    explicit AllocationsOfThread(const char* name) noexcept;
+    ~AllocationsOfThread();
+    AllocationsOfThread(const AllocationsOfThread&) = delete;
+    AllocationsOfThread& operator=(const AllocationsOfThread&) = delete;
+    std::size_t so_far() const noexcept;
+};
+
 }  // namespace hertzline::test
