@@ -18,5 +18,7 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/hertzlineConfigVersion.cmak
 install(FILES ${CMAKE_BINARY_DIR}/hertzlineConfig.cmake ${CMAKE_BINARY_DIR}/hertzlineConfigVersion.cmake
   cmake/Dependencies.cmake DESTINATION ${config_dir})
 
+# relative to the file's own place, so that --prefix may be given at installation
+file(RELATIVE_PATH PC_TO_PREFIX "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 configure_file(cmake/hertzline.pc.in ${CMAKE_BINARY_DIR}/hertzline.pc @ONLY)
 install(FILES ${CMAKE_BINARY_DIR}/hertzline.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
