@@ -78,9 +78,13 @@ TEST(Promises, EveryRunGivesTheSameBitsAlsoAfterReset) {
         Simulation simulation(scene, everything);
         const Record first = recorded(simulation, 400, 64);
         const double residual = simulation.energy_residual();
+        const std::int64_t events = simulation.contact_events();
         simulation.reset();
+        EXPECT_EQ(simulation.contact_events(), 0);
+        EXPECT_EQ(simulation.ledger().work, 0);
         EXPECT_EQ(recorded(simulation, 400, 64), first);
         EXPECT_EQ(simulation.energy_residual(), residual);
+        EXPECT_EQ(simulation.contact_events(), events);
         EXPECT_EQ(recorded(scene, 400), first);
     }
 }
