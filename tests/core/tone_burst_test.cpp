@@ -23,6 +23,7 @@ std::vector<Drive> drives() {
                 drive.envelope = envelope;
                 drive.cycles = cycles;
                 drive.repetition_hz = repetition_hz;
+                drive.taper = 0.3;  // a ramp that does not fit the burst a whole number of times
                 all.push_back(drive);
             }
         }
