@@ -15,7 +15,6 @@ endif()
 
 set(HERTZLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
 if(HERTZLINE_SANITIZE)
-  add_compile_definitions(HERTZLINE_SANITIZED)
   add_compile_options(-fsanitize=${HERTZLINE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HERTZLINE_SANITIZE})
 endif()

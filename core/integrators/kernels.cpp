@@ -3,16 +3,9 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/integrators/kernels.cpp"
 // Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors cannot be
-// kept in arrays of registers. Under sanitizers, where this file takes minutes, the widest and the baseline
-// must do.
-#ifdef HERTZLINE_SANITIZED
-#define HERTZLINE_LESS_COMPILING HWY_AVX2
-#else
-#define HERTZLINE_LESS_COMPILING 0
-#endif
-#define HWY_DISABLED_TARGETS                                                                            \
-    (HERTZLINE_LESS_COMPILING | HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | \
-     HWY_SVE2_128)
+// kept in arrays of registers.
+#define HWY_DISABLED_TARGETS \
+    (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 // after foreach_target
 #include <hwy/highway.h>
