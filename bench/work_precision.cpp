@@ -11,6 +11,7 @@
 #include "bench/timing.hpp"
 #include <nlohmann/json.hpp>
 
+#include "core/integrators/folded_chain.hpp"
 #include "tests/support/reference.hpp"
 
 namespace {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 
-#include "core/simulation.hpp"
+#include "core/pilot.hpp"
+#include "core/series_solver.hpp"
 #include "core/stability.hpp"
 
 namespace hertzline {
@@ -16,81 +16,27 @@ namespace {
 
 constexpr std::int64_t register_spheres = 30;     // four AVX-512 registers
 constexpr std::int64_t pilot_spheres = 128;       // what a longer chain does is decided near the horn
+constexpr double bursts_watched = 1.5;            // the chain rings on after the burst
+constexpr double chaotic = 0.05;  // an error that shorter steps do not bring below this is no truncation error
+
+double watched_s(const Drive& drive) noexcept {
+    return bursts_watched * drive.cycles / drive.frequency_hz;
+}
+
+Scene shortened(Scene scene) {
+    scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
+    return scene;
+}
+
+// --- steps on a grid: halved until two successive ones agree --------------------------------------------------
+
 constexpr double most_body_steps = 1e6;           // of the coarsest pilot,
 constexpr double most_body_steps_together = 3e7;  // and of all of them: about a second at worst
 constexpr double first_phase = 0.6;               // omega h of the coarsest pilot: surely stable
 constexpr double drive_periods = 1.0 / 20;        // and it resolves the drive
-constexpr double bursts_watched = 1.5;            // the chain rings on after the burst
 constexpr int most_halvings = 8;
-constexpr double safety =
-    0.5;  // of the wanted accuracy: where contacts switch, errors scatter about their power law
-constexpr double chaotic = 0.05;  // an error that halving does not bring below this is no truncation error
-
-/// Upper estimate of the overlaps before anything was simulated: the static ones and what an impact at the
-/// horn's largest velocity adds (Johnson 1985, eq. 11.2: (15 m u^2 / 16 k')^(2/5), here with k = 4/3 k').
-Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive) {
-    const double u = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
-    Eigen::ArrayXd overlaps = chain.static_overlap;
-    for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
-        if (chain.stiffness[c] > 0) {
-            overlaps[c] += std::pow(1.25 * u * u / (chain.inv_mass[0] * chain.stiffness[c]), 0.4);
-        }
-    }
-    return overlaps;
-}
-
-/// Velocities over a pilot, [sample][body], and the overlaps it reached.
-struct Pilot {
-    std::vector<double> velocities;
-    Eigen::ArrayXd peak_overlap;
-    bool stable = true;
-};
-
-struct PilotPlan {
-    Scene scene;
-    std::size_t samples;
-    double sample_period_s;
-};
-
-Pilot fly(const PilotPlan& plan, double step_s) {
-    Scene scene = plan.scene;
-    scene.numerics.step_s = step_s;
-    scene.output.sample_rate_hz = 1 / plan.sample_period_s;
-    constexpr std::size_t block = 256;
-    const Wish wish{.outputs = true, .chain_velocities = true, .chain_displacements = false};
-    Simulation simulation(scene, wish);
-    Samples part(simulation.chain(), block, wish);
-    Pilot result;
-    for (std::size_t done = 0; done < plan.samples && result.stable; done += block) {
-        result.stable =
-            simulation.advance(part, std::min(block, plan.samples - done), wish) == Status::running;
-        for (std::size_t i = 0; i < part.count; ++i) {
-            const double* row = part.chain_v.data() + i * part.spheres;
-            result.velocities.insert(result.velocities.end(), row, row + part.spheres);
-            result.velocities.push_back(part.v_plate.empty() ? 0 : part.v_plate[i]);
-        }
-    }
-    result.peak_overlap = simulation.state().peak_overlap;
-    return result;
-}
-
-/// Largest relative L2 difference of any body's velocity. Bodies that hardly move are judged by the scale of
-/// the others.
-double largest_difference(const Pilot& coarse, const Pilot& fine, std::size_t bodies) {
-    if (!coarse.stable || !fine.stable) {
-        return std::numeric_limits<double>::infinity();
-    }
-    Eigen::ArrayXd difference = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(bodies));
-    Eigen::ArrayXd norm = difference;
-    for (std::size_t i = 0; i < fine.velocities.size(); ++i) {
-        const double d = coarse.velocities[i] - fine.velocities[i];
-        difference[static_cast<Eigen::Index>(i % bodies)] += d * d;
-        norm[static_cast<Eigen::Index>(i % bodies)] += fine.velocities[i] * fine.velocities[i];
-    }
-    constexpr double hardly = 1e-6;  // of the largest energy
-    const double largest = norm.maxCoeff();
-    return largest > 0 ? std::sqrt((difference / norm.max(hardly * largest)).maxCoeff()) : 0;
-}
+constexpr double grid_safety = 0.5;  // of the wanted accuracy: where contacts switch, errors scatter about
+                                     // their power law
 
 /// The largest step not above `step` that divides the sample period or, beyond it, is a multiple of a quarter
 /// of it.
@@ -103,54 +49,45 @@ double fitted_to_samples(double step, double sample_rate_hz) {
     return std::floor(4 / per_sample * (1 + slack)) / (4 * sample_rate_hz);
 }
 
-PilotPlan plan_pilot(const Scene& asked, double first_step) {
-    Scene scene = asked;
-    scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
-    const double watched = bursts_watched * scene.drive.cycles / scene.drive.frequency_hz;
-    const double affordable = most_body_steps / static_cast<double>(scene.chain.spheres + 1);
-    const double samples = std::clamp(std::ceil(watched / first_step), 16.0, affordable);
-    return {scene, static_cast<std::size_t>(samples), first_step};
+/// Sampled once a step of the coarsest pilot, the output left out: it jumps where a contact switches.
+PilotPlan plan_on_grid(const Scene& asked, double first_step) {
+    PilotPlan plan{shortened(asked), 0};
+    const double affordable = most_body_steps / static_cast<double>(plan.scene.chain.spheres + 1);
+    plan.samples =
+        static_cast<std::size_t>(std::clamp(std::ceil(watched_s(asked.drive) / first_step), 16.0, affordable));
+    plan.scene.output.sample_rate_hz = 1 / first_step;
+    return plan;
 }
 
 double coarsest_step(const Scene& scene) {
     const Chain chain(scene);
-    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
+    const double omega = fastest_frequency(chain, overlaps);
     const double by_drive = drive_periods / scene.drive.frequency_hz;
-    const double stable =
-        largest_stable_step(chain, expected_overlaps(chain, scene.drive), *scene.numerics.integrator);
+    const double stable = largest_stable_step(chain, overlaps, *scene.numerics.integrator);
     return std::min({first_phase / omega, by_drive, stable / 2});
 }
 
-}  // namespace
-
-Scene with_integrator(Scene scene) {
-    if (!scene.numerics.integrator) {
-        const bool short_chain = scene.chain.spheres <= register_spheres;
-        scene.numerics.integrator = short_chain ? Integrator::chin4a : Integrator::leapfrog;
-    }
-    return scene;
-}
-
-StepAdvice advise_step(const Scene& asked) {
-    const Scene scene = with_integrator(asked);
-    const double target = safety * scene.numerics.accuracy.value_or(default_accuracy);
+StepAdvice advise_on_grid(const Scene& scene) {
+    const Integrator integrator = *scene.numerics.integrator;
+    const double target = grid_safety * scene.numerics.accuracy.value_or(default_accuracy);
     const double first = coarsest_step(scene);
-    const PilotPlan plan = plan_pilot(scene, first);
+    const PilotPlan plan = plan_on_grid(scene, first);
     const auto bodies = static_cast<std::size_t>(plan.scene.chain.spheres) + 1;
 
     StepAdvice advice;
-    advice.pilot_duration_s = static_cast<double>(plan.samples) * plan.sample_period_s;
+    advice.pilot_duration_s = static_cast<double>(plan.samples) * first;
     double step = first;
     double coarser_error = 0;
     double error = 0;
     double taken = 0;
-    Pilot coarse = fly(plan, step);
+    Pilot coarse = fly(plan, integrator, step);
     for (int halvings = 0;; ++halvings) {
-        Pilot fine = fly(plan, step / 2);
+        Pilot fine = fly(plan, integrator, step / 2);
         coarser_error = error;
         // what remains at half the step is at most a third of the difference, by the lowest order in use
         // (two)
-        error = largest_difference(coarse, fine, bodies) * 4 / 3;
+        error = largest_difference(coarse, fine) * 4 / 3;
         coarse = std::move(fine);
         taken += 2 * static_cast<double>(plan.samples * bodies) * std::exp2(halvings + 1);
         if (error <= target || halvings == most_halvings || taken > most_body_steps_together) {
@@ -158,9 +95,7 @@ StepAdvice advise_step(const Scene& asked) {
         }
         step /= 2;
     }
-    const Chain chain(plan.scene);
-    advice.largest_stable_step_s =
-        largest_stable_step(chain, coarse.peak_overlap, *scene.numerics.integrator);
+    advice.largest_stable_step_s = largest_stable_step(Chain(plan.scene), coarse.peak_overlap, integrator);
     advice.accuracy_met = error <= target;
     if (advice.accuracy_met && coarser_error > 0 && std::isfinite(coarser_error) && error > 0) {
         // between the step that is good enough and its double, which is not: a power law through both errors
@@ -174,6 +109,101 @@ StepAdvice advise_step(const Scene& asked) {
     advice.recommended_step_s = fitted_to_samples(step, scene.output.sample_rate_hz);
     advice.estimated_error = error;
     return advice;
+}
+
+// --- series: compared with one that is as good as exact -------------------------------------------------------
+
+constexpr double series_drive_periods = 0.11;  // the longest step: the horn's series reaches that far
+constexpr double aim = 0.3;      // of the wanted accuracy
+constexpr double most = 0.6;     // of it that a pilot may show,
+constexpr double least = 0.12;   // and below which a longer step is tried
+constexpr int most_trials = 10;
+constexpr double slope = 13;     // of log(error) over log(step), roughly
+
+double rounded_down(double step) {
+    const double unit = std::pow(10, std::floor(std::log10(step)) - 2);
+    return std::floor(step / unit * (1 + 1e-12)) * unit;
+}
+
+/// Sampled as the scene is, so that samples beside a contact's switching count as they will.
+PilotPlan plan_of_series(const Scene& asked) {
+    constexpr double most_samples = 40e3;
+    constexpr double per_period = 16;
+    const double watched = watched_s(asked.drive);
+    PilotPlan plan{shortened(asked), 0};
+    const double affordable = most_samples * 7 / static_cast<double>(plan.scene.chain.spheres + 1) / watched;
+    double& rate = plan.scene.output.sample_rate_hz;
+    rate = std::max(std::min(rate, affordable), per_period * asked.drive.frequency_hz);
+    plan.samples = static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), 16.0, most_samples));
+    return plan;
+}
+
+StepAdvice advise_series(const Scene& scene) {
+    const Integrator integrator = *scene.numerics.integrator;
+    const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
+    const PilotPlan plan = plan_of_series(scene);
+    const Chain chain(plan.scene);
+    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+    const double by_drive = series_drive_periods / scene.drive.frequency_hz;
+    const auto longest = [&](const Eigen::ArrayXd& overlaps) {
+        return largest_stable_step(chain, overlaps, integrator);
+    };
+    const double exact_step = std::min(SeriesSolver::phase_for(1e-13) / omega, by_drive);
+    const Pilot exact = fly(plan, Integrator::taylor12, exact_step);
+
+    StepAdvice advice;
+    advice.pilot_duration_s = static_cast<double>(plan.samples) / plan.scene.output.sample_rate_hz;
+    advice.largest_stable_step_s = longest(exact.peak_overlap);
+    const double limit = std::min({0.98 * advice.largest_stable_step_s, 0.98 * longest(chain.static_overlap),
+                                   by_drive});
+    // the longest step whose error lies in the window, by secants on the logarithms
+    double step = std::min(limit, SeriesSolver::phase_for(accuracy / 30) / omega);
+    double low = 0;
+    double high = std::numeric_limits<double>::infinity();
+    double error = 0;
+    for (int trial = 0; trial < most_trials; ++trial) {
+        step = rounded_down(step);
+        error = largest_difference(fly(plan, integrator, step), exact);
+        const bool good = error <= most * accuracy;
+        if (good && (error >= least * accuracy || step >= 0.97 * limit)) {
+            break;
+        }
+        (good ? low : high) = step;
+        const double ratio = std::clamp(aim * accuracy / std::max(error, 1e-300), 1e-6, 1e6);
+        double next = step * std::pow(ratio, 1 / slope);
+        if (next <= low || next >= high) {
+            next = high < 1e300 ? std::sqrt(std::max(low, high / 4) * high) : 2 * low;
+        }
+        step = std::min(next, limit);
+        if (trial + 1 == most_trials && low > 0) {
+            step = low;
+        }
+    }
+    advice.accuracy_met = error <= accuracy;
+    advice.recommended_step_s = step;
+    advice.estimated_error = error;
+    return advice;
+}
+
+bool is_series(Integrator integrator) noexcept {
+    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
+}
+
+}  // namespace
+
+Scene with_integrator(Scene scene) {
+    if (!scene.numerics.integrator) {
+        constexpr double high_accuracy = 1e-6;
+        const bool high = scene.numerics.accuracy.value_or(default_accuracy) < high_accuracy;
+        const Integrator series = high ? Integrator::taylor12 : Integrator::taylor8;
+        scene.numerics.integrator = scene.chain.spheres <= register_spheres ? series : Integrator::leapfrog;
+    }
+    return scene;
+}
+
+StepAdvice advise_step(const Scene& asked) {
+    const Scene scene = with_integrator(asked);
+    return is_series(*scene.numerics.integrator) ? advise_series(scene) : advise_on_grid(scene);
 }
 
 Resolved resolved(const Scene& asked) {

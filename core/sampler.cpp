@@ -121,7 +121,7 @@ void put(const Sink& sink, std::size_t i, const Ending& end, const Moment& momen
 
 StepPosition StepPosition::of(double steps) noexcept {
     const double whole = std::floor(steps);
-    return {static_cast<std::int64_t>(whole), static_cast<std::uint64_t>(std::ldexp(steps - whole, 64))};
+    return {static_cast<std::int64_t>(whole), static_cast<std::uint64_t>((steps - whole) * 0x1p64)};
 }
 
 StepPosition StepPosition::times(std::int64_t n) const noexcept {

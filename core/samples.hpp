@@ -13,6 +13,7 @@ struct Wish {
     bool outputs = true;            ///< v_last, v_plate, v_out
     bool chain_velocities = false;  ///< of all spheres
     bool chain_displacements = false;
+    bool ledger = true;  ///< of energy; settled when a Simulation is made, not from block to block
     bool chain() const noexcept { return chain_velocities || chain_displacements; }
 };
 

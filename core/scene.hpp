@@ -17,7 +17,7 @@ enum class Envelope { hann, tukey, rectangular };
 enum class Tension { allowed, clamped };
 enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
-enum class Integrator { leapfrog, chin4a };
+enum class Integrator { leapfrog, chin4a, taylor8, taylor12 };
 
 /// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
 struct Drive {

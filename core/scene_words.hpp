@@ -47,7 +47,9 @@ struct Words<PlatePreload> {
 template <>
 struct Words<Integrator> {
     static constexpr std::array all{Word<Integrator>{"leapfrog", Integrator::leapfrog},
-                                    Word<Integrator>{"chin4a", Integrator::chin4a}};
+                                    Word<Integrator>{"chin4a", Integrator::chin4a},
+                                    Word<Integrator>{"taylor8", Integrator::taylor8},
+                                    Word<Integrator>{"taylor12", Integrator::taylor12}};
 };
 
 /// The word for a choice, word(Envelope::hann) == "hann"; empty for a value that is no choice.

@@ -1,170 +1,58 @@
 #include "core/simulation.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 
-#include "core/stability.hpp"
+#include "core/energy.hpp"
+#include "core/sampler.hpp"
+#include "core/series_solver.hpp"
+#include "core/stepped_solver.hpp"
 
 namespace hertzline {
 
 namespace {
 
-double step_of(const Scene& scene) {
-    if (!scene.numerics.integrator || !scene.numerics.step_s) {
-        throw std::invalid_argument("Simulation: the scene's integrator and step are not resolved");
-    }
-    return exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz);
+bool is_series(Integrator integrator) noexcept {
+    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
 }
 
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, Wish most)
-    : chain_(scene),
-      integrator_(scene.numerics.integrator.value_or(Integrator::leapfrog)),
-      step_s_(step_of(scene)),
-      limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
-      burst_(scene.drive, step_s_),
-      state_(chain_),
-      folded_(chain_, kernel_lanes()),
-      horn_(ToneBurst::batch_steps),
-      sampler_(chain_, scene.output.sample_rate_hz, step_s_, most) {
-    folded_.step_s = step_s_;
-    reset();
+std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most) {
+    if (!scene.numerics.integrator || !scene.numerics.step_s) {
+        throw std::invalid_argument("Simulation: the scene's integrator and step are not resolved");
+    }
+    if (is_series(*scene.numerics.integrator)) {
+        return std::make_unique<SeriesSolver>(scene, chain, most);
+    }
+    return std::make_unique<SteppedSolver>(scene, chain, most);
 }
+
+Simulation::Simulation(const Scene& scene, Wish most)
+    : chain_(std::make_unique<const Chain>(scene)),
+      step_s_(exact_step(scene.numerics.step_s.value_or(0), scene.output.sample_rate_hz)),
+      solver_(make_solver(scene, *chain_, most)) {}
 
 void Simulation::reset() noexcept {
-    state_.rest(chain_);
-    folded_.contact_events = 0;
-    ledger_ = {};
-    ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
+    solver_->reset();
     status_ = Status::running;
-    horn_first_ = -1;
-    front_ = (chain_.bias != 0).any() ? chain_.bodies() : 0;
-    folded_.fold(chain_, state_, std::min<Eigen::Index>(1, chain_.bodies()));
-    sampler_.reset(chain_);
-    begin_batch();
-}
-
-const ChainState& Simulation::state() noexcept {
-    folded_.unfold(state_);
-    return state_;
-}
-
-/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on
-/// block sizes.
-void Simulation::begin_batch() noexcept {
-    collect_ledger();
-    fold_active();
-    burst_.fill(state_.step, horn_.data(), ToneBurst::batch_steps);
-    horn_first_ = state_.step;
-}
-
-void Simulation::fold_active() noexcept {
-    const Eigen::Index bodies = chain_.bodies();
-    const bool all_folded = folded_.active() == bodies && state_.step > 0;
-    if (all_folded) {
-        return;
-    }
-    folded_.unfold(state_);
-    front_ = std::max(front_, folded_.active());
-    while (front_ > 0 && front_ < bodies && state_.x[front_ - 1] == 0 && state_.v[front_ - 1] == 0) {
-        --front_;
-    }
-    // In one step a disturbance travels a bounded number of bodies: two with leapfrog (two looks at the
-    // dashpots), twelve with Chin 4A (eight powers of the drift, two forces, one gradient), doubled for a
-    // step that is split. What a step of many splits carries further has fallen by a hundred orders of
-    // magnitude on its way.
-    const Eigen::Index reach = integrator_ == Integrator::leapfrog ? 2 : 24;
-    const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
-    folded_.fold(chain_, state_, active);
-    kernel_ = kernel(integrator_, folded_.rows());
-}
-
-void Simulation::collect_ledger() noexcept {
-    double* lost = folded_.column(Column::lost);
-    double* work = folded_.column(Column::work);
-    for (std::size_t s = 0; s < folded_.slots(); ++s) {
-        ledger_.lost += lost[s];
-        lost[s] = 0;
-    }
-    for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
-        ledger_.work += work[lane];
-        work[lane] = 0;
-    }
-}
-
-Ledger Simulation::ledger() noexcept {
-    // a look must not change how later sums round, so the columns are only read
-    Ledger now = ledger_;
-    for (std::size_t s = 0; s < folded_.slots(); ++s) {
-        now.lost += folded_.column(Column::lost)[s];
-    }
-    for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
-        now.work += folded_.column(Column::work)[lane];
-    }
-    return now;
 }
 
 double Simulation::energy_residual() noexcept {
-    const Ledger books = ledger();
+    const Ledger books = solver_->ledger();
     const double scale = std::max(std::abs(books.work), books.lost);
     if (scale == 0) {
         return 0;
     }
-    const double horn_x = burst_.at(state_.step, 0, -1e-6).x;
-    const double held = kinetic_energy(chain_, state()) + stored_energy(chain_, state_, horn_x);
+    const ChainState& now = solver_->state();
+    const double held =
+        kinetic_energy(*chain_, now) + stored_energy(*chain_, now, solver_->horn_displacement());
     return std::abs(held - books.at_start - books.work + books.lost) / scale;
 }
 
-bool Simulation::stable() noexcept {
-    // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront
-    // nothing changes
-    for (Eigen::Index b = 0; b < folded_.active(); ++b) {
-        state_.peak_overlap[b] = folded_.column(Column::peak_overlap)[folded_.slot(b)];
-    }
-    const double limit = largest_stable_step(chain_, state_.peak_overlap.head(folded_.active()), integrator_);
-    return step_s_ <= std::min(limit, limit_at_rest_);
-}
-
 std::string Simulation::failure() const {
-    if (status_ == Status::running) {
-        return {};
-    }
-    Eigen::Index contact = 0;
-    (chain_.stiffness.square() * state_.peak_overlap).maxCoeff(&contact);
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(),
-                  "the step of %.4g s lies beyond the stability limit of %.4g s that the contacts reached by "
-                  "t = %.6g s "
-                  "(stiffest: contact %lld, overlap %.3g m)",
-                  step_s_, largest_stable_step(chain_, state_.peak_overlap, integrator_),
-                  static_cast<double>(state_.step) * step_s_, static_cast<long long>(contact),
-                  state_.peak_overlap[contact]);
-    return text.data();
-}
-
-/// Takes steps until `step` is reached or the trace is full.
-void Simulation::run_until(std::int64_t step, Trace& trace) noexcept {
-    while (state_.step < step && status_ == Status::running) {
-        const std::int64_t in_batch = state_.step - horn_first_;
-        const std::int64_t left_in_batch = ToneBurst::batch_steps - in_batch;
-        const int count = static_cast<int>(std::min(left_in_batch, step - state_.step));
-        const int taken = kernel_(folded_, burst_, horn_.data() + in_batch, state_.step, count, trace);
-        state_.step += taken;
-        if (!stable()) {
-            status_ = Status::unstable;
-            return;
-        }
-        if (state_.step == horn_first_ + ToneBurst::batch_steps) {
-            begin_batch();
-        }
-        if (taken < count) {
-            return;
-        }
-    }
+    return status_ == Status::running ? std::string{} : solver_->failure();
 }
 
 Status Simulation::advance(Samples& samples, std::size_t count, Wish wish) noexcept {
@@ -177,43 +65,28 @@ Status Simulation::advance(Samples& samples, std::size_t count, Wish wish) noexc
         samples.count = static_cast<std::size_t>(next_sample() - samples.first);
         return status;
     }
-    if (produce(&samples, block) != Status::running) {
+    if (status_ == Status::running) {
+        status_ = solver_->produce(&samples, block);
+    }
+    if (status_ != Status::running) {
         samples.count = 0;
     }
     return status_;
 }
 
 Status Simulation::skip(std::int64_t count) noexcept {
-    return produce(nullptr, count);
-}
-
-Status Simulation::produce(Samples* samples, std::int64_t count) noexcept {
-    if (count <= 0 || status_ != Status::running) {
-        return status_;
+    if (status_ == Status::running) {
+        status_ = solver_->produce(nullptr, count);
     }
-    const std::int64_t end = next_sample() + count;
-    const std::int64_t last_step = sampler_.step_needed(end);
-    if (samples == nullptr && sampler_.pass_over()) {
-        run_until(last_step, sampler_.trace());
-        if (status_ == Status::running) {
-            sampler_.passed_over(end);
-        }
-        return status_;
-    }
-    for (;;) {
-        sampler_.emit(samples, end);
-        if (next_sample() == end || status_ != Status::running) {
-            return status_;
-        }
-        run_until(last_step, sampler_.wanted_from(state_.step));
-    }
+    return status_;
 }
 
 double Simulation::memory_bytes(const Scene& scene, Wish most) noexcept {
     const auto bodies = static_cast<double>(scene.chain.spheres) + 1;
     const double state_and_constants = bodies * 8 * 11;
-    const double folded = (bodies + 64) * 8 * static_cast<double>(Column::count);
-    return state_and_constants + folded + Sampler::bytes(bodies, most);
+    const bool series = scene.numerics.integrator && is_series(*scene.numerics.integrator);
+    return state_and_constants +
+           (series ? SeriesSolver::memory_bytes(bodies) : SteppedSolver::memory_bytes(bodies, most));
 }
 
 }  // namespace hertzline

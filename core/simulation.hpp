@@ -4,20 +4,13 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "core/chain.hpp"
-#include "core/energy.hpp"
-#include "core/integrators/folded_chain.hpp"
-#include "core/sampler.hpp"
 #include "core/scene.hpp"
+#include "core/solver.hpp"
 #include "core/state.hpp"
-#include "core/tone_burst.hpp"
 
 namespace hertzline {
-
-/// Whether the integration still stands.
-enum class Status { running, unstable };
 
 class Simulation {
 public:
@@ -36,15 +29,17 @@ public:
     /// Passes over the next `count` samples: the motion goes on, nothing is put down.
     Status skip(std::int64_t count) noexcept;
 
-    const Chain& chain() const noexcept { return chain_; }
+    const Chain& chain() const noexcept { return *chain_; }
+    /// Step of a grid, or the longest piece of a series [s].
     double step_s() const noexcept { return step_s_; }
-    std::int64_t steps() const noexcept { return state_.step; }
-    std::int64_t next_sample() const noexcept { return sampler_.next_sample(); }
-    std::int64_t contact_events() const noexcept { return folded_.contact_events; }
+    /// Steps or pieces so far.
+    std::int64_t steps() const noexcept { return solver_->state().step; }
+    std::int64_t next_sample() const noexcept { return solver_->next_sample(); }
+    std::int64_t contact_events() const noexcept { return solver_->contact_events(); }
 
     /// State at the last step taken. Not cheap: for tests, checks and ledgers, not for each sample.
-    const ChainState& state() noexcept;
-    Ledger ledger() noexcept;
+    const ChainState& state() noexcept { return solver_->state(); }
+    Ledger ledger() noexcept { return solver_->ledger(); }
     /// |kinetic + stored - start - work + lost| over the work done.
     double energy_residual() noexcept;
 
@@ -55,26 +50,9 @@ public:
     static double memory_bytes(const Scene& scene, Wish most) noexcept;
 
 private:
-    void run_until(std::int64_t step, Trace& trace) noexcept;
-    void begin_batch() noexcept;
-    void fold_active() noexcept;
-    void collect_ledger() noexcept;
-    bool stable() noexcept;
-    Status produce(Samples* samples, std::int64_t count) noexcept;
-
-    Chain chain_;
-    Integrator integrator_;
+    std::unique_ptr<const Chain> chain_;
     double step_s_;
-    double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
-    ToneBurst burst_;
-    ChainState state_;
-    FoldedChain folded_;
-    Kernel kernel_ = nullptr;
-    std::vector<HornStep> horn_;
-    std::int64_t horn_first_ = -1;
-    Eigen::Index front_ = 0;  ///< bodies from here on are still at rest, exactly
-    Sampler sampler_;
-    Ledger ledger_;
+    std::unique_ptr<Solver> solver_;
     Status status_ = Status::running;
 };
 

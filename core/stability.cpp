@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/hertz.hpp"
 
@@ -40,7 +41,39 @@ double squared_frequency(const Chain& chain, const Eigen::Ref<const Eigen::Array
         [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlaps[c], 0.0)); }, 1);
 }
 
+/// Largest h omega of an oscillation and h gamma of a decay.
+struct StabilityBounds {
+    double oscillation;
+    double decay;
+};
+
+StabilityBounds bounds_of(Integrator integrator) noexcept {
+    switch (integrator) {
+        case Integrator::leapfrog:
+            return {2, 2};
+        case Integrator::chin4a:
+            return {std::sqrt(12.0), 5.57};
+        case Integrator::taylor8:
+            return {3.09, 4.3};
+        case Integrator::taylor12:
+            return {3.66, 5.8};
+    }
+    return {0, 0};
+}
+
 }  // namespace
+
+Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive) {
+    // an impact: Johnson 1985, eq. 11.2: (15 m u^2 / 16 k')^(2/5), here with k = 4/3 k'
+    const double u = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    Eigen::ArrayXd overlaps = chain.static_overlap;
+    for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
+        if (chain.stiffness[c] > 0) {
+            overlaps[c] += std::pow(1.25 * u * u / (chain.inv_mass[0] * chain.stiffness[c]), 0.4);
+        }
+    }
+    return overlaps;
+}
 
 double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
     return std::sqrt(squared_frequency(chain, overlaps));
@@ -51,9 +84,9 @@ double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::Arr
     const double omega_squared = squared_frequency(chain, overlaps);
     const double gamma = spectral_bound(
         chain, overlaps.size(), [&](Eigen::Index c) { return chain.damping[c]; }, 0);
-    const bool leapfrog = integrator == Integrator::leapfrog;
-    const double a = omega_squared / (leapfrog ? 4.0 : 12.0);
-    const double b = gamma / (leapfrog ? 2.0 : 5.57);
+    const StabilityBounds bounds = bounds_of(integrator);
+    const double a = omega_squared / (bounds.oscillation * bounds.oscillation);
+    const double b = gamma / bounds.decay;
     if (std::isnan(a) || std::isnan(b)) {
         return 0;
     }

@@ -18,6 +18,10 @@ namespace hertzline {
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept;
 
+/// Upper estimate of the overlaps [m] before anything was simulated: the static ones and what an impact at the
+/// horn's largest velocity adds.
+Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive);
+
 /// Frequency bound [rad/s] of the chain's fastest mode at those overlaps.
 double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept;
 

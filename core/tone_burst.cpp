@@ -123,6 +123,30 @@ double ToneBurst::next_break(std::int64_t step, double after) const noexcept {
     return fraction < 1 - smallest_piece ? fraction : 1;
 }
 
+std::array<double, 3> ToneBurst::frequencies_hz() const noexcept {
+    const double carrier = omega_ / (2 * std::numbers::pi);
+    const double ramp = ramp_omega_ / (2 * std::numbers::pi);
+    return {carrier, carrier + ramp, carrier - ramp};
+}
+
+SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept {
+    const Place where = place(step, fraction + smallest_piece);
+    SmoothDrive drive;
+    drive.since_burst_s = since_burst(step, fraction, where.burst);
+    drive.left_s = piece_end(where.piece) - drive.since_burst_s;
+    if (where.piece == top) {
+        drive.amplitude_m = {amplitude_, 0, 0};
+    } else if (where.piece != silence) {
+        // (1 - cos r)/2 sin c = sin(c)/2 - sin(c + r)/4 - sin(c - r)/4
+        drive.amplitude_m = {amplitude_ / 2, -amplitude_ / 4, -amplitude_ / 4};
+    }
+    if (where.piece == fall) {
+        const double late = duration_ * ramp_omega_ / (2 * std::numbers::pi);
+        drive.phase_turns = {0, -late, late};
+    }
+    return drive;
+}
+
 double ToneBurst::mean_velocity(std::int64_t step) const noexcept {
     double travelled = 0;
     double from = 0;

@@ -4,6 +4,7 @@
 // The motion is smooth only piecewise: a burst consists of a rise, a flat top and a fall (hann: one piece;
 // rectangular: the top alone), then silence. Integrators are handed one smooth piece at a time.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -27,6 +28,15 @@ struct HornStep {
     bool breaks = false;  ///< the piece changes inside this step
 };
 
+/// A smooth piece of the motion as up to three sinusoids, sum of amplitude sin(2 pi (frequency t + phase)) with t
+/// since the burst's start: the carrier, and the two side bands that a raised cosine gives it.
+struct SmoothDrive {
+    std::array<double, 3> amplitude_m{};
+    std::array<double, 3> phase_turns{};
+    double since_burst_s = 0;  ///< t at the moment that was asked for
+    double left_s = 0;         ///< from then until the piece ends; infinite after a last burst
+};
+
 class ToneBurst {
 public:
     /// @param step_s the integrator's step: times are step counts, so that they neither drift nor accumulate.
@@ -35,6 +45,12 @@ public:
     /// Exact motion at time (step + fraction) h on the piece that holds (step + on_piece) h.
     HornMotion at(std::int64_t step, double fraction, double on_piece) const noexcept;
     HornMotion at(std::int64_t step, double fraction) const noexcept { return at(step, fraction, fraction); }
+
+    /// Frequencies of the sinusoids of every SmoothDrive [Hz].
+    std::array<double, 3> frequencies_hz() const noexcept;
+
+    /// The piece that begins or goes on at (step + fraction) h.
+    SmoothDrive smooth(std::int64_t step, double fraction) const noexcept;
 
     /// Fraction of the step at which the next piece begins, looking from `after`; >= 1 when none does in this
     /// step.

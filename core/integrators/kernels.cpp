@@ -2,10 +2,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/integrators/kernels.cpp"
-// Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors cannot be
-// kept in arrays of registers.
-#define HWY_DISABLED_TARGETS \
-    (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include "core/integrators/simd_targets.hpp"
+// before highway.h
 #include <hwy/foreach_target.h>
 // after foreach_target
 #include <hwy/highway.h>
@@ -43,13 +41,7 @@ struct Chin4aRows {
 };
 
 Kernel pick(Integrator integrator, std::size_t rows) {
-    switch (integrator) {
-        case Integrator::leapfrog:
-            return for_rows<LeapfrogRows>(rows);
-        case Integrator::chin4a:
-            break;
-    }
-    return for_rows<Chin4aRows>(rows);
+    return integrator == Integrator::leapfrog ? for_rows<LeapfrogRows>(rows) : for_rows<Chin4aRows>(rows);
 }
 
 std::size_t lanes() {

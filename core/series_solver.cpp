@@ -1,0 +1,252 @@
+#include "core/series_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+#include "core/hertz.hpp"
+#include "core/stability.hpp"
+
+namespace hertzline {
+
+namespace {
+
+// Error of a piece relative to the drive's velocity, and the longest piece that goes with it, as the phase of
+// the chain's fastest oscillation: tolerance = at_one * phase^exponent. It falls faster than the series' order,
+// so that pieces where contacts switch and those where nothing happens stay in proportion.
+constexpr double at_one = 1e-10;
+constexpr double exponent = 15;
+constexpr double rounding = 1e-15;
+
+/// Velocity of the order of those that the scene will show [m/s].
+double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
+    const double horn = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    const double kick = (chain.bias * chain.inv_mass).abs().maxCoeff() / omega;
+    return std::max(horn, std::isfinite(kick) ? kick : 0);
+}
+
+constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
+
+double difference(StepPosition a, StepPosition b) noexcept {
+    const auto steps = static_cast<double>(a.step - b.step);
+    return steps + (a.fraction() - b.fraction());
+}
+
+}  // namespace
+
+double SeriesSolver::phase_for(double tolerance) noexcept {
+    return std::pow(tolerance / at_one, 1 / exponent);
+}
+
+SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
+    : chain_(chain),
+      integrator_(*scene.numerics.integrator),
+      sample_period_s_(1 / scene.output.sample_rate_hz),
+      burst_(scene.drive, sample_period_s_),
+      frequencies_hz_(burst_.frequencies_hz()),
+      state_(chain),
+      folded_(chain, kernel_lanes()),
+      piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()), series_degree(integrator_),
+             HornWaves(frequencies_hz_, *scene.numerics.step_s)),
+      kernels_(series_kernels(integrator_, folded_.rows())) {
+    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+    const double unit = *scene.numerics.step_s;
+    folded_.step_s = unit;
+    piece_.unit_s = unit;
+    piece_.per_unit = 1 / unit;
+    piece_.tolerance = std::max(
+        1e-290, std::max(rounding, at_one * std::pow(omega * unit, exponent)) * velocity_scale(chain, scene.drive, omega) * unit);
+    piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
+    samples_per_unit_ = unit / sample_period_s_;
+    piece_.keeps_ledger = most.ledger;
+    reset();
+}
+
+void SeriesSolver::reset() noexcept {
+    state_.rest(chain_);
+    folded_.fold(chain_, state_, chain_.bodies());
+    folded_.contact_events = 0;
+    begin_ = end_ = smooth_from_ = {};
+    smooth_ = burst_.smooth(0, 0);
+    horn_end_ = 0;
+    next_sample_ = 0;
+    ledger_ = {};
+    ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
+    set_horn(0);
+    meet_horn();
+}
+
+const ChainState& SeriesSolver::state() noexcept {
+    folded_.unfold(state_);
+    return state_;
+}
+
+Ledger SeriesSolver::ledger() noexcept {
+    Ledger now = ledger_;
+    for (std::size_t s = 0; s < folded_.slots(); ++s) {
+        now.lost += folded_.column(Column::lost)[s];
+    }
+    now.work += folded_.column(Column::work)[0];
+    return now;
+}
+
+/// The horn's waves as they are some time [s] after the smooth piece was looked up, to the last digit.
+void SeriesSolver::set_horn(double since_look_up) noexcept {
+    HornWaves& waves = piece_.waves;
+    const double local = smooth_.since_burst_s + since_look_up;
+    waves.silent = smooth_.amplitude_m[0] == 0;
+    if (waves.silent) {
+        piece_.horn.fill(0);
+    }
+    for (std::size_t i = 0; i < frequencies_hz_.size(); ++i) {
+        const double turns = frequencies_hz_[i] * local + smooth_.phase_turns[i];
+        const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
+        waves.sine[i] = smooth_.amplitude_m[i] * std::sin(angle);
+        waves.cosine[i] = smooth_.amplitude_m[i] * std::cos(angle);
+    }
+}
+
+/// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
+void SeriesSolver::meet_horn() noexcept {
+    const double horn = piece_.waves.sine[0] + piece_.waves.sine[1] + piece_.waves.sine[2];
+    const double x = folded_.column(Column::x)[folded_.slot(0)];
+    const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn_end_ - x));
+    const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
+    ledger_.work += after - before;
+}
+
+void SeriesSolver::next_piece() noexcept {
+    begin_ = end_;
+    double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
+    constexpr double sliver = 1e-9;  // [samples]
+    if (smooth_.left_s - since_look_up < sliver * sample_period_s_) {
+        smooth_ = burst_.smooth(begin_.step, begin_.fraction());
+        smooth_from_ = begin_;
+        since_look_up = 0;
+        set_horn(0);
+        meet_horn();
+    } else if (!piece_.waves.turns || state_.step % turned_pieces == 0) {
+        set_horn(since_look_up);
+    }
+    piece_.reach = std::min(1.0, (smooth_.left_s - since_look_up) * piece_.per_unit);
+    kernels_.piece(folded_, piece_);
+    double horn = 0;
+    for (int n = piece_.degree(); n >= 0; --n) {
+        horn = horn * piece_.length + piece_.horn[static_cast<std::size_t>(n)];
+    }
+    horn_end_ = horn;
+    ++state_.step;
+    end_.advance(StepPosition::of(piece_.length * samples_per_unit_));
+}
+
+bool SeriesSolver::finite() const noexcept {
+    double sum = piece_.largest;
+    for (std::size_t s = 0; s < folded_.slots(); ++s) {
+        sum += std::abs(folded_.column(Column::v)[s]) + std::abs(folded_.column(Column::x)[s]);
+    }
+    return sum < 1e300;
+}
+
+Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
+    const std::int64_t end = next_sample_ + count;
+    while (next_sample_ < end) {
+        // samples k with begin <= k < end lie in the present piece
+        const std::int64_t beyond = std::min(end, end_.step + (end_.part > 0 ? 1 : 0));
+        if (next_sample_ < beyond) {
+            if (samples != nullptr) {
+                emit(*samples, beyond - next_sample_);
+            }
+            next_sample_ = beyond;
+        } else {
+            next_piece();
+            if (!(piece_.largest < 1e300)) {
+                return Status::unstable;
+            }
+        }
+    }
+    return finite() ? Status::running : Status::unstable;
+}
+
+SampleTimes SeriesSolver::times() const noexcept {
+    return {static_cast<double>(next_sample_ - begin_.step), begin_.fraction(),
+            sample_period_s_ / piece_.unit_s};
+}
+
+void SeriesSolver::put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                       std::size_t stride) const noexcept {
+    const SampleTimes when = times();
+    const std::size_t slot = folded_.slot(body);
+    const bool velocities = quantity == Quantity::velocity;
+    kernels_.samples(piece_, slot, velocities, when, static_cast<std::size_t>(count), out, stride);
+    if (!piece_.late) {
+        return;
+    }
+    for (std::int64_t i = 0; i < count; ++i) {
+        const double z =
+            ((when.first_after_base + static_cast<double>(i)) - when.fraction) * when.per_sample;
+        double power = z * z * std::sqrt(z) / piece_.unit_s;
+        for (int n = 0; n < late_terms; ++n, power *= z) {
+            const double term = piece_.late_force(n)[slot] * power / (n + 2.5);
+            out[static_cast<std::size_t>(i) * stride] +=
+                velocities ? term : term * z * piece_.unit_s / (n + 3.5);
+        }
+    }
+}
+
+void SeriesSolver::emit(Samples& samples, std::int64_t count) noexcept {
+    const Eigen::Index end = chain_.spheres();
+    const std::size_t at = samples.count;
+    if (samples.holds.outputs) {
+        double* const last = samples.v_last.data() + at;
+        double* const out = samples.v_out.data() + at;
+        put(end - 1, Quantity::velocity, count, last, 1);
+        std::copy_n(last, count, out);
+        if (chain_.end == EndKind::plate) {
+            double* const plate = samples.v_plate.data() + at;
+            put(end, Quantity::velocity, count, plate, 1);
+            const bool touches = folded_.column(Column::overlap)[folded_.slot(end)] > 0;
+            const double transmitted = touches ? chain_.transmission : 0;
+            for (std::int64_t i = 0; i < count; ++i) {
+                out[i] = transmitted * last[i] + plate[i];
+            }
+        }
+    }
+    for (Eigen::Index s = 0; s < chain_.spheres() && samples.holds.chain(); ++s) {
+        const std::size_t from = at * samples.spheres + static_cast<std::size_t>(s);
+        if (samples.holds.chain_velocities) {
+            put(s, Quantity::velocity, count, samples.chain_v.data() + from, samples.spheres);
+        }
+        if (samples.holds.chain_displacements) {
+            put(s, Quantity::displacement, count, samples.chain_x.data() + from, samples.spheres);
+        }
+    }
+    samples.count += static_cast<std::size_t>(count);
+}
+
+std::string SeriesSolver::failure() const {
+    Eigen::Index contact = 0;
+    const double* const overlap = folded_.column(Column::peak_overlap);
+    for (Eigen::Index c = 1; c < chain_.bodies(); ++c) {
+        if (!(overlap[folded_.slot(c)] <= overlap[folded_.slot(contact)])) {
+            contact = c;
+        }
+    }
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(),
+                  "the motion's series has no meaning any more after %lld pieces, t = %.6g s (stiffest: contact "
+                  "%lld, overlap %.3g m)",
+                  static_cast<long long>(state_.step),
+                  (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
+                  static_cast<long long>(contact), overlap[folded_.slot(contact)]);
+    return text.data();
+}
+
+double SeriesSolver::memory_bytes(double bodies) noexcept {
+    const double slots = bodies + 64;
+    return slots * 8 *
+           (static_cast<double>(Column::count) + 3 * (highest_series_degree + 1) + late_terms);
+}
+
+}  // namespace hertzline
