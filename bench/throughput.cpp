@@ -15,6 +15,7 @@
 
 #include "core/numerics.hpp"
 #include "core/scene_toml.hpp"
+#include "core/scene_words.hpp"
 #include "core/shipped_scenes.hpp"
 #include "tests/support/reference.hpp"
 
@@ -59,11 +60,11 @@ int main(int argc, char** argv) {
         const double factor = static_cast<double>(samples) / rate / timing.median_s;
         const auto spheres = static_cast<double>(scene.chain.spheres);
         const double error = largest_error(shipped.name, scene);
-        const char* method = scene.numerics.integrator == Integrator::chin4a ? "chin4a" : "leapfrog";
+        const std::string method(word(*scene.numerics.integrator));
         std::printf("%-22s %-9s %8lld %8.2f %10.1f %14.3f %10.3f %6.0f%% %10.2g\n",
-                    std::string(shipped.name).c_str(), method, static_cast<long long>(scene.chain.spheres),
-                    *scene.numerics.step_s * 1e9, per_step, per_step / spheres, factor, 100 * timing.spread,
-                    error);
+                    std::string(shipped.name).c_str(), method.c_str(),
+                    static_cast<long long>(scene.chain.spheres), *scene.numerics.step_s * 1e9, per_step,
+                    per_step / spheres, factor, 100 * timing.spread, error);
         rows.push_back({{"scene", shipped.name},
                         {"integrator", method},
                         {"spheres", scene.chain.spheres},

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "core/hertz.hpp"
-#include "core/scene_words.hpp"
 #include "tests/support/bare_chain.hpp"
+#include "tests/support/integrators.hpp"
 
 namespace hertzline::test {
 namespace {
@@ -16,10 +16,8 @@ namespace {
 constexpr double impact_speed = 0.5;  // [m/s]
 constexpr double fine_step = 5e-9;    // an impact lasts about 3 us
 
-class EveryIntegrator : public ::testing::TestWithParam<Integrator> {};
-using Impact = EveryIntegrator;
-INSTANTIATE_TEST_SUITE_P(Integrators, Impact, ::testing::Values(Integrator::leapfrog, Integrator::chin4a),
-                         [](const auto& instance) { return std::string(word(instance.param)); });
+class Impact : public ::testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(Integrators, Impact, every_integrator, integrator_name);
 
 /// Spheres that nothing holds together and that lose nothing.
 Scene loose_spheres(Integrator integrator, std::int64_t spheres) {

@@ -8,6 +8,7 @@
 
 #include "core/coupling.hpp"
 #include "core/hertz.hpp"
+#include "core/scene_words.hpp"
 #include "tests/support/runs.hpp"
 
 namespace hertzline::test {
@@ -165,7 +166,7 @@ TEST(Energy, DampingOnlyEverLoses) {
 }
 
 TEST(Tension, ClampedContactsNeverPull) {
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         Scene scene = with_step(Scene{}, integrator, 10e-9);
         scene.output.sample_rate_hz = 100e6;
         scene.end.kind = EndKind::wall;

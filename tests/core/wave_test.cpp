@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/hertz.hpp"
-#include "core/scene_words.hpp"
+#include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 
 namespace hertzline::test {
@@ -51,8 +51,7 @@ double chain_frequency(const Scene& scene) {
 }
 
 class Wave : public ::testing::TestWithParam<Integrator> {};
-INSTANTIATE_TEST_SUITE_P(Integrators, Wave, ::testing::Values(Integrator::leapfrog, Integrator::chin4a),
-                         [](const auto& instance) { return std::string(word(instance.param)); });
+INSTANTIATE_TEST_SUITE_P(Integrators, Wave, every_integrator, integrator_name);
 
 TEST_P(Wave, PhaseFollowsTheDispersionOfALinearChain) {
     const double bound = GetParam() == Integrator::leapfrog ? 1e-2 : 1e-4;  // [rad]
