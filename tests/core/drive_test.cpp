@@ -106,5 +106,47 @@ TEST(Drive, TheMeanOfTheHornIsZeroSoTheChainComesBack) {
     }
 }
 
+TEST(Repetition, TheChainSettlesIntoTheSameAnswerToEveryBurst) {
+    // what rings on from one burst meets the next (6e-3 of it), but is the same for all later ones
+    Scene scene;
+    scene.drive.repetition_hz = 1000;
+    const Record record = recorded(with_step(scene, Integrator::chin4a, 50e-9), 40000);
+    const auto change = [&](std::size_t burst) {
+        double difference = 0;
+        double norm = 0;
+        for (std::size_t i = 0; i < 10000; ++i) {
+            difference +=
+                std::pow(record.v_out[10000 * burst + i] - record.v_out[10000 * (burst - 1) + i], 2);
+            norm += std::pow(record.v_out[i], 2);
+        }
+        return std::sqrt(difference / norm);
+    };
+    EXPECT_LT(change(1), 2e-2);
+    EXPECT_LT(change(2), 1e-3);
+    EXPECT_LT(change(3), 1e-3);
+}
+
+TEST(Envelope, EveryOneConvergesWithTheStep) {
+    struct Case {
+        Envelope envelope;
+        double cycles;
+        double frequency_hz;
+    };
+    for (const Case& c : {Case{Envelope::rectangular, 5, 73e3}, Case{Envelope::rectangular, 4.25, 73e3},
+                          Case{Envelope::tukey, 5.3, 73e3}, Case{Envelope::hann, 1, 73e3}}) {
+        for (const auto& [integrator, bound] :
+             {std::pair{Integrator::chin4a, 2e-4}, {Integrator::leapfrog, 2e-3}}) {
+            Scene scene;
+            scene.drive.envelope = c.envelope;
+            scene.drive.cycles = c.cycles;
+            scene.drive.frequency_hz = c.frequency_hz;
+            const Record fine = recorded(with_step(scene, Integrator::chin4a, 2.5e-9), 1500);
+            const Record coarse = recorded(with_step(scene, integrator, 25e-9), 1500);
+            EXPECT_LT(relative_l2(coarse.v_last, fine.v_last), bound)
+                << c.cycles << ' ' << static_cast<int>(c.envelope);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace hertzline::test

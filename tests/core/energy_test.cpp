@@ -152,5 +152,38 @@ TEST(Undamped, LeapfrogRetracesEvenThroughOpeningsUntilRoundingHasGrown) {
     EXPECT_LE(distance_from_start(thrown(Integrator::leapfrog, 20e-9, 0.3), 2000), 5e-20);
 }
 
+TEST(Energy, IsKeptByAnUndampedChainOnceTheHornRests) {
+    Scene scene;
+    scene.chain.damping_kg_per_s = 0;
+    scene.drive.cycles = 3;
+    scene.drive.frequency_hz = 300e3;
+    Simulation simulation(with_step(scene, Integrator::chin4a, 25e-9), everything);
+    Samples part(simulation.chain(), 1000, everything);
+    simulation.advance(part, 200, everything);
+    const auto energy = [&] {
+        return kinetic_energy(simulation.chain(), simulation.state()) +
+               stored_energy(simulation.chain(), simulation.state(), 0);
+    };
+    const double before = energy();
+    for (int i = 0; i < 50; ++i) {
+        simulation.advance(part, 1000, everything);
+    }
+    EXPECT_NEAR(energy() / before, 1, 1e-5);
+    EXPECT_EQ(simulation.ledger().lost, 0);
+}
+
+TEST(Energy, DampingOnlyEverLoses) {
+    Simulation simulation(with_step(Scene{}, Integrator::chin4a, 50e-9), everything);
+    Samples part(simulation.chain(), 10, everything);
+    double lost = 0;
+    for (int i = 0; i < 500; ++i) {
+        simulation.advance(part, 10, everything);
+        EXPECT_GE(simulation.ledger().lost, lost);
+        lost = simulation.ledger().lost;
+    }
+    EXPECT_GT(lost, 0);
+    EXPECT_LE(simulation.energy_residual(), 1e-5);
+}
+
 }  // namespace
 }  // namespace hertzline::test

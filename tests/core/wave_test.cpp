@@ -74,6 +74,31 @@ TEST_P(Wave, SlowSignalsTravelAtTwoRadiiTimesTheRootOfStiffnessOverMass) {
     EXPECT_NEAR(measured / flight, 1, 0.01);  // dispersion: (omega/omega_0)^2/24 = 0.4 %
 }
 
+TEST(Waves, SmallOnesTravelAtTheSpeedOfTheLinearChain) {
+    // c = 2R sqrt(k_t/m) for long waves; a slow drive, small amplitude, no damping, arrival by the peak of
+    // the burst
+    Scene scene;
+    scene.chain.spheres = 200;
+    scene.chain.damping_kg_per_s = 0;
+    scene.drive.amplitude_m = 1e-10;
+    scene.drive.frequency_hz = 10e3;
+    scene.drive.cycles = 2;
+    scene.end.kind = EndKind::wall;
+    scene.output.sample_rate_hz = 5e6;
+    const Record record = recorded(with_step(scene, Integrator::leapfrog, 50e-9), 2000);
+    const auto peak_time = [&](std::size_t sphere) {
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < 2000; ++i) {
+            at = record.chain_v[i * 200 + sphere] > record.chain_v[at * 200 + sphere] ? i : at;
+        }
+        return static_cast<double>(at) / 5e6;
+    };
+    const Chain chain(scene);
+    const double tangent = tangent_stiffness(chain.stiffness[5], chain.static_overlap[5]);
+    const double speed = 1e-3 * std::sqrt(tangent * chain.inv_mass[5]);
+    EXPECT_NEAR(100e-3 / (peak_time(120) - peak_time(20)) / speed, 1, 0.01);
+}
+
 TEST(StaticEquilibrium, EveryContactCarriesThePreload) {
     for (const EndKind end : {EndKind::plate, EndKind::wall, EndKind::free}) {
         Scene scene;
