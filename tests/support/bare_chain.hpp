@@ -44,6 +44,12 @@ public:
 
     double energy() const { return kinetic_energy(chain, state) + stored_energy(chain, state, 0); }
     double time_s() const { return static_cast<double>(state.step) * step_s_; }
+    std::int64_t contact_events() const { return folded_.contact_events; }
+
+    /// Overlap of contact c [m].
+    double overlap(Eigen::Index c) const {
+        return chain.static_overlap[c] + (c > 0 ? state.x[c - 1] : 0) - state.x[c];
+    }
 
     Chain chain;
     ChainState state;
@@ -55,10 +61,8 @@ private:
         return drive;
     }
     void close_where_touching() {
-        double left = 0;
-        for (Eigen::Index b = 0; b < chain.bodies(); ++b) {
-            state.closed[b] = chain.static_overlap[b] + left - state.x[b] > 0 ? 1 : 0;
-            left = state.x[b];
+        for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
+            state.closed[c] = overlap(c) > 0 ? 1 : 0;
         }
     }
 
