@@ -104,31 +104,13 @@ TEST(JumpLedger, ClosesWhenARectangularBurstEndsAmidACycle) {
     }
 }
 
-/// An undamped chain before a wall, thrown about.
-BareChain thrown(Integrator integrator, double step_s, double speed) {
-    Scene scene = with_step(Scene{}, integrator, step_s);
-    scene.end.kind = EndKind::wall;
-    scene.chain.spheres = 9;
-    scene.chain.damping_kg_per_s = 0;
-    BareChain chain(scene);
-    for (Eigen::Index b = 0; b < 9; ++b) {
-        chain.state.v[b] = speed * std::sin(1.0 + 2.7 * static_cast<double>(b));
-    }
-    return chain;
-}
-
-TEST(Undamped, EnergyNeitherGrowsNorFallsOverManyCollisions) {
+TEST(Undamped, EnergyNeitherGrowsNorFallsInAMillionSteps) {
     for (const Integrator integrator : choices<Integrator>) {
         const double bound = integrator == Integrator::leapfrog ? 1.5e-3 : 1.5e-5;
-        BareChain chain = thrown(integrator, 20e-9, 0.3);
         const double at_rest = thrown(integrator, 20e-9, 0).energy();
-        const double start = chain.energy() - at_rest;
-        double largest = 0;
-        for (int i = 0; i < 500; ++i) {
-            chain.advance(1000);
-            largest = std::max(largest, std::abs((chain.energy() - at_rest) / start - 1));
-        }
-        EXPECT_LE(largest, bound) << word(integrator);
+        BareChain chain = thrown(integrator, 20e-9, 0.3);
+        const double put_in = chain.energy() - at_rest;
+        EXPECT_LE(largest_energy_change(chain, at_rest, put_in, 1'000'000), bound) << word(integrator);
     }
 }
 
