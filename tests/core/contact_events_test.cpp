@@ -124,13 +124,13 @@ TEST_P(ContactEvents, ABouncingSphereComesToRestAndTheLedgerHasAllThatItLost) {
             BareChain sphere(scene);
             const double at_rest = sphere.energy();
             sphere.state.v[0] = 0.1;
-            const double thrown = sphere.energy() - at_rest;
+            const double put_in = sphere.energy() - at_rest;
             sphere.advance(200'000);
             EXPECT_LE(std::abs(sphere.state.v[0]), 1e-11);
             EXPECT_LE(std::abs(sphere.state.x[0]), 1e-16);
             EXPECT_EQ(sphere.state.closed[0], 1);
             EXPECT_EQ(sphere.contact_events() % 2, 0);
-            EXPECT_NEAR(sphere.lost / thrown, 1, bound(1e-3, 2e-5)) << damping;
+            EXPECT_NEAR(sphere.lost / put_in, 1, bound(1e-3, 2e-5)) << damping;
         }
     }
 }

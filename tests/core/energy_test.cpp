@@ -114,6 +114,20 @@ TEST(Undamped, EnergyNeitherGrowsNorFallsInAMillionSteps) {
     }
 }
 
+TEST(Undamped, TheErrorOfSymplecticMethodsStaysWhereItIsWhileContactsStayClosed) {
+    for (const auto& [integrator, bound] :
+         {std::pair{Integrator::leapfrog, 1e-3}, {Integrator::chin4a, 5e-9}}) {
+        const double at_rest = thrown(integrator, 20e-9, 0).energy();
+        BareChain chain = thrown(integrator, 20e-9, 3e-3);
+        const double put_in = chain.energy() - at_rest;
+        const double first = largest_energy_change(chain, at_rest, put_in, 100'000);
+        const double later = largest_energy_change(chain, at_rest, put_in, 900'000);
+        EXPECT_EQ(chain.contact_events(), 0);
+        EXPECT_LE(first, bound) << word(integrator);
+        EXPECT_LE(later, 1.1 * first) << word(integrator);
+    }
+}
+
 /// Largest distance [m] from the start after going on and, velocities turned round, back.
 double distance_from_start(BareChain chain, std::int64_t steps) {
     const Eigen::ArrayXd start = chain.state.x;
