@@ -5,13 +5,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <string>
 
+#include "bench/arguments.hpp"
 #include "bench/timing.hpp"
-#include <nlohmann/json.hpp>
 
 #include "core/numerics.hpp"
 #include "core/scene_toml.hpp"
@@ -48,6 +46,7 @@ double largest_error(std::string_view name, const Scene& scene) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    const bench::Arguments arguments(argc, argv);
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     std::printf("%s\n%-22s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernel_target(), "scene", "method",
                 "spheres", "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
@@ -75,9 +74,6 @@ int main(int argc, char** argv) {
                         {"spread", timing.spread},
                         {"error", error}});
     }
-    if (argc == 3 && std::strcmp(argv[1], "--json") == 0) {
-        std::ofstream(argv[2]) << nlohmann::ordered_json{{"simd", kernel_target()}, {"scenes", rows}}.dump(2)
-                               << '\n';
-    }
+    arguments.save({{"simd", kernel_target()}, {"scenes", rows}});
     return 0;
 }

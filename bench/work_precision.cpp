@@ -11,7 +11,6 @@
 #include "bench/timing.hpp"
 #include <nlohmann/json.hpp>
 
-#include "core/scene_words.hpp"
 #include "tests/support/reference.hpp"
 
 namespace {
@@ -28,8 +27,8 @@ nlohmann::ordered_json measure(const std::string& file, Integrator integrator, d
     const bench::Timing timing = bench::time_run(scene, samples, 5);
     const double factor = static_cast<double>(samples - 1) / scene.output.sample_rate_hz / timing.median_s;
     const double v_out = std::max(errors.v_plate, errors.v_out);
-    const std::string name(word(integrator));
-    std::printf("%-24s %-9s %8.1f %11.2g %11.2g %11.2g %10.2f\n", file.c_str(), name.c_str(), step_s * 1e9,
+    const char* name = integrator == Integrator::chin4a ? "chin4a" : "leapfrog";
+    std::printf("%-24s %-9s %8.1f %11.2g %11.2g %11.2g %10.2f\n", file.c_str(), name, step_s * 1e9,
                 errors.v_last, v_out, errors.energy_residual, factor);
     return {{"scene", file},
             {"integrator", name},
@@ -56,7 +55,7 @@ int main(int argc, char** argv) {
     std::printf("%s\n%-24s %-9s %8s %11s %11s %11s %10s\n", kernel_target(), "scene", "method", "step/ns",
                 "error v_last", "error v_out", "energy", "real-time");
     for (const std::string& file : files) {
-        for (const Integrator integrator : choices<Integrator>) {
+        for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
             for (const double step_s : {400e-9, 200e-9, 100e-9, 50e-9, 25e-9, 12.5e-9, 6.25e-9}) {
                 rows.push_back(measure(file, integrator, step_s));
             }
