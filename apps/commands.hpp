@@ -4,6 +4,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -31,6 +32,10 @@ Command check_command(CLI::App& program);
 
 /// For CLI::Option::check(): a file needs a name, and "" would else mean none.
 std::string missing_name(const std::string& value);
+
+/// Adds an option that may be given several times, with one value each time: -o a.csv -o b.csv.
+CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
+                                   const char* description);
 
 /// Throws WrongUse unless the option's value is a positive, finite number.
 void require_positive(const char* option, double value);

@@ -103,6 +103,14 @@ std::string missing_name(const std::string& value) {
     return value.empty() ? "found no name, allowed: the name of a file" : "";
 }
 
+CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
+                                   const char* description) {
+    return command.add_option(names, values, description)
+        ->expected(1)
+        ->allow_extra_args(false)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
 void require_positive(const char* option, double value) {
     if (!(value > 0) || !std::isfinite(value)) {
         throw WrongUse(

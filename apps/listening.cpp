@@ -20,12 +20,8 @@ Json parsed_object(std::string_view text) {
     if (text.size() > largest_json) {
         return nullptr;
     }
-    // Depth first: the library's own recursion would follow nesting as deep as it comes.
-    int depth = 0;
-    const auto shallow = [&depth](int level, Json::parse_event_t, Json&) {
-        depth = std::max(depth, level);
-        return level < 16;
-    };
+    // What is nested deeper is dropped as it is read: the library would follow it recursively later.
+    const auto shallow = [](int level, Json::parse_event_t, Json&) { return level < 16; };
     Json json = Json::parse(text, shallow, false);
     return json.is_object() ? json : Json(nullptr);
 }

@@ -173,13 +173,9 @@ Command run_command(CLI::App& program) {
     CLI::App* command =
         program.add_subcommand("run", "simulate a scene as fast as possible, to files and a summary");
     add_scene_options(*command, options->scene)->required();
-    command
-        ->add_option("-o,--output", options->files,
-                     "save the samples; the ending picks the format: .csv; repeatable")
-        ->type_name("FILE")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    add_repeatable_option(*command, "-o,--output", options->files,
+                          "save the samples; the ending picks the format: .csv; repeatable")
+        ->type_name("FILE");
     command->add_flag_callback(
         "--all", [options] { options->bodies = RecordedBodies::all; },
         "save every sphere's displacement and velocity too");

@@ -103,12 +103,9 @@ void warn_of_chaos(const std::string& origin, const Resolved& resolved) {
 }  // namespace
 
 CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request) {
-    command
-        .add_option("--set", request.settings, "override a key of the scene: section.key=value; repeatable")
-        ->type_name("KEY=VALUE")
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    add_repeatable_option(command, "--set", request.settings,
+                          "override a key of the scene: section.key=value; repeatable")
+        ->type_name("KEY=VALUE");
     return command.add_option("SCENE", request.scene, "a scene file, or the name of a shipped scene")
         ->type_name("");
 }

@@ -5,13 +5,11 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <string>
 
+#include "bench/arguments.hpp"
 #include "bench/timing.hpp"
-#include <nlohmann/json.hpp>
 
 #include "core/integrators/folded_chain.hpp"
 #include "core/numerics.hpp"
@@ -49,6 +47,7 @@ double largest_error(std::string_view name, const Scene& scene) {
 }  // namespace
 
 int main(int argc, char** argv) {
+    const bench::Arguments arguments(argc, argv);
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     std::printf("%s\n%-22s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernel_target(), "scene", "method",
                 "spheres", "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
@@ -63,9 +62,9 @@ int main(int argc, char** argv) {
         const double error = largest_error(shipped.name, scene);
         const std::string method(word(*scene.numerics.integrator));
         std::printf("%-22s %-9s %8lld %8.2f %10.1f %14.3f %10.3f %6.0f%% %10.2g\n",
-                    std::string(shipped.name).c_str(), method.c_str(), static_cast<long long>(scene.chain.spheres),
-                    *scene.numerics.step_s * 1e9, per_step, per_step / spheres, factor, 100 * timing.spread,
-                    error);
+                    std::string(shipped.name).c_str(), method.c_str(),
+                    static_cast<long long>(scene.chain.spheres), *scene.numerics.step_s * 1e9, per_step,
+                    per_step / spheres, factor, 100 * timing.spread, error);
         rows.push_back({{"scene", shipped.name},
                         {"integrator", method},
                         {"spheres", scene.chain.spheres},
@@ -76,9 +75,6 @@ int main(int argc, char** argv) {
                         {"spread", timing.spread},
                         {"error", error}});
     }
-    if (argc == 3 && std::strcmp(argv[1], "--json") == 0) {
-        std::ofstream(argv[2]) << nlohmann::ordered_json{{"simd", kernel_target()}, {"scenes", rows}}.dump(2)
-                               << '\n';
-    }
+    arguments.save({{"simd", kernel_target()}, {"scenes", rows}});
     return 0;
 }

@@ -5,7 +5,8 @@
 
 namespace hertzline {
 
-/// Mass [kg] of the disc rho pi a^2 h. It moves with a quarter of it (Scene docs: model, section 2).
+/// Mass [kg] of the whole disc, rho pi a^2 h. Clamped at its rim, it moves as a quarter of that would (model,
+/// section 4).
 double plate_mass(const Solid& material, const End& end) noexcept;
 
 /// Stiffness [N/m] of a clamped disc under a central load: 16 pi D / a^2 with D = E h^3 / (12 (1 - nu^2))

@@ -15,10 +15,9 @@ double stored_energy(const Chain& chain, const ChainState& state, double horn_x)
 
 /// What went in and out since the start [J], accumulated by the integrators.
 struct Ledger {
-    double work = 0;       ///< of the horn on the chain: integral f_0 x_h' dt
-    double lost = 0;       ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
-    double at_start = 0;   ///< kinetic + stored at step 0
-    double most_work = 0;  ///< largest |work| so far, the scale of the residual
+    double work = 0;      ///< of the horn on the chain: integral f_0 x_h' dt
+    double lost = 0;      ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
+    double at_start = 0;  ///< kinetic + stored at step 0
 };
 
 }  // namespace hertzline

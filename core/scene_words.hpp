@@ -2,6 +2,7 @@
 // The words that stand for the choices of a Scene, in scene files and in messages. A new choice is one word
 // here.
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -51,6 +52,15 @@ struct Words<Integrator> {
                                     Word<Integrator>{"taylor8", Integrator::taylor8},
                                     Word<Integrator>{"taylor12", Integrator::taylor12}};
 };
+
+/// Every choice, in the order of the words: for what has to hold for each of them.
+template <class Choice>
+inline constexpr auto choices = [] {
+    std::array<Choice, Words<Choice>::all.size()> every{};
+    std::transform(Words<Choice>::all.begin(), Words<Choice>::all.end(), every.begin(),
+                   [](const Word<Choice>& entry) { return entry.choice; });
+    return every;
+}();
 
 /// The word for a choice, word(Envelope::hann) == "hann"; empty for a value that is no choice.
 template <class Choice>

@@ -9,7 +9,6 @@
 
 #include "stream/frame_codec.hpp"
 #include "stream/run_id.hpp"
-#include "stream/scene_json.hpp"
 
 namespace hertzline {
 
@@ -189,7 +188,7 @@ void Pipeline::listen_for_subscriptions() {
         first_subscription_ = MonotonicClock::now();
     }
     if (news > 0) {
-        publisher_.send(meta_topic, meta_json());
+        publisher_.send(meta_topic, meta_json(plan_, run_id_));
     }
 }
 
@@ -277,14 +276,14 @@ void Pipeline::report() {
         meters_.wall_s = started_ ? std::chrono::duration<double>(now - start_time_).count() : 0;
         if (publisher_.wanted(meters_topic)) {
             meters_wanted_.store(true, std::memory_order_relaxed);
-            publisher_.send(meters_topic, meters_json());
+            publisher_.send(meters_topic, meters_json(meters_, run_id_));
         }
         progress_(meters_);
     }
     if (now >= next_meta_) {
         next_meta_ = now + meta_period;
         if (publisher_.wanted(meta_topic)) {
-            publisher_.send(meta_topic, meta_json());
+            publisher_.send(meta_topic, meta_json(plan_, run_id_));
         }
     }
 }
@@ -319,7 +318,7 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop,
                            const std::function<void(const StreamMeters&)>& progress,
                            const std::function<std::string(const StreamMeters&)>& summary) {
     progress_ = progress;
-    publisher_.send(meta_topic, meta_json());
+    publisher_.send(meta_topic, meta_json(plan_, run_id_));
     {
         struct StopAtExit {
             std::atomic<bool>& flag;
@@ -338,46 +337,6 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop,
     }
     publisher_.send(end_topic, summary(meters_));
     return meters_;
-}
-
-std::string Pipeline::meta_json() const {
-    using Json = nlohmann::ordered_json;
-    Json streams = Json::array();
-    for (const Tap tap : possible_) {
-        const TapNames names = names_of(tap);
-        streams.push_back({{"name", names.name},
-                           {"topics", {names.raw_topic, names.np_topic}},
-                           {"unit", names.unit},
-                           {"channels", channels_of(tap, plan_.scene.chain)},
-                           {"fs", plan_.scene.output.sample_rate_hz},
-                           {"dtype", "<f4"}});
-    }
-    const Json meta{{"program", "hertzline"},
-                    {"version", plan_.version},
-                    {"run", run_id_},
-                    {"scene_hash", plan_.scene_hash},
-                    {"fs", plan_.scene.output.sample_rate_hz},
-                    {"frame_samples", plan_.scene.output.frame_samples},
-                    {"pace", plan_.pace.is_flat_out() ? Json("flat-out") : Json(plan_.pace.times())},
-                    {"streams", streams},
-                    {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}},
-                    {"scene", scene_json(plan_.scene)}};
-    return meta.dump();
-}
-
-std::string Pipeline::meters_json() const {
-    const nlohmann::ordered_json meters{{"run", run_id_},
-                                        {"simulated_s", meters_.simulated_s},
-                                        {"wall_s", meters_.wall_s},
-                                        {"real_time_factor", meters_.real_time_factor()},
-                                        {"load", meters_.load},
-                                        {"frames", meters_.frames},
-                                        {"late_frames", meters_.late_frames},
-                                        {"dropped", meters_.dropped_frames},
-                                        {"ring_fill", meters_.ring_fill},
-                                        {"energy_residual", meters_.energy_residual},
-                                        {"contact_events", meters_.contact_events}};
-    return meters.dump();
 }
 
 }  // namespace hertzline

@@ -11,7 +11,6 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,44 +20,13 @@
 #include "stream/publisher.hpp"
 #include "stream/recorder.hpp"
 #include "stream/ring_buffer.hpp"
+#include "stream/stream_plan.hpp"
 #include "stream/taps.hpp"
 
 namespace hertzline {
 
-enum class StreamStart { at_once, with_first_subscriber };
-
-struct StreamPlan {
-    Scene scene;  ///< resolved (core/numerics.hpp)
-    std::string scene_hash;
-    std::string version;
-    Pace pace = Pace::realtime();
-    std::optional<std::int64_t> samples;  ///< unset: until stopped
-    StreamStart start = StreamStart::at_once;
-};
-
-/// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's
-/// business.
-inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
-
 /// As the system's tools list it (top -H).
 inline constexpr const char* simulating_thread_name = "simulating";
-
-/// How the stream is doing; the meters topic and the summary are made of this.
-struct StreamMeters {
-    std::int64_t samples = 0;  ///< sent or passed over because nobody wanted them
-    std::int64_t frames = 0;
-    std::int64_t late_frames = 0;     ///< sent more than late_after after they were due
-    std::int64_t dropped_frames = 0;  ///< discarded because the ring was full and their time had passed
-    double simulated_s = 0;
-    double wall_s = 0;
-    double load = 0;       ///< part of the wall time that the simulating thread worked
-    double ring_fill = 0;  ///< 0 empty (no reserve) to 1 full (all reserve)
-    double energy_residual = 0;
-    std::int64_t contact_events = 0;
-    std::int64_t steps = 0;
-
-    double real_time_factor() const noexcept { return wall_s > 0 ? simulated_s / wall_s : 0; }
-};
 
 /// What travels through the ring.
 struct Block {
@@ -108,8 +76,6 @@ private:
     void start_when_ready();
     void report();
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
-    std::string meta_json() const;
-    std::string meters_json() const;
 
     StreamPlan plan_;
     Publisher& publisher_;

@@ -13,10 +13,8 @@ while len(v) < 1e-3 * head["fs"]:
     head = json.loads(header)
     frame = np.frombuffer(data, head["dtype"]).reshape(head["shape"])[:, -1]
     v, end = np.append(v if head["sample"] == end else [], frame), head["sample"] + len(frame)  # anew after a gap
-level = 20 * np.log10(np.abs(np.fft.rfft(v, 4 * len(v))) + 1e-30)
-figure, (wave, spectrum) = plt.subplots(2, layout="constrained")
-wave.plot(np.arange(len(v)) * 1e3 / head["fs"], v)
-wave.set(xlabel=f"time since sample {end - len(v)} [ms]", ylabel=f"{stream} [{head['unit']}]")
-spectrum.plot(np.fft.rfftfreq(4 * len(v), 1e3 / head["fs"]), level - level.max())
-spectrum.set(xlabel="frequency [kHz]", ylabel="level [dB]", xlim=(0, 700), ylim=(-60, 3))
-figure.savefig(png, dpi=120)
+plt.figure(layout="constrained").suptitle(f"{stream} from sample {end - len(v)}")
+plt.subplot(211, xlabel="time [ms]", ylabel=head["unit"]).plot(np.arange(len(v)) * 1e3 / head["fs"], v)
+plt.subplot(212).magnitude_spectrum(v, head["fs"] / 1e3, window=np.ones(len(v)), pad_to=4 * len(v), scale="dB")
+plt.gca().set(xlabel="frequency [kHz]", ylabel=f"dB re 1 {head['unit']}", xlim=(0, 700), ylim=(-90, 0))
+plt.savefig(png, dpi=120)

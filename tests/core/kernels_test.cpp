@@ -8,6 +8,7 @@
 #include <hwy/targets.h>
 
 #include "core/integrators/folded_chain.hpp"
+#include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/textbook.hpp"
 
@@ -106,9 +107,13 @@ TEST(Kernels, LeapfrogDoesWhatTheTextbookSaysOnEveryTargetForEveryLayout) {
     }
 }
 
-TEST(Kernels, Chin4aDoesTheSameOnEveryTargetForEveryLayout) {
+class LocatingKernels : public ::testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(Integrators, LocatingKernels, ::testing::ValuesIn(locating_integrators()),
+                         integrator_name);
+
+TEST_P(LocatingKernels, DoTheSameOnEveryTargetForEveryLayout) {
     for (const std::int64_t spheres : lengths) {
-        for (const auto& [variant, scene] : variants(Integrator::chin4a, spheres)) {
+        for (const auto& [variant, scene] : variants(GetParam(), spheres)) {
             const std::vector<double> expected = recorded(scene, steps + 1).chain_v;
             // without preload all contacts ahead of the wave just touch, and which of them rounding opens
             // differs
@@ -122,9 +127,9 @@ TEST(Kernels, Chin4aDoesTheSameOnEveryTargetForEveryLayout) {
     }
 }
 
-TEST(Kernels, Chin4aComesToWhatTheTextbookConvergesTo) {
+TEST_P(LocatingKernels, ComeToWhatTheTextbookConvergesTo) {
     for (const std::int64_t spheres : {1, 6, 20, 80}) {
-        for (const auto& [variant, scene] : variants(Integrator::chin4a, spheres)) {
+        for (const auto& [variant, scene] : variants(GetParam(), spheres)) {
             constexpr int finer = 64;
             Textbook textbook(scene, step_s / finer);
             std::vector<double> expected;
@@ -142,7 +147,7 @@ TEST(Kernels, Chin4aComesToWhatTheTextbookConvergesTo) {
 
 TEST(Kernels, OneMoreBodyThanARegisterHoldsChangesNothingForTheOthers) {
     // long before the end is reached, chains of any length move alike; layouts of 1, 2, 4, 8 and more rows
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         const auto first_sphere = [&](std::int64_t spheres) {
             const Record record = recorded(short_burst(integrator, spheres), 60);
             std::vector<double> velocities;
@@ -161,7 +166,7 @@ TEST(Kernels, OneMoreBodyThanARegisterHoldsChangesNothingForTheOthers) {
 TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
     // 600 spheres are folded by and by, as the wave advances; the textbook works on all of them from the
     // start
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         Scene scene = short_burst(integrator, 600);
         scene.chain.damping_kg_per_s = 0.01;
         scene.chain.preload_n = 10;
@@ -184,7 +189,7 @@ TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
     // An unbalanced plate has the whole chain worked on from the start; before a wall it is folded by and by.
     // Bodies that neither end can have reached from the other agree to the last bit, down to the faintest
     // forerunner of the wave.
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         Scene scene = short_burst(integrator, 10'000);
         scene.end.kind = EndKind::wall;
         Simulation by_and_by(scene, {});

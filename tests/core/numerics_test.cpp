@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/scene_words.hpp"
 #include "core/stability.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
@@ -115,8 +116,8 @@ TEST(Advice, DependsOnNothingThatDoesNotChangeTheMotion) {
     EXPECT_EQ(other.largest_stable_step_s, advice.largest_stable_step_s);
 }
 
-TEST(Advice, KeepsItsWordForBothIntegratorsAndOtherScenes) {
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+TEST(Advice, KeepsItsWordForEveryIntegratorAndOtherScenes) {
+    for (const Integrator integrator : choices<Integrator>) {
         for (const EndKind end : {EndKind::plate, EndKind::wall}) {
             for (const double frequency : {40e3, 200e3}) {
                 Scene scene;
@@ -146,7 +147,7 @@ TEST(Integrators, ShortChainsGetChin4aAndLongOnesLeapfrogUnlessAskedOtherwise) {
 TEST(StabilityLimit, IsNeverRaisedByMoreOverlapNorLostInNaN) {
     const Scene scene;
     const Chain chain(scene);
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         const double at_rest = largest_stable_step(chain, chain.static_overlap, integrator);
         for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
             Eigen::ArrayXd overlaps = chain.static_overlap;

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/scene_words.hpp"
 #include "core/stability.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/runs.hpp"
@@ -16,7 +17,7 @@ constexpr double off_grid = 70e-9;
 
 std::vector<Scene> every_kind() {
     std::vector<Scene> scenes;
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         for (const double step : {on_grid, off_grid}) {
             for (const EndKind end : {EndKind::plate, EndKind::wall, EndKind::free}) {
                 for (const std::int64_t spheres : {1, 6, 7, 40}) {
@@ -106,7 +107,7 @@ TEST(Promises, LookingAtStateAndLedgerChangesNothing) {
 TEST(Promises, SpheresAheadOfTheWaveDoNotMatter) {
     // the far end of a long chain cannot have heard of the horn yet: the near part moves as if the chain were
     // longer still
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         Scene scene = with_step(Scene{}, integrator, on_grid);
         scene.end.kind = EndKind::wall;
         scene.chain.spheres = 400;
@@ -141,7 +142,7 @@ TEST(Promises, AdvancingAllocatesNothing) {
 }
 
 TEST(Promises, AnUnstableStepIsReportedAndGivesNoSamples) {
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         const Scene scene =
             with_step(Scene{}, integrator, integrator == Integrator::leapfrog ? 1.3e-6 : 2.5e-6);
         Simulation simulation(scene, everything);
@@ -193,7 +194,7 @@ TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
     scene.drive.amplitude_m = 1e-12;
     scene.chain.spheres = 60;
     const Chain chain(scene);
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         const double limit = largest_stable_step(chain, chain.static_overlap, integrator);
         const auto energy_after = [&](double step) -> double {
             Scene stepped = with_step(scene, integrator, step);

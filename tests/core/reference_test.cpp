@@ -7,6 +7,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/integrators.hpp"
+#include "tests/support/runs.hpp"
+
 namespace hertzline::test {
 namespace {
 
@@ -32,11 +35,11 @@ TEST_P(EveryReference, DefaultSettingsKeepWhatTheyAimAt) {
 }
 
 TEST_P(EveryReference, AStepOf12NanosecondsIsFarBelowTheBound) {
-    Scene scene = GetParam().scene;
-    scene.numerics.step_s = 12.5e-9;
-    const Comparison errors = run(scene);
-    expect_errors_at_most(errors, 5e-6);      // promised: 1e-4; largest seen: 5e-7 (free end)
-    EXPECT_LE(errors.energy_residual, 3e-6);  // promised: 1e-4
+    for (const Integrator integrator : locating_integrators()) {
+        const Comparison errors = run(with_step(GetParam().scene, integrator, 12.5e-9));
+        expect_errors_at_most(errors, 5e-6);      // promised: 1e-4; largest seen: 5e-7 (free end)
+        EXPECT_LE(errors.energy_residual, 3e-6);  // promised: 1e-4
+    }
 }
 
 TEST_P(EveryReference, LeapfrogAt12NanosecondsIsSecondOrderGood) {
@@ -53,9 +56,10 @@ TEST_P(EveryReference, LeapfrogAt12NanosecondsIsSecondOrderGood) {
 }
 
 TEST_P(EveryReference, StepsThatDoNotFitTheSamplesAreAsGood) {
-    Scene scene = GetParam().scene;
-    scene.numerics.step_s = 33e-9;  // 3.03 steps a sample
-    expect_errors_at_most(run(scene), 1e-4);
+    for (const Integrator integrator : locating_integrators()) {
+        // 3.03 steps a sample
+        expect_errors_at_most(run(with_step(GetParam().scene, integrator, 33e-9)), 1e-4);
+    }
 }
 
 TEST_P(EveryReference, AnAskedForAccuracyIsMetWithinAFactorOfThree) {

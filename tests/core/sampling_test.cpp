@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/scene_words.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
 
@@ -116,7 +117,7 @@ TEST(Sampling, VelocitiesOfAVeryLongChainNeedLittleRoom) {
     Scene scene = with_step(Scene{}, Integrator::leapfrog, 50e-9);
     scene.end.kind = EndKind::wall;
     scene.chain.spheres = 40'000;
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : choices<Integrator>) {
         Simulation simulation(with_step(scene, integrator, 50e-9), everything);
         Samples part(simulation.chain(), 10, everything);
         EXPECT_EQ(simulation.advance(part, 10, everything), Status::running);

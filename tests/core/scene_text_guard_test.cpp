@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene_toml.hpp"
 #include "core/shipped_scenes.hpp"
+#include "tests/support/scene_texts.hpp"
 
-namespace hertzline {
+namespace hertzline::test {
 namespace {
 
 using testing::ElementsAre;
@@ -19,21 +19,6 @@ using testing::IsEmpty;
 using testing::StartsWith;
 
 using namespace std::string_literals;
-
-std::vector<std::string> messages(std::string_view text, const std::vector<std::string>& overrides = {}) {
-    const SceneResult result = parse_scene(text, "scene.toml", overrides);
-    EXPECT_EQ(result.scene.has_value(), result.problems.empty());
-    std::vector<std::string> lines;
-    for (const Problem& problem : result.problems) {
-        lines.push_back(problem.message());
-    }
-    return lines;
-}
-
-Scene scene_with(const std::vector<std::string>& overrides, std::string_view text = "") {
-    EXPECT_THAT(messages(text, overrides), IsEmpty());
-    return parse_scene(text, "scene.toml", overrides).scene.value_or(Scene{});
-}
 
 std::string repeated(std::string_view text, int times) {
     std::string result;
@@ -100,23 +85,23 @@ TEST(SceneTextGuard, ThousandsOfProblemsAreAllListed) {
 
 TEST(SetOption, ReplacesWhatTheFileSays) {
     const Scene scene =
-        scene_with({"chain.spheres=9", "drive.frequency_hz=50e3"}, "[chain]\nspheres=7\npreload_n=1");
+        scene_of("[chain]\nspheres=7\npreload_n=1", {"chain.spheres=9", "drive.frequency_hz=50e3"});
     EXPECT_EQ(scene.chain.spheres, 9);
     EXPECT_EQ(scene.chain.preload_n, 1);
     EXPECT_EQ(scene.drive.frequency_hz, 50e3);
-    EXPECT_EQ(scene_with({"chain.spheres=2"}, "[chain]\nspheres='six'").chain.spheres, 2);
+    EXPECT_EQ(scene_of("[chain]\nspheres='six'", {"chain.spheres=2"}).chain.spheres, 2);
 }
 
 TEST(SetOption, TheLastOneOfAKeyWins) {
-    EXPECT_EQ(scene_with({"chain.spheres=9", "chain.spheres=3"}).chain.spheres, 3);
+    EXPECT_EQ(scene_of("", {"chain.spheres=9", "chain.spheres=3"}).chain.spheres, 3);
 }
 
 TEST(SetOption, ABareWordIsAString) {
-    EXPECT_EQ(scene_with({"end.kind=wall"}).end.kind, EndKind::wall);
-    EXPECT_EQ(scene_with({"end.kind=\"wall\""}).end.kind, EndKind::wall);
-    EXPECT_EQ(scene_with({"end.kind='wall'"}).end.kind, EndKind::wall);
-    EXPECT_EQ(scene_with({" end.kind = wall "}).end.kind, EndKind::wall);
-    EXPECT_EQ(scene_with({"end.material=silicone_rubber"}).end.material, "silicone_rubber");
+    EXPECT_EQ(scene_of("", {"end.kind=wall"}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {"end.kind=\"wall\""}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {"end.kind='wall'"}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {" end.kind = wall "}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {"end.material=silicone_rubber"}).end.material, "silicone_rubber");
     EXPECT_THAT(messages("", {"end.kind=true"}), ElementsAre(HasSubstr("found true")));
     EXPECT_THAT(messages("", {"drive.cycles=nan"}), ElementsAre(HasSubstr("found nan, allowed: a number")));
     EXPECT_THAT(messages("", {"end.kind=-wall"}), ElementsAre(HasSubstr("found a syntax error")));
@@ -124,8 +109,8 @@ TEST(SetOption, ABareWordIsAString) {
 
 TEST(SetOption, CanDefineAMaterial) {
     const Scene scene =
-        scene_with({"materials.oil.density=900", "medium.material=oil",
-                    "materials.oil.sound_speed_m_per_s=1400", "materials.oil.density_kg_per_m3=910"});
+        scene_of("", {"materials.oil.density=900", "medium.material=oil",
+                      "materials.oil.sound_speed_m_per_s=1400", "materials.oil.density_kg_per_m3=910"});
     EXPECT_EQ(scene.materials.at("oil"), Material(Fluid{910, 1400}));
     EXPECT_THAT(messages("", {"materials.oil.density=900"}),
                 ElementsAre(StartsWith("--set materials.oil.density=900: materials.oil: found no material")));
@@ -133,8 +118,7 @@ TEST(SetOption, CanDefineAMaterial) {
 
 TEST(SetOption, CanChangeAMaterialOfTheFile) {
     const std::string text = "[materials.oil]\ndensity=900\nsound_speed_m_per_s=1400\n";
-    EXPECT_EQ(scene_with({"materials.oil.density=800"}, text).materials.at("oil"),
-              Material(Fluid{800, 1400}));
+    EXPECT_EQ(scene_of(text, {"materials.oil.density=800"}).materials.at("oil"), Material(Fluid{800, 1400}));
     EXPECT_THAT(
         messages(text, {"materials.oil.density=-1"}),
         ElementsAre(StartsWith("--set materials.oil.density=-1: materials.oil.density_kg_per_m3: found -1")));
@@ -215,4 +199,4 @@ TEST(SceneTextFuzz, NoMutationOfAShippedSceneCrashes) {
 }
 
 }  // namespace
-}  // namespace hertzline
+}  // namespace hertzline::test

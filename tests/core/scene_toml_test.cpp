@@ -6,30 +6,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-namespace hertzline {
+#include "tests/support/scene_texts.hpp"
+
+namespace hertzline::test {
 namespace {
 
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::IsEmpty;
 using testing::Not;
 using testing::StartsWith;
-
-std::vector<std::string> messages(std::string_view text, const std::vector<std::string>& overrides = {}) {
-    const SceneResult result = parse_scene(text, "scene.toml", overrides);
-    EXPECT_EQ(result.scene.has_value(), result.problems.empty());
-    std::vector<std::string> lines;
-    for (const Problem& problem : result.problems) {
-        lines.push_back(problem.message());
-    }
-    return lines;
-}
-
-Scene scene_of(std::string_view text, const std::vector<std::string>& overrides = {}) {
-    EXPECT_THAT(messages(text, overrides), IsEmpty());
-    return parse_scene(text, "scene.toml", overrides).scene.value_or(Scene{});
-}
 
 TEST(SceneToml, AnEmptyTextIsThePapersScene) {
     EXPECT_EQ(scene_of(""), Scene{});
@@ -255,4 +241,4 @@ TEST(SceneToml, HostileTextNeverReachesTheTerminal) {
 }
 
 }  // namespace
-}  // namespace hertzline
+}  // namespace hertzline::test

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/hertz.hpp"
-#include "core/scene_words.hpp"
+#include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 
 namespace hertzline::test {
@@ -30,18 +30,22 @@ Scene linear_chain(Integrator integrator, double frequency_hz) {
     return scene;
 }
 
+/// A sphere's velocity at one frequency: the Fourier sum over the whole record.
+std::complex<double> component(const Record& record, std::size_t sphere, double frequency_hz) {
+    const std::size_t samples = record.chain_v.size() / spheres;
+    std::complex<double> sum = 0;
+    for (std::size_t i = 0; i < samples; ++i) {
+        const double turn = 2 * std::numbers::pi * frequency_hz * static_cast<double>(i) / 1e7;
+        sum += record.chain_v[i * spheres + sphere] * std::polar(1.0, -turn);
+    }
+    return sum;
+}
+
 /// Phase [rad] by which the motion of a frequency lags from sphere `near` to sphere `far`, up to whole turns.
 double phase_lag(const Scene& scene) {
-    const auto samples = static_cast<std::size_t>((200e-6 + 5 / scene.drive.frequency_hz) * 1e7);
-    const Record record = recorded(scene, samples);
-    std::complex<double> here = 0;
-    std::complex<double> there = 0;
-    for (std::size_t i = 0; i < samples; ++i) {
-        const double turn = 2 * std::numbers::pi * scene.drive.frequency_hz * static_cast<double>(i) / 1e7;
-        here += record.chain_v[i * spheres + near] * std::polar(1.0, -turn);
-        there += record.chain_v[i * spheres + far] * std::polar(1.0, -turn);
-    }
-    return std::arg(here / there);
+    const double frequency = scene.drive.frequency_hz;
+    const Record record = recorded(scene, static_cast<std::size_t>((200e-6 + 5 / frequency) * 1e7));
+    return std::arg(component(record, near, frequency) / component(record, far, frequency));
 }
 
 /// sqrt(k_t/m) [rad/s] between the spheres at static overlap.
@@ -51,8 +55,7 @@ double chain_frequency(const Scene& scene) {
 }
 
 class Wave : public ::testing::TestWithParam<Integrator> {};
-INSTANTIATE_TEST_SUITE_P(Integrators, Wave, ::testing::Values(Integrator::leapfrog, Integrator::chin4a),
-                         [](const auto& instance) { return std::string(word(instance.param)); });
+INSTANTIATE_TEST_SUITE_P(Integrators, Wave, every_integrator, integrator_name);
 
 TEST_P(Wave, PhaseFollowsTheDispersionOfALinearChain) {
     const double bound = GetParam() == Integrator::leapfrog ? 1e-2 : 1e-4;  // [rad]
@@ -73,6 +76,45 @@ TEST_P(Wave, SlowSignalsTravelAtTwoRadiiTimesTheRootOfStiffnessOverMass) {
     const double turns = std::round((2 * std::numbers::pi * 73e3 * flight - lag) / (2 * std::numbers::pi));
     const double measured = (lag + 2 * std::numbers::pi * turns) / (2 * std::numbers::pi * 73e3);
     EXPECT_NEAR(measured / flight, 1, 0.01);  // dispersion: (omega/omega_0)^2/24 = 0.4 %
+}
+
+TEST_P(Wave, DecaysFromSphereToSphereAboveTheCutOff) {
+    // no wave of omega > 2 sqrt(k_t/m) travels: cosh(kappa/2) = omega / (2 sqrt(k_t/m)), kappa per sphere
+    const double bound = GetParam() == Integrator::leapfrog ? 1e-2 : 1e-3;
+    for (const double above : {1.1, 1.3}) {
+        Scene scene = linear_chain(GetParam(), 73e3);
+        const double frequency = above * chain_frequency(scene) / std::numbers::pi;
+        scene.drive.frequency_hz = frequency;
+        scene.drive.cycles = 60;
+        const Record record = recorded(scene, 4000);
+        const double fall = std::abs(component(record, 1, frequency) / component(record, 4, frequency));
+        EXPECT_NEAR(std::log(fall) / 3 / (2 * std::acosh(above)), 1, bound) << above;
+    }
+}
+
+TEST(Waves, SmallOnesTravelAtTheSpeedOfTheLinearChain) {
+    // c = 2R sqrt(k_t/m) for long waves; a slow drive, small amplitude, no damping, arrival by the peak of
+    // the burst
+    Scene scene;
+    scene.chain.spheres = 200;
+    scene.chain.damping_kg_per_s = 0;
+    scene.drive.amplitude_m = 1e-10;
+    scene.drive.frequency_hz = 10e3;
+    scene.drive.cycles = 2;
+    scene.end.kind = EndKind::wall;
+    scene.output.sample_rate_hz = 5e6;
+    const Record record = recorded(with_step(scene, Integrator::leapfrog, 50e-9), 2000);
+    const auto peak_time = [&](std::size_t sphere) {
+        std::size_t at = 0;
+        for (std::size_t i = 0; i < 2000; ++i) {
+            at = record.chain_v[i * 200 + sphere] > record.chain_v[at * 200 + sphere] ? i : at;
+        }
+        return static_cast<double>(at) / 5e6;
+    };
+    const Chain chain(scene);
+    const double tangent = tangent_stiffness(chain.stiffness[5], chain.static_overlap[5]);
+    const double speed = 1e-3 * std::sqrt(tangent * chain.inv_mass[5]);
+    EXPECT_NEAR(100e-3 / (peak_time(120) - peak_time(20)) / speed, 1, 0.01);
 }
 
 TEST(StaticEquilibrium, EveryContactCarriesThePreload) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "core/energy.hpp"
 #include "core/integrators/folded_chain.hpp"
@@ -44,6 +45,12 @@ public:
 
     double energy() const { return kinetic_energy(chain, state) + stored_energy(chain, state, 0); }
     double time_s() const { return static_cast<double>(state.step) * step_s_; }
+    std::int64_t contact_events() const { return folded_.contact_events; }
+
+    /// Overlap of contact c [m].
+    double overlap(Eigen::Index c) const {
+        return chain.static_overlap[c] + (c > 0 ? state.x[c - 1] : 0) - state.x[c];
+    }
 
     Chain chain;
     ChainState state;
@@ -55,10 +62,8 @@ private:
         return drive;
     }
     void close_where_touching() {
-        double left = 0;
-        for (Eigen::Index b = 0; b < chain.bodies(); ++b) {
-            state.closed[b] = chain.static_overlap[b] + left - state.x[b] > 0 ? 1 : 0;
-            left = state.x[b];
+        for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
+            state.closed[c] = overlap(c) > 0 ? 1 : 0;
         }
     }
 
@@ -68,5 +73,31 @@ private:
     FoldedChain folded_;
     std::array<HornStep, ToneBurst::batch_steps> horn_{};
 };
+
+/// An undamped chain between horn and wall, its spheres thrown about at up to a speed [m/s].
+inline BareChain thrown(Integrator integrator, double step_s, double speed) {
+    constexpr std::int64_t spheres = 9;
+    Scene scene = with_step(Scene{}, integrator, step_s);
+    scene.end.kind = EndKind::wall;
+    scene.chain.spheres = spheres;
+    scene.chain.damping_kg_per_s = 0;
+    BareChain chain(scene);
+    for (Eigen::Index b = 0; b < spheres; ++b) {
+        chain.state.v[b] = speed * std::sin(1.0 + 2.7 * static_cast<double>(b));
+    }
+    return chain;
+}
+
+/// Largest change of the energy that was put into a thrown chain, of that energy, over so many steps.
+inline double largest_energy_change(BareChain& chain, double at_rest, double put_in, std::int64_t steps) {
+    constexpr std::int64_t interval = 1000;  // between looks
+    double largest = 0;
+    for (std::int64_t done = 0; done < steps; done += interval) {
+        chain.advance(std::min(interval, steps - done));
+        const double change = std::abs((chain.energy() - at_rest) / put_in - 1);
+        largest = change <= largest ? largest : change;  // a NaN stays
+    }
+    return largest;
+}
 
 }  // namespace hertzline::test

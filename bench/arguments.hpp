@@ -1,0 +1,31 @@
+#pragma once
+// The command line of a benchmark: [--json FILE] [WORD...]
+
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace hertzline::bench {
+
+struct Arguments {
+    std::vector<std::string> words;  ///< without --json
+    std::string json_file;           ///< empty: none is wanted
+
+    Arguments(int argc, char** argv) : words(argv + 1, argv + argc) {
+        if (words.size() >= 2 && words[0] == "--json") {
+            json_file = words[1];
+            words.erase(words.begin(), words.begin() + 2);
+        }
+    }
+
+    /// Writes the results to the file that was asked for, if any.
+    void save(const nlohmann::ordered_json& results) const {
+        if (!json_file.empty()) {
+            std::ofstream(json_file) << results.dump(2) << '\n';
+        }
+    }
+};
+
+}  // namespace hertzline::bench
