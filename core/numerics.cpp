@@ -120,16 +120,22 @@ constexpr double least = 0.12;   // and below which a longer step is tried
 constexpr int most_trials = 10;
 constexpr double slope = 13;     // of log(error) over log(step), roughly
 
+struct Trial {
+    double step_s;
+    double error;
+};
+
 double rounded_down(double step) {
     const double unit = std::pow(10, std::floor(std::log10(step)) - 2);
     return std::floor(step / unit * (1 + 1e-12)) * unit;
 }
 
 /// Sampled as the scene is, so that samples beside a contact's switching count as they will.
-PilotPlan plan_of_series(const Scene& asked) {
+PilotPlan plan_of_series(const Scene& asked, double omega) {
     constexpr double most_samples = 40e3;
+    constexpr double most_radians = 60e3;  // of the chain's fastest oscillation
     constexpr double per_period = 16;
-    const double watched = watched_s(asked.drive);
+    const double watched = std::min(watched_s(asked.drive), most_radians / omega);
     PilotPlan plan{shortened(asked), 0};
     const double affordable = most_samples * 7 / static_cast<double>(plan.scene.chain.spheres + 1) / watched;
     double& rate = plan.scene.output.sample_rate_hz;
@@ -141,13 +147,13 @@ PilotPlan plan_of_series(const Scene& asked) {
 StepAdvice advise_series(const Scene& scene) {
     const Integrator integrator = *scene.numerics.integrator;
     const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
-    const PilotPlan plan = plan_of_series(scene);
-    const Chain chain(plan.scene);
+    const Chain chain(shortened(scene));
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double by_drive = series_drive_periods / scene.drive.frequency_hz;
     const auto longest = [&](const Eigen::ArrayXd& overlaps) {
         return largest_stable_step(chain, overlaps, integrator);
     };
+    const PilotPlan plan = plan_of_series(scene, omega);
     const double exact_step = std::min(SeriesSolver::phase_for(1e-13) / omega, by_drive);
     const Pilot exact = fly(plan, Integrator::taylor12, exact_step);
 
@@ -158,30 +164,35 @@ StepAdvice advise_series(const Scene& scene) {
                                    by_drive});
     // the longest step whose error lies in the window, by secants on the logarithms
     double step = std::min(limit, SeriesSolver::phase_for(accuracy / 30) / omega);
-    double low = 0;
-    double high = std::numeric_limits<double>::infinity();
-    double error = 0;
-    for (int trial = 0; trial < most_trials; ++trial) {
+    double too_long = std::numeric_limits<double>::infinity();
+    Trial best{0, std::numeric_limits<double>::infinity()};
+    for (int trial = 0; trial < most_trials && step >= exact_step; ++trial) {
         step = rounded_down(step);
-        error = largest_difference(fly(plan, integrator, step), exact);
-        const bool good = error <= most * accuracy;
-        if (good && (error >= least * accuracy || step >= 0.97 * limit)) {
-            break;
+        const double error = largest_difference(fly(plan, integrator, step), exact);
+        if (error > most * accuracy) {
+            too_long = std::min(too_long, step);
+        } else if (step > best.step_s) {
+            best = {step, error};
+            if (error >= least * accuracy || step >= 0.97 * limit) {
+                break;
+            }
         }
-        (good ? low : high) = step;
         const double ratio = std::clamp(aim * accuracy / std::max(error, 1e-300), 1e-6, 1e6);
-        double next = step * std::pow(ratio, 1 / slope);
-        if (next <= low || next >= high) {
-            next = high < 1e300 ? std::sqrt(std::max(low, high / 4) * high) : 2 * low;
-        }
-        step = std::min(next, limit);
-        if (trial + 1 == most_trials && low > 0) {
-            step = low;
+        step = std::min(step * std::pow(ratio, 1 / slope), limit);
+        if (step <= best.step_s || step >= too_long) {
+            step = std::sqrt(std::max(best.step_s, too_long / 2) * too_long);
         }
     }
-    advice.accuracy_met = error <= accuracy;
-    advice.recommended_step_s = step;
-    advice.estimated_error = error;
+    advice.accuracy_met = best.step_s > 0;
+    if (!advice.accuracy_met) {
+        // nothing can be shown to be better than the reference: it is taken for as good as can be had, unless
+        // no step makes a difference
+        const double error = largest_difference(fly(plan, integrator, rounded_down(exact_step)), exact);
+        const double step_of_chaos = std::min(limit, SeriesSolver::phase_for(1e-6) / omega);
+        best = {rounded_down(error > chaotic ? step_of_chaos : exact_step), error};
+    }
+    advice.recommended_step_s = best.step_s;
+    advice.estimated_error = best.error;
     return advice;
 }
 

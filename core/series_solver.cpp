@@ -36,6 +36,16 @@ double difference(StepPosition a, StepPosition b) noexcept {
 
 }  // namespace
 
+/// Overlap [m] whose elastic force changes a velocity by less than the tolerance [m/s] in a step. Below it a
+/// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like a
+/// double exponential, need no resolving. A chain at rest under its preload must not be taken so.
+static double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
+    constexpr double hardly = 1e-3;
+    const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
+    const double overlap = std::pow(hardly * tolerance / (stiffest * step), 2.0 / 3);
+    return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
+}
+
 double SeriesSolver::phase_for(double tolerance) noexcept {
     return std::pow(tolerance / at_one, 1 / exponent);
 }
@@ -57,7 +67,8 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
     piece_.tolerance = std::max(
-        1e-290, std::max(rounding, at_one * std::pow(omega * unit, exponent)) * velocity_scale(chain, scene.drive, omega) * unit);
+        1e-100, std::max(rounding, at_one * std::pow(omega * unit, exponent)) * velocity_scale(chain, scene.drive, omega) * unit);
+    piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = most.ledger;

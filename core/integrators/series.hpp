@@ -49,6 +49,7 @@ public:
     double unit_s = 0;        ///< time that z = 1 stands for [s]; no piece is longer
     double per_unit = 0;      ///< 1/unit_s
     double tolerance = 0;     ///< error of a piece's velocities times unit_s [m]
+    double negligible = 0;    ///< overlap whose force does not count [m]
     double reach = 1;         ///< the piece ends there at the latest [z]
     double response = 1;      ///< how fast the chain answers to a force, in 1/unit
     bool keeps_ledger = true; ///< whether work and losses are added up

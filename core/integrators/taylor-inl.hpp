@@ -175,8 +175,9 @@ private:
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec d1 = fold_.difference(x_[1], k, piece_.horn[1]);
             const Vec d0 = fold_.difference(static_overlap[k], x_[0], k, piece_.horn[0]);
-            const Flags touching_only = hn::Le(hn::Abs(d0), hn::Mul(hn::Set(d_tag, at_zero), hn::Abs(d1)));
-            const Flags closing = hn::And(touching_only, hn::Gt(d1, hn::Zero(d_tag)));
+            const Vec hardly = hn::MulAdd(hn::Set(d_tag, at_zero), hn::Abs(d1), hn::Set(d_tag, piece_.negligible));
+            const Flags touching_only = hn::Le(hn::Abs(d0), hardly);
+            const Flags closing = hn::And(touching_only, hn::Gt(d1, hn::Set(d_tag, standstill)));
             d_[0].set(k, hn::IfThenZeroElse(touching_only, d0));
             d_[1].set(k, d1);
             const Flags overlaps = hn::Or(closing, hn::Gt(d_[0][k], hn::Zero(d_tag)));
@@ -316,27 +317,63 @@ private:
         const double error = Degree * piece_.largest + 1e-300;
         double length = rough_power(piece_.tolerance, error, 1, Degree - 1);
         if (HWY_UNLIKELY(late)) {
-            length = std::min(length, late_length());
+            length = std::min(length, late_length(*this));
         }
         return std::min(piece_.reach, std::max(length, shortest));
     }
 
     /// A late force is added without the chain's answer to it: short enough for that answer to stay below the
-    /// tolerance, and for the overlap to grow steadily.
-    HWY_INLINE double late_length() const {
+    /// tolerance, and for the overlap to grow steadily. Or no longer than it does not count at all.
+    HWY_INLINE static double late_length(Taylor& taylor) {
+        Taylor copy(taylor);
+        const double length = limit_of_late(copy);
+        taylor.late_ = copy.late_;
+        return length;
+    }
+    HWY_NOINLINE static double limit_of_late(Taylor& taylor) { return taylor.late_limit(); }
+    HWY_INLINE double late_limit() {
         Vec largest = hn::Zero(d_tag);
         Vec bent = hn::Zero(d_tag);
+        Vec fastest = hn::Zero(d_tag);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec w = hn::Mul(late_[k], d_[1][k]);
-            const Vec both = hn::Add(inv_mass_[k], fold_.left(inv_mass_, k));
-            largest = hn::Max(largest, hn::Mul(hn::Mul(both, stiffness_[k]), hn::Mul(w, hn::Sqrt(w))));
-            const Vec bend = hn::Div(hn::Abs(d_[2][k]), hn::Max(d_[1][k], hn::Set(d_tag, 1e-300)));
-            bent = hn::Max(bent, hn::Mul(late_[k], bend));
+            largest = hn::Max(largest, hn::Mul(hn::Mul(mobility_[k], stiffness_[k]), hn::Mul(w, hn::Sqrt(w))));
+            const Vec per_w = hn::Div(late_[k], hn::Max(d_[1][k], hn::Set(d_tag, standstill)));
+            const Vec second = hn::Mul(hn::Abs(d_[2][k]), per_w);
+            const Vec third = hn::Sqrt(hn::Mul(hn::Abs(d_[3][k]), per_w));
+            bent = hn::Max(bent, hn::Max(second, third));
+            fastest = hn::Max(fastest, w);
         }
         const double answer =
             0.4 * square_ * hn::GetLane(hn::MaxOfLanes(d_tag, largest)) * piece_.response + 1e-300;
         const double steady = 0.25 / (hn::GetLane(hn::MaxOfLanes(d_tag, bent)) + 0.25);
-        return std::min(rough_power(piece_.tolerance, answer, 2, 7), steady);
+        const double length = std::min(rough_power(piece_.tolerance, answer, 2, 7), steady);
+        if (hn::GetLane(hn::MaxOfLanes(d_tag, fastest)) > 1e3 * piece_.negligible) {
+            return length;
+        }
+        const double without = negligible_length();
+        if (without > length) {
+            HERTZLINE_EACH_ROW(k, fold_.rows()) late_.set(k, hn::Zero(d_tag));
+        }
+        return std::max(length, without);
+    }
+    /// A length during which contacts that have just closed overlap by no more than what counts.
+    HWY_INLINE double negligible_length() const {
+        double z = 1;
+        for (int halvings = 0; halvings < 40; ++halvings, z /= 2) {
+            Vec largest = hn::Zero(d_tag);
+            HERTZLINE_EACH_ROW(k, fold_.rows()) {
+                Vec sum = hn::Abs(d_[Degree][k]);
+                for (int n = Degree - 1; n > 0; --n) {
+                    sum = hn::MulAdd(sum, hn::Set(d_tag, z), hn::Abs(d_[n][k]));
+                }
+                largest = hn::Max(largest, hn::Mul(late_[k], sum));
+            }
+            if (z * hn::GetLane(hn::MaxOfLanes(d_tag, largest)) <= piece_.negligible) {
+                break;
+            }
+        }
+        return z;
     }
 
     // --- its end --------------------------------------------------------------------------------------------
@@ -395,7 +432,8 @@ private:
     /// Contacts that are not at z what they are at the start.
     HWY_INLINE Flags switches(std::size_t k, Vec z) const {
         const Vec zero = hn::Zero(d_tag);
-        const Flags overlaps = hn::Gt(value(d_, k, z), zero);
+        const Vec limit = hn::IfThenElseZero(open(k), hn::Set(d_tag, piece_.negligible));
+        const Flags overlaps = hn::Gt(value(d_, k, z), limit);
         Flags changed = hn::Xor(overlaps, hn::Gt(overlaps_[k], zero));
         if (HWY_UNLIKELY(clamped_)) {
             // what has just closed pushes; that its elastic force is not in the series does not matter
@@ -449,7 +487,7 @@ private:
     /// not touch then.
     HWY_INLINE Vec turning_point(std::size_t k, Vec end) const {
         const Vec zero = hn::Zero(d_tag);
-        const Flags apart = hn::Le(value(d_, k, end), zero);
+        const Flags apart = hn::Le(value(d_, k, end), hn::Set(d_tag, piece_.negligible));
         const Flags turned = hn::And(hn::Gt(d_[1][k], zero), hn::Lt(slope(d_, k, end), zero));
         const Flags concerned = hn::And(hn::And(open(k), apart), turned);
         if (hn::AllFalse(d_tag, concerned)) {
@@ -463,7 +501,8 @@ private:
             low = hn::IfThenElse(approaching, z, low);
             high = hn::IfThenElse(approaching, high, z);
         }
-        const Flags touched = hn::And(concerned, hn::Gt(value(d_, k, low), zero));
+        const Flags touched =
+            hn::And(concerned, hn::Gt(value(d_, k, low), hn::Set(d_tag, piece_.negligible)));
         return hn::IfThenElse(touched, low, end);
     }
 
@@ -620,6 +659,7 @@ private:
 
     static constexpr Doubles d_tag{};
     static constexpr double at_zero = 1e-7;    ///< overlap over its change in a unit that counts as none
+    static constexpr double standstill = 1e-60;  ///< change of overlap in a unit that counts as none [m]
     static constexpr double shortest = 1e-9;   ///< piece [z]: contacts that chatter cannot hold time back
     static constexpr int newton_rounds = 8;
     static constexpr int bisections = 45;
