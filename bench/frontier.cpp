@@ -22,12 +22,12 @@ double processor_time() {
 }
 
 /// Runs until a few milliseconds are full. The first run of short ones warms caches up and is not counted.
-void time_runs(const Solver& solver, Trace& trace, std::vector<double>& times) {
+void time_runs(const Contender& contender, Trace& trace, std::vector<double>& times) {
     constexpr double enough_s = 3e-3;
     const double begin = processor_time();
     double before = begin;
     for (int run = 0; run == 0 || before - begin < enough_s; ++run) {
-        solver.run(trace);
+        contender.run(trace);
         const double now = processor_time();
         if (run > 0 || now - before > enough_s) {
             times.push_back(now - before);
@@ -36,14 +36,14 @@ void time_runs(const Solver& solver, Trace& trace, std::vector<double>& times) {
     }
 }
 
-std::vector<Solver> all_solvers(const Scene& scene, const Problem& problem) {
-    std::vector<Solver> all;
-    for (std::vector<Solver>& some :
-         std::vector{hertzline_solvers(scene), odeint_solvers(problem), odeint_located_solvers(problem),
-                     cvode_solvers(problem), arkode_solvers(problem)}) {
+std::vector<Contender> all_contenders(const Scene& scene, const Problem& problem) {
+    std::vector<Contender> all;
+    for (std::vector<Contender>& some : std::vector{hertzline_contenders(scene), odeint_contenders(problem),
+                                                    odeint_located_contenders(problem),
+                                                    cvode_contenders(problem), arkode_contenders(problem)}) {
         std::ranges::move(some, std::back_inserter(all));
     }
-    std::ranges::stable_sort(all, {}, [](const Solver& s) { return std::pair(s.kind, s.name); });
+    std::ranges::stable_sort(all, {}, [](const Contender& c) { return std::pair(c.kind, c.name); });
     return all;
 }
 
@@ -57,16 +57,17 @@ double Result::error() const {
 Field::Field(const std::string& reference)
     : reference_(test::read_reference(reference)),
       problem_(problem(test::reference_scene(reference), reference_.v_last.size())),
-      solvers_(all_solvers(test::reference_scene(reference), problem_)) {}
+      contenders_(all_contenders(test::reference_scene(reference), problem_)) {}
 
 double Field::simulated_s() const {
     return static_cast<double>(problem_.samples - 1) * problem_.sample_period * 1e-6;
 }
 
-Result Field::answer(const Solver& solver, Trace& trace) const {
-    Result result{.kind = solver.kind, .solver = solver.name, .setting = solver.setting, .failure = {}};
+Result Field::answer(const Contender& contender, Trace& trace) const {
+    Result result{
+        .kind = contender.kind, .solver = contender.name, .setting = contender.setting, .failure = {}};
     try {
-        solver.run(trace);
+        contender.run(trace);
     } catch (const std::runtime_error& error) {
         result.failure = error.what();
         return result;
@@ -82,18 +83,18 @@ Result Field::answer(const Solver& solver, Trace& trace) const {
 std::vector<Result> Field::measure(int rounds) const {
     Trace trace(problem_);
     std::vector<Result> results;
-    for (const Solver& solver : solvers_) {
-        results.push_back(answer(solver, trace));
+    for (const Contender& contender : contenders_) {
+        results.push_back(answer(contender, trace));
     }
-    std::vector<std::vector<double>> times(solvers_.size());
+    std::vector<std::vector<double>> times(contenders_.size());
     for (int round = 0; round < rounds; ++round) {
-        for (std::size_t i = 0; i < solvers_.size(); ++i) {
+        for (std::size_t i = 0; i < contenders_.size(); ++i) {
             if (results[i].failure.empty()) {
-                time_runs(solvers_[i], trace, times[i]);
+                time_runs(contenders_[i], trace, times[i]);
             }
         }
     }
-    for (std::size_t i = 0; i < solvers_.size(); ++i) {
+    for (std::size_t i = 0; i < contenders_.size(); ++i) {
         if (!times[i].empty()) {
             std::ranges::sort(times[i]);
             results[i].median_s = times[i][times[i].size() / 2];
@@ -103,14 +104,13 @@ std::vector<Result> Field::measure(int rounds) const {
     return results;
 }
 
-double Field::smallest_error(const std::string& solver) const {
-    const auto found =
-        std::ranges::find(solvers_.rbegin(), solvers_.rend(), solver, [](const Solver& s) { return s.name; });
-    if (found == solvers_.rend()) {
-        throw std::out_of_range("no solver " + solver);
+std::optional<Result> Field::tightest(const std::string& solver) const {
+    const auto found = std::ranges::find(contenders_.rbegin(), contenders_.rend(), solver, &Contender::name);
+    if (found == contenders_.rend()) {
+        return {};
     }
     Trace trace(problem_);
-    return answer(*found, trace).error();
+    return answer(*found, trace);
 }
 
 const Result* fastest(const std::vector<Result>& results, const std::vector<Kind>& kinds, double bound,

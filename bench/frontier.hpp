@@ -1,6 +1,7 @@
 #pragma once
 // Error and run time of every solver at every setting on one scene, and who is fastest at which error.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,17 +39,18 @@ public:
     /// all alike.
     std::vector<Result> measure(int rounds) const;
 
-    /// The error of the solver of that name at the last, tightest, of its settings. @throws std::out_of_range
-    double smallest_error(const std::string& solver) const;
+    /// The solver of that name at the last, tightest, of its settings, run once for its errors; empty if
+    /// there is none.
+    std::optional<Result> tightest(const std::string& solver) const;
 
     double simulated_s() const;
 
 private:
-    Result answer(const Solver& solver, Trace& trace) const;
+    Result answer(const Contender& contender, Trace& trace) const;
 
     test::Reference reference_;
     Problem problem_;
-    std::vector<Solver> solvers_;
+    std::vector<Contender> contenders_;
 };
 
 /// Which errors count.

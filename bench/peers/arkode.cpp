@@ -11,7 +11,7 @@ class RungeKutta {
 public:
     RungeKutta(N_Vector y, SUNContext context, void* run, ARKRhsFn slope, double tolerance,
                ARKODE_ERKTableID table)
-        : memory_(ERKStepCreate(slope, 0, y, context)) {
+        : slope_(slope), memory_(ERKStepCreate(slope, 0, y, context)) {
         checked(ERKStepSetUserData(memory_, run), "ERKStepSetUserData");
         checked(ERKStepSStolerances(memory_, tolerance, tolerance), "ERKStepSStolerances");
         checked(ERKStepSetTableNum(memory_, table), "ERKStepSetTableNum");
@@ -30,6 +30,8 @@ public:
         checked(ERKStepRootInit(memory_, count, values), "ERKStepRootInit");
         checked(ERKStepSetNoInactiveRootWarn(memory_), "ERKStepSetNoInactiveRootWarn");
     }
+    void begin(N_Vector y) { checked(ERKStepReInit(memory_, slope_, 0, y), "ERKStepReInit"); }
+    /// Keeps the step size.
     void restart(double t, N_Vector y) { checked(ERKStepReset(memory_, t, y), "ERKStepReset"); }
     bool advance(double until, N_Vector y, double& t) {
         return checked(ERKStepEvolve(memory_, until, y, &t, ARK_NORMAL), "ERKStepEvolve") == ARK_ROOT_RETURN;
@@ -37,23 +39,24 @@ public:
     void roots(int* found) { checked(ERKStepGetRootInfo(memory_, found), "ERKStepGetRootInfo"); }
 
 private:
+    ARKRhsFn slope_;
     void* memory_;
 };
 
 }  // namespace
 
-std::vector<Solver> arkode_solvers(const Problem& problem) {
+std::vector<Contender> arkode_contenders(const Problem& problem) {
     struct Table {
         const char* name;
         ARKODE_ERKTableID id;
     };
-    std::vector<Solver> list;
+    std::vector<Contender> list;
     for (const Table table : {Table{"ARKODE Dormand-Prince", ARKODE_DORMAND_PRINCE_7_4_5},
                               Table{"ARKODE Verner 6(5)", ARKODE_VERNER_8_5_6}}) {
         for (const double tolerance : tolerances(1e-3)) {
             for (const Contacts contacts : {Contacts::by_overlap, Contacts::located}) {
                 list.push_back(
-                    sundials_solver<RungeKutta>(problem, table.name, tolerance, contacts, table.id));
+                    sundials_contender<RungeKutta>(problem, table.name, tolerance, contacts, table.id));
             }
         }
     }

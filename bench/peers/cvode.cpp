@@ -31,6 +31,7 @@ public:
         checked(CVodeRootInit(memory_, count, values), "CVodeRootInit");
         checked(CVodeSetNoInactiveRootWarn(memory_), "CVodeSetNoInactiveRootWarn");
     }
+    void begin(N_Vector y) { restart(0, y); }
     void restart(double t, N_Vector y) { checked(CVodeReInit(memory_, t, y), "CVodeReInit"); }
     bool advance(double until, N_Vector y, double& t) {
         return checked(CVode(memory_, until, y, &t, CV_NORMAL), "CVode") == CV_ROOT_RETURN;
@@ -44,11 +45,11 @@ private:
 
 }  // namespace
 
-std::vector<Solver> cvode_solvers(const Problem& problem) {
-    std::vector<Solver> list;
+std::vector<Contender> cvode_contenders(const Problem& problem) {
+    std::vector<Contender> list;
     for (const double tolerance : tolerances(1e-3)) {
         for (const Contacts contacts : {Contacts::by_overlap, Contacts::located}) {
-            list.push_back(sundials_solver<Adams>(problem, "CVODE Adams", tolerance, contacts));
+            list.push_back(sundials_contender<Adams>(problem, "CVODE Adams", tolerance, contacts));
         }
     }
     return list;

@@ -74,11 +74,13 @@ public:
         std::memcpy(result, &a, sizeof a);
     }
 
-    /// Overlaps of all lanes' left contacts, [Lanes].
-    void overlaps(const double* displacement, double* result, double t) const {
+    /// What changes sign where a contact opens or closes, [Lanes]: its overlap, off by a hair so that one
+    /// that has just switched, or rests at zero overlap, does not switch back and forth by rounding.
+    void switching(const double* displacement, double* result, double t) const {
         const Vector x = load(displacement);
-        const Vector overlap = static_overlap_ + left_neighbour(x, horn_at(t).x) - x;
-        std::memcpy(result, &overlap, sizeof overlap);
+        const Vector hair = closed_ ? Vector{} + slack : Vector{} - slack;
+        const Vector distance = static_overlap_ + left_neighbour(x, horn_at(t).x) - x + hair;
+        std::memcpy(result, &distance, sizeof distance);
     }
 
     void close_all() { closed_ = Mask{} == 0; }
@@ -86,6 +88,8 @@ public:
     void switch_contact(std::size_t contact) { closed_[contact] = ~closed_[contact]; }
 
 private:
+    static constexpr double slack = 1e-11;  // of the drive's amplitude
+
     struct HornMotion {
         double x, v;
     };

@@ -18,7 +18,8 @@ namespace {
 /// Settings worth measuring. An integrator that does not work with fixed steps gets its ladder here.
 std::vector<Numerics> ladder(Integrator integrator) {
     std::vector<Numerics> settings;
-    for (const double step_ns : {800.0, 600.0, 500.0, 400.0, 300.0, 250.0, 200.0, 175.0, 150.0, 125.0}) {
+    for (const double step_ns :
+         {1600.0, 1200.0, 1000.0, 800.0, 600.0, 500.0, 400.0, 300.0, 250.0, 200.0, 175.0, 150.0, 125.0}) {
         settings.push_back({.integrator = integrator, .step_s = step_ns * 1e-9, .accuracy = {}});
     }
     for (const int steps_per_sample : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32}) {
@@ -65,8 +66,8 @@ private:
 
 }  // namespace
 
-std::vector<Solver> hertzline_solvers(const Scene& scene) {
-    std::vector<Solver> list;
+std::vector<Contender> hertzline_contenders(const Scene& scene) {
+    std::vector<Contender> list;
     for (const auto& integrator : Words<Integrator>::all) {
         for (const Numerics& numerics : ladder(integrator.choice)) {
             Scene wish = scene;

@@ -21,7 +21,7 @@ auto first_order(const Plain<Lanes>& equations) {
 }
 
 template <std::size_t Lanes, class Stepper>
-Solver dense(const Problem& problem, const char* name, double tolerance, Stepper stepper) {
+Contender dense(const Problem& problem, const char* name, double tolerance, Stepper stepper) {
     return {Kind::as_it_comes, name, tolerance_text(tolerance),
             [&problem, equations = Plain<Lanes>(problem), stepper](Trace& trace) mutable {
                 Recorder<Lanes> recorder(problem, trace);
@@ -39,7 +39,7 @@ Solver dense(const Problem& problem, const char* name, double tolerance, Stepper
 
 /// Without dense output: steps end at the samples.
 template <std::size_t Lanes, class Stepper>
-Solver controlled(const Problem& problem, const char* name, double tolerance, Stepper fresh) {
+Contender controlled(const Problem& problem, const char* name, double tolerance, Stepper fresh) {
     return {Kind::as_it_comes, name, tolerance_text(tolerance),
             [&problem, equations = Plain<Lanes>(problem), fresh](Trace& trace) {
                 Recorder<Lanes> recorder(problem, trace);
@@ -70,7 +70,7 @@ std::string step_text(const Problem& problem, int steps_per_sample) {
 }
 
 template <std::size_t Lanes, class Stepper>
-Solver fixed(const Problem& problem, const char* name, int steps_per_sample, Stepper fresh) {
+Contender fixed(const Problem& problem, const char* name, int steps_per_sample, Stepper fresh) {
     return {Kind::as_it_comes, name, step_text(problem, steps_per_sample),
             [&problem, equations = Plain<Lanes>(problem), steps_per_sample, fresh](Trace& trace) {
                 Recorder<Lanes> recorder(problem, trace);
@@ -88,7 +88,7 @@ Solver fixed(const Problem& problem, const char* name, int steps_per_sample, Ste
 
 /// The scheme of discrete-element codes: one force evaluation a step, dashpots lag by half a step.
 template <std::size_t Lanes>
-Solver verlet(const Problem& problem, int steps_per_sample) {
+Contender verlet(const Problem& problem, int steps_per_sample) {
     using Half = std::array<double, Lanes>;
     return {Kind::as_it_comes, "odeint velocity_verlet", step_text(problem, steps_per_sample),
             [&problem, equations = Plain<Lanes>(problem), steps_per_sample](Trace& trace) {
@@ -115,9 +115,9 @@ Solver verlet(const Problem& problem, int steps_per_sample) {
 }
 
 template <std::size_t Lanes>
-std::vector<Solver> solvers(const Problem& problem) {
+std::vector<Contender> contenders(const Problem& problem) {
     using S = State<Lanes>;
-    std::vector<Solver> list;
+    std::vector<Contender> list;
     for (const double tolerance : tolerances(1e-2)) {
         const auto dopri5 = odeint::make_dense_output(tolerance, tolerance, odeint::runge_kutta_dopri5<S>());
         list.push_back(dense<Lanes>(problem, "odeint dopri5", tolerance, dopri5));
@@ -138,8 +138,8 @@ std::vector<Solver> solvers(const Problem& problem) {
 
 }  // namespace
 
-std::vector<Solver> odeint_solvers(const Problem& problem) {
-    return with_lanes(problem, [&](auto lanes) { return solvers<lanes()>(problem); });
+std::vector<Contender> odeint_contenders(const Problem& problem) {
+    return with_lanes(problem, [&](auto lanes) { return contenders<lanes()>(problem); });
 }
 
 }  // namespace hertzline::bench

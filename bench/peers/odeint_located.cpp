@@ -1,5 +1,5 @@
 // Boost.odeint's dopri5 taught to locate contacts: what a careful user builds around its dense output.
-// Dashpots are held over a step; a step at whose end a contact's overlap has changed sign is cut at the
+// Dashpots are held over a step; a step at whose end a contact has opened or closed is cut at the
 // crossing, found in the dense output, and the integration begins anew there.
 
 #include "bench/peers/sampling.hpp"
@@ -53,16 +53,16 @@ private:
         std::size_t contact;  ///< problem.contacts: none
     };
 
-    bool wrong(std::size_t contact, double overlap) const {
-        return equations_.closed(contact) ? overlap < 0 : overlap > 0;
+    bool wrong(std::size_t contact, double distance) const {
+        return equations_.closed(contact) ? distance < 0 : distance > 0;
     }
 
     Crossing first_crossing() {
-        std::array<double, Lanes> overlap;
+        std::array<double, Lanes> distance;
         Crossing first{stepper_.current_time(), problem_.contacts};
-        equations_.overlaps(stepper_.current_state().data(), overlap.data(), first.time);
+        equations_.switching(stepper_.current_state().data(), distance.data(), first.time);
         for (std::size_t c = 0; c < problem_.contacts; ++c) {
-            if (wrong(c, overlap[c])) {
+            if (wrong(c, distance[c])) {
                 const double time = crossing_time(c);
                 if (time <= first.time) {
                     first = {time, c};
@@ -72,27 +72,27 @@ private:
         return first;
     }
 
-    double overlap_at(std::size_t contact, double t) {
+    double switching_at(std::size_t contact, double t) {
         State<Lanes> state;
-        std::array<double, Lanes> overlap;
+        std::array<double, Lanes> distance;
         stepper_.calc_state(t, state);
-        equations_.overlaps(state.data(), overlap.data(), t);
-        return overlap[contact];
+        equations_.switching(state.data(), distance.data(), t);
+        return distance[contact];
     }
 
     /// The Illinois variant of the false position.
     double crossing_time(std::size_t contact) {
         double a = stepper_.previous_time();
         double b = stepper_.current_time();
-        double at_a = overlap_at(contact, a);
-        double at_b = overlap_at(contact, b);
+        double at_a = switching_at(contact, a);
+        double at_b = switching_at(contact, b);
         if (wrong(contact, at_a)) {
             return a;
         }
         double t = b;
         for (int i = 0; i < 60 && std::abs(b - a) > 1e-13 * std::abs(b) && at_b != at_a; ++i) {
             t = (a * at_b - b * at_a) / (at_b - at_a);
-            const double at_t = overlap_at(contact, t);
+            const double at_t = switching_at(contact, t);
             if (std::abs(at_t) < 1e-15) {
                 break;
             }
@@ -115,8 +115,8 @@ private:
 
 }  // namespace
 
-std::vector<Solver> odeint_located_solvers(const Problem& problem) {
-    std::vector<Solver> list;
+std::vector<Contender> odeint_located_contenders(const Problem& problem) {
+    std::vector<Contender> list;
     for (const double tolerance : tolerances(1e-2)) {
         list.push_back({Kind::located, "odeint dopri5, located", tolerance_text(tolerance),
                         with_lanes(problem, [&](auto lanes) -> std::function<void(Trace&)> {

@@ -51,7 +51,7 @@ enum class Kind {
 };
 
 /// A method at one setting. Everything that can be prepared has been.
-struct Solver {
+struct Contender {
     Kind kind;
     std::string name;
     std::string setting;
@@ -59,10 +59,10 @@ struct Solver {
     std::function<void(Trace&)> run;
 };
 
-std::vector<Solver> hertzline_solvers(const Scene& scene);
-std::vector<Solver> odeint_solvers(const Problem& problem);
-std::vector<Solver> odeint_located_solvers(const Problem& problem);
-std::vector<Solver> cvode_solvers(const Problem& problem);
-std::vector<Solver> arkode_solvers(const Problem& problem);
+std::vector<Contender> hertzline_contenders(const Scene& scene);
+std::vector<Contender> odeint_contenders(const Problem& problem);
+std::vector<Contender> odeint_located_contenders(const Problem& problem);
+std::vector<Contender> cvode_contenders(const Problem& problem);
+std::vector<Contender> arkode_contenders(const Problem& problem);
 
 }  // namespace hertzline::bench

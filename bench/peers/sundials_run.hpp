@@ -25,8 +25,8 @@ inline int checked(int flag, const char* what) {
     return flag;
 }
 
-/// @tparam Method owns the integrator's memory: restart(t, y), advance(t, y) returning whether roots were
-/// found, stop_at(t), roots(found).
+/// @tparam Method owns the integrator's memory: begin(y), restart(t, y), advance(until, y, t), which is true
+/// when it stopped at roots, roots(found) and find_roots(count, function).
 template <class Method, std::size_t Lanes, Contacts Way>
 class SundialsRun {
 public:
@@ -36,7 +36,7 @@ public:
         N_VEnableFusedOps_Serial(y_.get(), SUNTRUE);
         method_ = std::make_unique<Method>(y_.get(), context_.get(), this, slope, settings...);
         if constexpr (Way == Contacts::located) {
-            method_->find_roots(static_cast<int>(problem.contacts), overlaps);
+            method_->find_roots(static_cast<int>(problem.contacts), switching);
         }
     }
 
@@ -44,7 +44,7 @@ public:
         Recorder<Lanes> recorder(problem_, trace);
         equations_.close_all();
         N_VConst(0, y_.get());
-        method_->restart(0, y_.get());
+        method_->begin(y_.get());
         recorder.put(state());
         int restarts = 0;
         while (!recorder.done()) {
@@ -74,7 +74,7 @@ private:
     const double* state() const { return NV_DATA_S(y_.get()); }
 
     void switch_contacts() {
-        std::array<int, Lanes> found{};  // 1: the overlap rose through zero, -1: it fell
+        std::array<int, Lanes> found{};  // 1: its overlap rose through zero, -1: it fell
         method_->roots(found.data());
         for (std::size_t c = 0; c < problem_.contacts; ++c) {
             if (found[c] != 0 && (found[c] > 0) != equations_.closed(c)) {
@@ -87,10 +87,10 @@ private:
         static_cast<SundialsRun*>(run)->equations_.derivative(NV_DATA_S(y), NV_DATA_S(result), t);
         return 0;
     }
-    static int overlaps(double t, N_Vector y, double* result, void* run) {
+    static int switching(double t, N_Vector y, double* result, void* run) {
         auto* self = static_cast<SundialsRun*>(run);
-        std::array<double, Lanes> all;
-        self->equations_.overlaps(NV_DATA_S(y), all.data(), t);
+        std::array<double, Lanes> all{};
+        self->equations_.switching(NV_DATA_S(y), all.data(), t);
         std::copy_n(all.begin(), self->problem_.contacts, result);
         return 0;
     }
@@ -104,8 +104,8 @@ private:
 
 /// A solver of that method, with contacts looked at or located.
 template <class Method, class... Settings>
-Solver sundials_solver(const Problem& problem, const std::string& name, double tolerance, Contacts contacts,
-                       Settings... settings) {
+Contender sundials_contender(const Problem& problem, const std::string& name, double tolerance,
+                             Contacts contacts, Settings... settings) {
     const bool located = contacts == Contacts::located;
     const auto make = [&](auto lanes) -> std::function<void(Trace&)> {
         const auto prepared = [&]<Contacts Way>() -> std::function<void(Trace&)> {
