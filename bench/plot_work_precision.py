@@ -19,7 +19,8 @@ import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
 
 # Colours of Okabe and Ito, which colour-blind readers tell apart; a marker for each, too. Ours are drawn heavy, peers
 # as they come dashed, peers with located contacts solid.
-OURS = ["#0072b2", "#56b4e9", "#003f63", "#3d8fc4", "#7a5fa8"]
+OURS = [("#0072b2", "o"), ("#003f63", "s"), ("#7a5fa8", "D"), ("#3d8fc4", "^")]
+LEAPFROG = ("#56b4e9", "v")
 PEERS = {
     "odeint dopri5": ("#d55e00", "o"),
     "odeint bulirsch_stoer": ("#cc79a7", "v"),
@@ -58,8 +59,8 @@ STYLE = {
 def look(solver, ours):
     """Line and marker of a solver."""
     if solver in ours:
-        index = ours.index(solver)
-        return {"color": OURS[index % len(OURS)], "marker": "o", "lw": 2.4, "ms": 4.5, "zorder": 3}
+        colour, marker = LEAPFROG if "leapfrog" in solver else OURS[ours.index(solver) % len(OURS)]
+        return {"color": colour, "marker": marker, "lw": 2.4, "ms": 4.5, "zorder": 3}
     base = solver.removesuffix(", located")
     colour, marker = PEERS.get(base, ("#666666", "."))
     located = base != solver
@@ -86,9 +87,9 @@ def draw_scene(axes, scene, ours):
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(*ERRORS)
-    axes.set_xlim(0.1, 300)
+    axes.set_xlim(0.06, 300)
     axes.axvline(1, color="#555555", lw=0.9, ls=":")
-    axes.annotate("real time", (1, ERRORS[1]), (3, -2), textcoords="offset points", va="top", fontsize=8.5,
+    axes.annotate("real time", (1, ERRORS[0]), (-3, 4), textcoords="offset points", ha="right", fontsize=8.5,
                   color="#555555")
     axes.set_title(TITLES.get(scene["scene"], scene["scene"]), loc="left", fontweight="bold", fontsize=11)
     axes.grid(which="major")
@@ -113,8 +114,10 @@ def draw(results, png):
         axes.set_ylabel("relative error (L2, largest of all outputs)")
     handles, labels = panels.flat[0].get_legend_handles_labels()
     order = sorted(range(len(labels)), key=lambda i: (labels[i] not in ours, labels[i]))
-    figure.legend([handles[i] for i in order], [labels[i] for i in order], loc="outside lower center", ncols=4,
-                  frameon=False, fontsize=8.5)
+    legend_share = 1.05 / figure.get_figheight()
+    figure.get_layout_engine().set(rect=(0, legend_share, 1, 1 - legend_share))
+    figure.legend([handles[i] for i in order], [labels[i] for i in order], loc="lower center", ncols=4, frameon=False,
+                  fontsize=8.5)
     machine = results["machine"]
     figure.suptitle(f"{machine['processor']}, {machine['simd']}, one core, {machine['compiler']}", fontsize=8.5,
                     color="#777777", x=0.99, ha="right")
