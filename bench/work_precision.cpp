@@ -1,69 +1,156 @@
-// Error against run time: each integrator over a range of steps, on scenes with a reference.
+// Error against run time: hertzline's integrators and the solvers that one would otherwise take, in one
+// process on the same scenes. Drawn by plot_work_precision.py.
 //
-//     bench_work_precision [--json FILE] [REFERENCE...]      paper_vitreous_carbon and free_end by default
+//     bench_work_precision [--json FILE] [--scene REFERENCE]... [--repetitions N] [--check]
 
-#include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
-#include "bench/timing.hpp"
+#include "bench/frontier.hpp"
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/integrators/folded_chain.hpp"
-#include "tests/support/reference.hpp"
 
 namespace {
 
 using namespace hertzline;
+using bench::Judged;
+using bench::Kind;
+using bench::Result;
+using Json = nlohmann::ordered_json;
 
-nlohmann::ordered_json measure(const std::string& file, Integrator integrator, double step_s) {
-    const test::Reference reference = test::read_reference(file);
-    Scene scene = test::reference_scene(file);
-    scene.numerics.integrator = integrator;
-    scene.numerics.step_s = step_s;
-    const test::Comparison errors = test::compare_with_reference(scene, reference);
-    const auto samples = static_cast<std::int64_t>(reference.v_last.size());
-    const bench::Timing timing = bench::time_run(scene, samples, 5);
-    const double factor = static_cast<double>(samples - 1) / scene.output.sample_rate_hz / timing.median_s;
-    const double v_out = std::max(errors.v_plate, errors.v_out);
-    const char* name = integrator == Integrator::chin4a ? "chin4a" : "leapfrog";
-    std::printf("%-24s %-9s %8.1f %11.2g %11.2g %11.2g %10.2f\n", file.c_str(), name, step_s * 1e9,
-                errors.v_last, v_out, errors.energy_residual, factor);
-    return {{"scene", file},
-            {"integrator", name},
-            {"step_s", step_s},
-            {"error_v_last", errors.v_last},
-            {"error_v_out", v_out},
-            {"energy_residual", errors.energy_residual},
-            {"real_time_factor", factor}};
+const char* text(Kind kind) {
+    return kind == Kind::ours ? "ours" : kind == Kind::located ? "located" : "as it comes";
+}
+
+std::string processor() {
+    std::ifstream info("/proc/cpuinfo");
+    for (std::string line; std::getline(info, line);) {
+        if (line.starts_with("model name")) {
+            return line.substr(line.find(':') + 2);
+        }
+    }
+    return "unknown";
+}
+
+Json machine() {
+    return {{"processor", processor()},
+            {"cores", std::thread::hardware_concurrency()},
+            {"compiler", "g++ " __VERSION__},
+            {"simd", kernel_target()},
+            {"peer_flags", HERTZLINE_PEER_FLAGS}};
+}
+
+Json table(const std::string& scene, const std::vector<Result>& results, double simulated_s) {
+    Json rows = Json::array();
+    std::printf("\n%s\n%-32s %-18s %9s %9s %9s %12s %9s\n", scene.c_str(), "solver", "setting", "v_last",
+                "v_plate", "v_out", "real-time", "fastest");
+    for (const Result& r : results) {
+        if (!r.failure.empty()) {
+            std::printf("%-32s %-18s failed: %s\n", r.solver.c_str(), r.setting.c_str(), r.failure.c_str());
+            continue;
+        }
+        std::printf("%-32s %-18s %9.1e %9.1e %9.1e %12.3g %9.3g\n", r.solver.c_str(), r.setting.c_str(),
+                    r.error_v_last, r.error_v_plate, r.error_v_out, simulated_s / r.median_s,
+                    simulated_s / r.fastest_s);
+        rows.push_back({{"solver", r.solver},
+                        {"kind", text(r.kind)},
+                        {"setting", r.setting},
+                        {"error_v_last", r.error_v_last},
+                        {"error_v_plate", r.error_v_plate},
+                        {"error_v_out", r.error_v_out},
+                        {"median_s", r.median_s},
+                        {"fastest_s", r.fastest_s},
+                        {"real_time_factor", simulated_s / r.median_s}});
+    }
+    return rows;
+}
+
+/// Who is fastest at an error of at most so much: hertzline, the peers as they come, all peers.
+Json summary(const std::vector<Result>& results, double simulated_s, Judged judged) {
+    Json rows = Json::array();
+    std::printf("\n%-9s  %-32s  %-42s  %-42s %7s\n",
+                judged == Judged::by_all ? "all <=" : "v_last <=", "hertzline", "best peer as it comes",
+                "best peer", "ratio");
+    for (const double bound : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
+        const Result* ours = bench::fastest(results, {Kind::ours}, bound, judged);
+        const Result* plain = bench::fastest(results, {Kind::as_it_comes}, bound, judged);
+        const Result* peer = bench::fastest(results, {Kind::as_it_comes, Kind::located}, bound, judged);
+        const auto factor = [&](const Result* r) { return r == nullptr ? 0 : simulated_s / r->median_s; };
+        const auto name = [](const Result* r) { return r == nullptr ? "-" : r->solver.c_str(); };
+        const double ratio = peer == nullptr ? 0 : factor(ours) / factor(peer);
+        std::printf("%-9.0e %7.3g  %-24s %7.3g  %-34s %7.3g  %-34s %7.2f\n", bound, factor(ours), name(ours),
+                    factor(plain), name(plain), factor(peer), name(peer), ratio);
+        rows.push_back({{"error", bound},
+                        {"judged", judged == Judged::by_all ? "all" : "v_last"},
+                        {"ours", name(ours)},
+                        {"ours_real_time_factor", factor(ours)},
+                        {"peer_as_it_comes", name(plain)},
+                        {"peer_as_it_comes_real_time_factor", factor(plain)},
+                        {"peer", name(peer)},
+                        {"peer_real_time_factor", factor(peer)},
+                        {"ratio", ratio}});
+    }
+    return rows;
+}
+
+/// Whether the peers solve the model's equations: at their tightest settings they must meet the references.
+int check(const std::vector<std::string>& scenes) {
+    constexpr double bound = 1e-6;
+    int faults = 0;
+    for (const std::string& scene : scenes) {
+        const bench::Field field(scene);
+        for (const char* solver : {"odeint dopri5", "odeint dopri5, located", "CVODE Adams, located",
+                                   "ARKODE Dormand-Prince", "ARKODE Dormand-Prince, located"}) {
+            const std::optional<Result> result = field.tightest(solver);
+            if (!result) {
+                std::printf("%-24s %-32s not built\n", scene.c_str(), solver);
+                continue;
+            }
+            std::printf("%-24s %-32s %9.1e %s\n", scene.c_str(), solver, result->error(),
+                        result->failure.c_str());
+            faults += result->error() <= bound ? 0 : 1;
+        }
+    }
+    return faults == 0 ? 0 : 1;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    std::vector<std::string> files(argv + 1, argv + argc);
+    std::vector<std::string> scenes{"paper_vitreous_carbon", "paper_wall", "sonic_vacuum_10",
+                                    "small_amplitude_wall"};
     std::string json;
-    if (files.size() >= 2 && files[0] == "--json") {
-        json = files[1];
-        files.erase(files.begin(), files.begin() + 2);
+    int repetitions = 5;
+    bool only_check = false;
+    CLI::App app("Error against run time of hertzline and of the solvers that one would otherwise take");
+    app.add_option("--json", json, "file for all results");
+    app.add_option("--scene", scenes, "scenes, by the names of tests/reference")->capture_default_str();
+    app.add_option("--repetitions", repetitions, "rounds of all solvers")->capture_default_str();
+    app.add_flag("--check", only_check, "only check that the peers solve the model's equations");
+    CLI11_PARSE(app, argc, argv);
+    if (only_check) {
+        return check(scenes);
     }
-    if (files.empty()) {
-        files = {"paper_vitreous_carbon", "free_end"};
-    }
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    std::printf("%s\n%-24s %-9s %8s %11s %11s %11s %10s\n", kernel_target(), "scene", "method", "step/ns",
-                "error v_last", "error v_out", "energy", "real-time");
-    for (const std::string& file : files) {
-        for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
-            for (const double step_s : {400e-9, 200e-9, 100e-9, 50e-9, 25e-9, 12.5e-9, 6.25e-9}) {
-                rows.push_back(measure(file, integrator, step_s));
-            }
-        }
+
+    Json all{{"machine", machine()}, {"scenes", Json::array()}};
+    std::printf("%s\n", all["machine"].dump().c_str());
+    for (const std::string& scene : scenes) {
+        const bench::Field field(scene);
+        const std::vector<Result> results = field.measure(repetitions);
+        Json entry{{"scene", scene}, {"simulated_s", field.simulated_s()}};
+        entry["results"] = table(scene, results, field.simulated_s());
+        entry["fastest"] = summary(results, field.simulated_s(), Judged::by_v_last);
+        entry["fastest_by_all"] = summary(results, field.simulated_s(), Judged::by_all);
+        all["scenes"].push_back(entry);
     }
     if (!json.empty()) {
-        std::ofstream(json) << rows.dump(2) << '\n';
+        std::ofstream(json) << all.dump(2) << '\n';
     }
     return 0;
 }

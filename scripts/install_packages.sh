@@ -1,9 +1,12 @@
 #!/bin/sh
 # Installs the Debian packages of packages.txt that are missing. Quick and silent when none is.
+# --optional installs those marked so, too.
 set -eu
 list="$(dirname "$0")/packages.txt"
+marked='^optional '
+[ "${1:-}" != --optional ] || marked='^$'
 missing=""
-for package in $(grep -v '^#' "$list"); do
+for package in $(grep -v -e '^#' -e "$marked" "$list" | sed 's/^optional //'); do
     status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
     [ "$status" = installed ] || missing="$missing $package"
 done

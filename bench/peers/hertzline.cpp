@@ -1,0 +1,86 @@
+// Our own integrators behind the peers' interface: every one of them over a ladder of steps.
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+
+#include "bench/peers/problem.hpp"
+
+#include "core/numerics.hpp"
+#include "core/scene_words.hpp"
+#include "core/simulation.hpp"
+
+namespace hertzline::bench {
+
+namespace {
+
+/// Settings worth measuring. An integrator that does not work with fixed steps gets its ladder here.
+std::vector<Numerics> ladder(Integrator integrator) {
+    std::vector<Numerics> settings;
+    for (const double step_ns :
+         {1600.0, 1200.0, 1000.0, 800.0, 600.0, 500.0, 400.0, 300.0, 250.0, 200.0, 175.0, 150.0, 125.0}) {
+        settings.push_back({.integrator = integrator, .step_s = step_ns * 1e-9, .accuracy = {}});
+    }
+    for (const int steps_per_sample : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32}) {
+        const double step_s = 100e-9 / steps_per_sample;
+        settings.push_back({.integrator = integrator, .step_s = step_s, .accuracy = {}});
+    }
+    return settings;
+}
+
+std::string setting_text(const Numerics& numerics) {
+    char text[32];
+    if (numerics.step_s) {
+        std::snprintf(text, sizeof text, "step %.4g ns", *numerics.step_s * 1e9);
+    } else {
+        std::snprintf(text, sizeof text, "accuracy %.0e", numerics.accuracy.value_or(default_accuracy));
+    }
+    return text;
+}
+
+class Run {
+public:
+    explicit Run(const Scene& scene) : simulation_(scene, {}), block_(simulation_.chain(), block, {}) {}
+
+    void operator()(Trace& trace) {
+        simulation_.reset();
+        for (std::size_t from = 0; from < trace.v_last.size(); from += block_.count) {
+            if (simulation_.advance(block_, std::min(block, trace.v_last.size() - from), {}) !=
+                Status::running) {
+                throw std::runtime_error(simulation_.failure());
+            }
+            std::copy_n(block_.v_last.begin(), block_.count, trace.v_last.begin() + from);
+            if (!trace.v_plate.empty()) {
+                std::copy_n(block_.v_plate.begin(), block_.count, trace.v_plate.begin() + from);
+                std::copy_n(block_.v_out.begin(), block_.count, trace.v_out.begin() + from);
+            }
+        }
+    }
+
+private:
+    static constexpr std::size_t block = 1024;
+    Simulation simulation_;
+    Samples block_;
+};
+
+}  // namespace
+
+std::vector<Contender> hertzline_contenders(const Scene& scene) {
+    std::vector<Contender> list;
+    for (const auto& integrator : Words<Integrator>::all) {
+        for (const Numerics& numerics : ladder(integrator.choice)) {
+            Scene wish = scene;
+            wish.numerics = numerics;
+            const Resolved settled = resolved(wish);
+            if (settled.faults.empty()) {  // else the step is beyond the stability limit
+                list.push_back(
+                    {Kind::ours, "hertzline " + std::string(integrator.text), setting_text(numerics),
+                     [run = std::make_shared<Run>(settled.scene)](Trace& trace) { (*run)(trace); }});
+            }
+        }
+    }
+    return list;
+}
+
+}  // namespace hertzline::bench

@@ -1,0 +1,68 @@
+#pragma once
+// What every solver of bench_work_precision is given, and what it gives back.
+//
+// The peers see plain numbers only, in units that suit an adaptive solver: lengths in drive amplitudes and
+// times in microseconds, so that displacements and velocities are both of the order of one and a tolerance
+// means the same for both. No Eigen here: the peers are compiled for the machine at hand, and Eigen's
+// alignment depends on that.
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/scene.hpp"
+
+namespace hertzline::bench {
+
+/// Constants of the equations of motion (core/chain.hpp) in units of the drive's amplitude, 1 us and 1 kg.
+struct Problem {
+    std::size_t bodies;       ///< that move: spheres, and the plate if there is one
+    std::size_t last_sphere;  ///< its index
+    bool plate;               ///< the last body is a plate
+    std::size_t contacts;     ///< that can open and close
+    // per contact, bodies + 1; contact c is on the left of body c. The one on the right of a plate or of a
+    // free end never pushes
+    std::vector<double> stiffness, static_overlap, damping;
+    // per body; load is a constant force toward the horn
+    std::vector<double> inv_mass, spring, load;
+    double carrier, envelope;  ///< angular frequencies of a hann burst [rad/us]
+    double burst;              ///< its duration [us]
+    double sample_period;      ///< [us]
+    std::size_t samples;       ///< the first at t = 0
+    double velocity_unit;      ///< [m/s]
+    double transmission;       ///< sqrt(T_m T_w), from the last sphere into the medium
+};
+
+/// @throws std::invalid_argument for what the peers have not been taught: repeated or other than hann bursts,
+/// clamped tension.
+Problem problem(const Scene& scene, std::size_t samples);
+
+/// The sampled outputs [m/s]; without a plate only v_last.
+struct Trace {
+    explicit Trace(const Problem& of);
+    std::vector<double> v_last, v_plate, v_out;
+};
+
+enum class Kind {
+    ours,
+    as_it_comes,  ///< a library's method called as its manual shows
+    located       ///< a library's method around which contacts are located, as a careful user would
+};
+
+/// A method at one setting. Everything that can be prepared has been.
+struct Contender {
+    Kind kind;
+    std::string name;
+    std::string setting;
+    /// From the state at rest at t = 0 through all samples. @throws std::runtime_error when the method fails.
+    std::function<void(Trace&)> run;
+};
+
+std::vector<Contender> hertzline_contenders(const Scene& scene);
+std::vector<Contender> odeint_contenders(const Problem& problem);
+std::vector<Contender> odeint_located_contenders(const Problem& problem);
+std::vector<Contender> cvode_contenders(const Problem& problem);
+std::vector<Contender> arkode_contenders(const Problem& problem);
+
+}  // namespace hertzline::bench
