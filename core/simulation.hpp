@@ -19,12 +19,18 @@ namespace hertzline {
 /// Whether the integration still stands.
 enum class Status { running, unstable };
 
+/// What is done about bodies that no disturbance has reached yet. The samples are the same, to the last bit.
+enum class AtRest {
+    skipped,
+    worked_on,  ///< as if they moved: for tests and benchmarks
+};
+
 class Simulation {
 public:
     /// @param scene validated and resolved (numerics.hpp): integrator and step_s are set. @param most the
     /// largest wish that advance() will get. @throws std::invalid_argument if the scene is not resolved;
     /// std::bad_alloc
-    Simulation(const Scene& scene, Wish most);
+    Simulation(const Scene& scene, Wish most, AtRest at_rest = AtRest::skipped);
 
     /// Back to sample 0, at static equilibrium.
     void reset() noexcept;
@@ -60,11 +66,13 @@ private:
     void fold_active() noexcept;
     void collect_ledger() noexcept;
     bool stable() noexcept;
+    void watch_from(double overlap) noexcept;
     Status produce(Samples* samples, std::int64_t count) noexcept;
 
     Chain chain_;
     Integrator integrator_;
     double step_s_;
+    AtRest at_rest_;
     double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
     ToneBurst burst_;
     ChainState state_;

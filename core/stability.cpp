@@ -34,23 +34,18 @@ double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling
     return bound;
 }
 
-double squared_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
+/// @param overlap of a contact [m]
+template <class Overlap>
+double squared_frequency(const Chain& chain, Eigen::Index bodies, Overlap overlap) noexcept {
     return spectral_bound(
-        chain, overlaps.size(),
-        [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlaps[c], 0.0)); }, 1);
+        chain, bodies,
+        [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlap(c), 0.0)); }, 1);
 }
 
-}  // namespace
-
-double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
-    return std::sqrt(squared_frequency(chain, overlaps));
-}
-
-double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
-                           Integrator integrator) noexcept {
-    const double omega_squared = squared_frequency(chain, overlaps);
+double stable_step(const Chain& chain, Eigen::Index bodies, double omega_squared,
+                   Integrator integrator) noexcept {
     const double gamma = spectral_bound(
-        chain, overlaps.size(), [&](Eigen::Index c) { return chain.damping[c]; }, 0);
+        chain, bodies, [&](Eigen::Index c) { return chain.damping[c]; }, 0);
     const bool leapfrog = integrator == Integrator::leapfrog;
     const double a = omega_squared / (leapfrog ? 4.0 : 12.0);
     const double b = gamma / (leapfrog ? 2.0 : 5.57);
@@ -61,6 +56,26 @@ double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::Arr
         return std::numeric_limits<double>::infinity();
     }
     return 2 / (b + std::sqrt(b * b + 4 * a));  // root of a h^2 + b h = 1
+}
+
+}  // namespace
+
+double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
+    return std::sqrt(
+        squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }));
+}
+
+double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
+                           Integrator integrator) noexcept {
+    const double omega_squared =
+        squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; });
+    return stable_step(chain, overlaps.size(), omega_squared, integrator);
+}
+
+double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept {
+    const double omega_squared =
+        squared_frequency(chain, chain.bodies(), [&](Eigen::Index) { return overlap; });
+    return stable_step(chain, chain.bodies(), omega_squared, integrator);
 }
 
 }  // namespace hertzline

@@ -18,6 +18,9 @@ namespace hertzline {
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept;
 
+/// The same with all contacts pressed to one overlap [m].
+double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept;
+
 /// Frequency bound [rad/s] of the chain's fastest mode at those overlaps.
 double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept;
 

@@ -1,0 +1,350 @@
+// Leapfrog for long chains: the step of leapfrog-inl.hpp as one sweep along the chain, several steps at once.
+//
+// A body after a step depends on two neighbours to either side before it. So a step needs no columns of
+// intermediate results: as row k comes in, the contacts of row k, the predicted velocities of row k - 1 and the
+// final motion of row k - 2 are worked out, and what is between them stays in registers. The next step can follow
+// two rows behind. A block of steps goes along the chain like that, a tile of rows at a time, and while it does, the
+// rows lie in the nearest cache: each is fetched from memory once per block instead of once per step. Every row of
+// every step is worked out from the same numbers in the same way however the steps are grouped, so the bits do not
+// depend on it.
+//
+// The chain lies in line (folded_chain.hpp): spheres that the wave has not reached are rows that no sweep gets to.
+// Each step goes one row beyond the last that moves, and looks whether that row has begun to.
+#if defined(HERTZLINE_LEAPFROG_SWEEP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HERTZLINE_LEAPFROG_SWEEP_INL
+#undef HERTZLINE_LEAPFROG_SWEEP_INL
+#else
+#define HERTZLINE_LEAPFROG_SWEEP_INL
+#endif
+
+#include <array>
+
+#include "core/integrators/lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline {
+namespace HWY_NAMESPACE {
+
+/// Rows between the ends of the chain are all alike: equal spheres, equal contacts.
+enum class Rows { alike, any };
+
+/// Neighbours of a row in line, which lie partly in the row beside it.
+class InLine {
+public:
+    HWY_INLINE InLine() {
+        HWY_ALIGN std::int64_t up[hn::MaxLanes(Doubles())];
+        HWY_ALIGN std::int64_t down[hn::MaxLanes(Doubles())];
+        const std::size_t lanes = hn::Lanes(Doubles());
+        for (std::size_t i = 0; i < lanes; ++i) {
+            up[i] = static_cast<std::int64_t>((i + lanes - 1) % lanes);
+            down[i] = static_cast<std::int64_t>((i + 1) % lanes);
+        }
+        up_ = hn::SetTableIndices(Doubles(), up);
+        down_ = hn::SetTableIndices(Doubles(), down);
+    }
+    /// Values to the left of a row's; of the row before only the last counts.
+    HWY_INLINE Vec left(Vec before, Vec row) const {
+#if HWY_TARGET <= HWY_AVX3
+        // one instruction that Highway has no word for
+        return Vec{_mm512_castsi512_pd(
+            _mm512_alignr_epi64(_mm512_castpd_si512(row.raw), _mm512_castpd_si512(before.raw), 7))};
+#else
+        const Flags first = hn::FirstN(Doubles(), 1);
+        return hn::IfThenElse(first, hn::TableLookupLanes(before, up_), hn::TableLookupLanes(row, up_));
+#endif
+    }
+    /// Values to the right of a row's; of the row after only the first counts.
+    HWY_INLINE Vec right(Vec row, Vec after) const {
+#if HWY_TARGET <= HWY_AVX3
+        return Vec{_mm512_castsi512_pd(
+            _mm512_alignr_epi64(_mm512_castpd_si512(after.raw), _mm512_castpd_si512(row.raw), 1))};
+#else
+        const Flags own = hn::FirstN(Doubles(), hn::Lanes(Doubles()) - 1);
+        return hn::IfThenElse(own, hn::TableLookupLanes(row, down_), hn::TableLookupLanes(after, down_));
+#endif
+    }
+
+private:
+    Rotation up_, down_;
+};
+
+template <Tension tension>
+class LeapfrogSweep {
+public:
+    explicit HWY_INLINE LeapfrogSweep(FoldedChain& chain)
+        : chain_(&chain),
+          h_(chain.step_s),
+          first_(FoldedChain::guard_rows),
+          end_(chain.rows() - FoldedChain::guard_rows),
+          alike_from_(first_ + 1),
+          alike_to_(chain.slot(chain.active() - 1) / lanes()),
+          lost_(hn::Load(d_, chain.column(Column::lost))),
+          work_(hn::Load(d_, chain.column(Column::work))) {}
+
+    /// Takes `count` steps (at most most_steps). `finished` is called after each; the rows near
+    /// the end of the chain are then what that step left.
+    template <class Finished>
+    HWY_INLINE void block(const HornStep* horn, std::size_t count, Finished&& finished) {
+        for (std::size_t s = 0; s < count; ++s) {
+            places_[s] = {first_, at_the_horn(horn[s].middle)};
+        }
+        const std::size_t end = sweep_end();
+        for (std::size_t to = first_ + tile_rows; to + tile_rows < end; to += tile_rows) {
+            for (std::size_t s = 0; s < count && to > first_ + row_delay * s; ++s) {
+                sweep(places_[s], to - row_delay * s, horn[s].middle);
+            }
+        }
+        for (std::size_t s = 0; s < count; ++s) {
+            sweep(places_[s], sweep_end(), horn[s].middle);
+            lost_ = hn::MulAdd(hn::Set(d_, h_), places_[s].carry.loss, lost_);
+            advance_front();
+            finished();
+        }
+    }
+
+    HWY_INLINE void save_ledger() const {
+        hn::Store(lost_, d_, chain_->column(Column::lost));
+        hn::Store(work_, d_, chain_->column(Column::work));
+    }
+
+    /// Accelerations of the bodies from `body` on, for samples between steps. Not part of the integration.
+    HWY_INLINE void save_accelerations(Eigen::Index body, const HornMotion& horn) const {
+        const std::size_t from = chain_->slot(body) / lanes();
+        Vec x1 = from == first_ ? hn::Set(d_, horn.x) : row(Column::x, from - 1);
+        Vec v1 = from == first_ ? hn::Set(d_, horn.v) : row(Column::v, from - 1);
+        Vec force1 = hn::Zero(d_);
+        for (std::size_t k = from; k <= end_; ++k) {
+            const Constants c = constants(k);
+            const Vec x = row(Column::x, k);
+            const Vec v = row(Column::v, k);
+            const Vec overlap = hn::Add(line_.left(x1, x), hn::Sub(c.static_overlap, x));
+            const Vec dashpot = hn::Mul(c.damping, hn::Sub(line_.left(v1, v), v));
+            const Vec pulled = hn::IfThenElseZero(hn::Gt(overlap, hn::Zero(d_)), dashpot);
+            const Vec force = limited(c, hn::Add(elastic(c, overlap), pulled));
+            if (k > from) {
+                const Constants c1 = constants(k - 1);
+                const Vec net = hn::Add(hn::Sub(force1, line_.right(force1, force)), c1.grounded(x1));
+                set_row(Column::total_accel, k - 1, hn::Mul(c1.inv_mass, net));
+            }
+            x1 = x;
+            v1 = v;
+            force1 = force;
+        }
+    }
+
+    static constexpr std::size_t most_steps = 32;
+
+private:
+    static constexpr std::size_t row_delay = 2;   ///< rows from coming in to being done
+    static constexpr std::size_t tile_rows = 32;  ///< with those of all steps they fill the nearest cache
+
+    /// Per body and its left contact, as in Chain.
+    struct Constants {
+        Vec stiffness, static_overlap, static_force, damping, inv_mass, spring, bias;
+        /// What pulls a body besides its contacts.
+        HWY_INLINE Vec grounded(Vec x) const { return hn::NegMulAdd(spring, x, bias); }
+    };
+
+    /// What a step hands on from row to row. Rows 1 and 2 are one and two before the row that comes in next.
+    struct Carry {
+        Vec x1, v1;             ///< at mid-step, at the start
+        Vec shift1, elastic1;   ///< overlap / h; elastic force
+        Vec force1;             ///< at the velocity at the start
+        Vec x2, v2, middle_v2;  ///< and velocity at mid-step
+        Vec total2;             ///< force at the velocity at mid-step
+        Vec loss;               ///< in all rows so far [W]
+    };
+    struct Place {
+        std::size_t next_row;
+        Carry carry;
+    };
+
+    static HWY_INLINE std::size_t lanes() { return hn::Lanes(d_); }
+    HWY_INLINE Vec row(Column c, std::size_t k) const {
+        return hn::Load(d_, chain_->column(c) + k * lanes());
+    }
+    HWY_INLINE void set_row(Column c, std::size_t k, Vec value) const {
+        hn::Store(value, d_, chain_->column(c) + k * lanes());
+    }
+    HWY_INLINE Constants constants(std::size_t k) const {
+        return {row(Column::stiffness, k),    row(Column::static_overlap, k),
+                row(Column::static_force, k), row(Column::damping, k),
+                row(Column::inv_mass, k),     row(Column::spring, k),
+                row(Column::bias, k)};
+    }
+
+    /// The row before the first is the horn, which no force moves.
+    static HWY_INLINE Carry at_the_horn(const HornMotion& horn) {
+        const Vec zero = hn::Zero(d_);
+        const Vec x = hn::Set(d_, horn.x);
+        const Vec v = hn::Set(d_, horn.v);
+        return {x, v, zero, zero, zero, x, v, v, zero, zero};
+    }
+
+    /// In one step a disturbance travels two bodies; the rows that it may reach are done two rows later.
+    HWY_INLINE std::size_t sweep_end() const {
+        return std::min(chain_->moving_rows + (2 + lanes() - 1) / lanes(), end_) + row_delay;
+    }
+    HWY_INLINE void advance_front() const {
+        const std::size_t done = sweep_end() - row_delay;
+        for (std::size_t k = chain_->moving_rows; k < done; ++k) {
+            const Flags still = hn::And(hn::Eq(row(Column::x, k), hn::Zero(d_)),
+                                        hn::Eq(row(Column::v, k), hn::Zero(d_)));
+            chain_->moving_rows = hn::AllTrue(d_, still) ? chain_->moving_rows : k + 1;
+        }
+    }
+
+    /// A step takes in the rows before `to`.
+    HWY_INLINE void sweep(Place& place, std::size_t to, const HornMotion& horn) {
+        Carry carry = place.carry;
+        std::size_t k = place.next_row;
+        const auto any = [&](std::size_t end) HWY_ATTR {
+            for (; k < end; ++k) {
+                take_in<Rows::any>(k, constants(k), constants(k - 1), constants(k - 2), carry);
+                if (k == first_ + 1) {
+                    book_work(carry.total2, horn.v);
+                }
+            }
+        };
+        any(std::min(to, alike_from_ + row_delay));
+        if (k < std::min(to, alike_to_)) {
+            const Constants c = constants(alike_from_);
+            for (; k < std::min(to, alike_to_); ++k) {
+                take_in<Rows::alike>(k, c, c, c, carry);
+            }
+        }
+        any(to);
+        place = {k, carry};
+    }
+
+    /// Row k comes in, row k - 2 is done. @param c, c1, c2 constants of rows k, k - 1, k - 2
+    template <Rows rows>
+    HWY_INLINE void take_in(std::size_t k, const Constants& c, const Constants& c1, const Constants& c2,
+                            Carry& carry) const {
+        const Vec h = hn::Set(d_, h_);
+        const Vec half = hn::Set(d_, 0.5 * h_);
+        // row k: drift to mid-step, contacts there
+        const Vec v = row(Column::v, k);
+        const Vec x = hn::MulAdd(half, v, row(Column::x, k));
+        const Vec overlap = hn::Add(line_.left(carry.x1, x), hn::Sub(c.static_overlap, x));
+        const Vec shift = hn::Mul(overlap, hn::Set(d_, 1 / h_));
+        const Vec pressed = elastic(c, overlap);
+        const Vec force = total(c, pressed, shift, hn::Sub(line_.left(carry.v1, v), v));
+        watch<rows>(k, c, overlap);
+        // row k - 1: velocity at mid-step by half a kick, forces with the dashpots at that velocity
+        const Vec middle_v = kicked<rows>(c1, carry.v1, half, carry.force1, force, carry.x1);
+        const Vec w = hn::Sub(line_.left(carry.middle_v2, middle_v), middle_v);
+        const Vec total1 = total(c1, carry.elastic1, carry.shift1, w);
+        const Vec loss = hn::MulAdd(hn::Sub(total1, carry.elastic1), w, carry.loss);
+        // row k - 2: the whole kick, drift to the end of the step
+        const Vec end_v = kicked<rows>(c2, carry.v2, h, carry.total2, total1, carry.x2);
+        set_row(Column::v, k - 2, end_v);
+        set_row(Column::x, k - 2, hn::MulAdd(half, end_v, carry.x2));
+        carry = {x, v, shift, pressed, force, carry.x1, carry.v1, middle_v, total1, loss};
+    }
+
+    /// Elastic forces, relative to the static ones.
+    static HWY_INLINE Vec elastic(const Constants& c, Vec overlap) {
+        const Vec pushed = hn::Max(overlap, hn::Zero(d_));
+        return hn::Sub(hn::Mul(hn::Mul(c.stiffness, pushed), hn::Sqrt(pushed)), c.static_force);
+    }
+    /// Adds the dashpots' forces: lambda w, weighed by the part of the step in contact.
+    static HWY_INLINE Vec total(const Constants& c, Vec pressed, Vec shift, Vec w) {
+        const Vec speed = hn::Abs(w);
+        const Vec in_contact = hn::MulAdd(hn::Set(d_, 0.5), speed, shift);
+        const Vec weighed = hn::Min(hn::Max(in_contact, hn::Zero(d_)), speed);
+        return limited(c, hn::MulAdd(c.damping, hn::CopySignToAbs(weighed, w), pressed));
+    }
+    static HWY_INLINE Vec limited(const Constants& c, Vec force) {
+        return tension == Tension::clamped ? hn::Max(force, hn::Neg(c.static_force)) : force;
+    }
+    /// Velocities after the forces of the contacts to the left, and of those to the right, have acted.
+    template <Rows rows>
+    HWY_INLINE Vec kicked(const Constants& c, Vec v, Vec time, Vec force, Vec next_force, Vec x) const {
+        const Vec net = hn::Sub(force, line_.right(force, next_force));
+        const Vec all = rows == Rows::alike ? net : hn::Add(net, c.grounded(x));
+        return hn::MulAdd(hn::Mul(time, c.inv_mass), all, v);
+    }
+
+    /// Contact events and peak overlaps; none of it feeds back into the motion.
+    template <Rows rows>
+    HWY_INLINE void watch(std::size_t k, const Constants& c, Vec overlap) const {
+        set_row(Column::peak_overlap, k, hn::Max(row(Column::peak_overlap, k), overlap));
+        const Flags touching = hn::Gt(overlap, hn::Zero(d_));
+        const Flags changed = hn::Xor(touching, hn::Gt(row(Column::closed, k), hn::Zero(d_)));
+        Flags within = hn::Le(overlap, hn::Set(d_, chain_->watched_overlap));
+        if (rows == Rows::any) {
+            within = hn::Or(within, hn::Eq(c.stiffness, hn::Zero(d_)));  // what cannot touch
+        }
+        if (HWY_UNLIKELY(!hn::AllFalse(d_, hn::Or(changed, hn::Not(within))))) {
+            chain_->beyond_watched = chain_->beyond_watched || !hn::AllTrue(d_, within);
+            chain_->contact_events += static_cast<std::int64_t>(hn::CountTrue(d_, changed));
+            set_row(Column::closed, k, hn::IfThenElseZero(touching, hn::Set(d_, 1.0)));
+        }
+    }
+
+    HWY_INLINE void book_work(Vec total, double horn_v) {
+        const Vec whole = hn::Add(total, row(Column::static_force, first_));
+        const Vec on_first = hn::IfThenElseZero(hn::FirstN(d_, 1), whole);
+        work_ = hn::MulAdd(hn::Mul(hn::Set(d_, h_), on_first), hn::Set(d_, horn_v), work_);
+    }
+
+    static constexpr Doubles d_{};
+    FoldedChain* chain_;
+    InLine line_;
+    double h_;
+    std::size_t first_, end_;            ///< rows of bodies
+    std::size_t alike_from_, alike_to_;  ///< rows of equal spheres and contacts
+    Vec lost_, work_;
+    std::array<Place, most_steps> places_;
+};
+
+/// How many of the steps from `step` on can be taken as one block: a row of the trace that shows more than the end of
+/// the chain needs all of it at one moment.
+inline std::size_t steps_together(const Trace& trace, std::int64_t step, std::size_t most) {
+    constexpr Eigen::Index at_the_end = 2;
+    const auto room = static_cast<std::int64_t>(trace.capacity - trace.count);
+    auto together = static_cast<std::int64_t>(most);
+    if (trace.between || trace.next != Trace::never) {
+        together = std::min(together, room);
+    }
+    if (trace.bodies - trace.first_body > at_the_end) {
+        together = trace.between ? 1 : trace.next != Trace::never ? std::min(together, trace.next - step) : together;
+    }
+    return static_cast<std::size_t>(std::max<std::int64_t>(together, 1));
+}
+
+template <Tension tension>
+int sweep_leapfrog(FoldedChain& chain, const HornStep* horn, std::int64_t first, int count, Trace& trace) {
+    LeapfrogSweep<tension> leapfrog(chain);
+    int taken = 0;
+    while (taken < count && trace.has_room()) {
+        const std::size_t most =
+            std::min(static_cast<std::size_t>(count - taken), LeapfrogSweep<tension>::most_steps);
+        const std::size_t together = steps_together(trace, first + taken, most);
+        leapfrog.block(horn + taken, together, [&]() HWY_ATTR {
+            if (trace.between) {
+                leapfrog.save_accelerations(trace.first_body, horn[taken].end);
+            }
+            ++taken;
+            if (trace.next == first + taken) {
+                record(chain, trace, first + taken, 0);
+            }
+        });
+    }
+    leapfrog.save_ledger();
+    return taken;
+}
+
+inline int advance_leapfrog_in_line(FoldedChain& chain, const ToneBurst&, const HornStep* horn, std::int64_t first,
+                                    int count, Trace& trace) {
+    return chain.tension == Tension::clamped
+               ? sweep_leapfrog<Tension::clamped>(chain, horn, first, count, trace)
+               : sweep_leapfrog<Tension::allowed>(chain, horn, first, count, trace);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline
+HWY_AFTER_NAMESPACE();
+
+#endif
