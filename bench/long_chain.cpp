@@ -51,6 +51,7 @@ double all_moving(std::int64_t spheres) {
     const ToneBurst burst(scene.drive, step_s);
     FoldedChain folded(chain, Integrator::leapfrog, kernel_lanes());
     folded.step_s = step_s;
+    folded.watched_overlap = std::numeric_limits<double>::infinity();
     const Kernel advance = (folded.fold(chain, state, chain.bodies()), kernel(Integrator::leapfrog, folded.rows()));
     Trace nothing;
     nothing.bodies = chain.bodies();

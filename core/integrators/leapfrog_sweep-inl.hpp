@@ -124,7 +124,7 @@ public:
             if (k > from) {
                 const Constants c1 = constants(k - 1);
                 const Vec net = hn::Add(hn::Sub(force1, line_.right(force1, force)), c1.grounded(x1));
-                set_row(Column::total_accel, k - 1, hn::Mul(c1.inv_mass, net));
+                hn::Store(hn::Mul(c1.inv_mass, net), d_, chain_->column(Column::total_accel) + (k - 1) * lanes());
             }
             x1 = x;
             v1 = v;
@@ -154,6 +154,22 @@ private:
         Vec total2;             ///< force at the velocity at mid-step
         Vec loss;               ///< in all rows so far [W]
     };
+    struct Step {
+        explicit HWY_INLINE Step(const FoldedChain& chain)
+            : h(hn::Set(d_, chain.step_s)),
+              half(hn::Set(d_, 0.5 * chain.step_s)),
+              per_step(hn::Set(d_, 1 / chain.step_s)),
+              watched(hn::Set(d_, chain.watched_overlap)),
+              x(chain.column(Column::x)),
+              v(chain.column(Column::v)),
+              closed(chain.column(Column::closed)),
+              peak(chain.column(Column::peak_overlap)) {}
+        Vec h, half, per_step, watched;
+        double* x;
+        double* v;
+        double* closed;
+        double* peak;
+    };
     struct Place {
         std::size_t next_row;
         Carry carry;
@@ -162,9 +178,6 @@ private:
     static HWY_INLINE std::size_t lanes() { return hn::Lanes(d_); }
     HWY_INLINE Vec row(Column c, std::size_t k) const {
         return hn::Load(d_, chain_->column(c) + k * lanes());
-    }
-    HWY_INLINE void set_row(Column c, std::size_t k, Vec value) const {
-        hn::Store(value, d_, chain_->column(c) + k * lanes());
     }
     HWY_INLINE Constants constants(std::size_t k) const {
         return {row(Column::stiffness, k),    row(Column::static_overlap, k),
@@ -196,51 +209,62 @@ private:
 
     /// A step takes in the rows before `to`.
     HWY_INLINE void sweep(Place& place, std::size_t to, const HornMotion& horn) {
+        take_in<Rows::any>(place, std::min(to, alike_from_ + row_delay), horn);
+        take_in<Rows::alike>(place, std::min(to, alike_to_), horn);
+        take_in<Rows::any>(place, to, horn);
+    }
+
+    /// Everything that the loop uses is copied to it first, to be kept in registers.
+    template <Rows rows>
+    HWY_NOINLINE void take_in(Place& place, std::size_t to, const HornMotion& horn) {
+        if (place.next_row >= to) {
+            return;
+        }
         Carry carry = place.carry;
-        std::size_t k = place.next_row;
-        const auto any = [&](std::size_t end) HWY_ATTR {
-            for (; k < end; ++k) {
-                take_in<Rows::any>(k, constants(k), constants(k - 1), constants(k - 2), carry);
+        const Step step(*chain_);
+        Constants c = constants(rows == Rows::alike ? alike_from_ : place.next_row);
+        Constants c1 = rows == Rows::alike ? c : constants(place.next_row - 1);
+        Constants c2 = rows == Rows::alike ? c : constants(place.next_row - 2);
+        for (std::size_t k = place.next_row; k < to; ++k) {
+            if (rows == Rows::any) {
+                c = constants(k);
+            }
+            carry = row_in<rows>(step, k, c, c1, c2, carry);
+            if (rows == Rows::any) {
                 if (k == first_ + 1) {
                     book_work(carry.total2, horn.v);
                 }
-            }
-        };
-        any(std::min(to, alike_from_ + row_delay));
-        if (k < std::min(to, alike_to_)) {
-            const Constants c = constants(alike_from_);
-            for (; k < std::min(to, alike_to_); ++k) {
-                take_in<Rows::alike>(k, c, c, c, carry);
+                c2 = c1;
+                c1 = c;
             }
         }
-        any(to);
-        place = {k, carry};
+        place = {to, carry};
     }
 
     /// Row k comes in, row k - 2 is done. @param c, c1, c2 constants of rows k, k - 1, k - 2
     template <Rows rows>
-    HWY_INLINE void take_in(std::size_t k, const Constants& c, const Constants& c1, const Constants& c2,
-                            Carry& carry) const {
-        const Vec h = hn::Set(d_, h_);
-        const Vec half = hn::Set(d_, 0.5 * h_);
+    HWY_INLINE Carry row_in(const Step& step, std::size_t k, const Constants& c, const Constants& c1,
+                            const Constants& c2, const Carry& carry) const {
+        double* const x_in = step.x + k * lanes();
+        double* const v_in = step.v + k * lanes();
         // row k: drift to mid-step, contacts there
-        const Vec v = row(Column::v, k);
-        const Vec x = hn::MulAdd(half, v, row(Column::x, k));
+        const Vec v = hn::Load(d_, v_in);
+        const Vec x = hn::MulAdd(step.half, v, hn::Load(d_, x_in));
         const Vec overlap = hn::Add(line_.left(carry.x1, x), hn::Sub(c.static_overlap, x));
-        const Vec shift = hn::Mul(overlap, hn::Set(d_, 1 / h_));
+        const Vec shift = hn::Mul(overlap, step.per_step);
         const Vec pressed = elastic(c, overlap);
         const Vec force = total(c, pressed, shift, hn::Sub(line_.left(carry.v1, v), v));
-        watch<rows>(k, c, overlap);
+        watch<rows>(step, k, c, overlap);
         // row k - 1: velocity at mid-step by half a kick, forces with the dashpots at that velocity
-        const Vec middle_v = kicked<rows>(c1, carry.v1, half, carry.force1, force, carry.x1);
+        const Vec middle_v = kicked<rows>(c1, carry.v1, step.half, carry.force1, force, carry.x1);
         const Vec w = hn::Sub(line_.left(carry.middle_v2, middle_v), middle_v);
         const Vec total1 = total(c1, carry.elastic1, carry.shift1, w);
         const Vec loss = hn::MulAdd(hn::Sub(total1, carry.elastic1), w, carry.loss);
         // row k - 2: the whole kick, drift to the end of the step
-        const Vec end_v = kicked<rows>(c2, carry.v2, h, carry.total2, total1, carry.x2);
-        set_row(Column::v, k - 2, end_v);
-        set_row(Column::x, k - 2, hn::MulAdd(half, end_v, carry.x2));
-        carry = {x, v, shift, pressed, force, carry.x1, carry.v1, middle_v, total1, loss};
+        const Vec end_v = kicked<rows>(c2, carry.v2, step.h, carry.total2, total1, carry.x2);
+        hn::Store(end_v, d_, v_in - row_delay * lanes());
+        hn::Store(hn::MulAdd(step.half, end_v, carry.x2), d_, x_in - row_delay * lanes());
+        return {x, v, shift, pressed, force, carry.x1, carry.v1, middle_v, total1, loss};
     }
 
     /// Elastic forces, relative to the static ones.
@@ -268,18 +292,20 @@ private:
 
     /// Contact events and peak overlaps; none of it feeds back into the motion.
     template <Rows rows>
-    HWY_INLINE void watch(std::size_t k, const Constants& c, Vec overlap) const {
-        set_row(Column::peak_overlap, k, hn::Max(row(Column::peak_overlap, k), overlap));
+    HWY_INLINE void watch(const Step& step, std::size_t k, const Constants& c, Vec overlap) const {
+        double* const closed = step.closed + k * lanes();
+        double* const peak = step.peak + k * lanes();
+        hn::Store(hn::Max(hn::Load(d_, peak), overlap), d_, peak);
         const Flags touching = hn::Gt(overlap, hn::Zero(d_));
-        const Flags changed = hn::Xor(touching, hn::Gt(row(Column::closed, k), hn::Zero(d_)));
-        Flags within = hn::Le(overlap, hn::Set(d_, chain_->watched_overlap));
+        const Flags changed = hn::Xor(touching, hn::Gt(hn::Load(d_, closed), hn::Zero(d_)));
+        Flags within = hn::Le(overlap, step.watched);
         if (rows == Rows::any) {
             within = hn::Or(within, hn::Eq(c.stiffness, hn::Zero(d_)));  // what cannot touch
         }
         if (HWY_UNLIKELY(!hn::AllFalse(d_, hn::Or(changed, hn::Not(within))))) {
             chain_->beyond_watched = chain_->beyond_watched || !hn::AllTrue(d_, within);
             chain_->contact_events += static_cast<std::int64_t>(hn::CountTrue(d_, changed));
-            set_row(Column::closed, k, hn::IfThenElseZero(touching, hn::Set(d_, 1.0)));
+            hn::Store(hn::IfThenElseZero(touching, hn::Set(d_, 1.0)), d_, closed);
         }
     }
 
