@@ -17,10 +17,10 @@
 // row k holds neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard both ends. All
 // of the chain is laid out once; moving_rows tells how far the wavefront has come.
 //
-//     lanes = 4:     row 0, 1   pads (the sweep puts the horn there)
-//                    row 2      b0  b1  b2  b3
-//                    row 3      b4  b5  pad pad
-//                    row 4, 5   pads
+//     lanes = 4:     row 0 to 2   pads, where the horn would be
+//                    row 3        b0  b1  b2  b3
+//                    row 4        b4  b5  pad pad
+//                    row 5 to 7   pads
 
 #include <cstddef>
 #include <cstdint>
@@ -111,7 +111,7 @@ public:
     Eigen::Index active() const noexcept { return active_; }  ///< bodies laid out
     Layout layout() const noexcept { return layout_; }
 
-    static constexpr std::size_t guard_rows = 2;  ///< at each end of a chain in line
+    static constexpr std::size_t guard_rows = 3;  ///< at each end of a chain in line
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
     std::size_t moving_rows = 0;      ///< in line: rows from here on are at rest, exactly

@@ -120,7 +120,7 @@ public:
             const Vec overlap = hn::Add(line_.left(x1, x), hn::Sub(c.static_overlap, x));
             const Vec dashpot = hn::Mul(c.damping, hn::Sub(line_.left(v1, v), v));
             const Vec pulled = hn::IfThenElseZero(hn::Gt(overlap, hn::Zero(d_)), dashpot);
-            const Vec force = limited(c, hn::Add(elastic(c, overlap), pulled));
+            const Vec force = limited(c, hn::Add(elastic(c, overlap, hn::Sqrt(hn::Max(overlap, hn::Zero(d_)))), pulled));
             if (k > from) {
                 const Constants c1 = constants(k - 1);
                 const Vec net = hn::Add(hn::Sub(force1, line_.right(force1, force)), c1.grounded(x1));
@@ -135,7 +135,7 @@ public:
     static constexpr std::size_t most_steps = 32;
 
 private:
-    static constexpr std::size_t row_delay = 2;   ///< rows from coming in to being done
+    static constexpr std::size_t row_delay = 3;   ///< rows from coming in to being done
     static constexpr std::size_t tile_rows = 32;  ///< with those of all steps they fill the nearest cache
 
     /// Per body and its left contact, as in Chain.
@@ -145,13 +145,15 @@ private:
         HWY_INLINE Vec grounded(Vec x) const { return hn::NegMulAdd(spring, x, bias); }
     };
 
-    /// What a step hands on from row to row. Rows 1 and 2 are one and two before the row that comes in next.
+    /// What a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
     struct Carry {
         Vec x1, v1;             ///< at mid-step, at the start
-        Vec shift1, elastic1;   ///< overlap / h; elastic force
-        Vec force1;             ///< at the velocity at the start
-        Vec x2, v2, middle_v2;  ///< and velocity at mid-step
-        Vec total2;             ///< force at the velocity at mid-step
+        Vec overlap1, root1;    ///< its square root, on which nothing in the same turn has to wait
+        Vec x2, v2;
+        Vec shift2, elastic2;   ///< overlap / h; elastic force
+        Vec force2;             ///< at the velocity at the start
+        Vec x3, v3, middle_v3;  ///< and velocity at mid-step
+        Vec total3;             ///< force at the velocity at mid-step
         Vec loss;               ///< in all rows so far [W]
     };
     struct Step {
@@ -191,10 +193,10 @@ private:
         const Vec zero = hn::Zero(d_);
         const Vec x = hn::Set(d_, horn.x);
         const Vec v = hn::Set(d_, horn.v);
-        return {x, v, zero, zero, zero, x, v, v, zero, zero};
+        return {x, v, zero, zero, x, v, zero, zero, zero, x, v, v, zero, zero};
     }
 
-    /// In one step a disturbance travels two bodies; the rows that it may reach are done two rows later.
+    /// In one step a disturbance travels two bodies; the rows that it may reach are done three rows later.
     HWY_INLINE std::size_t sweep_end() const {
         return std::min(chain_->moving_rows + (2 + lanes() - 1) / lanes(), end_) + row_delay;
     }
@@ -225,15 +227,17 @@ private:
         Constants c = constants(rows == Rows::alike ? alike_from_ : place.next_row);
         Constants c1 = rows == Rows::alike ? c : constants(place.next_row - 1);
         Constants c2 = rows == Rows::alike ? c : constants(place.next_row - 2);
+        Constants c3 = rows == Rows::alike ? c : constants(place.next_row - 3);
         for (std::size_t k = place.next_row; k < to; ++k) {
             if (rows == Rows::any) {
                 c = constants(k);
             }
-            carry = row_in<rows>(step, k, c, c1, c2, carry);
+            row_in<rows>(step, k, c, c1, c2, c3, carry);
             if (rows == Rows::any) {
-                if (k == first_ + 1) {
-                    book_work(carry.total2, horn.v);
+                if (k == first_ + 2) {
+                    book_work(carry.total3, horn.v);
                 }
+                c3 = c2;
                 c2 = c1;
                 c1 = c;
             }
@@ -241,43 +245,67 @@ private:
         place = {to, carry};
     }
 
-    /// Row k comes in, row k - 2 is done. @param c, c1, c2 constants of rows k, k - 1, k - 2
+    /// Row k comes in, row k - 3 is done. @param c, c1, c2, c3 constants of rows k to k - 3
     template <Rows rows>
-    HWY_INLINE Carry row_in(const Step& step, std::size_t k, const Constants& c, const Constants& c1,
-                            const Constants& c2, const Carry& carry) const {
+    HWY_INLINE void row_in(const Step& step, std::size_t k, const Constants& c, const Constants& c1,
+                           const Constants& c2, const Constants& c3, Carry& carry) const {
         double* const x_in = step.x + k * lanes();
         double* const v_in = step.v + k * lanes();
-        // row k: drift to mid-step, contacts there
+        // row k: drift to mid-step, overlaps there
         const Vec v = hn::Load(d_, v_in);
         const Vec x = hn::MulAdd(step.half, v, hn::Load(d_, x_in));
         const Vec overlap = hn::Add(line_.left(carry.x1, x), hn::Sub(c.static_overlap, x));
-        const Vec shift = hn::Mul(overlap, step.per_step);
-        const Vec pressed = elastic(c, overlap);
-        const Vec force = total(c, pressed, shift, hn::Sub(line_.left(carry.v1, v), v));
+        const Vec root = hn::Sqrt(hn::Max(overlap, hn::Zero(d_)));
         watch<rows>(step, k, c, overlap);
-        // row k - 1: velocity at mid-step by half a kick, forces with the dashpots at that velocity
-        const Vec middle_v = kicked<rows>(c1, carry.v1, step.half, carry.force1, force, carry.x1);
-        const Vec w = hn::Sub(line_.left(carry.middle_v2, middle_v), middle_v);
-        const Vec total1 = total(c1, carry.elastic1, carry.shift1, w);
-        const Vec loss = hn::MulAdd(hn::Sub(total1, carry.elastic1), w, carry.loss);
-        // row k - 2: the whole kick, drift to the end of the step
-        const Vec end_v = kicked<rows>(c2, carry.v2, step.h, carry.total2, total1, carry.x2);
+        // row k - 1: forces, with the dashpots at the velocity at the start
+        const Vec shift = hn::Mul(carry.overlap1, step.per_step);
+        const Vec pressed = elastic(c1, carry.overlap1, carry.root1);
+        const Vec force = total(c1, pressed, shift, hn::Sub(line_.left(carry.v2, carry.v1), carry.v1));
+        // row k - 2: velocity at mid-step by half a kick, forces with the dashpots at that velocity
+        const Vec middle_v = kicked<rows>(c2, carry.v2, step.half, carry.force2, force, carry.x2);
+        const Vec w = hn::Sub(line_.left(carry.middle_v3, middle_v), middle_v);
+        const Vec total2 = total(c2, carry.elastic2, carry.shift2, w);
+        const Vec loss = hn::MulAdd(hn::Sub(total2, carry.elastic2), w, carry.loss);
+        // row k - 3: the whole kick, drift to the end of the step
+        const Vec end_v = kicked<rows>(c3, carry.v3, step.h, carry.total3, total2, carry.x3);
         hn::Store(end_v, d_, v_in - row_delay * lanes());
-        hn::Store(hn::MulAdd(step.half, end_v, carry.x2), d_, x_in - row_delay * lanes());
-        return {x, v, shift, pressed, force, carry.x1, carry.v1, middle_v, total1, loss};
+        hn::Store(hn::MulAdd(step.half, end_v, carry.x3), d_, x_in - row_delay * lanes());
+        // one row on; member by member, or the compiler does it in memory
+        carry.x3 = carry.x2;
+        carry.v3 = carry.v2;
+        carry.middle_v3 = middle_v;
+        carry.total3 = total2;
+        carry.loss = loss;
+        carry.x2 = carry.x1;
+        carry.v2 = carry.v1;
+        carry.shift2 = shift;
+        carry.elastic2 = pressed;
+        carry.force2 = force;
+        carry.x1 = x;
+        carry.v1 = v;
+        carry.overlap1 = overlap;
+        carry.root1 = root;
     }
 
     /// Elastic forces, relative to the static ones.
-    static HWY_INLINE Vec elastic(const Constants& c, Vec overlap) {
+    static HWY_INLINE Vec elastic(const Constants& c, Vec overlap, Vec root) {
         const Vec pushed = hn::Max(overlap, hn::Zero(d_));
-        return hn::Sub(hn::Mul(hn::Mul(c.stiffness, pushed), hn::Sqrt(pushed)), c.static_force);
+        return hn::Sub(hn::Mul(hn::Mul(c.stiffness, pushed), root), c.static_force);
     }
     /// Adds the dashpots' forces: lambda w, weighed by the part of the step in contact.
     static HWY_INLINE Vec total(const Constants& c, Vec pressed, Vec shift, Vec w) {
         const Vec speed = hn::Abs(w);
         const Vec in_contact = hn::MulAdd(hn::Set(d_, 0.5), speed, shift);
-        const Vec weighed = hn::Min(hn::Max(in_contact, hn::Zero(d_)), speed);
-        return limited(c, hn::MulAdd(c.damping, hn::CopySignToAbs(weighed, w), pressed));
+        return limited(c, hn::MulAdd(c.damping, smaller(w, hn::Max(in_contact, hn::Zero(d_))), pressed));
+    }
+    /// The smaller magnitude, with the sign of w.
+    static HWY_INLINE Vec smaller(Vec w, Vec other) {
+#if HWY_TARGET <= HWY_AVX3
+        constexpr int smaller_magnitude_sign_of_first = 2;
+        return Vec{_mm512_range_pd(w.raw, other.raw, smaller_magnitude_sign_of_first)};
+#else
+        return hn::CopySignToAbs(hn::Min(other, hn::Abs(w)), w);
+#endif
     }
     static HWY_INLINE Vec limited(const Constants& c, Vec force) {
         return tension == Tension::clamped ? hn::Max(force, hn::Neg(c.static_force)) : force;
