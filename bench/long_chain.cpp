@@ -1,10 +1,13 @@
 // Long chains on one core: what a sphere-step costs when all spheres move, and what those cost that do not.
 //
 //     bench_long_chain              the table
-//     bench_long_chain SPHERES      one line for that many spheres: SPHERES NS_PER_SPHERE_STEP
+//     bench_long_chain SPHERES      SPHERES and ns per sphere-step, all moving
+//     bench_long_chain pulse SPHERES STEPS DAMPING
+//                                   number and velocity [m/s] of each sphere after the first was kicked,
+//                                   touching ones without preload; for lammps/compare.py
 //
-// Times are of the processor, not of the clock on the wall, so that other work on the machine matters less; each is
-// the least of many.
+// Times are of the processor, not of the clock on the wall, so that other work on the machine matters less;
+// each is the least of many.
 
 #include <algorithm>
 #include <cstdio>
@@ -15,6 +18,7 @@
 #include <string>
 
 #include "core/simulation.hpp"
+#include "tests/support/bare_chain.hpp"
 
 namespace {
 
@@ -38,7 +42,8 @@ Scene long_scene(std::int64_t spheres) {
     return scene;
 }
 
-/// Seconds per step with every sphere flying about at up to 0.1 m/s: contacts open and close all along the chain.
+/// Seconds per step with every sphere flying about at up to 0.1 m/s: contacts open and close all along the
+/// chain.
 double all_moving(std::int64_t spheres) {
     const Scene scene = long_scene(spheres);
     const Chain chain(scene);
@@ -52,7 +57,8 @@ double all_moving(std::int64_t spheres) {
     FoldedChain folded(chain, Integrator::leapfrog, kernel_lanes());
     folded.step_s = step_s;
     folded.watched_overlap = std::numeric_limits<double>::infinity();
-    const Kernel advance = (folded.fold(chain, state, chain.bodies()), kernel(Integrator::leapfrog, folded.rows()));
+    folded.fold(chain, state, chain.bodies());
+    const Kernel advance = kernel(Integrator::leapfrog, folded.rows());
     Trace nothing;
     nothing.bodies = chain.bodies();
     nothing.capacity = max_rows_per_step;
@@ -64,7 +70,8 @@ double all_moving(std::int64_t spheres) {
         advance(folded, burst, horn.data(), 0, ToneBurst::batch_steps, nothing);
         const double begin = processor_seconds();
         for (int batch = 1; batch <= batches; ++batch) {
-            advance(folded, burst, horn.data(), batch * ToneBurst::batch_steps, ToneBurst::batch_steps, nothing);
+            advance(folded, burst, horn.data(), batch * ToneBurst::batch_steps, ToneBurst::batch_steps,
+                    nothing);
         }
         least = std::min(least, processor_seconds() - begin);
     }
@@ -75,7 +82,8 @@ double all_moving(std::int64_t spheres) {
     return least / (batches * ToneBurst::batch_steps);
 }
 
-/// Seconds per step of a simulation while the horn's wave is on its first 1000 spheres, and how many of them move then.
+/// Seconds per step of a simulation while the horn's wave is on its first 1000 spheres, and how many of them
+/// move then.
 struct Wave {
     double step_s;
     std::int64_t moving;
@@ -123,9 +131,25 @@ void print_table() {
                 not_skipping.step_s / is_short.step_s);
 }
 
+void print_pulse(std::int64_t spheres, std::int64_t steps, double damping) {
+    Scene scene = long_scene(spheres);
+    scene.chain.preload_n = 0;
+    scene.chain.damping_kg_per_s = damping;
+    test::BareChain bare(scene);
+    bare.state.v[0] = 0.5;
+    bare.advance(steps);
+    for (Eigen::Index b = 0; b < bare.chain.spheres(); ++b) {
+        std::printf("%lld %.10g\n", static_cast<long long>(b + 1), bare.state.v[b]);
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+    if (argc == 5 && std::string(argv[1]) == "pulse") {
+        print_pulse(std::stoll(argv[2]), std::stoll(argv[3]), std::stod(argv[4]));
+        return 0;
+    }
     if (argc == 2) {
         const std::int64_t spheres = std::stoll(argv[1]);
         std::printf("%lld %.4f\n", static_cast<long long>(spheres),

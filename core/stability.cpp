@@ -61,8 +61,7 @@ double stable_step(const Chain& chain, Eigen::Index bodies, double omega_squared
 }  // namespace
 
 double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
-    return std::sqrt(
-        squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }));
+    return std::sqrt(squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }));
 }
 
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,

@@ -37,8 +37,7 @@ FoldedChain::FoldedChain(const Chain& chain, Integrator integrator, std::size_t 
     : tension(chain.tension), layout_(layout_for(chain.bodies(), integrator, lanes)), lanes_(lanes) {
     const std::size_t per_vector = alignment / sizeof(double);
     const bool in_line = layout_ == Layout::in_line;
-    const std::size_t rows =
-        in_line ? rows_in_line(chain.bodies(), lanes) : rows_for(chain.bodies(), lanes);
+    const std::size_t rows = in_line ? rows_in_line(chain.bodies(), lanes) : rows_for(chain.bodies(), lanes);
     stride_ = (rows * lanes + per_vector - 1) / per_vector * per_vector;
     const std::size_t size = stride_ * columns_used();
     columns_.reset(

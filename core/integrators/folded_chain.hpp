@@ -13,9 +13,9 @@
 // Only the part of the chain that can have moved is folded: what lies ahead of the wavefront is at rest
 // exactly.
 //
-// Long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which they lie in line instead:
-// row k holds neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard both ends. All
-// of the chain is laid out once; moving_rows tells how far the wavefront has come.
+// Long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which they lie in line
+// instead: row k holds neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard
+// both ends. All of the chain is laid out once; moving_rows tells how far the wavefront has come.
 //
 //     lanes = 4:     row 0 to 2   pads, where the horn would be
 //                    row 3        b0  b1  b2  b3
@@ -115,7 +115,7 @@ public:
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
     std::size_t moving_rows = 0;      ///< in line: rows from here on are at rest, exactly
-    double watched_overlap = 0;  ///< in line: kernels tell by ...
+    double watched_overlap = 0;       ///< in line: kernels tell by ...
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
     double step_s = 0;
     Tension tension = Tension::allowed;

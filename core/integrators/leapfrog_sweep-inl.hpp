@@ -1,15 +1,15 @@
 // Leapfrog for long chains: the step of leapfrog-inl.hpp as one sweep along the chain, several steps at once.
 //
 // A body after a step depends on two neighbours to either side before it. So a step needs no columns of
-// intermediate results: as row k comes in, the contacts of row k, the predicted velocities of row k - 1 and the
-// final motion of row k - 2 are worked out, and what is between them stays in registers. The next step can follow
-// two rows behind. A block of steps goes along the chain like that, a tile of rows at a time, and while it does, the
-// rows lie in the nearest cache: each is fetched from memory once per block instead of once per step. Every row of
-// every step is worked out from the same numbers in the same way however the steps are grouped, so the bits do not
-// depend on it.
+// intermediate results: as row k comes in, the contacts of row k, the predicted velocities of row k - 1 and
+// the final motion of row k - 2 are worked out, and what is between them stays in registers. The next step
+// can follow two rows behind. A block of steps goes along the chain like that, a tile of rows at a time, and
+// while it does, the rows lie in the nearest cache: each is fetched from memory once per block instead of
+// once per step. Every row of every step is worked out from the same numbers in the same way however the
+// steps are grouped, so the bits do not depend on it.
 //
-// The chain lies in line (folded_chain.hpp): spheres that the wave has not reached are rows that no sweep gets to.
-// Each step goes one row beyond the last that moves, and looks whether that row has begun to.
+// The chain lies in line (folded_chain.hpp): spheres that the wave has not reached are rows that no sweep
+// gets to. Each step goes one row beyond the last that moves, and looks whether that row has begun to.
 #if defined(HERTZLINE_LEAPFROG_SWEEP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_LEAPFROG_SWEEP_INL
 #undef HERTZLINE_LEAPFROG_SWEEP_INL
@@ -120,11 +120,13 @@ public:
             const Vec overlap = hn::Add(line_.left(x1, x), hn::Sub(c.static_overlap, x));
             const Vec dashpot = hn::Mul(c.damping, hn::Sub(line_.left(v1, v), v));
             const Vec pulled = hn::IfThenElseZero(hn::Gt(overlap, hn::Zero(d_)), dashpot);
-            const Vec force = limited(c, hn::Add(elastic(c, overlap, hn::Sqrt(hn::Max(overlap, hn::Zero(d_)))), pulled));
+            const Vec force =
+                limited(c, hn::Add(elastic(c, overlap, hn::Sqrt(hn::Max(overlap, hn::Zero(d_)))), pulled));
             if (k > from) {
                 const Constants c1 = constants(k - 1);
                 const Vec net = hn::Add(hn::Sub(force1, line_.right(force1, force)), c1.grounded(x1));
-                hn::Store(hn::Mul(c1.inv_mass, net), d_, chain_->column(Column::total_accel) + (k - 1) * lanes());
+                hn::Store(hn::Mul(c1.inv_mass, net), d_,
+                          chain_->column(Column::total_accel) + (k - 1) * lanes());
             }
             x1 = x;
             v1 = v;
@@ -147,8 +149,8 @@ private:
 
     /// What a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
     struct Carry {
-        Vec x1, v1;             ///< at mid-step, at the start
-        Vec overlap1, root1;    ///< its square root, on which nothing in the same turn has to wait
+        Vec x1, v1;           ///< at mid-step, at the start
+        Vec overlap1, root1;  ///< its square root, on which nothing in the same turn has to wait
         Vec x2, v2;
         Vec shift2, elastic2;   ///< overlap / h; elastic force
         Vec force2;             ///< at the velocity at the start
@@ -182,9 +184,8 @@ private:
         return hn::Load(d_, chain_->column(c) + k * lanes());
     }
     HWY_INLINE Constants constants(std::size_t k) const {
-        return {row(Column::stiffness, k),    row(Column::static_overlap, k),
-                row(Column::static_force, k), row(Column::damping, k),
-                row(Column::inv_mass, k),     row(Column::spring, k),
+        return {row(Column::stiffness, k), row(Column::static_overlap, k), row(Column::static_force, k),
+                row(Column::damping, k),   row(Column::inv_mass, k),       row(Column::spring, k),
                 row(Column::bias, k)};
     }
 
@@ -203,8 +204,8 @@ private:
     HWY_INLINE void advance_front() const {
         const std::size_t done = sweep_end() - row_delay;
         for (std::size_t k = chain_->moving_rows; k < done; ++k) {
-            const Flags still = hn::And(hn::Eq(row(Column::x, k), hn::Zero(d_)),
-                                        hn::Eq(row(Column::v, k), hn::Zero(d_)));
+            const Flags still =
+                hn::And(hn::Eq(row(Column::x, k), hn::Zero(d_)), hn::Eq(row(Column::v, k), hn::Zero(d_)));
             chain_->moving_rows = hn::AllTrue(d_, still) ? chain_->moving_rows : k + 1;
         }
     }
@@ -353,8 +354,8 @@ private:
     std::array<Place, most_steps> places_;
 };
 
-/// How many of the steps from `step` on can be taken as one block: a row of the trace that shows more than the end of
-/// the chain needs all of it at one moment.
+/// How many of the steps from `step` on can be taken as one block: a row of the trace that shows more than
+/// the end of the chain needs all of it at one moment.
 inline std::size_t steps_together(const Trace& trace, std::int64_t step, std::size_t most) {
     constexpr Eigen::Index at_the_end = 2;
     const auto room = static_cast<std::int64_t>(trace.capacity - trace.count);
@@ -363,7 +364,9 @@ inline std::size_t steps_together(const Trace& trace, std::int64_t step, std::si
         together = std::min(together, room);
     }
     if (trace.bodies - trace.first_body > at_the_end) {
-        together = trace.between ? 1 : trace.next != Trace::never ? std::min(together, trace.next - step) : together;
+        together = trace.between                ? 1
+                   : trace.next != Trace::never ? std::min(together, trace.next - step)
+                                                : together;
     }
     return static_cast<std::size_t>(std::max<std::int64_t>(together, 1));
 }
@@ -390,8 +393,8 @@ int sweep_leapfrog(FoldedChain& chain, const HornStep* horn, std::int64_t first,
     return taken;
 }
 
-inline int advance_leapfrog_in_line(FoldedChain& chain, const ToneBurst&, const HornStep* horn, std::int64_t first,
-                                    int count, Trace& trace) {
+inline int advance_leapfrog_in_line(FoldedChain& chain, const ToneBurst&, const HornStep* horn,
+                                    std::int64_t first, int count, Trace& trace) {
     return chain.tension == Tension::clamped
                ? sweep_leapfrog<Tension::clamped>(chain, horn, first, count, trace)
                : sweep_leapfrog<Tension::allowed>(chain, horn, first, count, trace);

@@ -180,6 +180,25 @@ TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
     }
 }
 
+TEST(Kernels, SkippingSpheresAtRestChangesNoBitOnAnyTarget) {
+    for (const std::int64_t spheres : {16, 33, 64, 700}) {
+        for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
+            for (const std::int64_t target : targets()) {
+                const OnlyTarget only(target);
+                Simulation skipping(scene, everything, AtRest::skipped);
+                Simulation working(scene, everything, AtRest::worked_on);
+                const auto what = [&, &variant = variant] {
+                    return std::string(kernel_target()) + ", " + std::to_string(spheres) + " spheres, " +
+                           variant;
+                };
+                EXPECT_EQ(recorded(skipping, 500, 100), recorded(working, 500, 100)) << what();
+                EXPECT_EQ(skipping.contact_events(), working.contact_events()) << what();
+                EXPECT_EQ(skipping.energy_residual(), working.energy_residual()) << what();
+            }
+        }
+    }
+}
+
 TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
     // An unbalanced plate has the whole chain worked on from the start; before a wall it is folded by and by.
     // Bodies that neither end can have reached from the other agree to the last bit, down to the faintest
