@@ -81,14 +81,10 @@ TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
         Simulation one_by_one(scene, everything);
         const Record expected = recorded(one_by_one, 900, 300);
         Simulation together(scene, {});
-        Samples part(together.chain(), 300, {});
-        Record record;
-        for (int i = 0; i < 3; ++i) {
-            together.advance(part, 300, {});
-            append(record, part);
-        }
-        EXPECT_EQ(record.v_out, expected.v_out);
-        EXPECT_EQ(record.v_last, expected.v_last);
+        Samples part(together.chain(), 900, {});
+        together.advance(part, 900, {});
+        EXPECT_EQ(part.v_out, expected.v_out);
+        EXPECT_EQ(part.v_last, expected.v_last);
         EXPECT_EQ(together.contact_events(), one_by_one.contact_events());
         EXPECT_EQ(together.energy_residual(), one_by_one.energy_residual());
         EXPECT_TRUE((together.state().peak_overlap == one_by_one.state().peak_overlap).all());
