@@ -1,15 +1,24 @@
-// Leapfrog for long chains: the step of leapfrog-inl.hpp as one sweep along the chain, several steps at once.
+// Leapfrog for long chains: the step of leapfrog-inl.hpp as one sweep along the chain, many steps at once.
 //
 // A body after a step depends on two neighbours to either side before it. So a step needs no columns of
-// intermediate results: as row k comes in, the contacts of row k, the predicted velocities of row k - 1 and
-// the final motion of row k - 2 are worked out, and what is between them stays in registers. The next step
-// can follow two rows behind. A block of steps goes along the chain like that, a tile of rows at a time, and
-// while it does, the rows lie in the nearest cache: each is fetched from memory once per block instead of
-// once per step. Every row of every step is worked out from the same numbers in the same way however the
-// steps are grouped, so the bits do not depend on it.
+// intermediate results. As row k comes in, its overlaps are worked out, the forces of row k - 1, the
+// velocities at mid-step of row k - 2 and the final motion of row k - 3; what is between them stays in
+// registers:
+//
+//     row k        x, v in; overlap and its square root
+//     row k - 1    forces, dashpots at the velocity at the start
+//     row k - 2    velocity at mid-step; forces, dashpots at that velocity
+//     row k - 3    velocity, displacement out
+//
+// The next step can follow three rows behind. A block of steps goes along the chain like that, a tile of rows
+// at a time, and while it does, the rows lie in the nearest caches: each is fetched from memory once per
+// block instead of once per step. Every row of every step is worked out from the same numbers in the same way
+// however the steps are grouped, so the bits do not depend on it.
 //
 // The chain lies in line (folded_chain.hpp): spheres that the wave has not reached are rows that no sweep
-// gets to. Each step goes one row beyond the last that moves, and looks whether that row has begun to.
+// gets to. Each step goes two bodies beyond the last row that moves, as far as a step can carry a
+// disturbance, and looks whether they have begun to: a body is at rest when its displacement and velocity are
+// zero, exactly.
 #if defined(HERTZLINE_LEAPFROG_SWEEP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_LEAPFROG_SWEEP_INL
 #undef HERTZLINE_LEAPFROG_SWEEP_INL
@@ -19,7 +28,7 @@
 
 #include <array>
 
-#include "core/integrators/lanes-inl.hpp"
+#include "core/integrators/in_line-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline {
@@ -27,46 +36,6 @@ namespace HWY_NAMESPACE {
 
 /// Rows between the ends of the chain are all alike: equal spheres, equal contacts.
 enum class Rows { alike, any };
-
-/// Neighbours of a row in line, which lie partly in the row beside it.
-class InLine {
-public:
-    HWY_INLINE InLine() {
-        HWY_ALIGN std::int64_t up[hn::MaxLanes(Doubles())];
-        HWY_ALIGN std::int64_t down[hn::MaxLanes(Doubles())];
-        const std::size_t lanes = hn::Lanes(Doubles());
-        for (std::size_t i = 0; i < lanes; ++i) {
-            up[i] = static_cast<std::int64_t>((i + lanes - 1) % lanes);
-            down[i] = static_cast<std::int64_t>((i + 1) % lanes);
-        }
-        up_ = hn::SetTableIndices(Doubles(), up);
-        down_ = hn::SetTableIndices(Doubles(), down);
-    }
-    /// Values to the left of a row's; of the row before only the last counts.
-    HWY_INLINE Vec left(Vec before, Vec row) const {
-#if HWY_TARGET <= HWY_AVX3
-        // one instruction that Highway has no word for
-        return Vec{_mm512_castsi512_pd(
-            _mm512_alignr_epi64(_mm512_castpd_si512(row.raw), _mm512_castpd_si512(before.raw), 7))};
-#else
-        const Flags first = hn::FirstN(Doubles(), 1);
-        return hn::IfThenElse(first, hn::TableLookupLanes(before, up_), hn::TableLookupLanes(row, up_));
-#endif
-    }
-    /// Values to the right of a row's; of the row after only the first counts.
-    HWY_INLINE Vec right(Vec row, Vec after) const {
-#if HWY_TARGET <= HWY_AVX3
-        return Vec{_mm512_castsi512_pd(
-            _mm512_alignr_epi64(_mm512_castpd_si512(after.raw), _mm512_castpd_si512(row.raw), 1))};
-#else
-        const Flags own = hn::FirstN(Doubles(), hn::Lanes(Doubles()) - 1);
-        return hn::IfThenElse(own, hn::TableLookupLanes(row, down_), hn::TableLookupLanes(after, down_));
-#endif
-    }
-
-private:
-    Rotation up_, down_;
-};
 
 template <Tension tension>
 class LeapfrogSweep {
@@ -138,7 +107,7 @@ public:
 
 private:
     static constexpr std::size_t row_delay = 3;   ///< rows from coming in to being done
-    static constexpr std::size_t tile_rows = 32;  ///< with those of all steps they fill the nearest cache
+    static constexpr std::size_t tile_rows = 32;  ///< and those of all steps fit into the nearest cache
 
     /// Per body and its left contact, as in Chain.
     struct Constants {
@@ -158,6 +127,7 @@ private:
         Vec total3;             ///< force at the velocity at mid-step
         Vec loss;               ///< in all rows so far [W]
     };
+    /// What the loop over rows uses, all rows alike.
     struct Step {
         explicit HWY_INLINE Step(const FoldedChain& chain)
             : h(hn::Set(d_, chain.step_s)),
@@ -174,6 +144,7 @@ private:
         double* closed;
         double* peak;
     };
+    /// How far a step has come.
     struct Place {
         std::size_t next_row;
         Carry carry;
@@ -297,17 +268,10 @@ private:
     static HWY_INLINE Vec total(const Constants& c, Vec pressed, Vec shift, Vec w) {
         const Vec speed = hn::Abs(w);
         const Vec in_contact = hn::MulAdd(hn::Set(d_, 0.5), speed, shift);
-        return limited(c, hn::MulAdd(c.damping, smaller(w, hn::Max(in_contact, hn::Zero(d_))), pressed));
+        const Vec weighed = InLine::at_most(hn::Max(in_contact, hn::Zero(d_)), w);
+        return limited(c, hn::MulAdd(c.damping, weighed, pressed));
     }
-    /// The smaller magnitude, with the sign of w.
-    static HWY_INLINE Vec smaller(Vec w, Vec other) {
-#if HWY_TARGET <= HWY_AVX3
-        constexpr int smaller_magnitude_sign_of_first = 2;
-        return Vec{_mm512_range_pd(w.raw, other.raw, smaller_magnitude_sign_of_first)};
-#else
-        return hn::CopySignToAbs(hn::Min(other, hn::Abs(w)), w);
-#endif
-    }
+    /// Clamped: no contact pulls.
     static HWY_INLINE Vec limited(const Constants& c, Vec force) {
         return tension == Tension::clamped ? hn::Max(force, hn::Neg(c.static_force)) : force;
     }
