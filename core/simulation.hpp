@@ -19,7 +19,8 @@ namespace hertzline {
 /// Whether the integration still stands.
 enum class Status { running, unstable };
 
-/// What is done about bodies that no disturbance has reached yet. The samples are the same, to the last bit.
+/// What is done about bodies that no disturbance has reached yet. With leapfrog the samples are the same, to
+/// the last bit.
 enum class AtRest {
     skipped,
     worked_on,  ///< as if they moved: for tests and benchmarks
