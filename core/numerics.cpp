@@ -131,11 +131,11 @@ double rounded_down(double step) {
 }
 
 /// Sampled as the scene is, so that samples beside a contact's switching count as they will.
-PilotPlan plan_of_series(const Scene& asked, double omega) {
+PilotPlan plan_of_series(const Scene& asked, double longest_step) {
     constexpr double most_samples = 40e3;
-    constexpr double most_radians = 60e3;  // of the chain's fastest oscillation
+    constexpr double most_pieces = 20e3;
     constexpr double per_period = 16;
-    const double watched = std::min(watched_s(asked.drive), most_radians / omega);
+    const double watched = std::min(watched_s(asked.drive), most_pieces * longest_step);
     PilotPlan plan{shortened(asked), 0};
     const double affordable = most_samples * 7 / static_cast<double>(plan.scene.chain.spheres + 1) / watched;
     double& rate = plan.scene.output.sample_rate_hz;
@@ -153,15 +153,15 @@ StepAdvice advise_series(const Scene& scene) {
     const auto longest = [&](const Eigen::ArrayXd& overlaps) {
         return largest_stable_step(chain, overlaps, integrator);
     };
-    const PilotPlan plan = plan_of_series(scene, omega);
-    const double exact_step = std::min(SeriesSolver::phase_for(1e-13) / omega, by_drive);
+    const PilotPlan plan = plan_of_series(scene, longest(expected_overlaps(chain, scene.drive)));
+    const double stable_at_rest = 0.98 * longest(expected_overlaps(chain, scene.drive));
+    const double exact_step = std::min({SeriesSolver::phase_for(1e-13) / omega, by_drive, stable_at_rest});
     const Pilot exact = fly(plan, Integrator::taylor12, exact_step);
 
     StepAdvice advice;
     advice.pilot_duration_s = static_cast<double>(plan.samples) / plan.scene.output.sample_rate_hz;
     advice.largest_stable_step_s = longest(exact.peak_overlap);
-    const double limit = std::min({0.98 * advice.largest_stable_step_s, 0.98 * longest(chain.static_overlap),
-                                   by_drive});
+    const double limit = std::min({0.98 * advice.largest_stable_step_s, stable_at_rest, by_drive});
     // the longest step whose error lies in the window, by secants on the logarithms
     double step = std::min(limit, SeriesSolver::phase_for(accuracy / 30) / omega);
     double too_long = std::numeric_limits<double>::infinity();

@@ -19,6 +19,7 @@ namespace {
 constexpr double at_one = 1e-10;
 constexpr double exponent = 15;
 constexpr double rounding = 1e-15;
+constexpr double coarsest = 3e-3;
 
 /// Velocity of the order of those that the scene will show [m/s].
 double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
@@ -57,7 +58,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
       burst_(scene.drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
-      folded_(chain, kernel_lanes()),
+      folded_(chain, integrator_, kernel_lanes()),
       piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()), series_degree(integrator_),
              HornWaves(frequencies_hz_, *scene.numerics.step_s)),
       kernels_(series_kernels(integrator_, folded_.rows())) {
@@ -67,7 +68,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
     piece_.tolerance = std::max(
-        1e-100, std::max(rounding, at_one * std::pow(omega * unit, exponent)) * velocity_scale(chain, scene.drive, omega) * unit);
+        1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) * velocity_scale(chain, scene.drive, omega) * unit);
     piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
@@ -234,6 +235,10 @@ void SeriesSolver::emit(Samples& samples, std::int64_t count) noexcept {
         }
     }
     samples.count += static_cast<std::size_t>(count);
+}
+
+double SeriesSolver::time_s() const noexcept {
+    return (static_cast<double>(end_.step) + end_.fraction()) * sample_period_s_;
 }
 
 std::string SeriesSolver::failure() const {

@@ -20,6 +20,7 @@ public:
     std::int64_t next_sample() const noexcept override { return next_sample_; }
     std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
     const ChainState& state() noexcept override;
+    double time_s() const noexcept override;
     double horn_displacement() const noexcept override { return horn_end_; }
     Ledger ledger() noexcept override;
     std::string failure() const override;

@@ -19,20 +19,20 @@ bool is_series(Integrator integrator) noexcept {
 
 }  // namespace
 
-std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most) {
+std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most, AtRest at_rest) {
     if (!scene.numerics.integrator || !scene.numerics.step_s) {
         throw std::invalid_argument("Simulation: the scene's integrator and step are not resolved");
     }
     if (is_series(*scene.numerics.integrator)) {
         return std::make_unique<SeriesSolver>(scene, chain, most);
     }
-    return std::make_unique<SteppedSolver>(scene, chain, most);
+    return std::make_unique<SteppedSolver>(scene, chain, most, at_rest);
 }
 
-Simulation::Simulation(const Scene& scene, Wish most)
+Simulation::Simulation(const Scene& scene, Wish most, AtRest at_rest)
     : chain_(std::make_unique<const Chain>(scene)),
       step_s_(exact_step(scene.numerics.step_s.value_or(0), scene.output.sample_rate_hz)),
-      solver_(make_solver(scene, *chain_, most)) {}
+      solver_(make_solver(scene, *chain_, most, at_rest)) {}
 
 void Simulation::reset() noexcept {
     solver_->reset();

@@ -17,7 +17,7 @@ public:
     /// @param scene validated and resolved (numerics.hpp): integrator and step_s are set. @param most the
     /// largest wish that advance() will get. @throws std::invalid_argument if the scene is not resolved;
     /// std::bad_alloc
-    Simulation(const Scene& scene, Wish most);
+    Simulation(const Scene& scene, Wish most, AtRest at_rest = AtRest::skipped);
 
     /// Back to sample 0, at static equilibrium.
     void reset() noexcept;
@@ -39,6 +39,8 @@ public:
 
     /// State at the last step taken. Not cheap: for tests, checks and ledgers, not for each sample.
     const ChainState& state() noexcept { return solver_->state(); }
+    /// Its time [s]. Steps do not end where samples lie.
+    double time_s() const noexcept { return solver_->time_s(); }
     Ledger ledger() noexcept { return solver_->ledger(); }
     /// |kinetic + stored - start - work + lost| over the work done.
     double energy_residual() noexcept;

@@ -16,6 +16,13 @@ namespace hertzline {
 /// Whether the integration still stands.
 enum class Status { running, unstable };
 
+/// What is done about bodies that no disturbance has reached yet. With leapfrog the samples are the same, to
+/// the last bit.
+enum class AtRest {
+    skipped,
+    worked_on,  ///< as if they moved: for tests and benchmarks
+};
+
 class Solver {
 public:
     virtual ~Solver() = default;
@@ -29,8 +36,9 @@ public:
     virtual std::int64_t next_sample() const noexcept = 0;
     virtual std::int64_t contact_events() const noexcept = 0;
 
-    /// State at the end of the last step, and where the horn is then [m].
+    /// State at the end of the last step, its time [s], and where the horn is then [m].
     virtual const ChainState& state() noexcept = 0;
+    virtual double time_s() const noexcept = 0;
     virtual double horn_displacement() const noexcept = 0;
     virtual Ledger ledger() noexcept = 0;
 
@@ -40,6 +48,6 @@ public:
 
 /// The solver for a resolved scene. @throws std::invalid_argument if integrator or step are not set;
 /// std::bad_alloc
-std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most);
+std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most, AtRest at_rest);
 
 }  // namespace hertzline

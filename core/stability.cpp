@@ -35,10 +35,12 @@ double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling
     return bound;
 }
 
-double squared_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
+/// @param overlap of a contact [m]
+template <class Overlap>
+double squared_frequency(const Chain& chain, Eigen::Index bodies, Overlap overlap) noexcept {
     return spectral_bound(
-        chain, overlaps.size(),
-        [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlaps[c], 0.0)); }, 1);
+        chain, bodies,
+        [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlap(c), 0.0)); }, 1);
 }
 
 /// Largest h omega of an oscillation and h gamma of a decay.
@@ -61,6 +63,22 @@ StabilityBounds bounds_of(Integrator integrator) noexcept {
     return {0, 0};
 }
 
+double stable_step(const Chain& chain, Eigen::Index bodies, double omega_squared,
+                   Integrator integrator) noexcept {
+    const double gamma = spectral_bound(
+        chain, bodies, [&](Eigen::Index c) { return chain.damping[c]; }, 0);
+    const StabilityBounds bounds = bounds_of(integrator);
+    const double a = omega_squared / (bounds.oscillation * bounds.oscillation);
+    const double b = gamma / bounds.decay;
+    if (std::isnan(a) || std::isnan(b)) {
+        return 0;
+    }
+    if (a == 0 && b == 0) {
+        return std::numeric_limits<double>::infinity();
+    }
+    return 2 / (b + std::sqrt(b * b + 4 * a));  // root of a h^2 + b h = 1
+}
+
 }  // namespace
 
 Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive) {
@@ -76,24 +94,20 @@ Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive) {
 }
 
 double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
-    return std::sqrt(squared_frequency(chain, overlaps));
+    return std::sqrt(squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }));
 }
 
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept {
-    const double omega_squared = squared_frequency(chain, overlaps);
-    const double gamma = spectral_bound(
-        chain, overlaps.size(), [&](Eigen::Index c) { return chain.damping[c]; }, 0);
-    const StabilityBounds bounds = bounds_of(integrator);
-    const double a = omega_squared / (bounds.oscillation * bounds.oscillation);
-    const double b = gamma / bounds.decay;
-    if (std::isnan(a) || std::isnan(b)) {
-        return 0;
-    }
-    if (a == 0 && b == 0) {
-        return std::numeric_limits<double>::infinity();
-    }
-    return 2 / (b + std::sqrt(b * b + 4 * a));  // root of a h^2 + b h = 1
+    const double omega_squared =
+        squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; });
+    return stable_step(chain, overlaps.size(), omega_squared, integrator);
+}
+
+double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept {
+    const double omega_squared =
+        squared_frequency(chain, chain.bodies(), [&](Eigen::Index) { return overlap; });
+    return stable_step(chain, chain.bodies(), omega_squared, integrator);
 }
 
 }  // namespace hertzline

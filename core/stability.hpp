@@ -18,6 +18,9 @@ namespace hertzline {
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept;
 
+/// The same with all contacts pressed to one overlap [m].
+double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept;
+
 /// Upper estimate of the overlaps [m] before anything was simulated: the static ones and what an impact at the
 /// horn's largest velocity adds.
 Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive);

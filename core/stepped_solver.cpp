@@ -9,14 +9,15 @@
 
 namespace hertzline {
 
-SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, Wish most)
+SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, Wish most, AtRest at_rest)
     : chain_(chain),
       integrator_(*scene.numerics.integrator),
       step_s_(exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz)),
+      at_rest_(at_rest),
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
       burst_(scene.drive, step_s_),
       state_(chain_),
-      folded_(chain_, kernel_lanes()),
+      folded_(chain_, integrator_, kernel_lanes()),
       horn_(ToneBurst::batch_steps),
       sampler_(chain_, scene.output.sample_rate_hz, step_s_, most) {
     folded_.step_s = step_s_;
@@ -30,8 +31,9 @@ void SteppedSolver::reset() noexcept {
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
     status_ = Status::running;
     horn_first_ = -1;
-    front_ = (chain_.bias != 0).any() ? chain_.bodies() : 0;
-    folded_.fold(chain_, state_, std::min<Eigen::Index>(1, chain_.bodies()));
+    front_ = at_rest_ == AtRest::worked_on || (chain_.bias != 0).any() ? chain_.bodies() : 0;
+    folded_.fold(chain_, state_, front_);
+    kernel_ = kernel(integrator_, folded_.rows());
     sampler_.reset(chain_);
     begin_batch();
 }
@@ -52,8 +54,7 @@ void SteppedSolver::begin_batch() noexcept {
 
 void SteppedSolver::fold_active() noexcept {
     const Eigen::Index bodies = chain_.bodies();
-    const bool all_folded = folded_.active() == bodies && state_.step > 0;
-    if (all_folded) {
+    if (folded_.active() == bodies) {
         return;
     }
     folded_.unfold(state_);
@@ -74,7 +75,7 @@ void SteppedSolver::fold_active() noexcept {
 void SteppedSolver::collect_ledger() noexcept {
     double* lost = folded_.column(Column::lost);
     double* work = folded_.column(Column::work);
-    for (std::size_t s = 0; s < folded_.slots(); ++s) {
+    for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
         ledger_.lost += lost[s];
         lost[s] = 0;
     }
@@ -87,7 +88,7 @@ void SteppedSolver::collect_ledger() noexcept {
 Ledger SteppedSolver::ledger() noexcept {
     // a look must not change how later sums round, so the columns are only read
     Ledger now = ledger_;
-    for (std::size_t s = 0; s < folded_.slots(); ++s) {
+    for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
         now.lost += folded_.column(Column::lost)[s];
     }
     for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
@@ -101,13 +102,28 @@ double SteppedSolver::horn_displacement() const noexcept {
 }
 
 bool SteppedSolver::stable() noexcept {
+    if (!folded_.beyond_watched) {
+        return true;
+    }
     // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront
     // nothing changes
     for (Eigen::Index b = 0; b < folded_.active(); ++b) {
         state_.peak_overlap[b] = folded_.column(Column::peak_overlap)[folded_.slot(b)];
     }
-    const double limit = largest_stable_step(chain_, state_.peak_overlap.head(folded_.active()), integrator_);
-    return step_s_ <= std::min(limit, limit_at_rest_);
+    const auto peaks = state_.peak_overlap.head(folded_.active());
+    if (folded_.layout() == Layout::in_line) {
+        watch_from(2 * (chain_.stiffness > 0).select(peaks, 0).maxCoeff());
+    }
+    return step_s_ <= std::min(largest_stable_step(chain_, peaks, integrator_), limit_at_rest_);
+}
+
+/// As long as the step would be stable with all contacts pressed to `overlap` [m], the kernel watches for one
+/// that is pressed further, instead of a look at each of them.
+void SteppedSolver::watch_from(double overlap) noexcept {
+    if (step_s_ <= largest_stable_step(chain_, overlap, integrator_)) {
+        folded_.watched_overlap = overlap;
+        folded_.beyond_watched = false;
+    }
 }
 
 std::string SteppedSolver::failure() const {

@@ -13,13 +13,14 @@ namespace hertzline {
 
 class SteppedSolver final : public Solver {
 public:
-    SteppedSolver(const Scene& scene, const Chain& chain, Wish most);
+    SteppedSolver(const Scene& scene, const Chain& chain, Wish most, AtRest at_rest);
 
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return sampler_.next_sample(); }
     std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
     const ChainState& state() noexcept override;
+    double time_s() const noexcept override { return static_cast<double>(state_.step) * step_s_; }
     double horn_displacement() const noexcept override;
     Ledger ledger() noexcept override;
     std::string failure() const override;
@@ -32,10 +33,12 @@ private:
     void fold_active() noexcept;
     void collect_ledger() noexcept;
     bool stable() noexcept;
+    void watch_from(double overlap) noexcept;
 
     const Chain& chain_;
     Integrator integrator_;
     double step_s_;
+    AtRest at_rest_;
     double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
     ToneBurst burst_;
     ChainState state_;

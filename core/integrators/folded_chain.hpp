@@ -12,6 +12,15 @@
 //
 // Only the part of the chain that can have moved is folded: what lies ahead of the wavefront is at rest
 // exactly.
+//
+// Long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which they lie in line
+// instead: row k holds neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard
+// both ends. All of the chain is laid out once; moving_rows tells how far the wavefront has come.
+//
+//     lanes = 4:     row 0 to 2   pads, where the horn would be
+//                    row 3        b0  b1  b2  b3
+//                    row 4        b4  b5  pad pad
+//                    row 5 to 7   pads
 
 #include <cstddef>
 #include <cstdint>
@@ -43,10 +52,11 @@ enum class Column : std::size_t {
     // collect() [J]
     lost,
     work,
+    total_accel,
+    last_in_line = total_accel,  ///< a chain in line has no columns beyond this one
     // carried from step to step by a kernel, rebuilt by it after a fold
     overlap,
     elastic_accel,
-    total_accel,
     closed_stiffness,
     closed_damping,
     from_left,
@@ -76,12 +86,16 @@ enum class Column : std::size_t {
     count
 };
 
+/// Where a body lies, see above.
+enum class Layout { folded, in_line };
+
 class FoldedChain {
 public:
     /// Room for all bodies of the chain. @param lanes doubles in a vector register of the kernels in use.
-    FoldedChain(const Chain& chain, std::size_t lanes);
+    FoldedChain(const Chain& chain, Integrator integrator, std::size_t lanes);
 
-    /// Folds bodies [0, active) and takes over the state. No allocation.
+    /// Folds bodies [0, active) and takes over the state. In line, all bodies are laid out, and those from
+    /// `active` on must be at rest. No allocation.
     void fold(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept;
 
     /// Writes the motion back.
@@ -92,19 +106,29 @@ public:
     std::size_t rows() const noexcept { return rows_; }
     std::size_t lanes() const noexcept { return lanes_; }
     std::size_t slots() const noexcept { return rows_ * lanes_; }
-    Eigen::Index active() const noexcept { return active_; }
+    /// Slots of Column::lost and Column::work that kernels book to.
+    std::size_t ledger_slots() const noexcept { return layout_ == Layout::folded ? slots() : lanes_; }
+    Eigen::Index active() const noexcept { return active_; }  ///< bodies laid out
+    Layout layout() const noexcept { return layout_; }
+
+    static constexpr std::size_t guard_rows = 3;  ///< at each end of a chain in line
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
+    std::size_t moving_rows = 0;      ///< in line: rows from here on are at rest, exactly
+    double watched_overlap = 0;       ///< in line: kernels tell by ...
+    bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
     double step_s = 0;
     Tension tension = Tension::allowed;
     bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
 
 private:
+    std::size_t columns_used() const noexcept;
     void fill_pads() noexcept;
 
     struct Free {
         void operator()(double* p) const noexcept;
     };
+    Layout layout_;
     std::size_t lanes_;
     std::size_t rows_ = 0;
     std::size_t stride_ = 0;  ///< doubles from one column to the next

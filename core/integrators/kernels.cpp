@@ -10,6 +10,7 @@
 
 #include "core/integrators/chin4a-inl.hpp"
 #include "core/integrators/leapfrog-inl.hpp"
+#include "core/integrators/leapfrog_sweep-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline {
@@ -34,6 +35,10 @@ Kernel for_rows(std::size_t rows) {
 template <std::size_t K>
 struct LeapfrogRows {
     static constexpr Kernel kernel = advance_leapfrog<K>;
+};
+template <>
+struct LeapfrogRows<0> {
+    static constexpr Kernel kernel = advance_leapfrog_in_line;
 };
 template <std::size_t K>
 struct Chin4aRows {

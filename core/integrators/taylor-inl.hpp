@@ -165,13 +165,11 @@ private:
         const Vec unit = hn::Set(d_tag, piece_.unit_s);
         const Col<K> static_overlap = fold_.load(Column::static_overlap);
         const Col<K> damping = fold_.load(Column::damping);
-        const Col<K> closed_before = fold_.load(Column::closed);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             x_[0].set(k, x_now_[k]);
             x_[1].set(k, hn::Mul(unit, v_now_[k]));
         }
         Flags any_late = hn::Gt(hn::Zero(d_tag), hn::Zero(d_tag));
-        std::size_t switched = 0;
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec d1 = fold_.difference(x_[1], k, piece_.horn[1]);
             const Vec d0 = fold_.difference(static_overlap[k], x_[0], k, piece_.horn[0]);
@@ -196,14 +194,11 @@ private:
             if (HWY_UNLIKELY(clamped_)) {
                 closed_.set(k, pushing(k, damping[k]));
             }
-            const Flags changed = hn::Ne(closed_[k], closed_before[k]);
-            switched += hn::CountTrue(d_tag, changed);
             decay_.set(k, hn::Mul(unit, hn::Mul(closed_[k], damping[k])));
             mobility_left_.set(k, fold_.left(inv_mass_, k));
             mobility_.set(k, hn::Add(inv_mass_[k], mobility_left_[k]));
             ground_.set(k, hn::Mul(hn::Set(d_tag, square_), fold_.left(spring_, k)));
         }
-        fold_.chain().contact_events += static_cast<std::int64_t>(switched);
         const bool late = !hn::AllFalse(d_tag, any_late);
         piece_.late = late;
         return late;
@@ -639,6 +634,12 @@ private:
         const Vec z = hn::Set(d_tag, length);
         fold_.store(Column::x, x_now_);
         fold_.store(Column::v, v_now_);
+        const Col<K> closed_before = fold_.load(Column::closed);
+        std::size_t switched = 0;
+        HERTZLINE_EACH_ROW(k, fold_.rows()) {
+            switched += hn::CountTrue(d_tag, hn::Ne(closed_[k], closed_before[k]));
+        }
+        fold_.chain().contact_events += static_cast<std::int64_t>(switched);
         fold_.store(Column::closed, closed_);
         fold_.store(Column::overlap, overlaps_);
         Col<K> peak = fold_.load(Column::peak_overlap);

@@ -63,7 +63,7 @@ TEST(Check, DerivesThePapersNumbers) {
     EXPECT_GT(value("fastest_dynamic_hz"), value("fastest_static_hz"));
     EXPECT_NEAR(value("steps_per_sample"), 1 / (10e6 * value("step_s")), 1e-9);
     EXPECT_EQ(derived["accuracy_met"], true);
-    EXPECT_EQ(derived["integrator"], "chin4a");
+    EXPECT_EQ(derived["integrator"], "taylor8");
 }
 
 TEST(Check, HasNoPlateWhereThereIsNone) {

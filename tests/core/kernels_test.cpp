@@ -1,6 +1,7 @@
 // Every SIMD target and every layout of the chain against a textbook implementation, and against each other.
 
 #include <cmath>
+#include <random>
 #include <set>
 #include <string>
 
@@ -8,6 +9,7 @@
 #include <hwy/targets.h>
 
 #include "core/integrators/folded_chain.hpp"
+#include "tests/support/bare_chain.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/textbook.hpp"
@@ -182,6 +184,47 @@ TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
             }
         }
         EXPECT_LE(difference(recorded(scene, 3000).chain_v, expected), same_method ? 2e-12 : 1e-4);
+    }
+}
+
+TEST(Kernels, AMovingChainOfManyTilesComesToTheSameBitsHoweverItsStepsAreGrouped) {
+    const Scene scene = short_burst(Integrator::leapfrog, 3000);
+    for (const std::int64_t target : targets()) {
+        const OnlyTarget only(target);
+        BareChain together(scene);
+        std::mt19937 random(1);
+        for (double& v : together.state.v.head(together.chain.spheres())) {
+            v = std::uniform_real_distribution<double>(-0.5, 0.5)(random);
+        }
+        BareChain one_by_one(scene);
+        one_by_one.state = together.state;
+        together.advance(100);
+        for (int step = 0; step < 100; ++step) {
+            one_by_one.advance(1);
+        }
+        EXPECT_TRUE((together.state.x == one_by_one.state.x).all()) << kernel_target();
+        EXPECT_TRUE((together.state.v == one_by_one.state.v).all()) << kernel_target();
+        EXPECT_TRUE((together.state.peak_overlap == one_by_one.state.peak_overlap).all()) << kernel_target();
+        EXPECT_NEAR(together.lost / one_by_one.lost, 1, 1e-12) << kernel_target();
+    }
+}
+
+TEST(Kernels, SkippingSpheresAtRestChangesNoBitOnAnyTarget) {
+    for (const std::int64_t spheres : {16, 33, 64, 700}) {
+        for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
+            for (const std::int64_t target : targets()) {
+                const OnlyTarget only(target);
+                Simulation skipping(scene, everything, AtRest::skipped);
+                Simulation working(scene, everything, AtRest::worked_on);
+                const auto what = [&, &variant = variant] {
+                    return std::string(kernel_target()) + ", " + std::to_string(spheres) + " spheres, " +
+                           variant;
+                };
+                EXPECT_EQ(recorded(skipping, 500, 100), recorded(working, 500, 100)) << what();
+                EXPECT_EQ(skipping.contact_events(), working.contact_events()) << what();
+                EXPECT_EQ(skipping.energy_residual(), working.energy_residual()) << what();
+            }
+        }
     }
 }
 

@@ -20,7 +20,7 @@ public:
           integrator_(*scene.numerics.integrator),
           step_s_(*scene.numerics.step_s),
           burst_(silent(scene.drive), step_s_),
-          folded_(chain, kernel_lanes()) {
+          folded_(chain, integrator_, kernel_lanes()) {
         folded_.step_s = step_s_;
     }
 
@@ -38,7 +38,7 @@ public:
             steps -= count;
         }
         folded_.unfold(state);
-        for (std::size_t s = 0; s < folded_.slots(); ++s) {
+        for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
             lost += folded_.column(Column::lost)[s];
         }
     }
