@@ -131,6 +131,10 @@ public:
         double length = trusted_length(late);
         move(length);
         // What happens rarely works on a copy: nothing that has its address taken stays in registers.
+        if (HWY_UNLIKELY(clamped_)) {
+            length = until_a_switch(Taylor(*this), length);
+            move(length);
+        }
         if (HWY_UNLIKELY(any_switch(length))) {
             length = first_switch(Taylor(*this), length);
             move(length);
@@ -438,6 +442,24 @@ private:
             changed = hn::Or(changed, hn::AndNot(pad, hn::Xor(pushes, hn::Gt(closed_[k], zero))));
         }
         return changed;
+    }
+
+    /// A contact without tension may let go and push again within a piece: an eighth of the length in which one
+    /// does, or all of it.
+    HWY_NOINLINE static double until_a_switch(const Taylor& taylor, double length) {
+        return taylor.until_a_switch(length);
+    }
+    HWY_INLINE double until_a_switch(double length) const {
+        constexpr int parts = 8;
+        for (int part = 1; part < parts; ++part) {
+            const double z = length * part / parts;
+            HERTZLINE_EACH_ROW(k, fold_.rows()) {
+                if (!hn::AllFalse(d_tag, switches(k, hn::Set(d_tag, z)))) {
+                    return z;
+                }
+            }
+        }
+        return length;
     }
 
     HWY_INLINE bool any_switch(double length) const {
