@@ -109,6 +109,7 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
     HornWaves& waves = piece_.waves;
     const double local = smooth_.since_burst_s + since_look_up;
     waves.silent = smooth_.amplitude_m[0] == 0;
+    waves.displacement = waves.slope = 0;
     if (waves.silent) {
         piece_.horn.fill(0);
     }
@@ -117,12 +118,14 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
         const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
         waves.sine[i] = smooth_.amplitude_m[i] * std::sin(angle);
         waves.cosine[i] = smooth_.amplitude_m[i] * std::cos(angle);
+        waves.displacement += waves.sine[i];
+        waves.slope += waves.cosine[i] * waves.odd[i][0];
     }
 }
 
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
 void SeriesSolver::meet_horn() noexcept {
-    const double horn = piece_.waves.sine[0] + piece_.waves.sine[1] + piece_.waves.sine[2];
+    const double horn = piece_.waves.displacement;
     const double x = folded_.column(Column::x)[folded_.slot(0)];
     const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn_end_ - x));
     const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));

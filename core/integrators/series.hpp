@@ -33,6 +33,8 @@ struct HornWaves {
     using PerWave = std::array<double, count>;
     alignas(32) PerWave sine{};    ///< [m]
     alignas(32) PerWave cosine{};  ///< [m]
+    double displacement = 0;       ///< sum of the sines [m]
+    double slope = 0;              ///< its change in a unit [m]
     bool silent = true;            ///< all amplitudes are zero
     bool turns = true;             ///< slow enough for the kernels to turn them on by one unit
 

@@ -84,6 +84,8 @@ HWY_INLINE void turn_horn(HornWaves& waves, double z) {
     constexpr Waves d;
     const auto zz = hn::Set(d, z);
     const auto square = hn::Mul(zz, zz);
+    auto displacement = hn::Zero(d);
+    auto slope = hn::Zero(d);
     for (std::size_t i = 0; i < HornWaves::count; i += hn::Lanes(d)) {
         auto even = hn::Load(d, waves.even_by_pair[HornWaves::pairs - 1].data() + i);
         auto odd = hn::Load(d, waves.odd_by_pair[HornWaves::pairs - 1].data() + i);
@@ -94,9 +96,15 @@ HWY_INLINE void turn_horn(HornWaves& waves, double z) {
         odd = hn::Mul(odd, zz);
         const auto sine = hn::Load(d, waves.sine.data() + i);
         const auto cosine = hn::Load(d, waves.cosine.data() + i);
-        hn::Store(hn::MulAdd(sine, even, hn::Mul(cosine, odd)), d, waves.sine.data() + i);
-        hn::Store(hn::MulSub(cosine, even, hn::Mul(sine, odd)), d, waves.cosine.data() + i);
+        const auto later_sine = hn::MulAdd(sine, even, hn::Mul(cosine, odd));
+        const auto later_cosine = hn::MulSub(cosine, even, hn::Mul(sine, odd));
+        hn::Store(later_sine, d, waves.sine.data() + i);
+        hn::Store(later_cosine, d, waves.cosine.data() + i);
+        displacement = hn::Add(displacement, later_sine);
+        slope = hn::MulAdd(later_cosine, hn::Load(d, waves.odd_by_pair[0].data() + i), slope);
     }
+    waves.displacement = hn::GetLane(hn::SumOfLanes(d, displacement));
+    waves.slope = hn::GetLane(hn::SumOfLanes(d, slope));
 }
 
 template <std::size_t K, int Degree>
@@ -175,8 +183,8 @@ private:
         }
         Flags any_late = hn::Gt(hn::Zero(d_tag), hn::Zero(d_tag));
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec d1 = fold_.difference(x_[1], k, piece_.horn[1]);
-            const Vec d0 = fold_.difference(static_overlap[k], x_[0], k, piece_.horn[0]);
+            const Vec d1 = fold_.difference(x_[1], k, piece_.waves.slope);
+            const Vec d0 = fold_.difference(static_overlap[k], x_[0], k, piece_.waves.displacement);
             const Vec hardly = hn::MulAdd(hn::Set(d_tag, at_zero), hn::Abs(d1), hn::Set(d_tag, piece_.negligible));
             const Flags touching_only = hn::Le(hn::Abs(d0), hardly);
             const Flags closing = hn::And(touching_only, hn::Gt(d1, hn::Set(d_tag, standstill)));
@@ -188,9 +196,11 @@ private:
             late_.set(k, hn::IfThenElseZero(closing, hn::Set(d_tag, 1.0)));
             deflated_.set(k, hn::IfThenElseZero(touching_only, hn::Set(d_tag, 1.0)));
             overlaps_.set(k, hn::IfThenElseZero(overlaps, hn::Set(d_tag, 1.0)));
-            const Vec pressed = hn::IfThenElse(elastic, d_[0][k], hn::Set(d_tag, 1.0));
-            per_overlap_.set(k, hn::Div(hn::Set(d_tag, 1.0), pressed));
+            // root and quotient take long: they do not wait for what the contact is
+            const Vec pressed = hn::Max(d0, hn::Set(d_tag, least_overlap));
+            const Vec quotient = hn::Div(hn::Set(d_tag, 1.0), pressed);
             const Vec force = hn::Mul(hn::Mul(stiffness_[k], pressed), hn::Sqrt(pressed));
+            per_overlap_.set(k, hn::IfThenElseZero(elastic, quotient));
             u_[0].set(k, hn::IfThenElseZero(elastic, force));  // [N] here, scaled below
         }
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
@@ -208,65 +218,90 @@ private:
         return late;
     }
 
-    /// Order N of the forces, and with them order N + 2 of displacements and overlaps. The spring behind the
-    /// last body is the force of a contact to its right, in the slot of a pad.
+    /// The forces of order N, and from them displacements and overlaps of order N + 2. Each order waits for the
+    /// overlaps of the one before, so the way from these to the next ones is kept short.
     template <int N>
     HWY_INLINE void order() {
-        constexpr double share = 1.0 / ((N + 1) * (N + 2));
         Col<K> force = fold_.scratch(Column::t8);
-        if constexpr (N > 0) {
-            elastic_force<N>();
-        }
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec decay = hn::Mul(decay_[k], hn::Set(d_tag, 1.0 / (N + 2)));
-            const Vec elastic = HWY_UNLIKELY(clamped_) ? hn::Mul(closed_[k], u_[N][k]) : u_[N][k];
-            if constexpr (N == 0) {
-                const Vec half_square = hn::Set(d_tag, share * square_);
-                const Vec behind = hn::Mul(hn::Set(d_tag, share), hn::Mul(ground_[k], fold_.left(x_[0], k)));
-                const Vec bias = hn::Mul(half_square, fold_.left(fold_.load(Column::bias), k));
-                const Vec beyond_rest = hn::Sub(elastic, static_force_[k]);
-                const Vec of_place = hn::MulAdd(half_square, beyond_rest, hn::Sub(behind, bias));
-                force.set(k, hn::MulAdd(decay, d_[1][k], of_place));
-            } else {
-                const Vec of_place = hn::Mul(hn::Set(d_tag, share), hn::MulAdd(ground_[k], d_[N][k], elastic));
-                force.set(k, hn::MulAdd(decay, d_[N + 1][k], of_place));
-            }
+            const Vec of_place = place_share<N>(k);
+            const Vec decay = hn::Mul(hn::Set(d_tag, 1.0 / (N + 2)), decay_[k]);
+            force.set(k, hn::MulAdd(decay, d_[N + 1][k], of_place));
         }
-        // The overlaps' next order decides when the following can begin: it does not wait for the
-        // displacements.
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec right = fold_.right(force, k);
-            const Vec net = hn::Sub(force[k], right);
-            x_[N + 2].set(k, hn::Mul(inv_mass_[k], net));
+            x_[N + 2].set(k, hn::Mul(inv_mass_[k], hn::Sub(force[k], right)));
             const Vec horn = k == 0 ? fold_.horn(piece_.horn[N + 2]) : hn::Zero(d_tag);
             const Vec from_self = hn::NegMulAdd(mobility_[k], force[k], horn);
             const Vec from_right = hn::MulAdd(inv_mass_[k], right, from_self);
             d_[N + 2].set(k, hn::MulAdd(mobility_left_[k], fold_.left(force, k), from_right));
         }
         if constexpr (N == 0) {
-            const Vec square = hn::Set(d_tag, square_);
-            HERTZLINE_EACH_ROW(k, fold_.rows()) {
-                if (HWY_UNLIKELY(clamped_)) {
-                    settle_grazing_force(k);
-                }
-                u_[0].set(k, hn::Mul(square, u_[0][k]));
-            }
+            prepare_higher_orders();
         }
     }
 
     template <int N>
-    HWY_INLINE void elastic_force() {
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            Vec sum = hn::Mul(hn::Mul(u_[0][k], hn::Set(d_tag, 1.5)), d_[N][k]);
-            sum = with_products<N>(k, sum, std::make_integer_sequence<int, N - 1>());
-            u_[N].set(k, hn::Mul(sum, per_overlap_[k]));
+    HWY_INLINE Vec place_share(std::size_t k) {
+        if constexpr (N == 0) {
+            return first_force(k);
+        } else {
+            return hn::Mul(hn::Set(d_tag, 1.0 / ((N + 1) * (N + 2))), force_of_place<N>(k));
         }
     }
-    template <int N, int... J>
-    HWY_INLINE Vec with_products([[maybe_unused]] std::size_t k, Vec sum, std::integer_sequence<int, J...>) const {
-        Vec others = hn::Zero(d_tag);
-        (void)((others = with_product<N, J + 1>(k, others)), ...);
-        return hn::Add(sum, others);
+
+    /// Half the force of order 0, times unit^2, without the dashpots. The spring behind the last body is the
+    /// force of a contact to its right, in the slot of a pad.
+    HWY_INLINE Vec first_force(std::size_t k) const {
+        const Vec half_square = hn::Set(d_tag, 0.5 * square_);
+        const Vec elastic = HWY_UNLIKELY(clamped_) ? hn::Mul(closed_[k], u_[0][k]) : u_[0][k];
+        const Vec bias = hn::Mul(half_square, fold_.left(fold_.load(Column::bias), k));
+        const Vec half_ground = hn::Mul(hn::Set(d_tag, 0.5), ground_[k]);
+        const Vec behind = hn::MulSub(half_ground, fold_.left(x_[0], k), bias);
+        return hn::MulAdd(half_square, hn::Sub(elastic, static_force_[k]), behind);
+    }
+
+    HWY_INLINE void prepare_higher_orders() {
+        const Vec square = hn::Set(d_tag, square_);
+        HERTZLINE_EACH_ROW(k, fold_.rows()) {
+            if (HWY_UNLIKELY(clamped_)) {
+                settle_grazing_force(k);
+            }
+            u_[0].set(k, hn::Mul(square, u_[0][k]));
+            elastic_slope_.set(k, hn::Mul(hn::Set(d_tag, 1.5), hn::Mul(u_[0][k], per_overlap_[k])));
+        }
+    }
+
+    /// Order N of what depends on the overlap: elastic force, and spring behind the last body.
+    template <int N>
+    HWY_INLINE Vec force_of_place(std::size_t k) {
+        const Vec bent = elastic_by_products<N>(k);
+        u_[N].set(k, hn::MulAdd(elastic_slope_[k], d_[N][k], bent));
+        if (HWY_UNLIKELY(clamped_)) {
+            return hn::MulAdd(ground_[k], d_[N][k], hn::Mul(closed_[k], u_[N][k]));
+        }
+        return hn::MulAdd(hn::Add(ground_[k], elastic_slope_[k]), d_[N][k], bent);
+    }
+
+    /// The elastic force's coefficient of order N without the term of the overlap's.
+    template <int N>
+    HWY_INLINE Vec elastic_by_products(std::size_t k) const {
+        if constexpr (N == 1) {
+            return hn::Zero(d_tag);
+        } else {
+            return hn::Mul(products<N, 1>(k), per_overlap_[k]);
+        }
+    }
+    /// Sum of the products with both orders at least J. The highest orders are known last: they are added last.
+    template <int N, int J>
+    HWY_INLINE Vec products(std::size_t k) const {
+        if constexpr (2 * J > N) {
+            return hn::Zero(d_tag);
+        } else if constexpr (2 * J == N) {
+            return with_product<N, J>(k, hn::Zero(d_tag));
+        } else {
+            return with_product<N, N - J>(k, with_product<N, J>(k, products<N, J + 1>(k)));
+        }
     }
     template <int N, int J>
     HWY_INLINE Vec with_product(std::size_t k, Vec sum) const {
@@ -381,20 +416,29 @@ private:
     HWY_INLINE void move(double z) {
         const Vec zz = hn::Set(d_tag, z);
         const Vec per_unit = hn::Set(d_tag, piece_.per_unit);
+        const double half = z * z * z * z;
+        const Vec power = hn::Set(d_tag, half * z);
+        const Vec power_slope = hn::Set(d_tag, split * half);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            Vec value = x_[Degree][k];
-            Vec slope = hn::Zero(d_tag);
-            value_and_slope<Degree - 1>(k, zz, value, slope);
-            x_now_.set(k, value);
-            v_now_.set(k, hn::Mul(per_unit, slope));
+            // two halves, so that they can be worked on side by side
+            Vec low = x_[split - 1][k];
+            Vec low_slope = hn::Zero(d_tag);
+            value_and_slope<split - 2, 0>(k, zz, low, low_slope);
+            Vec high = x_[Degree][k];
+            Vec high_slope = hn::Zero(d_tag);
+            value_and_slope<Degree - 1, split>(k, zz, high, high_slope);
+            x_now_.set(k, hn::MulAdd(power, high, low));
+            const Vec slope = hn::MulAdd(power_slope, high, low_slope);
+            v_now_.set(k, hn::Mul(per_unit, hn::MulAdd(power, high_slope, slope)));
         }
     }
-    template <int N>
+    static constexpr int split = 5;
+    template <int N, int Last>
     HWY_INLINE void value_and_slope(std::size_t k, Vec z, Vec& value, Vec& slope) const {
         slope = hn::MulAdd(slope, z, value);
         value = hn::MulAdd(value, z, x_[N][k]);
-        if constexpr (N > 0) {
-            value_and_slope<N - 1>(k, z, value, slope);
+        if constexpr (N > Last) {
+            value_and_slope<N - 1, Last>(k, z, value, slope);
         }
     }
 
@@ -585,7 +629,7 @@ private:
     HWY_NOINLINE void add_late_force(double z) {
         std::array<Col<K>, late_terms> q;
         for (int n = 0; n < late_terms; ++n) {
-            q[n] = fold_.scratch(static_cast<Column>(static_cast<int>(Column::t10) + n));
+            q[n] = fold_.scratch(static_cast<Column>(static_cast<int>(Column::t11) + n));
         }
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec w = hn::IfThenElse(hn::Gt(late_[k], hn::Zero(d_tag)), d_[1][k], hn::Set(d_tag, 1.0));
@@ -682,6 +726,7 @@ private:
 
     static constexpr Doubles d_tag{};
     static constexpr double at_zero = 1e-7;    ///< overlap over its change in a unit that counts as none
+    static constexpr double least_overlap = 1e-150;  ///< nothing above it overflows [m]
     static constexpr double standstill = 1e-60;  ///< change of overlap in a unit that counts as none [m]
     static constexpr double shortest = 1e-9;   ///< piece [z]: contacts that chatter cannot hold time back
     static constexpr int newton_rounds = 8;
@@ -699,6 +744,7 @@ private:
     Col<K> overlaps_ = fold_.scratch(Column::t1);
     Col<K> late_ = fold_.scratch(Column::t2);         ///< 1: closes at the piece's start
     Col<K> deflated_ = fold_.scratch(Column::t3);     ///< 1: its overlap is zero there
+    Col<K> elastic_slope_ = fold_.scratch(Column::t10);  ///< 3/2 u_0/delta_0
     Col<K> mobility_ = fold_.scratch(Column::t4);       ///< of both bodies at a contact [1/kg]
     Col<K> mobility_left_ = fold_.scratch(Column::t7);
     Col<K> ground_ = fold_.scratch(Column::t9);         ///< spring behind the left body, times unit^2
