@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "core/pilot.hpp"
+#include "core/scene_words.hpp"
 #include "core/series_solver.hpp"
 #include "core/stability.hpp"
 
@@ -26,6 +27,7 @@ double watched_s(const Drive& drive) noexcept {
 
 Scene shortened(Scene scene) {
     scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
+    scene.numerics.rest_tolerance = 0;  // what that cuts off is no error of the step
     return scene;
 }
 
@@ -224,6 +226,11 @@ Resolved resolved(const Scene& asked) {
     Resolved result{with_integrator(asked), advise_step(asked), {}};
     Numerics& numerics = result.scene.numerics;
     numerics.accuracy.reset();
+    if (numerics.rest_tolerance > 0 && !is_series(*numerics.integrator)) {
+        result.faults.push_back({"numerics.rest_tolerance",
+                                 "a chain that " + std::string(word(*numerics.integrator)) + " integrates",
+                                 "0 unless the integrator is taylor8 or taylor12"});
+    }
     if (!numerics.step_s) {
         numerics.step_s = result.advice.recommended_step_s;
         return result;

@@ -63,6 +63,8 @@ struct Numerics {
     std::optional<Integrator> integrator;
     std::optional<double> step_s;
     std::optional<double> accuracy;  ///< wanted relative L2 error of the velocities
+    double rest_tolerance =
+        0;  ///< between bursts, motion below this part of the horn's velocity is rest; 0: never
     bool operator==(const Numerics&) const = default;
 };
 
