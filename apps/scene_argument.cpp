@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -91,11 +90,10 @@ SceneText find_text(const std::string& name) {
 }
 
 void warn_of_chaos(const std::string& origin, const Resolved& resolved) {
-    if (!resolved.advice.accuracy_met && estimated_error(resolved)) {
+    if (!resolved.advice.accuracy_met && !resolved.step_set_by_scene) {
         spdlog::warn(
             "{}: no step brings the error down to the wanted accuracy (estimated: {:.2g}); the motion is "
-            "chaotic, "
-            "so judge it by energy_residual and statistics, not sample by sample",
+            "chaotic, so judge it by energy_residual and statistics, not sample by sample",
             origin, resolved.advice.estimated_error);
     }
 }
@@ -130,12 +128,6 @@ Resolved resolved_scene(const SceneRequest& request) {
     }
     warn_of_chaos(source.origin, resolved);
     return resolved;
-}
-
-std::optional<double> estimated_error(const Resolved& resolved) {
-    return resolved.scene.numerics.step_s == resolved.advice.recommended_step_s
-               ? std::optional(resolved.advice.estimated_error)
-               : std::nullopt;
 }
 
 }  // namespace hertzline::app
