@@ -116,8 +116,7 @@ void add_accuracy(Values& values, const Resolved& resolved) {
     values.push_back({"accuracy", "wanted relative error", "wanted_accuracy", "", advice.accuracy});
     values.push_back({"accuracy", "estimated at the step in use", "estimated_error", "", estimate});
     values.push_back({"accuracy", "wanted one within reach", "accuracy_met", "", advice.accuracy_met});
-    values.push_back(
-        {"accuracy", "pilots flown", "pilots", "", static_cast<double>(resolved.pilots)});
+    values.push_back({"accuracy", "pilots flown", "pilots", "", static_cast<double>(resolved.pilots)});
     values.push_back({"accuracy", "each over", "pilot_duration_s", "s", advice.pilot_duration_s});
 }
 

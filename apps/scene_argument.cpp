@@ -89,12 +89,16 @@ SceneText find_text(const std::string& name) {
     throw WrongUse(text);
 }
 
-void warn_of_chaos(const std::string& origin, const Resolved& resolved) {
-    if (!resolved.advice.accuracy_met && !resolved.step_set_by_scene) {
+void warn_of_missed_accuracy(const std::string& origin, const Resolved& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    if (!advice.accuracy_met && !resolved.step_set_by_scene) {
         spdlog::warn(
-            "{}: no step brings the error down to the wanted accuracy (estimated: {:.2g}); the motion is "
-            "chaotic, so judge it by energy_residual and statistics, not sample by sample",
-            origin, resolved.advice.estimated_error);
+            "{}: no step can be shown to reach the wanted accuracy of {:g} (estimated error: {:.2g}){}",
+            origin, advice.accuracy, advice.estimated_error,
+            advice.estimated_error > chaotic_error
+                ? "; the motion is chaotic, so judge it by energy_residual and statistics, not sample "
+                  "by sample"
+                : "");
     }
 }
 
@@ -126,7 +130,7 @@ Resolved resolved_scene(const SceneRequest& request) {
         }
         refuse_scene(problems);
     }
-    warn_of_chaos(source.origin, resolved);
+    warn_of_missed_accuracy(source.origin, resolved);
     return resolved;
 }
 

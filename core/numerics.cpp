@@ -69,7 +69,7 @@ Resolved resolved(const Scene& asked) {
     Numerics& numerics = result.scene.numerics;
     result.advice = is_series(*numerics.integrator) ? advise_series(result.scene, reference)
                                                     : advise_on_grid(result.scene);
-    result.pilots = 1 + result.advice.pilots;
+    result.pilots = ReferencePilot::pilots + result.advice.pilots;
     numerics.accuracy.reset();
     if (!result.step_set_by_scene) {
         numerics.step_s = result.advice.recommended_step_s;

@@ -11,12 +11,13 @@ namespace hertzline {
 namespace {
 
 constexpr Integrator best = Integrator::taylor12;
-constexpr double as_good_as_exact = 1e-13;        // error of a piece
-constexpr double most_samples = 40e3;             // in a pilot,
-constexpr double most_pieces = 20e3;              // and the longest pieces that it may last
-constexpr double samples_per_period = 16;         // at least
-constexpr double paper_bodies = 7;                // for which the samples are meant; more bodies, fewer samples
-constexpr double affordable_body_steps = 1e7;     // about a second of a series, less of other methods
+constexpr double as_good_as_exact = 1e-13;     // error of a piece
+constexpr double finer = 0.7;                  // pieces that show the error of the reference
+constexpr double most_samples = 40e3;          // in a pilot,
+constexpr double most_pieces = 20e3;           // and the longest pieces that it may last
+constexpr double samples_per_period = 16;      // at least
+constexpr double paper_bodies = 7;             // for which the samples are meant; more bodies, fewer samples
+constexpr double affordable_body_steps = 1e7;  // about a second of a series, less of other methods
 constexpr std::int64_t pilot_spheres = 128;
 constexpr double bursts_watched = 1.5;
 constexpr double series_drive_periods = 0.11;
@@ -47,17 +48,24 @@ double step_of_reference(const Scene& scene) {
 
 }  // namespace
 
-double longest_for_drive(const Drive& drive) noexcept { return series_drive_periods / drive.frequency_hz; }
+double longest_for_drive(const Drive& drive) noexcept {
+    return series_drive_periods / drive.frequency_hz;
+}
 
 Scene shortened(Scene scene) {
     scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
     return scene;
 }
 
-double watched_s(const Drive& drive) noexcept { return bursts_watched * drive.cycles / drive.frequency_hz; }
+double watched_s(const Drive& drive) noexcept {
+    return bursts_watched * drive.cycles / drive.frequency_hz;
+}
 
 ReferencePilot::ReferencePilot(const Scene& scene)
-    : plan_(plan_for(scene)), step_s_(step_of_reference(plan_.scene)), motion_(fly(plan_, best, step_s_)) {}
+    : plan_(plan_for(scene)),
+      step_s_(step_of_reference(plan_.scene)),
+      motion_(fly(plan_, best, step_s_)),
+      error_(largest_difference(fly(plan_, best, finer * step_s_), motion_)) {}
 
 double ReferencePilot::duration_s() const noexcept {
     return static_cast<double>(plan_.samples) / plan_.scene.output.sample_rate_hz;
@@ -65,14 +73,14 @@ double ReferencePilot::duration_s() const noexcept {
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
     const Pilot pilot = fly(plan_, integrator, step_s);
-    return {step_s, largest_difference(pilot, motion_), static_cast<double>(pilot.steps) / duration_s()};
+    return {step_s, std::max(largest_difference(pilot, motion_), error_),
+            static_cast<double>(pilot.steps) / duration_s()};
 }
 
 std::optional<Trial> ReferencePilot::affordable_trial(Integrator integrator, double step_s) const {
     const double bodies = static_cast<double>(plan_.scene.chain.spheres + 1);
-    return bodies * duration_s() / step_s <= affordable_body_steps
-               ? std::optional(trial(integrator, step_s))
-               : std::nullopt;
+    return bodies * duration_s() / step_s <= affordable_body_steps ? std::optional(trial(integrator, step_s))
+                                                                   : std::nullopt;
 }
 
 }  // namespace hertzline

@@ -12,9 +12,8 @@ namespace hertzline {
 
 namespace {
 
-constexpr double chaotic = 0.05;  // an error that shorter steps do not bring below this is no truncation error
-
-// --- steps on a grid: halved until two successive ones agree --------------------------------------------------
+// --- steps on a grid: halved until two successive ones agree
+// --------------------------------------------------
 
 constexpr double most_body_steps = 1e6;           // of the coarsest pilot,
 constexpr double most_body_steps_together = 3e7;  // and of all of them: about a second at worst
@@ -39,8 +38,8 @@ double fitted_to_samples(double step, double sample_rate_hz) {
 PilotPlan plan_on_grid(const Scene& asked, double first_step) {
     PilotPlan plan{shortened(asked), 0};
     const double affordable = most_body_steps / static_cast<double>(plan.scene.chain.spheres + 1);
-    plan.samples =
-        static_cast<std::size_t>(std::clamp(std::ceil(watched_s(asked.drive) / first_step), 16.0, affordable));
+    plan.samples = static_cast<std::size_t>(
+        std::clamp(std::ceil(watched_s(asked.drive) / first_step), 16.0, affordable));
     plan.scene.output.sample_rate_hz = 1 / first_step;
     return plan;
 }
@@ -94,7 +93,7 @@ StepAdvice advise_on_grid(const Scene& scene) {
         const double growth = std::clamp(std::pow(target / error, 1 / order), 1.0, 2.0);
         step *= growth;
         error *= std::pow(growth, order);
-    } else if (!advice.accuracy_met && error > chaotic) {
+    } else if (!advice.accuracy_met && error > chaotic_error) {
         step = first / 4;
     }
     advice.recommended_step_s = fitted_to_samples(step, scene.output.sample_rate_hz);
@@ -102,7 +101,8 @@ StepAdvice advise_on_grid(const Scene& scene) {
     return advice;
 }
 
-// --- series: compared with one that is as good as exact -------------------------------------------------------
+// --- series: compared with one that is as good as exact
+// -------------------------------------------------------
 
 namespace {
 
@@ -110,7 +110,7 @@ constexpr double aim = 0.3;     // of the wanted accuracy
 constexpr double most = 0.6;    // of it that a pilot may show,
 constexpr double least = 0.12;  // and below which a longer step is tried
 constexpr int most_trials = 10;
-constexpr double slope = 13;    // of log(error) over log(step), roughly
+constexpr double slope = 13;  // of log(error) over log(step), roughly
 
 double rounded_down(double step) {
     const double unit = std::pow(10, std::floor(std::log10(step)) - 2);
@@ -158,17 +158,17 @@ StepAdvice advise_series(const Scene& scene, const ReferencePilot& reference) {
             step = std::sqrt(std::max(best.step_s, too_long / 2) * too_long);
         }
     }
-    advice.accuracy_met = best.step_s > 0;
-    if (!advice.accuracy_met) {
+    if (best.step_s == 0) {
         // nothing can be shown to be better than the reference: it is taken for as good as can be had, unless
         // no step makes a difference
         best = trial_of(rounded_down(finest));
-        if (best.error > chaotic) {
-            best.step_s = rounded_down(std::min(limit, SeriesSolver::phase_for(1e-6) / omega));
+        if (best.error > chaotic_error) {
+            best = trial_of(rounded_down(std::min(limit, SeriesSolver::phase_for(1e-6) / omega)));
         }
     }
     advice.recommended_step_s = best.step_s;
     advice.estimated_error = best.error;
+    advice.accuracy_met = best.error <= advice.accuracy;
     return advice;
 }
 
