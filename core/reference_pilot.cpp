@@ -31,7 +31,7 @@ PilotPlan plan_for(const Scene& asked) {
     PilotPlan plan{shortened(asked), 0};
     const double longest_piece = stable_step_expected(Chain(plan.scene), asked.drive);
     const double watched = std::min(watched_s(asked.drive), most_pieces * longest_piece);
-    const double bodies = static_cast<double>(plan.scene.chain.spheres + 1);
+    const auto bodies = static_cast<double>(plan.scene.chain.spheres + 1);
     double& rate = plan.scene.output.sample_rate_hz;
     rate = std::max(std::min(rate, most_samples * paper_bodies / bodies / watched),
                     samples_per_period * asked.drive.frequency_hz);
@@ -78,7 +78,7 @@ Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
 }
 
 std::optional<Trial> ReferencePilot::affordable_trial(Integrator integrator, double step_s) const {
-    const double bodies = static_cast<double>(plan_.scene.chain.spheres + 1);
+    const auto bodies = static_cast<double>(plan_.scene.chain.spheres + 1);
     return bodies * duration_s() / step_s <= affordable_body_steps ? std::optional(trial(integrator, step_s))
                                                                    : std::nullopt;
 }
