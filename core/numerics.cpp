@@ -14,10 +14,11 @@ namespace hertzline {
 
 namespace {
 
-constexpr std::int64_t register_spheres = 30;     // four AVX-512 registers
-constexpr std::int64_t pilot_spheres = 128;       // what a longer chain does is decided near the horn
-constexpr double bursts_watched = 1.5;            // the chain rings on after the burst
-constexpr double chaotic = 0.05;  // an error that shorter steps do not bring below this is no truncation error
+constexpr std::int64_t register_spheres = 30;  // four AVX-512 registers
+constexpr std::int64_t pilot_spheres = 128;    // what a longer chain does is decided near the horn
+constexpr double bursts_watched = 1.5;         // the chain rings on after the burst
+constexpr double chaotic =
+    0.05;  // an error that shorter steps do not bring below this is no truncation error
 
 double watched_s(const Drive& drive) noexcept {
     return bursts_watched * drive.cycles / drive.frequency_hz;
@@ -28,7 +29,8 @@ Scene shortened(Scene scene) {
     return scene;
 }
 
-// --- steps on a grid: halved until two successive ones agree --------------------------------------------------
+// --- steps on a grid: halved until two successive ones agree
+// --------------------------------------------------
 
 constexpr double most_body_steps = 1e6;           // of the coarsest pilot,
 constexpr double most_body_steps_together = 3e7;  // and of all of them: about a second at worst
@@ -53,8 +55,8 @@ double fitted_to_samples(double step, double sample_rate_hz) {
 PilotPlan plan_on_grid(const Scene& asked, double first_step) {
     PilotPlan plan{shortened(asked), 0};
     const double affordable = most_body_steps / static_cast<double>(plan.scene.chain.spheres + 1);
-    plan.samples =
-        static_cast<std::size_t>(std::clamp(std::ceil(watched_s(asked.drive) / first_step), 16.0, affordable));
+    plan.samples = static_cast<std::size_t>(
+        std::clamp(std::ceil(watched_s(asked.drive) / first_step), 16.0, affordable));
     plan.scene.output.sample_rate_hz = 1 / first_step;
     return plan;
 }
@@ -111,14 +113,15 @@ StepAdvice advise_on_grid(const Scene& scene) {
     return advice;
 }
 
-// --- series: compared with one that is as good as exact -------------------------------------------------------
+// --- series: compared with one that is as good as exact
+// -------------------------------------------------------
 
 constexpr double series_drive_periods = 0.11;  // the longest step: the horn's series reaches that far
-constexpr double aim = 0.3;      // of the wanted accuracy
-constexpr double most = 0.6;     // of it that a pilot may show,
-constexpr double least = 0.12;   // and below which a longer step is tried
+constexpr double aim = 0.3;                    // of the wanted accuracy
+constexpr double most = 0.6;                   // of it that a pilot may show,
+constexpr double least = 0.12;                 // and below which a longer step is tried
 constexpr int most_trials = 10;
-constexpr double slope = 13;     // of log(error) over log(step), roughly
+constexpr double slope = 13;  // of log(error) over log(step), roughly
 
 struct Trial {
     double step_s;

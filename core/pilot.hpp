@@ -27,8 +27,8 @@ struct Pilot {
 /// @throws std::bad_alloc
 Pilot fly(const PilotPlan& plan, Integrator integrator, double step_s);
 
-/// Largest relative L2 difference of any column. Bodies that hardly move are judged by the scale of the others.
-/// Infinite if one of the pilots was unstable.
+/// Largest relative L2 difference of any column. Bodies that hardly move are judged by the scale of the
+/// others. Infinite if one of the pilots was unstable.
 double largest_difference(const Pilot& pilot, const Pilot& better) noexcept;
 
 }  // namespace hertzline

@@ -120,8 +120,8 @@ void put(const Sink& sink, std::size_t i, const Ending& end, const Moment& momen
 }  // namespace
 
 StepPosition StepPosition::of(double steps) noexcept {
-    const double whole = std::floor(steps);
-    return {static_cast<std::int64_t>(whole), static_cast<std::uint64_t>((steps - whole) * 0x1p64)};
+    const auto whole = static_cast<std::int64_t>(steps);  // not negative: the same as floor, but quicker
+    return {whole, static_cast<std::uint64_t>((steps - static_cast<double>(whole)) * 0x1p64)};
 }
 
 StepPosition StepPosition::times(std::int64_t n) const noexcept {

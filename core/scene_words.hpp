@@ -47,10 +47,9 @@ struct Words<PlatePreload> {
 
 template <>
 struct Words<Integrator> {
-    static constexpr std::array all{Word<Integrator>{"leapfrog", Integrator::leapfrog},
-                                    Word<Integrator>{"chin4a", Integrator::chin4a},
-                                    Word<Integrator>{"taylor8", Integrator::taylor8},
-                                    Word<Integrator>{"taylor12", Integrator::taylor12}};
+    static constexpr std::array all{
+        Word<Integrator>{"leapfrog", Integrator::leapfrog}, Word<Integrator>{"chin4a", Integrator::chin4a},
+        Word<Integrator>{"taylor8", Integrator::taylor8}, Word<Integrator>{"taylor12", Integrator::taylor12}};
 };
 
 /// Every choice, in the order of the words: for what has to hold for each of them.

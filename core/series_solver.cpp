@@ -14,8 +14,8 @@ namespace hertzline {
 namespace {
 
 // Error of a piece relative to the drive's velocity, and the longest piece that goes with it, as the phase of
-// the chain's fastest oscillation: tolerance = at_one * phase^exponent. It falls faster than the series' order,
-// so that pieces where contacts switch and those where nothing happens stay in proportion.
+// the chain's fastest oscillation: tolerance = at_one * phase^exponent. It falls faster than the series'
+// order, so that pieces where contacts switch and those where nothing happens stay in proportion.
 constexpr double at_one = 1e-10;
 constexpr double exponent = 15;
 constexpr double rounding = 1e-15;
@@ -38,8 +38,8 @@ double difference(StepPosition a, StepPosition b) noexcept {
 }  // namespace
 
 /// Overlap [m] whose elastic force changes a velocity by less than the tolerance [m/s] in a step. Below it a
-/// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like a
-/// double exponential, need no resolving. A chain at rest under its preload must not be taken so.
+/// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
+/// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
 static double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
     constexpr double hardly = 1e-3;
     const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
@@ -67,8 +67,9 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     folded_.step_s = unit;
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
-    piece_.tolerance = std::max(
-        1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) * velocity_scale(chain, scene.drive, omega) * unit);
+    piece_.tolerance =
+        std::max(1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) *
+                             velocity_scale(chain, scene.drive, omega) * unit);
     piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
@@ -109,6 +110,7 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
     HornWaves& waves = piece_.waves;
     const double local = smooth_.since_burst_s + since_look_up;
     waves.silent = smooth_.amplitude_m[0] == 0;
+    waves.displacement = waves.slope = 0;
     if (waves.silent) {
         piece_.horn.fill(0);
     }
@@ -117,12 +119,14 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
         const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
         waves.sine[i] = smooth_.amplitude_m[i] * std::sin(angle);
         waves.cosine[i] = smooth_.amplitude_m[i] * std::cos(angle);
+        waves.displacement += waves.sine[i];
+        waves.slope += waves.cosine[i] * waves.odd[i][0];
     }
 }
 
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
 void SeriesSolver::meet_horn() noexcept {
-    const double horn = piece_.waves.sine[0] + piece_.waves.sine[1] + piece_.waves.sine[2];
+    const double horn = piece_.waves.displacement;
     const double x = folded_.column(Column::x)[folded_.slot(0)];
     const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn_end_ - x));
     const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
@@ -186,47 +190,58 @@ SampleTimes SeriesSolver::times() const noexcept {
             sample_period_s_ / piece_.unit_s};
 }
 
-void SeriesSolver::put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
-                       std::size_t stride) const noexcept {
+/// What contacts that have just closed add, which is no power series.
+void SeriesSolver::add_late(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                            std::size_t stride) const noexcept {
     const SampleTimes when = times();
     const std::size_t slot = folded_.slot(body);
-    const bool velocities = quantity == Quantity::velocity;
-    kernels_.samples(piece_, slot, velocities, when, static_cast<std::size_t>(count), out, stride);
-    if (!piece_.late) {
-        return;
-    }
     for (std::int64_t i = 0; i < count; ++i) {
-        const double z =
-            ((when.first_after_base + static_cast<double>(i)) - when.fraction) * when.per_sample;
-        double power = z * z * std::sqrt(z) / piece_.unit_s;
+        const double z = ((when.first_after_base + static_cast<double>(i)) - when.fraction) * when.per_sample;
+        double power = z * z * std::sqrt(z) * piece_.per_unit;
         for (int n = 0; n < late_terms; ++n, power *= z) {
             const double term = piece_.late_force(n)[slot] * power / (n + 2.5);
             out[static_cast<std::size_t>(i) * stride] +=
-                velocities ? term : term * z * piece_.unit_s / (n + 3.5);
+                quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
         }
     }
 }
 
-void SeriesSolver::emit(Samples& samples, std::int64_t count) noexcept {
+void SeriesSolver::put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                       std::size_t stride) const noexcept {
+    kernels_.samples(piece_, folded_.slot(body), quantity == Quantity::velocity, times(),
+                     static_cast<std::size_t>(count), out, stride);
+    if (piece_.late) {
+        add_late(body, quantity, count, out, stride);
+    }
+}
+
+void SeriesSolver::put_outputs(Samples& samples, std::int64_t count) const noexcept {
     const Eigen::Index end = chain_.spheres();
-    const std::size_t at = samples.count;
-    if (samples.holds.outputs) {
-        double* const last = samples.v_last.data() + at;
-        double* const out = samples.v_out.data() + at;
-        put(end - 1, Quantity::velocity, count, last, 1);
-        std::copy_n(last, count, out);
-        if (chain_.end == EndKind::plate) {
-            double* const plate = samples.v_plate.data() + at;
-            put(end, Quantity::velocity, count, plate, 1);
-            const bool touches = folded_.column(Column::overlap)[folded_.slot(end)] > 0;
-            const double transmitted = touches ? chain_.transmission : 0;
+    const bool has_plate = chain_.end == EndKind::plate;
+    const bool touches = folded_.column(Column::overlap)[folded_.slot(end)] > 0;
+    const OutputSlots slots{folded_.slot(end - 1), folded_.slot(end), touches ? chain_.transmission : 0};
+    const OutputSink out{samples.v_last.data() + samples.count,
+                         has_plate ? samples.v_plate.data() + samples.count : nullptr,
+                         samples.v_out.data() + samples.count};
+    kernels_.outputs(piece_, slots, times(), static_cast<std::size_t>(count), out);
+    if (piece_.late) {
+        add_late(end - 1, Quantity::velocity, count, out.last, 1);
+        std::copy_n(out.last, count, out.out);
+        if (has_plate) {
+            add_late(end, Quantity::velocity, count, out.plate, 1);
             for (std::int64_t i = 0; i < count; ++i) {
-                out[i] = transmitted * last[i] + plate[i];
+                out.out[i] = slots.transmitted * out.last[i] + out.plate[i];
             }
         }
     }
+}
+
+void SeriesSolver::emit(Samples& samples, std::int64_t count) const noexcept {
+    if (samples.holds.outputs) {
+        put_outputs(samples, count);
+    }
     for (Eigen::Index s = 0; s < chain_.spheres() && samples.holds.chain(); ++s) {
-        const std::size_t from = at * samples.spheres + static_cast<std::size_t>(s);
+        const std::size_t from = samples.count * samples.spheres + static_cast<std::size_t>(s);
         if (samples.holds.chain_velocities) {
             put(s, Quantity::velocity, count, samples.chain_v.data() + from, samples.spheres);
         }
@@ -250,19 +265,19 @@ std::string SeriesSolver::failure() const {
         }
     }
     std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(),
-                  "the motion's series has no meaning any more after %lld pieces, t = %.6g s (stiffest: contact "
-                  "%lld, overlap %.3g m)",
-                  static_cast<long long>(state_.step),
-                  (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
-                  static_cast<long long>(contact), overlap[folded_.slot(contact)]);
+    std::snprintf(
+        text.data(), text.size(),
+        "the motion's series has no meaning any more after %lld pieces, t = %.6g s (stiffest: contact "
+        "%lld, overlap %.3g m)",
+        static_cast<long long>(state_.step),
+        (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
+        static_cast<long long>(contact), overlap[folded_.slot(contact)]);
     return text.data();
 }
 
 double SeriesSolver::memory_bytes(double bodies) noexcept {
     const double slots = bodies + 64;
-    return slots * 8 *
-           (static_cast<double>(Column::count) + 3 * (highest_series_degree + 1) + late_terms);
+    return slots * 8 * (static_cast<double>(Column::count) + 3 * (highest_series_degree + 1) + late_terms);
 }
 
 }  // namespace hertzline

@@ -1,7 +1,7 @@
 #pragma once
 // Integrates piece by piece, each a power series of the motion in time (integrators/taylor-inl.hpp). Pieces
-// have no grid: their moments are fixed-point numbers in units of the sample period, and samples are values of
-// the series.
+// have no grid: their moments are fixed-point numbers in units of the sample period, and samples are values
+// of the series.
 
 #include <array>
 
@@ -27,8 +27,8 @@ public:
 
     static double memory_bytes(double bodies) noexcept;
 
-    /// Longest piece, as phase of the chain's fastest oscillation, at which a piece's relative error is allowed to
-    /// be `tolerance`.
+    /// Longest piece, as phase of the chain's fastest oscillation, at which a piece's relative error is
+    /// allowed to be `tolerance`.
     static double phase_for(double tolerance) noexcept;
 
 private:
@@ -38,7 +38,10 @@ private:
     void set_horn(double since_look_up) noexcept;
     void meet_horn() noexcept;
     bool finite() const noexcept;
-    void emit(Samples& samples, std::int64_t count) noexcept;
+    void emit(Samples& samples, std::int64_t count) const noexcept;
+    void put_outputs(Samples& samples, std::int64_t count) const noexcept;
+    void add_late(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                  std::size_t stride) const noexcept;
     void put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
              std::size_t stride) const noexcept;
     SampleTimes times() const noexcept;

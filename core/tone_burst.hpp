@@ -28,8 +28,8 @@ struct HornStep {
     bool breaks = false;  ///< the piece changes inside this step
 };
 
-/// A smooth piece of the motion as up to three sinusoids, sum of amplitude sin(2 pi (frequency t + phase)) with t
-/// since the burst's start: the carrier, and the two side bands that a raised cosine gives it.
+/// A smooth piece of the motion as up to three sinusoids, sum of amplitude sin(2 pi (frequency t + phase))
+/// with t since the burst's start: the carrier, and the two side bands that a raised cosine gives it.
 struct SmoothDrive {
     std::array<double, 3> amplitude_m{};
     std::array<double, 3> phase_turns{};

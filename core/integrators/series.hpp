@@ -33,6 +33,8 @@ struct HornWaves {
     using PerWave = std::array<double, count>;
     alignas(32) PerWave sine{};    ///< [m]
     alignas(32) PerWave cosine{};  ///< [m]
+    double displacement = 0;       ///< sum of the sines [m]
+    double slope = 0;              ///< its change in a unit [m]
     bool silent = true;            ///< all amplitudes are zero
     bool turns = true;             ///< slow enough for the kernels to turn them on by one unit
 
@@ -46,23 +48,25 @@ public:
     SeriesPiece(std::size_t slots, int degree, const HornWaves& waves);
 
     // what the kernel is given
-    double unit_s = 0;        ///< time that z = 1 stands for [s]; no piece is longer
-    double per_unit = 0;      ///< 1/unit_s
-    double tolerance = 0;     ///< error of a piece's velocities times unit_s [m]
-    double negligible = 0;    ///< overlap whose force does not count [m]
-    double reach = 1;         ///< the piece ends there at the latest [z]
-    double response = 1;      ///< how fast the chain answers to a force, in 1/unit
-    bool keeps_ledger = true; ///< whether work and losses are added up
+    double unit_s = 0;         ///< time that z = 1 stands for [s]; no piece is longer
+    double per_unit = 0;       ///< 1/unit_s
+    double tolerance = 0;      ///< error of a piece's velocities times unit_s [m]
+    double negligible = 0;     ///< overlap whose force does not count [m]
+    double reach = 1;          ///< the piece ends there at the latest [z]
+    double response = 1;       ///< how fast the chain answers to a force, in 1/unit
+    bool keeps_ledger = true;  ///< whether work and losses are added up
     HornWaves waves;
 
     // what it gives
     alignas(64) std::array<double, 2 * HornWaves::pairs> horn{};  ///< coefficients of the horn's motion [m]
-    double length = 0;   ///< of the piece [z]
+    double length = 0;                                            ///< of the piece [z]
     double largest = 0;  ///< largest last coefficient [m]; not finite: the series has no meaning
     bool late = false;   ///< a contact has just closed: its elastic force is in late_force()
 
     /// Coefficients of the displacements [m], [order][slot]
-    double* displacement(int order) noexcept { return terms_.get() + static_cast<std::size_t>(order) * slots_; }
+    double* displacement(int order) noexcept {
+        return terms_.get() + static_cast<std::size_t>(order) * slots_;
+    }
     const double* displacement(int order) const noexcept {
         return terms_.get() + static_cast<std::size_t>(order) * slots_;
     }
@@ -91,11 +95,27 @@ struct SampleTimes {
     double per_sample;
 };
 
+/// Where the outputs come from, and where they go; no plate: a null pointer.
+struct OutputSlots {
+    std::size_t last;    ///< slot of the last sphere
+    std::size_t plate;   ///< of the plate
+    double transmitted;  ///< part of the last sphere's velocity that goes into the medium directly
+};
+struct OutputSink {
+    double* last;
+    double* plate;
+    double* out;
+};
+
 struct SeriesKernels {
-    /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its end.
+    /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its
+    /// end.
     void (*piece)(FoldedChain& chain, SeriesPiece& piece);
-    /// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride` doubles
-    /// apart. Without the late force.
+    /// The outputs [m/s] at `count` samples. Without the late force.
+    void (*outputs)(const SeriesPiece& piece, const OutputSlots& slots, SampleTimes times, std::size_t count,
+                    OutputSink out);
+    /// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride`
+    /// doubles apart. Without the late force.
     void (*samples)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
                     std::size_t count, double* out, std::size_t stride);
 };

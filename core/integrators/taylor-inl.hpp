@@ -39,7 +39,8 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline {
 namespace HWY_NAMESPACE {
 
-/// (a/b)^(numerator/denominator) within 6 %, from the bits of the exponents: enough for the length of a piece.
+/// (a/b)^(numerator/denominator) within 6 %, from the bits of the exponents: enough for the length of a
+/// piece.
 HWY_INLINE double rough_power(double a, double b, std::int64_t numerator, std::int64_t denominator) {
     const std::int64_t exponent = std::bit_cast<std::int64_t>(a) - std::bit_cast<std::int64_t>(b);
     return std::bit_cast<double>(exponent / denominator * numerator + std::bit_cast<std::int64_t>(1.0));
@@ -56,8 +57,9 @@ struct Quadrature {
 };
 template <>
 struct Quadrature<13> {
-    static constexpr std::array<double, 7> node{0.0254460438286207, 0.1292344072003028, 0.2970774243113014, 0.5,
-                                                0.7029225756886986, 0.8707655927996972, 0.9745539561713793};
+    static constexpr std::array<double, 7> node{
+        0.0254460438286207, 0.1292344072003028, 0.2970774243113014, 0.5,
+        0.7029225756886986, 0.8707655927996972, 0.9745539561713793};
     static constexpr std::array<double, 7> weight{0.0647424830844348, 0.1398526957446384, 0.1909150252525595,
                                                   0.2089795918367347, 0.1909150252525595, 0.1398526957446384,
                                                   0.0647424830844348};
@@ -84,6 +86,8 @@ HWY_INLINE void turn_horn(HornWaves& waves, double z) {
     constexpr Waves d;
     const auto zz = hn::Set(d, z);
     const auto square = hn::Mul(zz, zz);
+    auto displacement = hn::Zero(d);
+    auto slope = hn::Zero(d);
     for (std::size_t i = 0; i < HornWaves::count; i += hn::Lanes(d)) {
         auto even = hn::Load(d, waves.even_by_pair[HornWaves::pairs - 1].data() + i);
         auto odd = hn::Load(d, waves.odd_by_pair[HornWaves::pairs - 1].data() + i);
@@ -94,9 +98,15 @@ HWY_INLINE void turn_horn(HornWaves& waves, double z) {
         odd = hn::Mul(odd, zz);
         const auto sine = hn::Load(d, waves.sine.data() + i);
         const auto cosine = hn::Load(d, waves.cosine.data() + i);
-        hn::Store(hn::MulAdd(sine, even, hn::Mul(cosine, odd)), d, waves.sine.data() + i);
-        hn::Store(hn::MulSub(cosine, even, hn::Mul(sine, odd)), d, waves.cosine.data() + i);
+        const auto later_sine = hn::MulAdd(sine, even, hn::Mul(cosine, odd));
+        const auto later_cosine = hn::MulSub(cosine, even, hn::Mul(sine, odd));
+        hn::Store(later_sine, d, waves.sine.data() + i);
+        hn::Store(later_cosine, d, waves.cosine.data() + i);
+        displacement = hn::Add(displacement, later_sine);
+        slope = hn::MulAdd(later_cosine, hn::Load(d, waves.odd_by_pair[0].data() + i), slope);
     }
+    waves.displacement = hn::GetLane(hn::SumOfLanes(d, displacement));
+    waves.slope = hn::GetLane(hn::SumOfLanes(d, slope));
 }
 
 template <std::size_t K, int Degree>
@@ -136,7 +146,9 @@ public:
             move(length);
         }
         if (HWY_UNLIKELY(any_switch(length))) {
-            length = first_switch(Taylor(*this), length);
+            length = clamped_ ? first_switch(Taylor(*this), length)
+                              : first_crossing(Overlaps{fold_, d_, overlaps_, deflated_}, piece_.negligible,
+                                               length);
             move(length);
         }
         if (HWY_UNLIKELY(late)) {
@@ -156,7 +168,8 @@ public:
     }
 
 private:
-    // --- the series -----------------------------------------------------------------------------------------
+    // --- the series
+    // -----------------------------------------------------------------------------------------
 
     template <int... N>
     HWY_INLINE void orders(std::integer_sequence<int, N...>) {
@@ -175,9 +188,10 @@ private:
         }
         Flags any_late = hn::Gt(hn::Zero(d_tag), hn::Zero(d_tag));
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec d1 = fold_.difference(x_[1], k, piece_.horn[1]);
-            const Vec d0 = fold_.difference(static_overlap[k], x_[0], k, piece_.horn[0]);
-            const Vec hardly = hn::MulAdd(hn::Set(d_tag, at_zero), hn::Abs(d1), hn::Set(d_tag, piece_.negligible));
+            const Vec d1 = fold_.difference(x_[1], k, piece_.waves.slope);
+            const Vec d0 = fold_.difference(static_overlap[k], x_[0], k, piece_.waves.displacement);
+            const Vec hardly =
+                hn::MulAdd(hn::Set(d_tag, at_zero), hn::Abs(d1), hn::Set(d_tag, piece_.negligible));
             const Flags touching_only = hn::Le(hn::Abs(d0), hardly);
             const Flags closing = hn::And(touching_only, hn::Gt(d1, hn::Set(d_tag, standstill)));
             d_[0].set(k, hn::IfThenZeroElse(touching_only, d0));
@@ -188,9 +202,11 @@ private:
             late_.set(k, hn::IfThenElseZero(closing, hn::Set(d_tag, 1.0)));
             deflated_.set(k, hn::IfThenElseZero(touching_only, hn::Set(d_tag, 1.0)));
             overlaps_.set(k, hn::IfThenElseZero(overlaps, hn::Set(d_tag, 1.0)));
-            const Vec pressed = hn::IfThenElse(elastic, d_[0][k], hn::Set(d_tag, 1.0));
-            per_overlap_.set(k, hn::Div(hn::Set(d_tag, 1.0), pressed));
+            // root and quotient take long: they do not wait for what the contact is
+            const Vec pressed = hn::Max(d0, hn::Set(d_tag, least_overlap));
+            const Vec quotient = hn::Div(hn::Set(d_tag, 1.0), pressed);
             const Vec force = hn::Mul(hn::Mul(stiffness_[k], pressed), hn::Sqrt(pressed));
+            per_overlap_.set(k, hn::IfThenElseZero(elastic, quotient));
             u_[0].set(k, hn::IfThenElseZero(elastic, force));  // [N] here, scaled below
         }
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
@@ -208,65 +224,91 @@ private:
         return late;
     }
 
-    /// Order N of the forces, and with them order N + 2 of displacements and overlaps. The spring behind the
-    /// last body is the force of a contact to its right, in the slot of a pad.
+    /// The forces of order N, and from them displacements and overlaps of order N + 2. Each order waits for
+    /// the overlaps of the one before, so the way from these to the next ones is kept short.
     template <int N>
     HWY_INLINE void order() {
-        constexpr double share = 1.0 / ((N + 1) * (N + 2));
         Col<K> force = fold_.scratch(Column::t8);
-        if constexpr (N > 0) {
-            elastic_force<N>();
-        }
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec decay = hn::Mul(decay_[k], hn::Set(d_tag, 1.0 / (N + 2)));
-            const Vec elastic = HWY_UNLIKELY(clamped_) ? hn::Mul(closed_[k], u_[N][k]) : u_[N][k];
-            if constexpr (N == 0) {
-                const Vec half_square = hn::Set(d_tag, share * square_);
-                const Vec behind = hn::Mul(hn::Set(d_tag, share), hn::Mul(ground_[k], fold_.left(x_[0], k)));
-                const Vec bias = hn::Mul(half_square, fold_.left(fold_.load(Column::bias), k));
-                const Vec beyond_rest = hn::Sub(elastic, static_force_[k]);
-                const Vec of_place = hn::MulAdd(half_square, beyond_rest, hn::Sub(behind, bias));
-                force.set(k, hn::MulAdd(decay, d_[1][k], of_place));
-            } else {
-                const Vec of_place = hn::Mul(hn::Set(d_tag, share), hn::MulAdd(ground_[k], d_[N][k], elastic));
-                force.set(k, hn::MulAdd(decay, d_[N + 1][k], of_place));
-            }
+            const Vec of_place = place_share<N>(k);
+            const Vec decay = hn::Mul(hn::Set(d_tag, 1.0 / (N + 2)), decay_[k]);
+            force.set(k, hn::MulAdd(decay, d_[N + 1][k], of_place));
         }
-        // The overlaps' next order decides when the following can begin: it does not wait for the
-        // displacements.
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec right = fold_.right(force, k);
-            const Vec net = hn::Sub(force[k], right);
-            x_[N + 2].set(k, hn::Mul(inv_mass_[k], net));
+            x_[N + 2].set(k, hn::Mul(inv_mass_[k], hn::Sub(force[k], right)));
             const Vec horn = k == 0 ? fold_.horn(piece_.horn[N + 2]) : hn::Zero(d_tag);
             const Vec from_self = hn::NegMulAdd(mobility_[k], force[k], horn);
             const Vec from_right = hn::MulAdd(inv_mass_[k], right, from_self);
             d_[N + 2].set(k, hn::MulAdd(mobility_left_[k], fold_.left(force, k), from_right));
         }
         if constexpr (N == 0) {
-            const Vec square = hn::Set(d_tag, square_);
-            HERTZLINE_EACH_ROW(k, fold_.rows()) {
-                if (HWY_UNLIKELY(clamped_)) {
-                    settle_grazing_force(k);
-                }
-                u_[0].set(k, hn::Mul(square, u_[0][k]));
-            }
+            prepare_higher_orders();
         }
     }
 
     template <int N>
-    HWY_INLINE void elastic_force() {
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            Vec sum = hn::Mul(hn::Mul(u_[0][k], hn::Set(d_tag, 1.5)), d_[N][k]);
-            sum = with_products<N>(k, sum, std::make_integer_sequence<int, N - 1>());
-            u_[N].set(k, hn::Mul(sum, per_overlap_[k]));
+    HWY_INLINE Vec place_share(std::size_t k) {
+        if constexpr (N == 0) {
+            return first_force(k);
+        } else {
+            return hn::Mul(hn::Set(d_tag, 1.0 / ((N + 1) * (N + 2))), force_of_place<N>(k));
         }
     }
-    template <int N, int... J>
-    HWY_INLINE Vec with_products([[maybe_unused]] std::size_t k, Vec sum, std::integer_sequence<int, J...>) const {
-        Vec others = hn::Zero(d_tag);
-        (void)((others = with_product<N, J + 1>(k, others)), ...);
-        return hn::Add(sum, others);
+
+    /// Half the force of order 0, times unit^2, without the dashpots. The spring behind the last body is the
+    /// force of a contact to its right, in the slot of a pad.
+    HWY_INLINE Vec first_force(std::size_t k) const {
+        const Vec half_square = hn::Set(d_tag, 0.5 * square_);
+        const Vec elastic = HWY_UNLIKELY(clamped_) ? hn::Mul(closed_[k], u_[0][k]) : u_[0][k];
+        const Vec bias = hn::Mul(half_square, fold_.left(fold_.load(Column::bias), k));
+        const Vec half_ground = hn::Mul(hn::Set(d_tag, 0.5), ground_[k]);
+        const Vec behind = hn::MulSub(half_ground, fold_.left(x_[0], k), bias);
+        return hn::MulAdd(half_square, hn::Sub(elastic, static_force_[k]), behind);
+    }
+
+    HWY_INLINE void prepare_higher_orders() {
+        const Vec square = hn::Set(d_tag, square_);
+        HERTZLINE_EACH_ROW(k, fold_.rows()) {
+            if (HWY_UNLIKELY(clamped_)) {
+                settle_grazing_force(k);
+            }
+            u_[0].set(k, hn::Mul(square, u_[0][k]));
+            elastic_slope_.set(k, hn::Mul(hn::Set(d_tag, 1.5), hn::Mul(u_[0][k], per_overlap_[k])));
+        }
+    }
+
+    /// Order N of what depends on the overlap: elastic force, and spring behind the last body.
+    template <int N>
+    HWY_INLINE Vec force_of_place(std::size_t k) {
+        const Vec bent = elastic_by_products<N>(k);
+        u_[N].set(k, hn::MulAdd(elastic_slope_[k], d_[N][k], bent));
+        if (HWY_UNLIKELY(clamped_)) {
+            return hn::MulAdd(ground_[k], d_[N][k], hn::Mul(closed_[k], u_[N][k]));
+        }
+        return hn::MulAdd(hn::Add(ground_[k], elastic_slope_[k]), d_[N][k], bent);
+    }
+
+    /// The elastic force's coefficient of order N without the term of the overlap's.
+    template <int N>
+    HWY_INLINE Vec elastic_by_products(std::size_t k) const {
+        if constexpr (N == 1) {
+            return hn::Zero(d_tag);
+        } else {
+            return hn::Mul(products<N, 1>(k), per_overlap_[k]);
+        }
+    }
+    /// Sum of the products with both orders at least J. The highest orders are known last: they are added
+    /// last.
+    template <int N, int J>
+    HWY_INLINE Vec products(std::size_t k) const {
+        if constexpr (2 * J > N) {
+            return hn::Zero(d_tag);
+        } else if constexpr (2 * J == N) {
+            return with_product<N, J>(k, hn::Zero(d_tag));
+        } else {
+            return with_product<N, N - J>(k, with_product<N, J>(k, products<N, J + 1>(k)));
+        }
     }
     template <int N, int J>
     HWY_INLINE Vec with_product(std::size_t k, Vec sum) const {
@@ -278,7 +320,8 @@ private:
         }
     }
 
-    // --- clamped tension: a contact lets go as soon as dashpot and elasticity together would pull -------------
+    // --- clamped tension: a contact lets go as soon as dashpot and elasticity together would pull
+    // -------------
 
     /// 1 where a contact pushes at the piece's start, as far as the total force tells.
     HWY_INLINE Vec pushing(std::size_t k, Vec damping) {
@@ -295,7 +338,8 @@ private:
         const Vec zero = hn::Zero(d_tag);
         const Vec damping = hn::Mul(hn::Set(d_tag, piece_.per_unit), fold_.load(Column::damping)[k]);
         const Vec force = hn::MulAdd(damping, d_[1][k], u_[0][k]);
-        const Vec elastic_slope = hn::Mul(hn::Mul(hn::Set(d_tag, 1.5), u_[0][k]), hn::Mul(per_overlap_[k], d_[1][k]));
+        const Vec elastic_slope =
+            hn::Mul(hn::Mul(hn::Set(d_tag, 1.5), u_[0][k]), hn::Mul(per_overlap_[k], d_[1][k]));
         const Vec slope = hn::MulAdd(hn::Add(damping, damping), d_[2][k], elastic_slope);
         const Flags hardly = hn::Le(hn::Abs(force), hn::Mul(hn::Set(d_tag, at_zero), hn::Abs(slope)));
         const Flags undecided = hn::And(hn::And(hardly, hn::Gt(u_[0][k], zero)), hn::Gt(stiffness_[k], zero));
@@ -304,7 +348,8 @@ private:
         decay_.set(k, hn::Mul(hn::Mul(closed_[k], damping), hn::Set(d_tag, square_)));
     }
 
-    // --- how far it reaches ---------------------------------------------------------------------------------
+    // --- how far it reaches
+    // ---------------------------------------------------------------------------------
 
     HWY_INLINE double trusted_length(bool late) {
         Vec last = hn::Zero(d_tag);
@@ -316,27 +361,21 @@ private:
         const double error = Degree * piece_.largest + 1e-300;
         double length = rough_power(piece_.tolerance, error, 1, Degree - 1);
         if (HWY_UNLIKELY(late)) {
-            length = std::min(length, late_length(*this));
+            length = std::min(length, late_length());
         }
         return std::min(piece_.reach, std::max(length, shortest));
     }
 
     /// A late force is added without the chain's answer to it: short enough for that answer to stay below the
     /// tolerance, and for the overlap to grow steadily. Or no longer than it does not count at all.
-    HWY_INLINE static double late_length(Taylor& taylor) {
-        Taylor copy(taylor);
-        const double length = limit_of_late(copy);
-        taylor.late_ = copy.late_;
-        return length;
-    }
-    HWY_NOINLINE static double limit_of_late(Taylor& taylor) { return taylor.late_limit(); }
-    HWY_INLINE double late_limit() {
+    HWY_INLINE double late_length() {
         Vec largest = hn::Zero(d_tag);
         Vec bent = hn::Zero(d_tag);
         Vec fastest = hn::Zero(d_tag);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec w = hn::Mul(late_[k], d_[1][k]);
-            largest = hn::Max(largest, hn::Mul(hn::Mul(mobility_[k], stiffness_[k]), hn::Mul(w, hn::Sqrt(w))));
+            largest =
+                hn::Max(largest, hn::Mul(hn::Mul(mobility_[k], stiffness_[k]), hn::Mul(w, hn::Sqrt(w))));
             const Vec per_w = hn::Div(late_[k], hn::Max(d_[1][k], hn::Set(d_tag, standstill)));
             const Vec second = hn::Mul(hn::Abs(d_[2][k]), per_w);
             const Vec third = hn::Sqrt(hn::Mul(hn::Abs(d_[3][k]), per_w));
@@ -350,13 +389,14 @@ private:
         if (hn::GetLane(hn::MaxOfLanes(d_tag, fastest)) > 1e3 * piece_.negligible) {
             return length;
         }
-        const double without = negligible_length();
+        const double without = negligible_length(Taylor(*this));
         if (without > length) {
             HERTZLINE_EACH_ROW(k, fold_.rows()) late_.set(k, hn::Zero(d_tag));
         }
         return std::max(length, without);
     }
     /// A length during which contacts that have just closed overlap by no more than what counts.
+    HWY_NOINLINE static double negligible_length(const Taylor& taylor) { return taylor.negligible_length(); }
     HWY_INLINE double negligible_length() const {
         double z = 1;
         for (int halvings = 0; halvings < 40; ++halvings, z /= 2) {
@@ -375,26 +415,36 @@ private:
         return z;
     }
 
-    // --- its end --------------------------------------------------------------------------------------------
+    // --- its end
+    // --------------------------------------------------------------------------------------------
 
     /// Displacement and velocity at z, to x_now_ and v_now_.
     HWY_INLINE void move(double z) {
         const Vec zz = hn::Set(d_tag, z);
         const Vec per_unit = hn::Set(d_tag, piece_.per_unit);
+        const double half = z * z * z * z;
+        const Vec power = hn::Set(d_tag, half * z);
+        const Vec power_slope = hn::Set(d_tag, split * half);
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            Vec value = x_[Degree][k];
-            Vec slope = hn::Zero(d_tag);
-            value_and_slope<Degree - 1>(k, zz, value, slope);
-            x_now_.set(k, value);
-            v_now_.set(k, hn::Mul(per_unit, slope));
+            // two halves, so that they can be worked on side by side
+            Vec low = x_[split - 1][k];
+            Vec low_slope = hn::Zero(d_tag);
+            value_and_slope<split - 2, 0>(k, zz, low, low_slope);
+            Vec high = x_[Degree][k];
+            Vec high_slope = hn::Zero(d_tag);
+            value_and_slope<Degree - 1, split>(k, zz, high, high_slope);
+            x_now_.set(k, hn::MulAdd(power, high, low));
+            const Vec slope = hn::MulAdd(power_slope, high, low_slope);
+            v_now_.set(k, hn::Mul(per_unit, hn::MulAdd(power, high_slope, slope)));
         }
     }
-    template <int N>
+    static constexpr int split = 5;
+    template <int N, int Last>
     HWY_INLINE void value_and_slope(std::size_t k, Vec z, Vec& value, Vec& slope) const {
         slope = hn::MulAdd(slope, z, value);
         value = hn::MulAdd(value, z, x_[N][k]);
-        if constexpr (N > 0) {
-            value_and_slope<N - 1>(k, z, value, slope);
+        if constexpr (N > Last) {
+            value_and_slope<N - 1, Last>(k, z, value, slope);
         }
     }
 
@@ -417,9 +467,12 @@ private:
         }
     }
     HWY_INLINE static Vec value(const Terms& terms, std::size_t k, Vec z) { return horner<0>(terms, k, z); }
-    HWY_INLINE static Vec slope(const Terms& terms, std::size_t k, Vec z) { return horner_slope<1>(terms, k, z); }
+    HWY_INLINE static Vec slope(const Terms& terms, std::size_t k, Vec z) {
+        return horner_slope<1>(terms, k, z);
+    }
 
-    // --- contacts that switch on the way --------------------------------------------------------------------
+    // --- contacts that switch on the way
+    // --------------------------------------------------------------------
 
     /// Total force of contact k at z, [N] times unit^2.
     HWY_INLINE Vec total_force(std::size_t k, Vec z) const {
@@ -444,8 +497,8 @@ private:
         return changed;
     }
 
-    /// A contact without tension may let go and push again within a piece: an eighth of the length in which one
-    /// does, or all of it.
+    /// A contact without tension may let go and push again within a piece: an eighth of the length in which
+    /// one does, or all of it.
     HWY_NOINLINE static double until_a_switch(const Taylor& taylor, double length) {
         return taylor.until_a_switch(length);
     }
@@ -482,31 +535,53 @@ private:
     }
     HWY_INLINE Flags open(std::size_t k) const { return hn::Eq(overlaps_[k], hn::Zero(d_tag)); }
 
-    /// The first moment at which a contact switches. Contacts that do so within the shortest piece do so
-    /// together.
-    HWY_NOINLINE static double first_switch(const Taylor& taylor, double length) {
-        return taylor.first_switch(length);
-    }
-    HWY_INLINE double first_switch(double length) const {
-        const Vec zero = hn::Zero(d_tag);
+    /// What tells when contacts close and open. A copy: nothing that has its address taken stays in
+    /// registers.
+    struct Overlaps {
+        Fold<K> fold;
+        Terms d;
+        Col<K> overlaps;
+        Col<K> deflated;
+    };
+
+    /// The first moment at which a contact opens or closes. Contacts that do so within the shortest piece do
+    /// so together.
+    HWY_NOINLINE static double first_crossing(const Overlaps& contacts, double negligible, double length) {
         Vec first = hn::Set(d_tag, length);
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec end = turning_point(k, hn::Set(d_tag, length));
-            const Flags changed = switches(k, end);
-            Vec when = clamped_ ? bisected(k, end) : crossing(k, end, changed);
-            when = hn::IfThenElse(changed, when, hn::Set(d_tag, length));
-            first = hn::Min(first, hn::IfThenElse(hn::Gt(when, zero), when, zero));
+        HERTZLINE_EACH_ROW(k, contacts.fold.rows()) {
+            const Flags open = hn::Eq(contacts.overlaps[k], hn::Zero(d_tag));
+            const Vec end = turning_point(contacts.d, k, open, negligible, hn::Set(d_tag, length));
+            const Vec limit = hn::IfThenElseZero(open, hn::Set(d_tag, negligible));
+            const Flags changed = hn::Not(hn::Xor(open, hn::Gt(value(contacts.d, k, end), limit)));
+            const Vec when = crossing(contacts, k, end, changed);
+            first = hn::Min(first, hn::IfThenElse(changed, when, hn::Set(d_tag, length)));
         }
         return std::max(hn::GetLane(hn::MinOfLanes(d_tag, first)), shortest);
     }
 
-    /// Where an open contact that withdraws at `end` came nearest; `end` for all others and for those that did
-    /// not touch then.
-    HWY_INLINE Vec turning_point(std::size_t k, Vec end) const {
+    /// The same for contacts without tension, whose total force decides.
+    HWY_NOINLINE static double first_switch(const Taylor& taylor, double length) {
+        return taylor.first_switch(length);
+    }
+    HWY_INLINE double first_switch(double length) const {
+        Vec first = hn::Set(d_tag, length);
+        HERTZLINE_EACH_ROW(k, fold_.rows()) {
+            const Vec end = turning_point(d_, k, open(k), piece_.negligible, hn::Set(d_tag, length));
+            const Vec when = bisected(k, end);
+            first = hn::Min(first, hn::IfThenElse(switches(k, end), when, hn::Set(d_tag, length)));
+        }
+        return std::max(hn::GetLane(hn::MinOfLanes(d_tag, first)), shortest);
+    }
+
+    /// Where an open contact that withdraws at `end` came nearest; `end` for all others and for those that
+    /// did not touch then.
+    HWY_INLINE static Vec turning_point(const Terms& d, std::size_t k, Flags open, double negligible,
+                                        Vec end) {
         const Vec zero = hn::Zero(d_tag);
-        const Flags apart = hn::Le(value(d_, k, end), hn::Set(d_tag, piece_.negligible));
-        const Flags turned = hn::And(hn::Gt(d_[1][k], zero), hn::Lt(slope(d_, k, end), zero));
-        const Flags concerned = hn::And(hn::And(open(k), apart), turned);
+        const Vec limit = hn::Set(d_tag, negligible);
+        const Flags apart = hn::Le(value(d, k, end), limit);
+        const Flags turned = hn::And(hn::Gt(d[1][k], zero), hn::Lt(slope(d, k, end), zero));
+        const Flags concerned = hn::And(hn::And(open, apart), turned);
         if (hn::AllFalse(d_tag, concerned)) {
             return end;
         }
@@ -514,24 +589,25 @@ private:
         Vec high = end;
         for (int i = 0; i < bisections; ++i) {
             const Vec z = hn::Mul(hn::Set(d_tag, 0.5), hn::Add(low, high));
-            const Flags approaching = hn::Gt(slope(d_, k, z), zero);
+            const Flags approaching = hn::Gt(slope(d, k, z), zero);
             low = hn::IfThenElse(approaching, z, low);
             high = hn::IfThenElse(approaching, high, z);
         }
-        const Flags touched =
-            hn::And(concerned, hn::Gt(value(d_, k, low), hn::Set(d_tag, piece_.negligible)));
+        const Flags touched = hn::And(concerned, hn::Gt(value(d, k, low), limit));
         return hn::IfThenElse(touched, low, end);
     }
 
     /// Root of the overlap between 0 and `end`, by Newton's method kept inside a bracket. A root at 0 itself,
     /// of a contact that has just switched, is divided out.
-    HWY_INLINE Vec crossing(std::size_t k, Vec end, Flags wanted) const {
-        const Flags deflated = hn::Gt(deflated_[k], hn::Zero(d_tag));
+    HWY_INLINE static Vec crossing(const Overlaps& contacts, std::size_t k, Vec end, Flags wanted) {
+        const Vec zero = hn::Zero(d_tag);
+        const Vec one = hn::Set(d_tag, 1.0);
+        const Flags deflated = hn::Gt(contacts.deflated[k], zero);
         std::array<Vec, Degree + 1> c;
         for (int n = 0; n < Degree; ++n) {
-            c[n] = hn::IfThenElse(deflated, d_[n + 1][k], d_[n][k]);
+            c[n] = hn::IfThenElse(deflated, contacts.d[n + 1][k], contacts.d[n][k]);
         }
-        c[Degree] = hn::IfThenZeroElse(deflated, d_[Degree][k]);
+        c[Degree] = hn::IfThenZeroElse(deflated, contacts.d[Degree][k]);
         const auto evaluate = [&](Vec z, Vec& slope) HWY_ATTR {
             Vec value = c[Degree];
             slope = hn::Zero(d_tag);
@@ -543,22 +619,30 @@ private:
         };
         Vec slope;
         const Vec at_end = evaluate(end, slope);
-        const Flags rising = hn::Gt(at_end, hn::Zero(d_tag));
-        Vec low = hn::Zero(d_tag);
+        const Flags rising = hn::Gt(at_end, zero);
+        // the cubic through both ends of the inverse function
+        const Vec rise = hn::Sub(at_end, c[0]);
+        const Vec t = hn::Div(hn::Neg(c[0]), rise);
+        const Vec rest = hn::Sub(one, t);
+        const Vec from = hn::Div(rise, hn::Mul(end, c[1]));
+        const Vec to = hn::Div(rise, hn::Mul(end, slope));
+        const Vec straight = hn::Mul(hn::Mul(t, t), hn::Sub(hn::Set(d_tag, 3.0), hn::Add(t, t)));
+        const Vec bend = hn::Mul(hn::Mul(t, rest), hn::MulSub(from, rest, hn::Mul(to, t)));
+        const Vec guess = hn::Add(straight, bend);
+        const Flags sound = hn::And(hn::Gt(guess, zero), hn::Lt(guess, one));
+        Vec z = hn::Mul(end, hn::IfThenElse(sound, guess, hn::Set(d_tag, 0.5)));
+        Vec low = zero;
         Vec high = end;
-        Vec z = hn::Div(hn::Mul(end, c[0]), hn::Sub(c[0], at_end));
-        const Flags sound = hn::And(hn::Gt(z, low), hn::Lt(z, end));
-        z = hn::IfThenElse(sound, z, hn::Mul(hn::Set(d_tag, 0.5), end));
         for (int i = 0; i < newton_rounds; ++i) {
             const Vec value = evaluate(z, slope);
-            const Flags beyond = hn::Not(hn::Xor(hn::Gt(value, hn::Zero(d_tag)), rising));
+            const Flags beyond = hn::Not(hn::Xor(hn::Gt(value, zero), rising));
             high = hn::IfThenElse(beyond, z, high);
             low = hn::IfThenElse(beyond, low, z);
             const Vec newton = hn::Sub(z, hn::Div(value, slope));
             // the ends count as inside: a converged iterate stays where it is
             const Flags inside = hn::And(hn::Ge(newton, low), hn::Le(newton, high));
             const Vec next = hn::IfThenElse(inside, newton, hn::Mul(hn::Set(d_tag, 0.5), hn::Add(low, high)));
-            const Flags settled = hn::Le(hn::Abs(hn::Sub(next, z)), hn::Mul(hn::Set(d_tag, 1e-9), end));
+            const Flags settled = hn::Le(hn::Abs(hn::Sub(next, z)), hn::Mul(hn::Set(d_tag, 1e-8), end));
             z = next;
             if (hn::AllTrue(d_tag, hn::Or(settled, hn::Not(wanted)))) {
                 break;  // the error is the square of the last change
@@ -585,7 +669,7 @@ private:
     HWY_NOINLINE void add_late_force(double z) {
         std::array<Col<K>, late_terms> q;
         for (int n = 0; n < late_terms; ++n) {
-            q[n] = fold_.scratch(static_cast<Column>(static_cast<int>(Column::t10) + n));
+            q[n] = fold_.scratch(static_cast<Column>(static_cast<int>(Column::t11) + n));
         }
         HERTZLINE_EACH_ROW(k, fold_.rows()) {
             const Vec w = hn::IfThenElse(hn::Gt(late_[k], hn::Zero(d_tag)), d_[1][k], hn::Set(d_tag, 1.0));
@@ -613,7 +697,8 @@ private:
         }
     }
 
-    // --- books ----------------------------------------------------------------------------------------------
+    // --- books
+    // ----------------------------------------------------------------------------------------------
 
     /// What the dashpots lose and the horn gives over the piece.
     HWY_INLINE void account(double length) {
@@ -626,7 +711,7 @@ private:
             const Vec z = hn::Set(d_tag, length * Nodes::node[i]);
             const Vec weight = hn::Set(d_tag, length * Nodes::weight[i]);
             HERTZLINE_EACH_ROW(k, fold_.rows()) {
-                const Vec w = slope(d_, k, z);  // [m]
+                const Vec w = slope(d_, k, z);                                   // [m]
                 const Vec dashpot = hn::Mul(hn::Mul(decay_[k], per_square), w);  // [N]
                 Vec loss = hn::Mul(dashpot, w);
                 if (HWY_UNLIKELY(clamped_)) {
@@ -681,9 +766,10 @@ private:
     }
 
     static constexpr Doubles d_tag{};
-    static constexpr double at_zero = 1e-7;    ///< overlap over its change in a unit that counts as none
-    static constexpr double standstill = 1e-60;  ///< change of overlap in a unit that counts as none [m]
-    static constexpr double shortest = 1e-9;   ///< piece [z]: contacts that chatter cannot hold time back
+    static constexpr double at_zero = 1e-7;  ///< overlap over its change in a unit that counts as none
+    static constexpr double least_overlap = 1e-150;  ///< nothing above it overflows [m]
+    static constexpr double standstill = 1e-60;      ///< change of overlap in a unit that counts as none [m]
+    static constexpr double shortest = 1e-9;  ///< piece [z]: contacts that chatter cannot hold time back
     static constexpr int newton_rounds = 8;
     static constexpr int bisections = 45;
 
@@ -697,11 +783,12 @@ private:
     Terms u_;      ///< elastic forces times unit^2
     Col<K> closed_ = fold_.scratch(Column::t0);
     Col<K> overlaps_ = fold_.scratch(Column::t1);
-    Col<K> late_ = fold_.scratch(Column::t2);         ///< 1: closes at the piece's start
-    Col<K> deflated_ = fold_.scratch(Column::t3);     ///< 1: its overlap is zero there
-    Col<K> mobility_ = fold_.scratch(Column::t4);       ///< of both bodies at a contact [1/kg]
+    Col<K> late_ = fold_.scratch(Column::t2);            ///< 1: closes at the piece's start
+    Col<K> deflated_ = fold_.scratch(Column::t3);        ///< 1: its overlap is zero there
+    Col<K> elastic_slope_ = fold_.scratch(Column::t10);  ///< 3/2 u_0/delta_0
+    Col<K> mobility_ = fold_.scratch(Column::t4);        ///< of both bodies at a contact [1/kg]
     Col<K> mobility_left_ = fold_.scratch(Column::t7);
-    Col<K> ground_ = fold_.scratch(Column::t9);         ///< spring behind the left body, times unit^2
+    Col<K> ground_ = fold_.scratch(Column::t9);       ///< spring behind the left body, times unit^2
     Col<K> per_overlap_ = fold_.scratch(Column::t5);  ///< 1/delta_0 [1/m]
     Col<K> decay_ = fold_.scratch(Column::t6);        ///< lambda of the closed contacts times unit
 };

@@ -138,8 +138,7 @@ TEST(Advice, ErrorsLieBetweenTheAccuracyAndAThirtiethOfIt) {
             scene.numerics.accuracy = accuracy;
             const Resolved settled = resolved(scene);
             ASSERT_TRUE(settled.advice.accuracy_met);
-            const double error =
-                relative_l2(recorded(settled.scene, samples).v_last, fine.v_last);
+            const double error = relative_l2(recorded(settled.scene, samples).v_last, fine.v_last);
             EXPECT_LE(error, accuracy);
             EXPECT_GE(error, accuracy / 30);
         }
