@@ -138,12 +138,13 @@ PilotPlan plan_of_series(const Scene& asked, double longest_step) {
     constexpr double most_samples = 40e3;
     constexpr double most_pieces = 20e3;
     constexpr double per_period = 16;
+    constexpr double least_samples = 16;
     const double watched = std::min(watched_s(asked.drive), most_pieces * longest_step);
     PilotPlan plan{shortened(asked), 0};
     const double affordable = most_samples * 7 / static_cast<double>(plan.scene.chain.spheres + 1) / watched;
     double& rate = plan.scene.output.sample_rate_hz;
-    rate = std::max(std::min(rate, affordable), per_period * asked.drive.frequency_hz);
-    plan.samples = static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), 16.0, most_samples));
+    rate = std::max({std::min(rate, affordable), per_period * asked.drive.frequency_hz, least_samples / watched});
+    plan.samples = static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), least_samples, most_samples));
     return plan;
 }
 

@@ -37,6 +37,7 @@ private:
     void next_piece() noexcept;
     void set_horn(double since_look_up) noexcept;
     void meet_horn() noexcept;
+    bool stands_still() noexcept;
     bool finite() const noexcept;
     void emit(Samples& samples, std::int64_t count) const noexcept;
     void put_outputs(Samples& samples, std::int64_t count) const noexcept;
@@ -57,6 +58,7 @@ private:
     SeriesPiece piece_;
     SeriesKernels kernels_{};
     StepPosition begin_, end_;  ///< of the present piece [samples]
+    StepPosition looked_at_;    ///< when it was last seen that time goes on [samples]
     StepPosition smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
     double horn_end_ = 0;  ///< displacement of the horn at the piece's end [m]

@@ -7,6 +7,7 @@
 
 #include "core/hertz.hpp"
 #include "core/numerics.hpp"
+#include "core/scene_fields.hpp"
 #include "core/scene_words.hpp"
 #include "core/simulation.hpp"
 #include "core/stability.hpp"
@@ -88,6 +89,30 @@ void draw_chain_and_end(Draw& draw, Scene& scene) {
         end.stiffness_n_per_m = draw.one_in(8) ? 0 : draw.magnitude(1e2, 1e10);
     }
     end.preload = draw.any(choices<PlatePreload>);
+}
+
+/// Puts some of the numbers of a scene at the ends of what validate() allows.
+struct ToTheEnds {
+    Draw& draw;
+
+    void operator()(std::string_view key, double& value, const fields::Range& range) const {
+        if (!key.starts_with("output") && draw.one_in(6)) {
+            value = draw.one_in(2) ? range.least : range.most;
+        }
+    }
+    void operator()(std::string_view key, std::optional<double>& value, const fields::Range& range) const {
+        if (!key.starts_with("numerics") && value) {
+            (*this)(key, *value, range);
+        }
+    }
+    template <class Member, class Allowed>
+    void operator()(std::string_view, Member&, const Allowed&) const {}
+};
+
+void draw_extremes(Draw& draw, Scene& scene) {
+    fields::visit_scene(scene, ToTheEnds{draw});
+    const double most_bursts = scene.drive.frequency_hz / scene.drive.cycles;
+    scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, most_bursts);
 }
 
 /// From steps much shorter than needed to ones beyond the stability limit, and samples on their grid or off it.
@@ -211,24 +236,38 @@ Scene random_scene(std::uint64_t seed) {
     Scene scene;
     draw_drive(draw, scene);
     draw_chain_and_end(draw, scene);
+    if (draw.one_in(8)) {
+        draw_extremes(draw, scene);
+    }
     draw_numerics(draw, scene);
     return scene;
 }
 
 Trial tried(const Scene& asked) {
-    Scene scene = asked;
-    if (!scene.numerics.step_s) {
+    Scene scene = with_integrator(asked);
+    Trial trial;
+    trial.integrator = *scene.numerics.integrator;
+    if (scene.numerics.step_s) {
+        // resolved() refuses more, but only after a pilot
+        constexpr double hopeless = 30;
+        const Chain chain(scene);
+        const double limit = largest_stable_step(chain, chain.static_overlap, trial.integrator);
+        if (*scene.numerics.step_s > hopeless * limit) {
+            trial.outcome = Outcome::refused;
+            return trial;
+        }
+    } else {
         const Resolved result = resolved(asked);
         scene = result.scene;
-        if (!result.faults.empty()) {
-            Trial trial;
-            trial.outcome = Outcome::refused;
-            trial.integrator = *scene.numerics.integrator;
-            trial.message = result.faults.front().allowed;
+        if (!result.faults.empty() || !(*scene.numerics.step_s > 0)) {
+            trial.findings.emplace_back("no step is found for it");
             return trial;
         }
     }
-    Trial trial = run(scene);
+    constexpr double steps_between_looks = 50;
+    double& rate = scene.output.sample_rate_hz;
+    rate = std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s));
+    trial = run(scene);
     const double bound = trial.integrator == Integrator::leapfrog ? 1e-1 : 2e-2;
     if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_booked(scene)) {
         return trial;
