@@ -60,7 +60,9 @@ std::vector<Comparison> comparisons() {
         {"samples nobody wants", {burst, nothing, 5e-4}, {burst, outputs, 5e-4}},
         {"velocities and displacements of all spheres", {burst, outputs, 5e-4}, {burst, all, 5e-4}},
         {"the energy's ledger", {burst, outputs, 5e-4}, {burst, {}, 5e-4}},
-        {"a chain at rest between bursts (1e-3)", {shipped("paper-stream", rests), {}, 5e-3}, {stream, {}, 5e-3}},
+        {"a chain at rest between bursts (1e-3)",
+         {shipped("paper-stream", rests), {}, 5e-3},
+         {stream, {}, 5e-3}},
         {"the plate", {at_step_of_burst(wall), outputs, 5e-4}, {burst, outputs, 5e-4}},
         {"contacts without tension", {burst, outputs, 5e-4}, {at_step_of_burst(clamped), outputs, 5e-4}},
         {"contacts that switch", {at_step_of_burst(closed), outputs, 5e-4}, {burst, outputs, 5e-4}},
@@ -75,8 +77,7 @@ public:
     /// Wall time of a run from rest [s].
     double operator()() {
         using Clock = std::chrono::steady_clock;
-        const auto samples =
-            static_cast<std::int64_t>(job_.simulated_s * job_.scene.output.sample_rate_hz);
+        const auto samples = static_cast<std::int64_t>(job_.simulated_s * job_.scene.output.sample_rate_hz);
         simulation_.reset();
         const auto begin = Clock::now();
         while (simulation_.next_sample() < samples) {
@@ -100,7 +101,8 @@ private:
 int main(int argc, char** argv) {
     const bench::Arguments arguments(argc, argv);
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    std::printf("%-46s %10s %10s %8s %9s %9s\n", "what is skipped", "off/us", "on/us", "ratio", "pieces", "pieces");
+    std::printf("%-46s %10s %10s %8s %9s %9s\n", "what is skipped", "off/us", "on/us", "ratio", "pieces",
+                "pieces");
     for (const Comparison& comparison : comparisons()) {
         Run without(comparison.without);
         Run with(comparison.with);

@@ -20,7 +20,10 @@ double sphere_mass(const Solid& material, double radius_m) {
 }  // namespace
 
 Chain::Chain(const Scene& scene)
-    : end(scene.end.kind), tension(scene.chain.tension), preload_n(scene.chain.preload_n) {
+    : end(scene.end.kind),
+      // without dashpots nothing pulls: then there is nothing to clamp, and no grazing force to decide about
+      tension(scene.chain.damping_kg_per_s > 0 ? scene.chain.tension : Tension::allowed),
+      preload_n(scene.chain.preload_n) {
     const Eigen::Index n = scene.chain.spheres;
     const double radius = scene.chain.diameter_m / 2;
     const Solid& sphere = solid(scene, scene.chain.material);

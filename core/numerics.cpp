@@ -73,10 +73,9 @@ Resolved resolved(const Scene& asked) {
                                                     : advise_on_grid(result.scene);
     result.pilots = ReferencePilot::pilots + result.advice.pilots;
     if (numerics.rest_tolerance > 0 && !is_series(*numerics.integrator)) {
-        result.faults.push_back(
-            {"numerics.rest_tolerance",
-             "a chain that " + std::string(word(*numerics.integrator)) + " integrates",
-             "0 unless the integrator is taylor8 or taylor12"});
+        result.faults.push_back({"numerics.rest_tolerance",
+                                 "a chain that " + std::string(word(*numerics.integrator)) + " integrates",
+                                 "0 unless the integrator is taylor8 or taylor12"});
     }
     numerics.accuracy.reset();
     if (!result.step_set_by_scene) {

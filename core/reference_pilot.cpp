@@ -18,6 +18,7 @@ constexpr double most_pieces = 20e3;           // and the longest pieces that it
 constexpr double samples_per_period = 16;      // at least
 constexpr double paper_bodies = 7;             // for which the samples are meant; more bodies, fewer samples
 constexpr double affordable_body_steps = 1e7;  // about a second of a series, less of other methods
+constexpr double least_samples = 16;
 constexpr std::int64_t pilot_spheres = 128;
 constexpr double bursts_watched = 1.5;
 constexpr double series_drive_periods = 0.11;
@@ -33,9 +34,10 @@ PilotPlan plan_for(const Scene& asked) {
     const double watched = std::min(watched_s(asked.drive), most_pieces * longest_piece);
     const auto bodies = static_cast<double>(plan.scene.chain.spheres + 1);
     double& rate = plan.scene.output.sample_rate_hz;
-    rate = std::max(std::min(rate, most_samples * paper_bodies / bodies / watched),
-                    samples_per_period * asked.drive.frequency_hz);
-    plan.samples = static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), 16.0, most_samples));
+    rate = std::max({std::min(rate, most_samples * paper_bodies / bodies / watched),
+                     samples_per_period * asked.drive.frequency_hz, least_samples / watched});
+    plan.samples =
+        static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), least_samples, most_samples));
     return plan;
 }
 

@@ -8,6 +8,7 @@
 
 #include "core/hertz.hpp"
 #include "core/stability.hpp"
+#include "core/text.hpp"
 
 namespace hertzline {
 
@@ -29,6 +30,8 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) noex
 }
 
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
+constexpr std::int64_t most_pieces = 1
+                                     << 16;  // within the time of the longest: more mean that it stands still
 
 double difference(StepPosition a, StepPosition b) noexcept {
     const auto steps = static_cast<double>(a.step - b.step);
@@ -85,7 +88,7 @@ void SeriesSolver::reset() noexcept {
     state_.rest(chain_);
     folded_.fold(chain_, state_, chain_.bodies());
     folded_.contact_events = 0;
-    begin_ = end_ = smooth_from_ = {};
+    begin_ = end_ = smooth_from_ = looked_at_ = {};
     smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
     ledger_ = {};
@@ -117,11 +120,15 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
     if (waves.silent) {
         piece_.horn.fill(0);
     }
+    waves.reach = 1;
     for (std::size_t i = 0; i < frequencies_hz_.size(); ++i) {
         const double turns = frequencies_hz_[i] * local + smooth_.phase_turns[i];
         const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
         waves.sine[i] = smooth_.amplitude_m[i] * std::sin(angle);
         waves.cosine[i] = smooth_.amplitude_m[i] * std::cos(angle);
+        if (smooth_.amplitude_m[i] != 0) {
+            waves.reach = std::min(waves.reach, waves.reach_of_each[i]);
+        }
         waves.displacement += waves.sine[i];
         waves.slope += waves.cosine[i] * waves.odd[i][0];
     }
@@ -169,7 +176,7 @@ void SeriesSolver::next_piece() noexcept {
         end_.advance(StepPosition::of(std::min(longest, left_s / sample_period_s_)));
         return;
     }
-    piece_.reach = std::min(1.0, left_s * piece_.per_unit);
+    piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
     kernels_.piece(folded_, piece_);
     end_.advance(StepPosition::of(piece_.length * samples_per_unit_));
 }
@@ -203,6 +210,16 @@ void SeriesSolver::sleep() noexcept {
     piece_.lie_still();
 }
 
+/// Whether the pieces have become so short that time hardly goes on: looked into once in most_pieces.
+bool SeriesSolver::stands_still() noexcept {
+    if (state_.step % most_pieces != 0) {
+        return false;
+    }
+    const bool still = difference(end_, looked_at_) < samples_per_unit_;
+    looked_at_ = end_;
+    return still;
+}
+
 bool SeriesSolver::finite() const noexcept {
     double sum = piece_.largest;
     for (std::size_t s = 0; s < folded_.slots(); ++s) {
@@ -223,7 +240,7 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
             next_sample_ = beyond;
         } else {
             next_piece();
-            if (!(piece_.largest < 1e300)) {
+            if (!(piece_.largest < 1e300) || stands_still()) {
                 return Status::unstable;
             }
         }
@@ -303,21 +320,27 @@ double SeriesSolver::time_s() const noexcept {
 }
 
 std::string SeriesSolver::failure() const {
+    const bool still = finite() && piece_.largest < 1e300;
     Eigen::Index contact = 0;
     const double* const overlap = folded_.column(Column::peak_overlap);
     for (Eigen::Index c = 1; c < chain_.bodies(); ++c) {
-        if (!(overlap[folded_.slot(c)] <= overlap[folded_.slot(contact)])) {
+        // what is no number wins
+        if (!(overlap[folded_.slot(c)] <= overlap[folded_.slot(contact)]) && chain_.stiffness[c] > 0) {
             contact = c;
         }
     }
-    std::array<char, 256> text{};
+    const double pressed = overlap[folded_.slot(contact)];
+    const std::string by =
+        std::isfinite(pressed) ? "pressed to " + number_text(pressed) + " m" : "out of all numbers";
+    std::array<char, 320> text{};
     std::snprintf(
         text.data(), text.size(),
-        "the motion's series has no meaning any more after %lld pieces, t = %.6g s (stiffest: contact "
-        "%lld, overlap %.3g m)",
+        "with a step of at most %.4g s the motion's series %s after %lld pieces, t = %.6g s (contact "
+        "%lld, %s)",
+        piece_.unit_s, still ? "hardly goes on any more" : "has no meaning any more",
         static_cast<long long>(state_.step),
         (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
-        static_cast<long long>(contact), overlap[folded_.slot(contact)]);
+        static_cast<long long>(contact), by.c_str());
     return text.data();
 }
 

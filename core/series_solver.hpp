@@ -40,6 +40,7 @@ private:
     bool comes_to_rest() noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
+    bool stands_still() noexcept;
     bool finite() const noexcept;
     void emit(Samples& samples, std::int64_t count) const noexcept;
     void put_outputs(Samples& samples, std::int64_t count) const noexcept;
@@ -61,6 +62,7 @@ private:
     SeriesPiece piece_;
     SeriesKernels kernels_{};
     StepPosition begin_, end_;  ///< of the present piece [samples]
+    StepPosition looked_at_;    ///< when it was last seen that time goes on [samples]
     StepPosition smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
     double rest_energy_ = 0;  ///< below it the chain is at rest while the horn is; 0: never [J]

@@ -20,6 +20,7 @@ HornWaves::HornWaves(const std::array<double, 3>& frequency_hz, double unit_s) {
     for (std::size_t i = 0; i < frequency_hz.size(); ++i) {
         const double step = 2 * std::numbers::pi * frequency_hz[i] * unit_s;
         turns = turns && std::abs(step) <= fastest;
+        reach_of_each[i] = fastest / std::abs(step);
         double term = 1;
         for (std::size_t n = 0; n < 2 * pairs; ++n) {
             const double sign = n % 4 < 2 ? 1 : -1;

@@ -37,6 +37,8 @@ struct HornWaves {
     double slope = 0;              ///< its change in a unit [m]
     bool silent = true;            ///< all amplitudes are zero
     bool turns = true;             ///< slow enough for the kernels to turn them on by one unit
+    double reach = 1;              ///< how far the series of those that sound reaches, at most a unit [z]
+    std::array<double, 3> reach_of_each{};
 
     // coefficients (2 pi f unit)^n/n! of sine and cosine with their signs, even and odd orders
     std::array<std::array<double, pairs>, count> even{}, odd{};            ///< [wave][pair]

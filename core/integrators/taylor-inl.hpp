@@ -474,11 +474,18 @@ private:
     // --- contacts that switch on the way
     // --------------------------------------------------------------------
 
-    /// Total force of contact k at z, [N] times unit^2.
-    HWY_INLINE Vec total_force(std::size_t k, Vec z) const {
-        const Vec sum = horner<0, Degree - 2>(u_, k, z);
+    /// Whether contact k, were it closed, would push at z. Where dashpot and elasticity cancel to rounding it
+    /// is what it was at the piece's start: contacts that graze on and on must not end one piece after
+    /// another.
+    HWY_INLINE Flags would_push(std::size_t k, Vec z) const {
+        const Vec elastic = horner<0, Degree - 2>(u_, k, z);
         const Vec damping = hn::Mul(hn::Set(d_tag, piece_.unit_s), fold_.load(Column::damping)[k]);
-        return hn::MulAdd(damping, slope(d_, k, z), sum);
+        const Vec dashpot = hn::Mul(damping, slope(d_, k, z));
+        const Vec parts = hn::Mul(hn::Set(d_tag, cancelled), hn::Add(hn::Abs(elastic), hn::Abs(dashpot)));
+        const Vec velocity = hn::Mul(hn::Set(d_tag, rounding), hn::Abs(x_[1][k]));
+        const Vec hardly = hn::MulAdd(damping, velocity, parts);
+        const Vec of_closed = hn::Sub(hn::Set(d_tag, 1.0), hn::Add(closed_[k], closed_[k]));  // -1, else 1
+        return hn::Gt(hn::Add(dashpot, elastic), hn::Mul(of_closed, hardly));
     }
 
     /// Contacts that are not at z what they are at the start.
@@ -491,7 +498,7 @@ private:
             // what has just closed pushes; that its elastic force is not in the series does not matter
             const Flags late = hn::Gt(late_[k], zero);
             const Flags pad = hn::Eq(stiffness_[k], zero);
-            const Flags pushes = hn::And(overlaps, hn::Or(late, hn::Gt(total_force(k, z), zero)));
+            const Flags pushes = hn::And(overlaps, hn::Or(late, would_push(k, z)));
             changed = hn::Or(changed, hn::AndNot(pad, hn::Xor(pushes, hn::Gt(closed_[k], zero))));
         }
         return changed;
@@ -769,7 +776,9 @@ private:
     static constexpr double at_zero = 1e-7;  ///< overlap over its change in a unit that counts as none
     static constexpr double least_overlap = 1e-150;  ///< nothing above it overflows [m]
     static constexpr double standstill = 1e-60;      ///< change of overlap in a unit that counts as none [m]
-    static constexpr double shortest = 1e-9;  ///< piece [z]: contacts that chatter cannot hold time back
+    static constexpr double shortest = 1e-9;     ///< piece [z]: contacts that chatter cannot hold time back
+    static constexpr double cancelled = 1e-13;   ///< of a force's parts: their sum counts as none
+    static constexpr double rounding = 0x1p-51;  ///< of a difference of velocities, of the larger of both
     static constexpr int newton_rounds = 8;
     static constexpr int bisections = 45;
 
