@@ -2,8 +2,8 @@
 //
 //     bench_random_scenes [--json FILE] [COUNT [SEED]]
 //
-// Scene number i has the seed SEED + i: one that is found is run again by bench_random_scenes 1 SEED, which prints
-// it.
+// Scene number i has the seed SEED + i: one that is found is run again by bench_random_scenes 1 SEED, which
+// prints it.
 
 #include <algorithm>
 #include <cstdio>
@@ -16,6 +16,7 @@
 #include "core/scene_toml.hpp"
 #include "core/scene_words.hpp"
 #include "tests/support/random_scene.hpp"
+#include "tests/support/trial.hpp"
 
 namespace {
 

@@ -143,8 +143,10 @@ PilotPlan plan_of_series(const Scene& asked, double longest_step) {
     PilotPlan plan{shortened(asked), 0};
     const double affordable = most_samples * 7 / static_cast<double>(plan.scene.chain.spheres + 1) / watched;
     double& rate = plan.scene.output.sample_rate_hz;
-    rate = std::max({std::min(rate, affordable), per_period * asked.drive.frequency_hz, least_samples / watched});
-    plan.samples = static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), least_samples, most_samples));
+    rate = std::max(
+        {std::min(rate, affordable), per_period * asked.drive.frequency_hz, least_samples / watched});
+    plan.samples =
+        static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), least_samples, most_samples));
     return plan;
 }
 

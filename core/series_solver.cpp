@@ -30,7 +30,8 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) noex
 }
 
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
-constexpr std::int64_t most_pieces = 1 << 16;  // within the time of the longest: more mean that it stands still
+// Pieces within the time of the longest: more mean that the motion stands still.
+constexpr std::int64_t most_pieces = 65536;
 
 double difference(StepPosition a, StepPosition b) noexcept {
     const auto steps = static_cast<double>(a.step - b.step);
@@ -283,15 +284,17 @@ std::string SeriesSolver::failure() const {
         }
     }
     const double pressed = overlap[folded_.slot(contact)];
-    const std::string by = std::isfinite(pressed) ? "pressed to " + number_text(pressed) + " m" : "out of all numbers";
+    const std::string by =
+        std::isfinite(pressed) ? "pressed to " + number_text(pressed) + " m" : "out of all numbers";
     std::array<char, 320> text{};
-    std::snprintf(text.data(), text.size(),
-                  "with a step of at most %.4g s the motion's series %s after %lld pieces, t = %.6g s (contact "
-                  "%lld, %s)",
-                  piece_.unit_s, still ? "hardly goes on any more" : "has no meaning any more",
-                  static_cast<long long>(state_.step),
-                  (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
-                  static_cast<long long>(contact), by.c_str());
+    std::snprintf(
+        text.data(), text.size(),
+        "with a step of at most %.4g s the motion's series %s after %lld pieces, t = %.6g s (contact "
+        "%lld, %s)",
+        piece_.unit_s, still ? "hardly goes on any more" : "has no meaning any more",
+        static_cast<long long>(state_.step),
+        (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
+        static_cast<long long>(contact), by.c_str());
     return text.data();
 }
 

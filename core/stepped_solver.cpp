@@ -131,10 +131,11 @@ std::string SteppedSolver::failure() const {
     std::array<char, 256> text{};
     for (Eigen::Index c = 0; c < chain_.bodies(); ++c) {
         if (!std::isfinite(state_.peak_overlap[c])) {
-            std::snprintf(text.data(), text.size(),
-                          "the step of %.4g s lies beyond the stability limit: the overlap of contact %lld had "
-                          "grown beyond all numbers by t = %.6g s",
-                          step_s_, static_cast<long long>(c), time_s);
+            std::snprintf(
+                text.data(), text.size(),
+                "the step of %.4g s lies beyond the stability limit: the overlap of contact %lld had "
+                "grown beyond all numbers by t = %.6g s",
+                step_s_, static_cast<long long>(c), time_s);
             return text.data();
         }
     }

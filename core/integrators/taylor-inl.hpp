@@ -474,8 +474,9 @@ private:
     // --- contacts that switch on the way
     // --------------------------------------------------------------------
 
-    /// Whether contact k, were it closed, would push at z. Where dashpot and elasticity cancel to rounding it is
-    /// what it was at the piece's start: contacts that graze on and on must not end one piece after another.
+    /// Whether contact k, were it closed, would push at z. Where dashpot and elasticity cancel to rounding it
+    /// is what it was at the piece's start: contacts that graze on and on must not end one piece after
+    /// another.
     HWY_INLINE Flags would_push(std::size_t k, Vec z) const {
         const Vec elastic = horner<0, Degree - 2>(u_, k, z);
         const Vec damping = hn::Mul(hn::Set(d_tag, piece_.unit_s), fold_.load(Column::damping)[k]);
@@ -775,8 +776,8 @@ private:
     static constexpr double at_zero = 1e-7;  ///< overlap over its change in a unit that counts as none
     static constexpr double least_overlap = 1e-150;  ///< nothing above it overflows [m]
     static constexpr double standstill = 1e-60;      ///< change of overlap in a unit that counts as none [m]
-    static constexpr double shortest = 1e-9;  ///< piece [z]: contacts that chatter cannot hold time back
-    static constexpr double cancelled = 1e-13;  ///< of a force's parts: their sum counts as none
+    static constexpr double shortest = 1e-9;     ///< piece [z]: contacts that chatter cannot hold time back
+    static constexpr double cancelled = 1e-13;   ///< of a force's parts: their sum counts as none
     static constexpr double rounding = 0x1p-51;  ///< of a difference of velocities, of the larger of both
     static constexpr int newton_rounds = 8;
     static constexpr int bisections = 45;
