@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "apps/run_needs.hpp"
 #include "core/chain.hpp"
 #include "core/coupling.hpp"
@@ -99,23 +101,57 @@ Value fastest_in_motion(const Scene& scene) {
     return fastest_frequency(simulation.chain(), simulation.state().peak_overlap) / two_pi;
 }
 
-void add_time_scales(Values& values, const Resolved& resolved, const Chain& chain) {
-    const Scene& scene = resolved.scene;
-    const StepAdvice& advice = resolved.advice;
-    const double step = *scene.numerics.step_s;
+void add_time_scales(Values& values, const Scene& scene, const Chain& chain) {
     values.push_back(
         {"time", "burst", "burst_duration_s", "s", scene.drive.cycles / scene.drive.frequency_hz});
     values.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
                       fastest_frequency(chain, chain.static_overlap) / two_pi});
     values.push_back(
         {"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz", fastest_in_motion(scene)});
+}
+
+void add_accuracy(Values& values, const Resolved& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    const Value estimate = if_any(resolved.estimated_error.has_value(), resolved.estimated_error.value_or(0));
+    values.push_back({"accuracy", "wanted relative error", "wanted_accuracy", "", advice.accuracy});
+    values.push_back({"accuracy", "estimated at the step in use", "estimated_error", "", estimate});
+    values.push_back({"accuracy", "wanted one within reach", "accuracy_met", "", advice.accuracy_met});
+    values.push_back({"accuracy", "pilots flown", "pilots", "", static_cast<double>(resolved.pilots)});
+    values.push_back({"accuracy", "each over", "pilot_duration_s", "s", advice.pilot_duration_s});
+}
+
+std::string text_of(IntegratorReason reason) {
+    switch (reason) {
+        case IntegratorReason::set_by_scene:
+            return "set by the scene";
+        case IntegratorReason::short_chain:
+            return fmt::format("short chain, up to {} spheres: series", short_chain_spheres);
+        case IntegratorReason::high_accuracy:
+            return fmt::format("accuracy below {:g}: series of order 12", high_accuracy);
+        case IntegratorReason::long_chain:
+            return fmt::format("long chain, over {} spheres: leapfrog", short_chain_spheres);
+    }
+    return {};
+}
+
+void add_step(Values& values, const Resolved& resolved) {
+    const Scene& scene = resolved.scene;
+    const StepAdvice& advice = resolved.advice;
+    const double step = *scene.numerics.step_s;
+    const bool series = is_series(*scene.numerics.integrator);
     values.push_back({"step", "integrator", "integrator", "", std::string(word(*scene.numerics.integrator))});
+    values.push_back({"step", "why this one", "integrator_reason", "", text_of(resolved.integrator_reason)});
     values.push_back({"step", "step", "step_s", "s", step});
+    values.push_back({"step", "it is the", "step_role", "", std::string(series ? "longest piece" : "step")});
+    values.push_back({"step", "chosen by", "step_chosen_by", "",
+                      std::string(resolved.step_set_by_scene ? "scene" : "accuracy")});
+    values.push_back({"step", series ? "pieces per burst, about" : "steps per burst, about",
+                      "steps_per_burst", "", std::round(resolved.steps_per_burst)});
     values.push_back(
         {"step", "steps per sample", "steps_per_sample", "", 1 / (scene.output.sample_rate_hz * step)});
     values.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
-    values.push_back({"step", "its estimated relative error", "estimated_error", "", advice.estimated_error});
-    values.push_back({"step", "wanted accuracy within reach", "accuracy_met", "", advice.accuracy_met});
+    values.push_back({"step", "its estimated relative error", "recommended_step_estimated_error", "",
+                      advice.estimated_error});
     values.push_back(
         {"step", "largest stable step", "largest_stable_step_s", "s", advice.largest_stable_step_s});
 }
@@ -143,7 +179,9 @@ std::vector<DerivedValue> derived_values(const Resolved& resolved) {
     add_spheres(values, scene, chain);
     add_contacts(values, scene, chain);
     add_end(values, scene, chain);
-    add_time_scales(values, resolved, chain);
+    add_time_scales(values, scene, chain);
+    add_accuracy(values, resolved);
+    add_step(values, resolved);
     add_costs(values, scene);
     return values;
 }

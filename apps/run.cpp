@@ -129,7 +129,7 @@ Json summarise(Simulation& simulation, const RunRecord& record, const Resolved& 
     summary["steps"] = simulation.steps();
     summary["step_s"] = simulation.step_s();
     summary["integrator"] = word(*scene.numerics.integrator);
-    summary["estimated_error"] = number_or_null(estimated_error(resolved));
+    summary["estimated_error"] = number_or_null(resolved.estimated_error);
     summary["contact_events"] = simulation.contact_events();
     summary["energy_residual"] = simulation.energy_residual();
     summary["peak_v_last_m_per_s"] = record.peak_v_last;

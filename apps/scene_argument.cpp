@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -90,13 +89,16 @@ SceneText find_text(const std::string& name) {
     throw WrongUse(text);
 }
 
-void warn_of_chaos(const std::string& origin, const Resolved& resolved) {
-    if (!resolved.advice.accuracy_met && estimated_error(resolved)) {
+void warn_of_missed_accuracy(const std::string& origin, const Resolved& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    if (!advice.accuracy_met && !resolved.step_set_by_scene) {
         spdlog::warn(
-            "{}: no step brings the error down to the wanted accuracy (estimated: {:.2g}); the motion is "
-            "chaotic, "
-            "so judge it by energy_residual and statistics, not sample by sample",
-            origin, resolved.advice.estimated_error);
+            "{}: no step can be shown to reach the wanted accuracy of {:g} (estimated error: {:.2g}){}",
+            origin, advice.accuracy, advice.estimated_error,
+            advice.estimated_error > chaotic_error
+                ? "; the motion is chaotic, so judge it by energy_residual and statistics, not sample "
+                  "by sample"
+                : "");
     }
 }
 
@@ -128,14 +130,8 @@ Resolved resolved_scene(const SceneRequest& request) {
         }
         refuse_scene(problems);
     }
-    warn_of_chaos(source.origin, resolved);
+    warn_of_missed_accuracy(source.origin, resolved);
     return resolved;
-}
-
-std::optional<double> estimated_error(const Resolved& resolved) {
-    return resolved.scene.numerics.step_s == resolved.advice.recommended_step_s
-               ? std::optional(resolved.advice.estimated_error)
-               : std::nullopt;
 }
 
 }  // namespace hertzline::app

@@ -24,7 +24,4 @@ CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request);
 /// when the scene does not fit into memory.
 Resolved resolved_scene(const SceneRequest& request);
 
-/// How far the step can be trusted, where the program chose it: the estimated relative error.
-std::optional<double> estimated_error(const Resolved& resolved);
-
 }  // namespace hertzline::app

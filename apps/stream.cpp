@@ -126,6 +126,7 @@ Json summarise(const StreamMeters& meters, const StreamPlan& plan, const Pipelin
     summary["steps"] = meters.steps;
     summary["step_s"] = *plan.scene.numerics.step_s;
     summary["integrator"] = word(*plan.scene.numerics.integrator);
+    summary["estimated_error"] = number_or_null(plan.estimated_error);
     summary["contact_events"] = meters.contact_events;
     summary["energy_residual"] = meters.energy_residual;
     summary["samples"] = meters.samples;
@@ -156,6 +157,7 @@ Exit stream(const StreamOptions& options) {
     const StreamPlan plan{.scene = resolved.scene,
                           .scene_hash = scene_hash(resolved.scene),
                           .version = HERTZLINE_VERSION,
+                          .estimated_error = resolved.estimated_error,
                           .pace = pace_of(options),
                           .samples = samples_of(options, resolved.scene),
                           .start = options.start};

@@ -47,10 +47,6 @@ struct Axis {
     std::function<void(Scene&, double)> change;
 };
 
-bool is_series(Integrator integrator) {
-    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
-}
-
 double sphere_mass(const Chain& chain) {
     return 1 / chain.inv_mass[0];
 }

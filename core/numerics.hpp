@@ -1,44 +1,60 @@
 #pragma once
 // Choosing integrator and step: what a scene leaves open is settled here, by measuring instead of guessing.
 //
-// A pilot runs the scene over its first burst with a step and with half of it. Their difference, extrapolated
-// with the method's order, is the error; halving goes on until it is below the wanted accuracy. A pilot costs
-// about as much as simulating a few milliseconds. The contacts' largest overlaps in it tell the largest
-// stable step.
+// A pilot runs the scene over its first burst. One is flown as exactly as can be had, as a reference
+// (reference_pilot.hpp); how far another one is from it is the error of its step. Steps on a grid are chosen
+// without it: there a pilot is compared with one of half the step, and halving goes on until the difference,
+// extrapolated with the method's order, is below the wanted accuracy. Pilots together cost about as much as
+// simulating a few milliseconds. The contacts' largest overlaps in them tell the largest stable step.
 
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "core/scene.hpp"
+#include "core/step_advice.hpp"
 
 namespace hertzline {
 
-/// Relative L2 error of the velocities that a scene gets when it asks for nothing.
-inline constexpr double default_accuracy = 1e-4;
-
-/// What a pilot found out about a scene.
-struct StepAdvice {
-    double recommended_step_s = 0;     ///< meets the accuracy; fits the sample grid
-    double estimated_error = 0;        ///< relative L2, of all velocities at that step
-    double largest_stable_step_s = 0;  ///< with the largest overlaps of the pilot
-    double pilot_duration_s = 0;
-    bool accuracy_met = true;  ///< false: not even the smallest step tried came close (a chaotic scene)
+/// Why a scene gets its integrator.
+enum class IntegratorReason {
+    set_by_scene,
+    short_chain,    ///< fits into registers: a series, which has the lowest error for its time
+    high_accuracy,  ///< the same, but below high_accuracy: a series of order 12
+    long_chain,     ///< somewhere a contact switches in almost every step: locating each would cost more than
+                    ///< it gains, so leapfrog
 };
 
-/// The scene with its integrator set: its own, or chin4a for chains that fit into registers and leapfrog for
-/// longer ones, where somewhere a contact switches in almost every step and locating each would cost more
-/// than it gains.
+/// Longest chain that gets a series.
+inline constexpr std::int64_t short_chain_spheres = 30;  // four AVX-512 registers
+/// A wanted error below this gets order 12.
+inline constexpr double high_accuracy = 1e-6;
+
+struct IntegratorChoice {
+    Integrator integrator;
+    IntegratorReason reason;
+};
+IntegratorChoice integrator_choice(const Scene& scene) noexcept;
+
+/// The scene with its integrator set.
 Scene with_integrator(Scene scene);
 
 /// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.
 /// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
 StepAdvice advise_step(const Scene& scene);
 
-/// A valid scene with integrator and step settled, or what is wrong with its step.
+/// A valid scene with integrator and step settled and what is to be expected of them, or what is wrong with
+/// its step.
 struct Resolved {
     Scene scene;  ///< numerics.integrator and step_s set, accuracy unset
+    IntegratorReason integrator_reason = IntegratorReason::set_by_scene;
+    bool step_set_by_scene = false;
     StepAdvice advice;
-    std::vector<Fault> faults;  ///< step beyond the stability limit
+    int pilots = 0;  ///< all that were flown: the reference, those of the advice, that of the step in use
+    /// Of the step in use, relative L2 of the worst velocity: what a pilot at that step differs from the
+    /// reference. Of a long chain the first 128 spheres are looked at. None if the pilot would take too long.
+    std::optional<double> estimated_error;
+    double steps_per_burst = 0;  ///< to be expected: steps, or pieces of a series
+    std::vector<Fault> faults;   ///< step beyond the stability limit
 };
 Resolved resolved(const Scene& scene);
 

@@ -19,6 +19,11 @@ enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
 enum class Integrator { leapfrog, chin4a, taylor8, taylor12 };
 
+/// Whether numerics.step_s is the longest piece of a power series, not the step of a grid.
+constexpr bool is_series(Integrator integrator) noexcept {
+    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
+}
+
 /// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
 struct Drive {
     std::string material = "steel";
@@ -63,6 +68,8 @@ struct Numerics {
     std::optional<Integrator> integrator;
     std::optional<double> step_s;
     std::optional<double> accuracy;  ///< wanted relative L2 error of the velocities
+    double rest_tolerance =
+        0;  ///< between bursts, motion below this part of the horn's velocity is rest; 0: never
     bool operator==(const Numerics&) const = default;
 };
 

@@ -100,10 +100,11 @@ void visit_scene(AnyScene& scene, Visit&& visit) {
         visit("medium.material", material, MaterialSort::fluid);
     }
     {
-        auto& [integrator, step_s, accuracy] = scene.numerics;
+        auto& [integrator, step_s, accuracy, rest_tolerance] = scene.numerics;
         visit("numerics.integrator", integrator, OneOf<Integrator>{});
         visit("numerics.step_s", step_s, Range{1e-12, 1, "s"});
         visit("numerics.accuracy", accuracy, Range{1e-15, 0.1, ""});
+        visit("numerics.rest_tolerance", rest_tolerance, Range{0, 0.01, ""});
     }
     {
         auto& [sample_rate_hz, duration_s, frame_samples] = scene.output;

@@ -77,6 +77,10 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = most.ledger;
+    const double rest_velocity = scene.numerics.rest_tolerance * velocity_scale(chain, scene.drive, omega);
+    const bool rests_at_zero = chain.preload_n > 0 && (chain.bias == 0).all();
+    rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
+    kept_peaks_ = chain.static_overlap;
     reset();
 }
 
@@ -86,12 +90,11 @@ void SeriesSolver::reset() noexcept {
     folded_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     smooth_ = burst_.smooth(0, 0);
-    horn_end_ = 0;
     next_sample_ = 0;
     ledger_ = {};
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
     set_horn(0);
-    meet_horn();
+    meet_horn(0);
 }
 
 const ChainState& SeriesSolver::state() noexcept {
@@ -132,12 +135,23 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
 }
 
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
-void SeriesSolver::meet_horn() noexcept {
+void SeriesSolver::meet_horn(double before_m) noexcept {
     const double horn = piece_.waves.displacement;
     const double x = folded_.column(Column::x)[folded_.slot(0)];
-    const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn_end_ - x));
+    const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (before_m - x));
     const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
     ledger_.work += after - before;
+}
+
+double SeriesSolver::horn_displacement() const noexcept {
+    if (piece_.waves.turns) {
+        return piece_.waves.displacement;  // the kernels have moved it on to the piece's end
+    }
+    double horn = 0;
+    for (std::size_t n = piece_.horn.size(); n-- > 0;) {
+        horn = horn * piece_.length + piece_.horn[n];
+    }
+    return horn;
 }
 
 void SeriesSolver::next_piece() noexcept {
@@ -145,22 +159,25 @@ void SeriesSolver::next_piece() noexcept {
     double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
     constexpr double sliver = 1e-9;  // [samples]
     if (smooth_.left_s - since_look_up < sliver * sample_period_s_) {
+        const double before = horn_displacement();
         smooth_ = burst_.smooth(begin_.step, begin_.fraction());
         smooth_from_ = begin_;
         since_look_up = 0;
         set_horn(0);
-        meet_horn();
+        meet_horn(before);
     } else if (!piece_.waves.turns || state_.step % turned_pieces == 0) {
         set_horn(since_look_up);
     }
-    piece_.reach = std::min(piece_.waves.reach, (smooth_.left_s - since_look_up) * piece_.per_unit);
-    kernels_.piece(folded_, piece_);
-    double horn = 0;
-    for (int n = piece_.degree(); n >= 0; --n) {
-        horn = horn * piece_.length + piece_.horn[static_cast<std::size_t>(n)];
-    }
-    horn_end_ = horn;
+    const double left_s = smooth_.left_s - since_look_up;
     ++state_.step;
+    if (rest_energy_ > 0 && piece_.waves.silent && comes_to_rest()) {
+        sleep();
+        constexpr double longest = 1e15;  // [samples]: for good
+        end_.advance(StepPosition::of(std::min(longest, left_s / sample_period_s_)));
+        return;
+    }
+    piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
+    kernels_.piece(folded_, piece_);
     end_.advance(StepPosition::of(piece_.length * samples_per_unit_));
 }
 
@@ -172,6 +189,35 @@ bool SeriesSolver::stands_still() noexcept {
     const bool still = difference(end_, looked_at_) < samples_per_unit_;
     looked_at_ = end_;
     return still;
+}
+
+bool SeriesSolver::comes_to_rest() noexcept {
+    double kinetic = 0;
+    for (Eigen::Index b = 0; b < chain_.bodies(); ++b) {
+        const double v = folded_.column(Column::v)[folded_.slot(b)];
+        kinetic += chain_.inv_mass[b] > 0 ? 0.5 * v * v / chain_.inv_mass[b] : 0;
+    }
+    return kinetic <= rest_energy_ && energy_above_rest() <= rest_energy_;
+}
+
+double SeriesSolver::energy_above_rest() noexcept {
+    const ChainState& now = state();
+    return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start;
+}
+
+/// To exact rest; what motion is left counts as lost.
+void SeriesSolver::sleep() noexcept {
+    const double left = energy_above_rest();
+    ledger_ = ledger();
+    ledger_.lost += left;
+    const std::int64_t steps = state_.step;
+    std::swap(kept_peaks_, state_.peak_overlap);
+    state_.rest(chain_);
+    std::swap(kept_peaks_, state_.peak_overlap);
+    state_.step = steps;
+    folded_.fold(chain_, state_, chain_.bodies());
+    std::copy_n(folded_.column(Column::closed), folded_.slots(), folded_.column(Column::overlap));
+    piece_.lie_still();
 }
 
 bool SeriesSolver::finite() const noexcept {

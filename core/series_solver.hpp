@@ -21,7 +21,7 @@ public:
     std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override;
-    double horn_displacement() const noexcept override { return horn_end_; }
+    double horn_displacement() const noexcept override;
     Ledger ledger() noexcept override;
     std::string failure() const override;
 
@@ -36,7 +36,10 @@ private:
 
     void next_piece() noexcept;
     void set_horn(double since_look_up) noexcept;
-    void meet_horn() noexcept;
+    void meet_horn(double before) noexcept;
+    bool comes_to_rest() noexcept;
+    double energy_above_rest() noexcept;
+    void sleep() noexcept;
     bool stands_still() noexcept;
     bool finite() const noexcept;
     void emit(Samples& samples, std::int64_t count) const noexcept;
@@ -54,6 +57,7 @@ private:
     ToneBurst burst_;
     std::array<double, 3> frequencies_hz_;
     ChainState state_;
+    Eigen::ArrayXd kept_peaks_;  ///< room to swap
     FoldedChain folded_;
     SeriesPiece piece_;
     SeriesKernels kernels_{};
@@ -61,7 +65,7 @@ private:
     StepPosition looked_at_;    ///< when it was last seen that time goes on [samples]
     StepPosition smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
-    double horn_end_ = 0;  ///< displacement of the horn at the piece's end [m]
+    double rest_energy_ = 0;  ///< below it the chain is at rest while the horn is; 0: never [J]
     std::int64_t next_sample_ = 0;
     Ledger ledger_;
 };

@@ -11,14 +11,6 @@
 
 namespace hertzline {
 
-namespace {
-
-bool is_series(Integrator integrator) noexcept {
-    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
-}
-
-}  // namespace
-
 std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most, AtRest at_rest) {
     if (!scene.numerics.integrator || !scene.numerics.step_s) {
         throw std::invalid_argument("Simulation: the scene's integrator and step are not resolved");

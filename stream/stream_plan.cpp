@@ -28,6 +28,7 @@ std::string meta_json(const StreamPlan& plan, const std::string& run_id) {
                     {"version", plan.version},
                     {"run", run_id},
                     {"scene_hash", plan.scene_hash},
+                    {"estimated_error", plan.estimated_error ? Json(*plan.estimated_error) : Json(nullptr)},
                     {"fs", plan.scene.output.sample_rate_hz},
                     {"frame_samples", plan.scene.output.frame_samples},
                     {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},

@@ -16,6 +16,7 @@ struct StreamPlan {
     Scene scene;  ///< resolved (core/numerics.hpp)
     std::string scene_hash;
     std::string version;
+    std::optional<double> estimated_error{};  ///< of the velocities, relative L2; unset: unknown
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples;  ///< unset: until stopped
     StreamStart start = StreamStart::at_once;

@@ -31,6 +31,13 @@ HornWaves::HornWaves(const std::array<double, 3>& frequency_hz, double unit_s) {
     }
 }
 
+void SeriesPiece::lie_still() noexcept {
+    std::fill_n(terms_.get(), slots_ * static_cast<std::size_t>(degree_ + 1), 0.0);
+    late = false;
+    largest = 0;
+    length = 0;
+}
+
 SeriesPiece::SeriesPiece(std::size_t slots, int degree, const HornWaves& horn_waves)
     : waves(horn_waves), slots_((slots + 7) / 8 * 8), degree_(degree) {
     const std::size_t size = slots_ * static_cast<std::size_t>(3 * (degree + 1) + late_terms);

@@ -81,6 +81,9 @@ public:
 
     int degree() const noexcept { return degree_; }
 
+    /// Becomes a piece in which nothing moves.
+    void lie_still() noexcept;
+
 private:
     struct Free {
         void operator()(double* p) const noexcept;

@@ -17,24 +17,15 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Key;
+using testing::Not;
 
-const std::vector<std::string> contract_names{"simulated_s",
-                                              "wall_s",
-                                              "real_time_factor",
-                                              "steps",
-                                              "step_s",
-                                              "integrator",
-                                              "contact_events",
-                                              "energy_residual",
-                                              "peak_v_last_m_per_s",
-                                              "peak_v_out_m_per_s",
-                                              "fundamental_hz",
-                                              "harmonics_db",
-                                              "thd_r",
-                                              "bandwidth_6db_hz",
-                                              "bandwidth_20db_hz",
-                                              "scene_hash",
-                                              "version"};
+const std::vector<std::string> contract_names{
+    "simulated_s",        "wall_s",          "real_time_factor", "steps",           "step_s",
+    "integrator",         "estimated_error", "contact_events",   "energy_residual", "peak_v_last_m_per_s",
+    "peak_v_out_m_per_s", "fundamental_hz",  "harmonics_db",     "thd_r",           "bandwidth_6db_hz",
+    "bandwidth_20db_hz",  "scene_hash",      "version"};
+
+using Words = std::vector<std::string>;
 
 std::size_t files_in(const std::filesystem::path& folder) {
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
@@ -62,6 +53,23 @@ TEST(Run, ReproducesThePapersDevice) {
     }
     EXPECT_GT(summary["bandwidth_20db_hz"].get<double>(), summary["bandwidth_6db_hz"].get<double>());
     EXPECT_LT(summary["energy_residual"].get<double>(), 1e-3);
+}
+
+TEST(Run, EstimatesTheErrorOfAnyStepThatAPilotCanAfford) {
+    const auto estimate = [](const Words& settings) {
+        Words words{"run", "paper-vitreous-carbon", "--json", "--set", "output.duration_s=1e-6"};
+        for (const std::string& setting : settings) {
+            words.insert(words.end(), {"--set", "numerics." + setting});
+        }
+        return hertzline(words).json()["estimated_error"];
+    };
+    EXPECT_LE(estimate({}).get<double>(), 1e-4);
+    EXPECT_LE(estimate({"accuracy=1e-8"}).get<double>(), 1e-8);
+    // 3.4e-5 is what this step differs by from the reference of tests/reference in v_out
+    const double given = estimate({"integrator=chin4a", "step_s=200e-9"}).get<double>();
+    EXPECT_GT(given, 3.4e-5 / 3);
+    EXPECT_LT(given, 3.4e-5 * 3);
+    EXPECT_TRUE(estimate({"step_s=1e-12"}).is_null());
 }
 
 TEST(Run, NothingGoesToStderrWithoutATerminal) {
@@ -157,11 +165,18 @@ TEST(Run, SceneMayBeAFile) {
     EXPECT_EQ(mine["scene_hash"], hertzline({"run", "paper-wall", "--json"}).json()["scene_hash"]);
 }
 
+TEST(Run, WarnsOfAnAccuracyThatNoStepIsShownToReach) {
+    const Outcome outcome = hertzline({"run", "paper-wall", "--set", "numerics.accuracy=1e-15"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, ContainsRegex("warning: .*accuracy of 1e-15"));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("chaotic")));
+}
+
 TEST(Run, WarnsOfAChaoticScene) {
     const Outcome outcome = hertzline({"run", "sonic-vacuum", "--set", "chain.damping_kg_per_s=0", "--set",
                                        "numerics.accuracy=1e-14", "--set", "output.duration_s=1e-5"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, ContainsRegex("warning: .*accuracy"));
+    EXPECT_THAT(outcome.err, ContainsRegex("warning: .*accuracy.*chaotic"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::StartsWith;
 
 TEST(Scenes, ListsEveryShippedSceneWithItsDescription) {
     const Outcome text = hertzline({"scenes"});
@@ -39,6 +40,42 @@ TEST(Scenes, PrintsAFileThatRunsTheSame) {
     EXPECT_EQ(again["peak_v_out_m_per_s"], original["peak_v_out_m_per_s"]);
 }
 
+TEST(Scenes, PrintsAFileThatGivesTheSameBits) {
+    using Words = std::vector<std::string>;
+    const TemporaryFolder folder;
+    // steps that no short decimal number holds, and what the program finds
+    for (const Words& numerics : {Words{"integrator=taylor8", "step_s=0.4567890123456789e-6"},
+                                  Words{"integrator=taylor12", "step_s=0.2718281828459045e-6"},
+                                  Words{"integrator=taylor8", "accuracy=3e-5"},
+                                  Words{"integrator=taylor12", "accuracy=3e-9"}, Words{"accuracy=2e-6"}}) {
+        Words settings;
+        for (const std::string& setting : numerics) {
+            settings.insert(settings.end(), {"--set", "numerics." + setting});
+        }
+        const auto with_settings = [&](Words words) {
+            words.insert(words.end(), settings.begin(), settings.end());
+            return hertzline(words);
+        };
+        write_text(folder.file("printed.toml"), with_settings({"scenes", "paper-acrylic"}).out);
+        const Outcome original =
+            with_settings({"run", "paper-acrylic", "--json", "--all", "-o", folder.file("original.csv")});
+        const Outcome again = hertzline(
+            {"run", folder.file("printed.toml"), "--json", "--all", "-o", folder.file("again.csv")});
+        ASSERT_EQ(original.status, 0) << original.err;
+        ASSERT_EQ(again.status, 0) << again.err;
+        EXPECT_EQ(text_of(folder.file("again.csv")), text_of(folder.file("original.csv")))
+            << numerics.front();
+        for (const char* name : {"step_s", "integrator", "estimated_error", "steps", "scene_hash"}) {
+            EXPECT_EQ(again.json()[name], original.json()[name]) << name;
+        }
+    }
+}
+
+TEST(Scenes, SaysOfAGivenStepThatItWasGiven) {
+    const Outcome printed = hertzline({"scenes", "paper-wall", "--set", "numerics.step_s=400e-9"});
+    EXPECT_THAT(printed.out, HasSubstr("step_s was given: estimated relative error"));
+}
+
 TEST(Scenes, PrintsJsonWithEveryDefaultResolved) {
     const auto scene = hertzline({"scenes", "paper-wall", "--json"}).json();
     EXPECT_EQ(scene["end"]["kind"], "wall");
@@ -64,6 +101,45 @@ TEST(Check, DerivesThePapersNumbers) {
     EXPECT_NEAR(value("steps_per_sample"), 1 / (10e6 * value("step_s")), 1e-9);
     EXPECT_EQ(derived["accuracy_met"], true);
     EXPECT_EQ(derived["integrator"], "taylor8");
+}
+
+TEST(Check, SaysWhatWasPickedAndWhy) {
+    struct Case {
+        const char* setting;
+        const char* integrator;
+        const char* reason;
+        const char* role;
+        const char* chosen_by;
+        double wanted;
+    };
+    for (const Case& c :
+         {Case{"chain.spheres=6", "taylor8", "short chain", "longest piece", "accuracy", 1e-4},
+          Case{"numerics.accuracy=1e-7", "taylor12", "accuracy below 1e-06", "longest piece", "accuracy",
+               1e-7},
+          Case{"chain.spheres=40", "leapfrog", "long chain", "step", "accuracy", 1e-4},
+          Case{"numerics.integrator=chin4a", "chin4a", "set by the scene", "step", "accuracy", 1e-4},
+          Case{"numerics.step_s=400e-9", "taylor8", "short chain", "longest piece", "scene", 1e-4}}) {
+        const auto derived = hertzline({"check", "paper-wall", "--json", "--set", c.setting}).json();
+        EXPECT_EQ(derived["integrator"], c.integrator);
+        EXPECT_THAT(derived["integrator_reason"].get<std::string>(), StartsWith(c.reason));
+        EXPECT_EQ(derived["step_role"], c.role);
+        EXPECT_EQ(derived["step_chosen_by"], c.chosen_by);
+        EXPECT_EQ(derived["wanted_accuracy"], c.wanted);
+        EXPECT_LE(derived["estimated_error"].get<double>(), c.wanted) << c.setting;
+        EXPECT_GE(derived["pilots"].get<double>(), 4) << c.setting;  // the reference is two
+        EXPECT_NEAR(derived["pilot_duration_s"].get<double>(), 1.5 * 25 / 73e3, 1e-6);
+        const double grid = 25 / 73e3 / derived["step_s"].get<double>();
+        const double expected = derived["steps_per_burst"].get<double>();
+        EXPECT_GE(expected, 0.999 * grid) << c.setting;
+        EXPECT_LE(expected, (c.role == std::string("step") ? 1.001 : 4) * grid) << c.setting;
+    }
+}
+
+TEST(Check, KnowsNoErrorOfAStepTooShortForAPilot) {
+    const auto derived =
+        hertzline({"check", "paper-wall", "--json", "--set", "numerics.step_s=1e-12"}).json();
+    EXPECT_TRUE(derived["estimated_error"].is_null());
+    EXPECT_LE(derived["recommended_step_estimated_error"].get<double>(), 1e-4);
 }
 
 TEST(Check, HasNoPlateWhereThereIsNone) {

@@ -28,7 +28,8 @@ double residual(const Scene& scene) {
 }
 
 /// Residuals at steps that shrink by a factor.
-std::vector<double> residuals(const std::string& file, Integrator integrator, double longest, double factor, int count) {
+std::vector<double> residuals(const std::string& file, Integrator integrator, double longest, double factor,
+                              int count) {
     std::vector<double> all;
     for (int i = 0; i < count; ++i) {
         all.push_back(residual(with_step(reference_scene(file), integrator, longest / std::pow(factor, i))));

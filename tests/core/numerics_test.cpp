@@ -176,15 +176,30 @@ TEST(Advice, KeepsItsWordForEveryIntegratorAndOtherScenes) {
     }
 }
 
+TEST(Advice, EstimatesTheErrorOfTheStepInUseWhereTheProgramChoseASeries) {
+    for (const Scene& scene : unseen_scenes()) {
+        const Resolved settled = resolved(scene);
+        EXPECT_FALSE(settled.step_set_by_scene);
+        EXPECT_EQ(settled.estimated_error, settled.advice.estimated_error);
+    }
+}
+
 TEST(Integrators, ShortChainsGetASeriesAndLongOnesLeapfrogUnlessAskedOtherwise) {
     Scene scene;
-    EXPECT_EQ(with_integrator(scene).numerics.integrator, Integrator::taylor8);
+    const auto expect_choice = [&](Integrator integrator, IntegratorReason reason) {
+        EXPECT_EQ(integrator_choice(scene).integrator, integrator);
+        EXPECT_EQ(integrator_choice(scene).reason, reason);
+        EXPECT_EQ(with_integrator(scene).numerics.integrator, integrator);
+    };
+    expect_choice(Integrator::taylor8, IntegratorReason::short_chain);
+    scene.numerics.accuracy = 1e-6;
+    expect_choice(Integrator::taylor8, IntegratorReason::short_chain);
     scene.numerics.accuracy = 1e-8;
-    EXPECT_EQ(with_integrator(scene).numerics.integrator, Integrator::taylor12);
-    scene.chain.spheres = 1000;
-    EXPECT_EQ(with_integrator(scene).numerics.integrator, Integrator::leapfrog);
+    expect_choice(Integrator::taylor12, IntegratorReason::high_accuracy);
+    scene.chain.spheres = 31;
+    expect_choice(Integrator::leapfrog, IntegratorReason::long_chain);
     scene.numerics.integrator = Integrator::chin4a;
-    EXPECT_EQ(with_integrator(scene).numerics.integrator, Integrator::chin4a);
+    expect_choice(Integrator::chin4a, IntegratorReason::set_by_scene);
 }
 
 TEST(StabilityLimit, IsNeverRaisedByMoreOverlapNorLostInNaN) {

@@ -62,6 +62,10 @@ TEST(Promises, ResultsDoNotDependOnBlockSize) {
 TEST(Promises, WhatIsNotWishedForDoesNotChangeWhatIs) {
     for (const Scene& scene : every_kind()) {
         const Record expected = recorded(scene, 900);
+        Wish without_ledger = everything;
+        without_ledger.ledger = false;
+        Simulation unbooked(scene, without_ledger);
+        EXPECT_EQ(recorded(unbooked, 900, 900), expected);
         Simulation simulation(scene, everything);
         Samples part(simulation.chain(), 300, everything);
         simulation.skip(300);

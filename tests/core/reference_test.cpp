@@ -2,6 +2,7 @@
 
 #include "tests/support/reference.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -69,6 +70,32 @@ TEST_P(EveryReference, AnAskedForAccuracyIsMetWithinAFactorOfThree) {
         const Comparison errors = run(scene);
         EXPECT_LE(errors.v_last, 3 * accuracy) << accuracy;
         EXPECT_LE(errors.v_plate, 3 * accuracy) << accuracy;
+    }
+}
+
+TEST_P(EveryReference, TheEstimatedErrorIsTheTrueOneWithinAFactorOfThree) {
+    // where hardly anything moves, the worst velocity errs more than the last sphere's, which is compared
+    const double spread = GetParam().file == "small_amplitude_wall" ? 6 : 3;
+    constexpr double shown_by_references = 5e-9;
+    const auto expect_agreement = [&](const Scene& scene) {
+        const Resolved settled = resolved(scene);
+        const Comparison errors = run(settled.scene);
+        const double error = std::max({errors.v_last, errors.v_plate, errors.v_out});
+        ASSERT_TRUE(settled.estimated_error.has_value());
+        EXPECT_GE(*settled.estimated_error * 3, error > shown_by_references ? error : 0) << errors.step_s;
+        EXPECT_LE(*settled.estimated_error, spread * std::max(error, shown_by_references)) << errors.step_s;
+    };
+    for (const double accuracy : {1e-3, 1e-4, 1e-6, 1e-8}) {
+        Scene scene = GetParam().scene;
+        scene.numerics.accuracy = accuracy;
+        expect_agreement(scene);
+    }
+    for (const Integrator integrator : choices<Integrator>) {
+        expect_agreement(with_step(GetParam().scene, integrator, 200e-9));
+        expect_agreement(with_step(GetParam().scene, integrator, 87.654321e-9));
+    }
+    for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
+        expect_agreement(with_step(GetParam().scene, integrator, 0.7e-6));
     }
 }
 

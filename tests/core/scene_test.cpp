@@ -90,7 +90,7 @@ struct SpoilNumber {
 };
 
 TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
-    constexpr int number_fields = 15;
+    constexpr int number_fields = 16;
     std::set<std::string> keys;
     for (const double value : {nan, inf, -inf, 1e300, -1e300}) {
         for (int wanted = 0; wanted < number_fields; ++wanted) {
@@ -135,6 +135,8 @@ TEST(Scene, EachBoundIsWhereItShouldBe) {
         {"numerics.step_s", 1e-12, 0, [](Scene& s, double x) { s.numerics.step_s = x; }},
         {"numerics.accuracy", 1e-15, 0, [](Scene& s, double x) { s.numerics.accuracy = x; }},
         {"numerics.accuracy", 0.1, 0.11, [](Scene& s, double x) { s.numerics.accuracy = x; }},
+        {"numerics.rest_tolerance", 0, -1e-9, [](Scene& s, double x) { s.numerics.rest_tolerance = x; }},
+        {"numerics.rest_tolerance", 0.01, 0.011, [](Scene& s, double x) { s.numerics.rest_tolerance = x; }},
         {"output.sample_rate_hz", 1e-3, 0, [](Scene& s, double x) { s.output.sample_rate_hz = x; }},
         {"output.sample_rate_hz", 1e12, 1.1e12, [](Scene& s, double x) { s.output.sample_rate_hz = x; }},
         {"output.duration_s", 1e-12, 0, [](Scene& s, double x) { s.output.duration_s = x; }},
