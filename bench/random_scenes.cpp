@@ -16,6 +16,7 @@
 #include "core/scene_toml.hpp"
 #include "core/scene_words.hpp"
 #include "tests/support/random_scene.hpp"
+#include "tests/support/trial.hpp"
 
 namespace {
 

@@ -11,14 +11,14 @@ namespace hertzline {
 namespace {
 
 constexpr Integrator best = Integrator::taylor12;
-constexpr double as_good_as_exact = 1e-13;     // error of a piece
-constexpr double finer = 0.7;                  // pieces that show the error of the reference
-constexpr double most_samples = 40e3;          // in a pilot,
-constexpr double most_pieces = 20e3;           // and the longest pieces that it may last
+constexpr double as_good_as_exact = 1e-13;  // error of a piece
+constexpr double finer = 0.7;               // pieces that show the error of the reference
+constexpr double most_samples = 40e3;       // in a pilot,
+constexpr double most_pieces = 20e3;        // and the longest pieces that it may last
+constexpr double least_samples = 16;
 constexpr double samples_per_period = 16;      // at least
 constexpr double paper_bodies = 7;             // for which the samples are meant; more bodies, fewer samples
 constexpr double affordable_body_steps = 1e7;  // about a second of a series, less of other methods
-constexpr double least_samples = 16;
 constexpr std::int64_t pilot_spheres = 128;
 constexpr double bursts_watched = 1.5;
 constexpr double series_drive_periods = 0.11;

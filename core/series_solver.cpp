@@ -30,8 +30,8 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) noex
 }
 
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
-constexpr std::int64_t most_pieces = 1
-                                     << 16;  // within the time of the longest: more mean that it stands still
+// Pieces within the time of the longest: more mean that the motion stands still.
+constexpr std::int64_t most_pieces = 65536;
 
 double difference(StepPosition a, StepPosition b) noexcept {
     const auto steps = static_cast<double>(a.step - b.step);
@@ -181,6 +181,16 @@ void SeriesSolver::next_piece() noexcept {
     end_.advance(StepPosition::of(piece_.length * samples_per_unit_));
 }
 
+/// Whether the pieces have become so short that time hardly goes on: looked into once in most_pieces.
+bool SeriesSolver::stands_still() noexcept {
+    if (state_.step % most_pieces != 0) {
+        return false;
+    }
+    const bool still = difference(end_, looked_at_) < samples_per_unit_;
+    looked_at_ = end_;
+    return still;
+}
+
 bool SeriesSolver::comes_to_rest() noexcept {
     double kinetic = 0;
     for (Eigen::Index b = 0; b < chain_.bodies(); ++b) {
@@ -208,16 +218,6 @@ void SeriesSolver::sleep() noexcept {
     folded_.fold(chain_, state_, chain_.bodies());
     std::copy_n(folded_.column(Column::closed), folded_.slots(), folded_.column(Column::overlap));
     piece_.lie_still();
-}
-
-/// Whether the pieces have become so short that time hardly goes on: looked into once in most_pieces.
-bool SeriesSolver::stands_still() noexcept {
-    if (state_.step % most_pieces != 0) {
-        return false;
-    }
-    const bool still = difference(end_, looked_at_) < samples_per_unit_;
-    looked_at_ = end_;
-    return still;
 }
 
 bool SeriesSolver::finite() const noexcept {

@@ -53,7 +53,8 @@ std::vector<double> orders(Integrator integrator, const std::vector<int>& pieces
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const double error = (velocities(integrator, pieces[i]) - exact).matrix().norm();
         if (i > 0) {
-            result.push_back(std::log(before / error) / std::log(static_cast<double>(pieces[i]) / pieces[i - 1]));
+            result.push_back(std::log(before / error) /
+                             std::log(static_cast<double>(pieces[i]) / pieces[i - 1]));
         }
         before = error;
     }

@@ -64,5 +64,18 @@ TEST(Tension, ClampedRunsConvergeAndAllIntegratorsAgree) {
     EXPECT_LT(error(Integrator::leapfrog, 6.25e-9), 0.4 * error(Integrator::leapfrog, 12.5e-9));
 }
 
+TEST(Tension, WithoutDashpotsThereIsNothingToClamp) {
+    for (const Integrator integrator : choices<Integrator>) {
+        for (const double preload : {0.0, 0.1}) {
+            Scene scene = with_step(Scene{}, integrator, 25e-9);
+            scene.chain.damping_kg_per_s = 0;
+            scene.chain.preload_n = preload;
+            const Record allowed = recorded(scene, 2000);
+            scene.chain.tension = Tension::clamped;
+            EXPECT_EQ(recorded(scene, 2000), allowed) << word(integrator);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace hertzline::test

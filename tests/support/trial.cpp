@@ -1,0 +1,168 @@
+#include "tests/support/trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/hertz.hpp"
+#include "core/numerics.hpp"
+#include "core/simulation.hpp"
+#include "core/stability.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+constexpr Wish all{.outputs = true, .chain_velocities = true, .chain_displacements = true};
+
+bool finite(const Samples& block) {
+    const auto fine = [&](const std::vector<double>& values, std::size_t width) {
+        return std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(block.count * width),
+                           [](double v) { return std::isfinite(v); });
+    };
+    return fine(block.v_last, 1) && fine(block.v_plate, block.v_plate.empty() ? 0 : 1) &&
+           fine(block.v_out, 1) && fine(block.chain_v, block.spheres) && fine(block.chain_x, block.spheres);
+}
+
+/// Steps that a run calls for: by the rates of what moves in it, by its contact events, and those asked for.
+double steps_called_for(const Scene& scene, Simulation& simulation) {
+    const Chain& chain = simulation.chain();
+    const double rates = fastest_frequency(chain, simulation.state().peak_overlap) +
+                         4 * (chain.damping * chain.inv_mass).maxCoeff() +
+                         2 * std::numbers::pi * scene.drive.frequency_hz;
+    const double bursts = scene.drive.repetition_hz * simulation.time_s();
+    return 10 + simulation.time_s() * (rates + 1 / simulation.step_s()) + 4 * bursts +
+           static_cast<double>(simulation.contact_events());
+}
+
+bool names(const std::string& message, const std::string& what) {
+    return message.find(what) != std::string::npos;
+}
+
+void judge_stop(Trial& trial, std::size_t samples_in_block) {
+    trial.outcome = Outcome::stopped;
+    if (samples_in_block != 0) {
+        trial.findings.emplace_back("the block in which it stopped is not empty");
+    }
+    const bool says = (names(trial.message, "step") || names(trial.message, "piece")) &&
+                      names(trial.message, "t = ") && names(trial.message, "contact ");
+    if (!says || names(trial.message, "nan") || names(trial.message, "inf")) {
+        trial.findings.push_back("it stopped without step, time and contact: " + trial.message);
+    }
+}
+
+Trial run(const Scene& scene) {
+    constexpr double most_crowded = 40;
+    constexpr std::size_t block = 64;
+    Trial trial;
+    trial.integrator = *scene.numerics.integrator;
+    Simulation simulation(scene, all);
+    Samples part(simulation.chain(), block, all);
+    const double samples = std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, 20e3);
+    double moved = 0;
+    double work = 0;
+    while (static_cast<double>(simulation.next_sample()) < samples) {
+        const Status status = simulation.advance(part, block, all);
+        if (!finite(part)) {
+            trial.findings.emplace_back("a sample is not finite");
+            break;
+        }
+        trial.steps = simulation.steps();
+        if (status != Status::running) {
+            trial.message = simulation.failure();
+            judge_stop(trial, part.count);
+            break;
+        }
+        moved += std::abs(simulation.ledger().work - work);
+        work = simulation.ledger().work;
+        trial.crowding = static_cast<double>(trial.steps) / steps_called_for(scene, simulation);
+        if (trial.crowding > most_crowded) {
+            trial.findings.emplace_back("pieces collapse");
+            break;
+        }
+    }
+    trial.simulated_s = simulation.time_s();
+    const Ledger books = simulation.ledger();
+    const double pressed =
+        elastic_energy(simulation.chain().stiffness[0], simulation.state().peak_overlap[0]);
+    // a sphere that moves with a thousand-millionth of the horn's speed does so by rounding
+    const double horn_speed = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
+    const double rounding = 0.5 / simulation.chain().inv_mass[0] * std::pow(1e-9 * horn_speed, 2);
+    const double turned_over = moved + books.lost + std::abs(books.at_start) + pressed + rounding;
+    const double scale = std::max(std::abs(books.work), books.lost);
+    trial.residual = turned_over > 0 ? simulation.energy_residual() * scale / turned_over : 0;
+    if (trial.outcome == Outcome::ran && !std::isfinite(trial.residual)) {
+        trial.findings.emplace_back("the ledger is not finite");
+    }
+    return trial;
+}
+
+/// Leapfrog does not book the work of a horn that jumps, and no method on a grid resolves one that goes up or
+/// down within a step.
+bool is_booked(const Scene& scene) {
+    const Drive& drive = scene.drive;
+    const Integrator integrator = *scene.numerics.integrator;
+    if (is_series(integrator)) {
+        return true;
+    }
+    const bool jumps =
+        drive.envelope == Envelope::rectangular || (drive.envelope == Envelope::tukey && drive.taper == 0);
+    if (jumps && integrator == Integrator::leapfrog && drive.cycles != std::floor(drive.cycles)) {
+        return false;
+    }
+    const bool ramps = drive.envelope == Envelope::tukey && !jumps;
+    const double piece_s = (ramps ? drive.taper / 2 : 1) * drive.cycles / drive.frequency_hz;
+    return piece_s > *scene.numerics.step_s;
+}
+
+}  // namespace
+
+Trial tried(const Scene& asked) {
+    Scene scene = with_integrator(asked);
+    Trial trial;
+    trial.integrator = *scene.numerics.integrator;
+    if (scene.numerics.step_s) {
+        // resolved() refuses more, but only after a pilot
+        constexpr double hopeless = 30;
+        const Chain chain(scene);
+        const double limit = largest_stable_step(chain, chain.static_overlap, trial.integrator);
+        if (*scene.numerics.step_s > hopeless * limit) {
+            trial.outcome = Outcome::refused;
+            return trial;
+        }
+    } else {
+        const Resolved result = resolved(asked);
+        scene = result.scene;
+        if (!result.faults.empty()) {
+            trial.outcome = Outcome::refused;
+            trial.message = result.faults.front().key + " " + result.faults.front().allowed;
+            return trial;
+        }
+        if (!(*scene.numerics.step_s > 0)) {
+            trial.findings.emplace_back("no step is found for it");
+            return trial;
+        }
+    }
+    constexpr double steps_between_looks = 50;
+    double& rate = scene.output.sample_rate_hz;
+    rate = std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s));
+    trial = run(scene);
+    const double bound = trial.integrator == Integrator::leapfrog ? 1e-1 : 2e-2;
+    if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_booked(scene)) {
+        return trial;
+    }
+    // a step too coarse for this scene, if what is missing falls with the step
+    constexpr int most_refinements = 3;
+    Trial fine = trial;
+    for (int i = 0; i < most_refinements && !(fine.residual <= bound); ++i) {
+        *scene.numerics.step_s /= 8;
+        fine = run(scene);
+    }
+    if (!(fine.residual <= bound)) {
+        trial.findings.push_back("energy is missing: " + std::to_string(trial.residual) +
+                                 ", with a much shorter step " + std::to_string(fine.residual));
+    }
+    return trial;
+}
+
+}  // namespace hertzline::test

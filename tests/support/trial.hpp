@@ -1,0 +1,33 @@
+#pragma once
+// Running a scene to see whether what every run promises is kept.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/scene.hpp"
+
+namespace hertzline::test {
+
+enum class Outcome {
+    ran,      ///< to the end
+    stopped,  ///< by a status other than running
+    refused,  ///< by a fault of resolved()
+};
+
+/// What became of a scene.
+struct Trial {
+    Outcome outcome = Outcome::ran;
+    Integrator integrator = Integrator::leapfrog;
+    double simulated_s = 0;
+    std::int64_t steps = 0;  ///< or pieces
+    double crowding = 0;     ///< steps over the number that rates of change and contact events call for
+    double residual = 0;     ///< of the energy ledger, over all energy that came and went
+    std::string message;     ///< of a stop or a refusal
+    std::vector<std::string> findings;  ///< promises that were broken; empty: none
+};
+
+/// Runs the scene for a few thousand steps at most, looking at all that it puts out.
+Trial tried(const Scene& scene);
+
+}  // namespace hertzline::test
