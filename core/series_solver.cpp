@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <numbers>
 
 #include "core/hertz.hpp"
@@ -38,17 +37,17 @@ double difference(StepPosition a, StepPosition b) noexcept {
     return steps + (a.fraction() - b.fraction());
 }
 
-}  // namespace
-
 /// Overlap [m] whose elastic force changes a velocity by less than the tolerance [m/s] in a step. Below it a
 /// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
 /// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
-static double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
+double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
     constexpr double hardly = 1e-3;
     const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
     const double overlap = std::pow(hardly * tolerance / (stiffest * step), 2.0 / 3);
     return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
 }
+
+}  // namespace
 
 double SeriesSolver::phase_for(double tolerance) noexcept {
     return std::pow(tolerance / at_one, 1 / exponent);
@@ -56,15 +55,14 @@ double SeriesSolver::phase_for(double tolerance) noexcept {
 
 SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     : chain_(chain),
-      integrator_(*scene.numerics.integrator),
       sample_period_s_(1 / scene.output.sample_rate_hz),
       burst_(scene.drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
-      folded_(chain, integrator_, kernel_lanes()),
-      piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()), series_degree(integrator_),
-             HornWaves(frequencies_hz_, *scene.numerics.step_s)),
-      kernels_(series_kernels(integrator_, folded_.rows())) {
+      folded_(chain, *scene.numerics.integrator, kernel_lanes()),
+      piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()),
+             series_degree(*scene.numerics.integrator), HornWaves(frequencies_hz_, *scene.numerics.step_s)),
+      kernels_(series_kernels(*scene.numerics.integrator, folded_.rows())) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
     folded_.step_s = unit;
@@ -80,7 +78,6 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     const double rest_velocity = scene.numerics.rest_tolerance * velocity_scale(chain, scene.drive, omega);
     const bool rests_at_zero = chain.preload_n > 0 && (chain.bias == 0).all();
     rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
-    kept_peaks_ = chain.static_overlap;
     reset();
 }
 
@@ -170,7 +167,7 @@ void SeriesSolver::next_piece() noexcept {
     }
     const double left_s = smooth_.left_s - since_look_up;
     ++state_.step;
-    if (rest_energy_ > 0 && piece_.waves.silent && comes_to_rest()) {
+    if (rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_) {
         sleep();
         constexpr double longest = 1e15;  // [samples]: for good
         end_.advance(StepPosition::of(std::min(longest, left_s / sample_period_s_)));
@@ -191,15 +188,6 @@ bool SeriesSolver::stands_still() noexcept {
     return still;
 }
 
-bool SeriesSolver::comes_to_rest() noexcept {
-    double kinetic = 0;
-    for (Eigen::Index b = 0; b < chain_.bodies(); ++b) {
-        const double v = folded_.column(Column::v)[folded_.slot(b)];
-        kinetic += chain_.inv_mass[b] > 0 ? 0.5 * v * v / chain_.inv_mass[b] : 0;
-    }
-    return kinetic <= rest_energy_ && energy_above_rest() <= rest_energy_;
-}
-
 double SeriesSolver::energy_above_rest() noexcept {
     const ChainState& now = state();
     return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start;
@@ -210,11 +198,7 @@ void SeriesSolver::sleep() noexcept {
     const double left = energy_above_rest();
     ledger_ = ledger();
     ledger_.lost += left;
-    const std::int64_t steps = state_.step;
-    std::swap(kept_peaks_, state_.peak_overlap);
-    state_.rest(chain_);
-    std::swap(kept_peaks_, state_.peak_overlap);
-    state_.step = steps;
+    state_.lie_still(chain_);
     folded_.fold(chain_, state_, chain_.bodies());
     std::copy_n(folded_.column(Column::closed), folded_.slots(), folded_.column(Column::overlap));
     piece_.lie_still();

@@ -37,7 +37,6 @@ private:
     void next_piece() noexcept;
     void set_horn(double since_look_up) noexcept;
     void meet_horn(double before) noexcept;
-    bool comes_to_rest() noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
     bool stands_still() noexcept;
@@ -51,13 +50,11 @@ private:
     SampleTimes times() const noexcept;
 
     const Chain& chain_;
-    Integrator integrator_;
     double sample_period_s_;
     double samples_per_unit_ = 1;
     ToneBurst burst_;
     std::array<double, 3> frequencies_hz_;
     ChainState state_;
-    Eigen::ArrayXd kept_peaks_;  ///< room to swap
     FoldedChain folded_;
     SeriesPiece piece_;
     SeriesKernels kernels_{};

@@ -17,11 +17,16 @@ struct ChainState {
 
     /// Back to static equilibrium.
     void rest(const Chain& chain) noexcept {
+        lie_still(chain);
+        peak_overlap = chain.static_overlap;
+        step = 0;
+    }
+
+    /// The motion of static equilibrium; what was counted on the way stays.
+    void lie_still(const Chain& chain) noexcept {
         x.setZero();
         v.setZero();
         closed = (chain.static_overlap > 0).cast<double>();
-        peak_overlap = chain.static_overlap;
-        step = 0;
     }
 
     Eigen::ArrayXd x;       ///< displacement from static equilibrium [m], bodies()
