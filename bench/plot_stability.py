@@ -6,15 +6,12 @@
 
 One row per method, one column per axis. Debian: python3-matplotlib.
 """
-import argparse
-import json
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+import pictures  # noqa: E402  (the path comes first; sets the backend)
+import matplotlib.pyplot as plt  # noqa: E402
 
 # Colours of Okabe and Ito, which colour-blind readers tell apart.
 MEASURED = {"color": "#0072b2", "marker": "o", "ms": 4.5, "lw": 2.2, "label": "measured: longest step that does not blow up"}
@@ -24,20 +21,6 @@ RECOMMENDED = {"color": "#009e73", "marker": "v", "ms": 3.5, "lw": 1.2, "ls": (0
 NONE = {"color": "#0072b2", "marker": "^", "ms": 5, "lw": 0, "mfc": "white",
         "label": "measured: none up to 100 times the advice"}
 
-STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.edgecolor": "#8a8a8a",
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.labelcolor": "#333333",
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-    "text.color": "#222222",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.7,
-}
 STEPS_NS = (0.4, 2e4)
 
 
@@ -64,7 +47,7 @@ def draw(rows, png):
     rows = [row for row in rows if row["axis"] != "combination"]
     methods = list(dict.fromkeys(row["integrator"] for row in rows))
     axes_names = list(dict.fromkeys(row["axis"] for row in rows))
-    plt.rcParams.update(STYLE)
+    pictures.use_style(9)
     figure, panels = plt.subplots(len(methods), len(axes_names), figsize=(2.9 * len(axes_names), 2.3 * len(methods) + 0.9),
                                   layout="constrained", sharex="col", sharey=True, squeeze=False)
     for line, method in zip(panels, methods):
@@ -83,17 +66,5 @@ def draw(rows, png):
     figure.savefig(png, dpi=100, facecolor="white")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path, help="what bench_stability --json wrote")
-    parser.add_argument("--out", type=pathlib.Path, default="docs/stability.png", help="picture (%(default)s)")
-    wish = parser.parse_args()
-    draw(json.loads(wish.results.read_text(encoding="utf-8")), wish.out)
-    print(wish.out)
-
-
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, ValueError) as error:
-        sys.exit(f"plot_stability.py: {error}")
+    pictures.draw_results(__doc__, "bench_stability", "docs/stability.png", draw)

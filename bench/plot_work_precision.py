@@ -6,16 +6,13 @@
 
 One panel per scene, one line per solver; lower left is better. Debian: python3-numpy python3-matplotlib.
 """
-import argparse
-import json
 import math
 import pathlib
 import sys
 
-import matplotlib
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+import pictures  # noqa: E402  (the path comes first; sets the backend)
+import matplotlib.pyplot as plt  # noqa: E402
 
 # Colours of Okabe and Ito, which colour-blind readers tell apart; a marker for each, too. Ours are drawn heavy, peers
 # as they come dashed, peers with located contacts solid.
@@ -39,21 +36,6 @@ TITLES = {
     "small_amplitude_wall": "six spheres, 2 nm: no contact opens",
 }
 ERRORS = (1e-11, 1e-1)
-
-STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 10,
-    "axes.edgecolor": "#8a8a8a",
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.labelcolor": "#333333",
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-    "text.color": "#222222",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.7,
-}
 
 
 def look(solver, ours):
@@ -99,7 +81,7 @@ def draw(results, png):
     scenes = results["scenes"]
     ours = sorted({row["solver"] for scene in scenes for row in scene["results"] if row["kind"] == "ours"},
                   key=lambda name: ("leapfrog" in name, name))
-    plt.rcParams.update(STYLE)
+    pictures.use_style(10)
     columns = min(2, len(scenes))
     rows = math.ceil(len(scenes) / columns)
     figure, panels = plt.subplots(rows, columns, figsize=(5.6 * columns, 4.4 * rows + 1.3), layout="constrained",
@@ -124,17 +106,5 @@ def draw(results, png):
     figure.savefig(png, dpi=110, facecolor="white")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path, help="what bench_work_precision --json wrote")
-    parser.add_argument("--out", type=pathlib.Path, default="docs/work-precision.png", help="picture (%(default)s)")
-    wish = parser.parse_args()
-    draw(json.loads(wish.results.read_text(encoding="utf-8")), wish.out)
-    print(wish.out)
-
-
 if __name__ == "__main__":
-    try:
-        main()
-    except (OSError, ValueError) as error:
-        sys.exit(f"plot_work_precision.py: {error}")
+    pictures.draw_results(__doc__, "bench_work_precision", "docs/work-precision.png", draw)

@@ -11,11 +11,10 @@ import subprocess
 import sys
 import tempfile
 
-import matplotlib
 import numpy as np
+import pictures  # sets the backend
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+import matplotlib.pyplot as plt  # noqa: E402
 
 # Hard layers, soft layers, wall: scene name, title, colour. The order tells the story.
 SCENES = [
@@ -30,21 +29,6 @@ FUNDAMENTAL_HZ = 73e3
 TIME_US = (0, 400)
 SPAN_KHZ = (0, 700)
 SPAN_DB = (-60, 6)
-
-STYLE = {
-    "font.family": "DejaVu Sans",
-    "font.size": 10,
-    "axes.edgecolor": "#8a8a8a",
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.labelcolor": "#333333",
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-    "text.color": "#222222",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.7,
-}
 
 
 def velocity(csv):
@@ -100,7 +84,7 @@ def draw_all(csv_of, png):
     """Six rows, waveform left and spectrum right; one scale for all layers, another for the wall."""
     records = {scene: velocity(csv_of(scene)) for scene, _, _ in SCENES}
     layers = np.concatenate([v for scene, (_, v) in records.items() if scene != "paper-wall"])
-    plt.rcParams.update(STYLE)
+    pictures.use_style()
     figure, rows = plt.subplots(len(SCENES), 2, figsize=(10, 10.5), sharex="col", layout="constrained")
     for (scene, title, colour), (wave, lines) in zip(SCENES, rows):
         t, v = records[scene]

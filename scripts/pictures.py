@@ -1,0 +1,40 @@
+"""What the pictures of the project have in common: look, and the command line of those drawn from results."""
+import argparse
+import json
+import pathlib
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+
+STYLE = {
+    "font.family": "DejaVu Sans",
+    "axes.edgecolor": "#8a8a8a",
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.labelcolor": "#333333",
+    "xtick.color": "#555555",
+    "ytick.color": "#555555",
+    "text.color": "#222222",
+    "grid.color": "#e4e4e4",
+    "grid.linewidth": 0.7,
+}
+
+
+def use_style(font_size=10):
+    matplotlib.rcParams.update(STYLE | {"font.size": font_size})
+
+
+def draw_results(description, bench, default_png, draw):
+    """Reads the results of a benchmark and has draw(results, png) make the picture."""
+    parser = argparse.ArgumentParser(description=description.split("\n", maxsplit=1)[0])
+    parser.add_argument("results", type=pathlib.Path, help=f"what {bench} --json wrote")
+    parser.add_argument("--out", type=pathlib.Path, default=default_png, help="picture (%(default)s)")
+    wish = parser.parse_args()
+    try:
+        draw(json.loads(wish.results.read_text(encoding="utf-8")), wish.out)
+        print(wish.out)
+    except (OSError, ValueError) as error:
+        sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {error}")
