@@ -17,6 +17,7 @@
 
 #include "apps/commands.hpp"
 #include "core/text.hpp"
+#include "stream/provenance.hpp"
 
 namespace hertzline::app {
 
@@ -37,6 +38,7 @@ void send_messages_to_stderr() {
     spdlog::set_default_logger(std::move(logger));
     // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // so is a file that is larger than allowed
 }
 
 void report(const std::string& faults) {
@@ -63,7 +65,7 @@ void refuse_unknown_subcommand(const CLI::App& program, int argc, char** argv) {
 
 Exit run_program(int argc, char** argv) {
     CLI::App program{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
-    program.set_version_flag("--version", "hertzline " HERTZLINE_VERSION);
+    program.set_version_flag("--version", fmt::format("hertzline {} ({})", program_version(), git_hash()));
     program.footer(examples);
     const std::vector<Command> commands{run_command(program), stream_command(program),
                                         listen_command(program), scenes_command(program),
@@ -104,7 +106,7 @@ std::string missing_name(const std::string& value) {
 }
 
 CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
-                                   const char* description) {
+                                   const std::string& description) {
     return command.add_option(names, values, description)
         ->expected(1)
         ->allow_extra_args(false)

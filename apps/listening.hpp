@@ -10,8 +10,7 @@
 
 #include "apps/output.hpp"
 #include "stream/continuity.hpp"
-#include "stream/csv.hpp"
-#include "stream/output_file.hpp"
+#include "stream/recordings.hpp"
 #include "stream/subscriber.hpp"
 #include "stream/taps.hpp"
 
@@ -22,16 +21,24 @@ enum class Ending { none, end_of_run, heard_enough, stopped, silence, run_broke_
 
 class Listening {
 public:
-    /// @param wanted_s simulated seconds; unset: all of the run. @param file where to save; nullptr: nowhere.
-    /// @param tell takes the messages for the user, as things happen
-    Listening(Tap tap, std::optional<double> wanted_s, OutputFile* file,
-              std::function<void(const std::string&)> tell);
+    /// Takes a message for the user, as things happen.
+    using Tell = std::function<void(const std::string&)>;
 
-    /// Takes the next message. Afterwards ending() tells whether it was the last one.
+    /// @param wanted_s simulated seconds; unset: all of the run. @param files where to save
+    Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell);
+
+    /// Takes the next message. Afterwards ending() tells whether it was the last one. Throws
+    /// std::runtime_error when the first samples come and a recording cannot be begun.
     void take(const Message& message);
 
     void end(Ending ending) noexcept { ending_ = ending; }
     Ending ending() const noexcept { return ending_; }
+
+    /// Completes the recordings.
+    void save();
+
+    /// No recording has failed.
+    bool saved() const noexcept { return !recordings_ || recordings_->sound(); }
 
     /// Something was received, and nothing was missing, odd or cut short.
     bool sound() const noexcept;
@@ -53,10 +60,11 @@ private:
 
     Tap tap_;
     std::optional<double> wanted_s_;
-    OutputFile* file_;
-    std::function<void(const std::string&)> tell_;
+    std::vector<std::string> files_;
+    Tell tell_;
     ContinuityCheck check_;
-    std::optional<CsvWriter> csv_;
+    std::optional<Recordings> recordings_;  // once the first frame has told what is in them
+    Json provenance_ = Json::object();      // as meta says
     Ending ending_ = Ending::none;
 
     // of the run that is listened to
@@ -70,7 +78,7 @@ private:
     std::uint64_t missing_at_end_ = 0;
     std::uint64_t malformed_ = 0;
     std::vector<float> values_;
-    std::vector<double> row_;
+    std::vector<double> rows_;
 };
 
 }  // namespace hertzline::app

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -20,6 +21,9 @@
 #include "core/scene_words.hpp"
 #include "stream/endpoint.hpp"
 #include "stream/pipeline.hpp"
+#include "stream/provenance.hpp"
+#include "stream/recorder.hpp"
+#include "stream/recording_formats.hpp"
 #include "stream/resources.hpp"
 
 namespace hertzline::app {
@@ -39,7 +43,7 @@ struct StreamOptions {
     std::string endpoint = "tcp://127.0.0.1:5573";
     std::string pace = "realtime";
     std::optional<double> duration_s;
-    std::string recording;  // empty: none
+    std::vector<std::string> recordings;
     StreamStart start = StreamStart::at_once;
     Format format = Format::text;
 };
@@ -73,9 +77,7 @@ void refuse_wrong_use(const StreamOptions& options) {
     if (options.duration_s) {
         require_positive("--duration", *options.duration_s);
     }
-    if (!options.recording.empty()) {
-        refuse_wrong_endings({&options.recording, 1});
-    }
+    refuse_wrong_files(options.recordings);
     (void)pace_of(options);
 }
 
@@ -84,12 +86,9 @@ void refuse_stream_shortages(const StreamOptions& options, const StreamPlan& pla
             memory_shortage("streaming this scene", Pipeline::memory_bytes(plan.scene, plan.pace))) {
         throw std::runtime_error(*shortage);
     }
-    if (!options.recording.empty() && plan.samples) {
-        const double bytes =
-            recording_bytes(plan.scene, static_cast<double>(*plan.samples), RecordedBodies::outputs);
-        if (const auto shortage = disk_shortage(options.recording, bytes)) {
-            throw std::runtime_error(*shortage);
-        }
+    if (plan.samples) {
+        refuse_disk_shortages(plan.scene, static_cast<double>(*plan.samples), options.recordings,
+                              RecordedBodies::outputs);
     }
 }
 
@@ -118,7 +117,7 @@ void announce(const Publisher& publisher, const Pipeline& pipeline, const Stream
 }
 
 Json summarise(const StreamMeters& meters, const StreamPlan& plan, const Pipeline& pipeline,
-               const Publisher& publisher) {
+               const Publisher& publisher, const Recordings& recordings) {
     Json summary;
     summary["simulated_s"] = meters.simulated_s;
     summary["wall_s"] = meters.wall_s;
@@ -136,6 +135,7 @@ Json summarise(const StreamMeters& meters, const StreamPlan& plan, const Pipelin
     summary["load"] = meters.load;
     summary["endpoint"] = publisher.endpoint();
     summary["run"] = pipeline.run_id();
+    summary["recordings"] = recordings_json(recordings);
     summary["scene_hash"] = plan.scene_hash;
     summary["version"] = plan.version;
     return summary;
@@ -156,7 +156,7 @@ Exit stream(const StreamOptions& options) {
     const Resolved resolved = resolved_scene(options.scene);
     const StreamPlan plan{.scene = resolved.scene,
                           .scene_hash = scene_hash(resolved.scene),
-                          .version = HERTZLINE_VERSION,
+                          .version = program_version(),
                           .estimated_error = resolved.estimated_error,
                           .pace = pace_of(options),
                           .samples = samples_of(options, resolved.scene),
@@ -164,33 +164,34 @@ Exit stream(const StreamOptions& options) {
     refuse_stream_shortages(options, plan);
     const std::atomic<bool>& stop = stop_asked();
     Publisher publisher(options.endpoint, all_topics, Pipeline::publisher_options(plan.scene));
-    std::optional<Recorder> recorder;
-    if (!options.recording.empty()) {
-        recorder.emplace(options.recording, Chain(plan.scene), plan.scene.output.sample_rate_hz,
-                         RecordedBodies::outputs);
-    }
-    Pipeline pipeline(plan, publisher, recorder ? &*recorder : nullptr);
+    ProgressLine line;
+    const RecordingHead head{.columns = recorded_columns(plan.scene, RecordedBodies::outputs),
+                             .sample_rate_hz = plan.scene.output.sample_rate_hz,
+                             .provenance = provenance_json(plan.provenance())};
+    Recordings recordings(options.recordings, head, [&line](const std::string& text) {
+        line.clear();
+        spdlog::error("{}; the stream goes on", text);
+    });
+    Recorder recorder(recordings, RecordedBodies::outputs);
+    Pipeline pipeline(plan, publisher, recordings.any_left() ? &recorder : nullptr);
     announce(publisher, pipeline, plan);
 
-    ProgressLine line;
     Json summary;
     const auto show = [&](const StreamMeters& meters) {
         if (line.due()) {
             line.show(stream_progress(meters, plan));
         }
     };
-    // Before subscribers hear of a good end the recording is complete: its failure is the stream's.
+    // Before subscribers hear of the end the recordings are complete, or known not to be.
     const auto conclude = [&](const StreamMeters& meters) {
-        if (recorder) {
-            recorder->commit();
-        }
-        summary = summarise(meters, plan, pipeline, publisher);
+        recordings.commit();
+        summary = summarise(meters, plan, pipeline, publisher, recordings);
         return json_text(summary);
     };
     pipeline.run(stop, show, conclude);
     line.clear();
     print_summary(summary, options.format);
-    return Exit::done;
+    return recordings.sound() ? Exit::done : Exit::failed;
 }
 
 }  // namespace
@@ -208,9 +209,9 @@ Command stream_command(CLI::App& program) {
         ->capture_default_str();
     command->add_option("--duration", options->duration_s, "simulated seconds (default: until stopped)")
         ->type_name("S");
-    command
-        ->add_option("--record", options->recording,
-                     "save the samples as well; the ending picks the format: .csv")
+    add_repeatable_option(
+        *command, "--record", options->recordings,
+        "save the samples as well; the ending picks the format: " + recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
     command->add_flag_callback(

@@ -29,18 +29,22 @@ public:
     /// Replaces bytes written before, as a header whose counts are known only at the end. Not for devices.
     void rewrite(std::uint64_t offset, std::string_view text);
 
+    /// Writes out the buffer: what the disk has no room for is known now.
+    void flush();
+
     /// Writes out the buffer, closes, and gives the file its name.
     void commit();
 
     /// As the user named it.
     const std::filesystem::path& path() const noexcept { return file_.path(); }
 
+    /// It has no name to be given: a device, a FIFO.
+    bool is_device() const noexcept { return file_.temporary().empty(); }
+
     /// Bytes taken by write() so far.
     std::uint64_t bytes() const noexcept { return bytes_; }
 
 private:
-    void flush();
-
     StagedFile file_;
     std::vector<std::byte> buffer_;
     std::uint64_t bytes_ = 0;

@@ -8,7 +8,6 @@
 #include <pthread.h>
 
 #include "stream/frame_codec.hpp"
-#include "stream/run_id.hpp"
 
 namespace hertzline {
 
@@ -66,7 +65,7 @@ Pipeline::Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder)
     : plan_(std::move(plan)),
       publisher_(publisher),
       recorder_(recorder),
-      run_id_(make_run_id()),
+      run_id_(plan_.run),
       simulation_(plan_.scene, everything),
       pacer_(plan_.scene.output.sample_rate_hz, plan_.pace),
       possible_(taps_of(plan_.scene.end.kind)),
@@ -188,7 +187,7 @@ void Pipeline::listen_for_subscriptions() {
         first_subscription_ = MonotonicClock::now();
     }
     if (news > 0) {
-        publisher_.send(meta_topic, meta_json(plan_, run_id_));
+        publisher_.send(meta_topic, meta_json(plan_));
     }
 }
 
@@ -283,7 +282,7 @@ void Pipeline::report() {
     if (now >= next_meta_) {
         next_meta_ = now + meta_period;
         if (publisher_.wanted(meta_topic)) {
-            publisher_.send(meta_topic, meta_json(plan_, run_id_));
+            publisher_.send(meta_topic, meta_json(plan_));
         }
     }
 }
@@ -318,7 +317,7 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop,
                            const std::function<void(const StreamMeters&)>& progress,
                            const std::function<std::string(const StreamMeters&)>& summary) {
     progress_ = progress;
-    publisher_.send(meta_topic, meta_json(plan_, run_id_));
+    publisher_.send(meta_topic, meta_json(plan_));
     {
         struct StopAtExit {
             std::atomic<bool>& flag;

@@ -47,8 +47,7 @@ public:
 
     /// Streams until done, or until `stop` becomes true (then it returns within a fraction of a second).
     /// `progress` is called about ten times a second from this thread. Publishes meta, meters and, last, end
-    /// with the summary's JSON that `summary` makes. @throws std::runtime_error when the simulation fails or
-    /// a recording cannot be written.
+    /// with the summary's JSON that `summary` makes. @throws std::runtime_error when the simulation fails.
     StreamMeters run(const std::atomic<bool>& stop, const std::function<void(const StreamMeters&)>& progress,
                      const std::function<std::string(const StreamMeters&)>& summary);
 

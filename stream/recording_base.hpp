@@ -32,6 +32,7 @@ protected:
     virtual void finish() = 0;
 
     const std::filesystem::path& path() const noexcept { return path_; }
+    bool failed() const noexcept { return !failure_.empty(); }
     const RecordingHead& head() const noexcept { return head_; }
     /// Taken so far, without those that append() is about to take.
     std::int64_t rows() const noexcept { return rows_; }

@@ -143,6 +143,23 @@ void StagedFile::open_temporary() {
     }
 }
 
+void StagedFile::appear() {
+    require_open();
+    if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
+        fail(errno);
+    }
+    if (!temporary_.empty()) {
+        temporary_ = target_;
+    }
+    appeared_ = true;
+}
+
+void StagedFile::keep() noexcept {
+    if (descriptor_ >= 0) {
+        ::close(std::exchange(descriptor_, -1));
+    }
+}
+
 void StagedFile::abandon() noexcept {
     if (descriptor_ >= 0) {
         ::close(descriptor_);
@@ -155,7 +172,11 @@ void StagedFile::abandon() noexcept {
 
 void StagedFile::fail(int reason) {
     failure_ = reason;
-    abandon();
+    if (appeared_) {
+        keep();
+    } else {
+        abandon();
+    }
     refuse(path_, reason);
 }
 
@@ -176,7 +197,7 @@ void StagedFile::commit() {
         return;
     }
     failure_ = errno;
-    if (!temporary_.empty()) {
+    if (!temporary_.empty() && !appeared_) {
         ::unlink(temporary_.c_str());
     }
     refuse(path_, failure_);

@@ -39,11 +39,18 @@ public:
     /// the file, a crash of the program may not.
     void commit();
 
+    /// Gives the file its name now, while it goes on growing; what it replaces is gone. From here on a
+    /// failure leaves what was written under that name; without commit it is removed.
+    void appear();
+
+    /// Closes it where it is: what was written stays, under its name after appear().
+    void keep() noexcept;
+
     /// Closes and removes the temporary, if it is still there.
     void abandon() noexcept;
 
-    /// Abandons the file because of that errno and throws; from then on commit() and require_open() throw it
-    /// again.
+    /// Abandons the file (keeps it after appear()) because of that errno and throws; from then on commit()
+    /// and require_open() throw it again.
     [[noreturn]] void fail(int reason);
 
     /// Throws after a failure; after commit, where it is misuse, std::logic_error.
@@ -55,8 +62,9 @@ private:
 
     std::filesystem::path path_;
     std::filesystem::path target_;     // path_ with symbolic links followed
-    std::filesystem::path temporary_;  // empty: written straight
+    std::filesystem::path temporary_;  // empty: written straight; target_ after appear()
     int descriptor_ = -1;
+    bool appeared_ = false;
     int failure_ = 0;  // errno of the first error
 };
 

@@ -2,7 +2,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "stream/scene_json.hpp"
 #include "stream/taps.hpp"
 
 namespace hertzline {
@@ -13,7 +12,7 @@ using Json = nlohmann::ordered_json;
 
 }  // namespace
 
-std::string meta_json(const StreamPlan& plan, const std::string& run_id) {
+std::string meta_json(const StreamPlan& plan) {
     Json streams = Json::array();
     for (const Tap tap : taps_of(plan.scene.end.kind)) {
         const TapNames names = names_of(tap);
@@ -24,17 +23,12 @@ std::string meta_json(const StreamPlan& plan, const std::string& run_id) {
                            {"fs", plan.scene.output.sample_rate_hz},
                            {"dtype", "<f4"}});
     }
-    const Json meta{{"program", "hertzline"},
-                    {"version", plan.version},
-                    {"run", run_id},
-                    {"scene_hash", plan.scene_hash},
-                    {"estimated_error", plan.estimated_error ? Json(*plan.estimated_error) : Json(nullptr)},
-                    {"fs", plan.scene.output.sample_rate_hz},
-                    {"frame_samples", plan.scene.output.frame_samples},
-                    {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
-                    {"streams", streams},
-                    {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}},
-                    {"scene", scene_json(plan.scene)}};
+    Json meta = provenance_json(plan.provenance());
+    meta["fs"] = plan.scene.output.sample_rate_hz;
+    meta["frame_samples"] = plan.scene.output.frame_samples;
+    meta["pace"] = plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times());
+    meta["streams"] = streams;
+    meta["units"] = {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}};
     return meta.dump();
 }
 

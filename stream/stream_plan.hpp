@@ -7,6 +7,8 @@
 
 #include "core/scene.hpp"
 #include "stream/pacer.hpp"
+#include "stream/provenance.hpp"
+#include "stream/run_id.hpp"
 
 namespace hertzline {
 
@@ -20,6 +22,10 @@ struct StreamPlan {
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples;  ///< unset: until stopped
     StreamStart start = StreamStart::at_once;
+    std::string run = make_run_id();
+    std::string start_time = utc_text(std::chrono::system_clock::now());
+
+    Provenance provenance() const { return {scene, estimated_error, start_time, run}; }
 };
 
 /// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's
@@ -43,8 +49,8 @@ struct StreamMeters {
     double real_time_factor() const noexcept { return wall_s > 0 ? simulated_s / wall_s : 0; }
 };
 
-/// The message of the meta topic: the resolved scene, hash, version, streams, rates, units.
-std::string meta_json(const StreamPlan& plan, const std::string& run_id);
+/// The message of the meta topic: provenance (stream/provenance), streams, rates, units.
+std::string meta_json(const StreamPlan& plan);
 
 /// The message of the meters topic.
 std::string meters_json(const StreamMeters& meters, const std::string& run_id);
