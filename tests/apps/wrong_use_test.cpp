@@ -15,6 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::MatchesRegex;
 
 using Words = std::vector<std::string>;
 
@@ -186,7 +187,8 @@ TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
 TEST(Help, VersionIsTheProjects) {
     const Outcome outcome = hertzline({"--version"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_EQ(outcome.out, "hertzline " HERTZLINE_VERSION "\n");
+    EXPECT_THAT(outcome.out,
+                MatchesRegex("hertzline " HERTZLINE_VERSION " \\(([0-9a-f]+(-dirty)?|unknown)\\)\n"));
 }
 
 TEST(Output, AFullStandardOutputIsAFailure) {
