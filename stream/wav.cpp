@@ -84,7 +84,6 @@ public:
             cannot_write(path, sf_strerror(nullptr));
         }
         sf_command(sound_.get(), SFC_RF64_AUTO_DOWNGRADE, nullptr, SF_TRUE);
-        sf_command(sound_.get(), SFC_SET_ADD_PEAK_CHUNK, nullptr, SF_FALSE);  // it holds the time of writing
         sf_set_string(sound_.get(), SF_STR_SOFTWARE, "hertzline");
         set_description();
     }

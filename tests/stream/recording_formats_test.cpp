@@ -307,7 +307,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Format{"h5", NumberType::float32, open_hdf5_writer, open_hdf5_reader},
                     Format{"wav", NumberType::float32, open_wav_writer, open_wav_reader}),
     [](const auto& format) {
-        return std::string(format.param.ending) + (format.param.numbers == NumberType::float32 ? "_f4" : "_f8");
+        return std::string(format.param.ending) +
+               (format.param.numbers == NumberType::float32 ? "_f4" : "_f8");
     });
 
 }  // namespace

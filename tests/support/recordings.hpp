@@ -31,8 +31,8 @@ inline RecordingHead recording_head(NumberType numbers, int spheres = 0) {
 inline RecordedRows recorded_rows(const RecordingHead& head, std::int64_t first, std::size_t rows) {
     RecordedRows made{first, {}};
     for (std::size_t i = 0; i < rows * head.columns.size(); ++i) {
-        const double value =
-            std::sin(static_cast<double>(first) + 0.7 * static_cast<double>(i)) * std::pow(10.0, -static_cast<double>(i % 20));
+        const double value = std::sin(static_cast<double>(first) + 0.7 * static_cast<double>(i)) *
+                             std::pow(10.0, -static_cast<double>(i % 20));
         made.values.push_back(head.numbers == NumberType::float32 ? static_cast<float>(value) : value);
     }
     return made;
