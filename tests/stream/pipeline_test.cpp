@@ -143,6 +143,32 @@ TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
     EXPECT_GT(totals.dropped_by_sender, 0U);
     EXPECT_LE(totals.dropped_by_sender, static_cast<std::uint64_t>(meters.dropped_frames));
     EXPECT_EQ(totals.inconsistent, 0U);
+    // each frame of the topic is accounted for
+    const TopicCount& count = meters.np(Tap::v_out);
+    EXPECT_EQ(count.sent, static_cast<std::int64_t>(totals.frames));
+    EXPECT_EQ(count.dropped, meters.dropped_frames);
+    EXPECT_EQ(count.sent + count.dropped, meters.frames + meters.dropped_frames);
+    EXPECT_EQ(meters.raw(Tap::v_out).sent, 0);
+    EXPECT_GT(meters.largest_lateness_s, 0.5);
+}
+
+TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
+    StreamPlan patient = plan(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
+    patient.on_overrun = OnOverrun::wait;
+    Stream stream(std::move(patient));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out});
+    bool stalled = false;
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) {
+        if (!stalled && now.frames > 0) {
+            stalled = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        }
+    });
+    listener.join();
+    EXPECT_TRUE(listener.checks[Tap::v_out].unbroken());
+    EXPECT_EQ(listener.samples[Tap::v_out].size(), 500'000U);
+    EXPECT_EQ(meters.dropped_frames, 0);
+    EXPECT_GT(meters.late_frames, 0);
 }
 
 TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
