@@ -236,7 +236,6 @@ void Pipeline::report() {
 void Pipeline::deliver(const std::atomic<bool>& stop) {
     RingBuffer<Block>& ring = producer_.ring();
     while (!stop.load(std::memory_order_relaxed)) {
-        listen_for_subscriptions();
         start_when_ready();
         report();
         const bool finished = producer_.finished();
@@ -245,6 +244,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
             if (finished) {
                 return;
             }
+            listen_for_subscriptions();
             MonotonicClock::sleep_until(MonotonicClock::now() +
                                         (pacer_.flat_out() ? empty_ring_nap : idle_nap));
             continue;
@@ -253,6 +253,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
         if (stop.load(std::memory_order_relaxed)) {
             return;
         }
+        listen_for_subscriptions();  // the last moment: who came while we slept gets meta before this block
         release(*block);
         count(*block, lateness);
         ring.pop();
