@@ -105,7 +105,7 @@ bool ReplaySource::read(Samples& samples, std::size_t count, TapSet wanted) noex
     samples.first = next_;
     samples.count = 0;
     while (samples.count < count && refill() &&
-           rows_.first + row_ == samples.first + static_cast<std::int64_t>(samples.count)) {
+           next_ == samples.first + static_cast<std::int64_t>(samples.count)) {
         const auto taken = std::min(rows_left(), count - samples.count);
         put_down(samples, taken, wanted);
         samples.count += taken;
