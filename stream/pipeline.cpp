@@ -24,7 +24,8 @@ constexpr Nanoseconds idle_nap = milliseconds(1);
 constexpr Nanoseconds empty_ring_nap = microseconds(200);
 
 constexpr double reserve_s = 0.05;                      // of wall time that the ring's samples last,
-constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this
+constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this;
+constexpr double cached_ring_bytes = 1024.0 * 1024;     // flat out nothing is held back: it stays in cache
 constexpr double fewest_slots = 4;
 constexpr double most_slots = 4096;
 
@@ -33,10 +34,11 @@ double slot_bytes(const StreamFormat& format) noexcept {
 }
 
 double slots_for(const StreamFormat& format, Pace pace) noexcept {
-    const double pace_factor = pace.is_flat_out() ? 1 : pace.times();
     const double frame_rate = format.sample_rate_hz / static_cast<double>(format.frame_samples);
-    const double by_time = reserve_s * pace_factor * frame_rate;
-    return std::clamp(std::min(by_time, most_ring_bytes / slot_bytes(format)), fewest_slots, most_slots);
+    const double by_time = pace.is_flat_out() ? most_slots : reserve_s * pace.times() * frame_rate;
+    const double by_memory =
+        (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
+    return std::clamp(std::min(by_time, by_memory), fewest_slots, most_slots);
 }
 
 std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {

@@ -45,6 +45,8 @@ public:
     const std::string& run_id() const noexcept { return run_id_; }
     const StreamPlan& plan() const noexcept { return plan_; }
     const StreamFormat& format() const noexcept { return format_; }
+    /// When sample 0 was due, in the time of MonotonicClock; before the start 0.
+    Nanoseconds start_time() const noexcept { return start_time_; }
 
     /// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams,
     /// and at most half a GiB of the large ones.
