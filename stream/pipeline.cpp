@@ -101,7 +101,11 @@ void Pipeline::listen_for_subscriptions() {
             wanted |= tap;
         }
     }
-    producer_.want(wanted);
+    const std::uint32_t wish = producer_.want(wanted);
+    for (const Tap tap : wanted - wanted_) {
+        wanted_since_[static_cast<std::size_t>(tap)] = wish;
+    }
+    wanted_ = wanted;
     if (!wanted.empty() && first_subscription_ == Nanoseconds{0}) {
         first_subscription_ = MonotonicClock::now();
     }
@@ -186,8 +190,11 @@ void Pipeline::release(const Block& block) {
         recorder_->write(block.samples);
     }
     count_dropped(block.dropped);
-    for (const Tap tap : block.taps) {
-        send_tap(block, tap);
+    for (const Tap tap : block.wish.taps) {
+        // An older block holds the tap for somebody who has left; others without it may follow.
+        if (block.wish.number >= wanted_since_[static_cast<std::size_t>(tap)]) {
+            send_tap(block, tap);
+        }
     }
 }
 
