@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands.hpp"
+#include "apps/curve_arguments.hpp"
 #include "apps/output.hpp"
 #include "apps/progress.hpp"
 #include "apps/run_needs.hpp"
@@ -34,9 +35,14 @@ constexpr const char* examples =
     "  hertzline stream paper-stream --pace 0.1 --bind ipc:///tmp/hertzline\n"
     "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --wait-for-subscriber --record wall.csv";
 
+/// What may be reached from other machines.
+enum class Exposure { encrypted, anything };
+
 struct StreamOptions {
     SceneRequest scene;
     std::string endpoint = "tcp://127.0.0.1:5573";
+    CurveServerRequest curve;
+    Exposure exposure = Exposure::encrypted;
     std::string pace = "realtime";
     std::optional<double> duration_s;
     std::string recording;  // empty: none
@@ -69,6 +75,12 @@ std::optional<std::int64_t> samples_of(const StreamOptions& options, const Scene
 void refuse_wrong_use(const StreamOptions& options) {
     if (const auto fault = endpoint_fault(options.endpoint, EndpointUse::bind)) {
         throw WrongUse("--bind: " + *fault);
+    }
+    if (!is_local(options.endpoint) && options.curve.key.empty() && options.exposure == Exposure::encrypted) {
+        throw WrongUse(fmt::format(
+            "--bind: {} can be reached from other machines, and anybody there could listen: give --curve-key "
+            "and --allow-clients (keys come from hertzline keys), or --insecure to allow it",
+            options.endpoint));
     }
     if (options.duration_s) {
         require_positive("--duration", *options.duration_s);
@@ -111,7 +123,9 @@ void announce(const Publisher& publisher, const Pipeline& pipeline, const Stream
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),
                  plan.scene.output.sample_rate_hz);
     spdlog::info("run {}", pipeline.run_id());
-    spdlog::info("to listen: hertzline listen --connect {}", local_endpoint(publisher.endpoint()));
+    const bool encrypted = publisher.security() == Security::curve;
+    spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),
+                 encrypted ? " --curve-key YOURS.key_secret --server-key OURS.key" : "");
     if (plan.start == StreamStart::with_first_subscriber) {
         spdlog::info("waiting for a subscriber");
     }
@@ -135,6 +149,8 @@ Json summarise(const StreamMeters& meters, const StreamPlan& plan, const Pipelin
     summary["dropped_frames"] = meters.dropped_frames;
     summary["load"] = meters.load;
     summary["endpoint"] = publisher.endpoint();
+    summary["security"] = word(publisher.security());
+    summary["refused_clients"] = publisher.refused_clients();
     summary["run"] = pipeline.run_id();
     summary["scene_hash"] = plan.scene_hash;
     summary["version"] = plan.version;
@@ -153,6 +169,7 @@ std::string stream_progress(const StreamMeters& meters, const StreamPlan& plan) 
 
 Exit stream(const StreamOptions& options) {
     refuse_wrong_use(options);
+    const std::optional<CurveServer> curve = curve_of(options.curve);
     const Resolved resolved = resolved_scene(options.scene);
     const StreamPlan plan{.scene = resolved.scene,
                           .scene_hash = scene_hash(resolved.scene),
@@ -160,10 +177,13 @@ Exit stream(const StreamOptions& options) {
                           .estimated_error = resolved.estimated_error,
                           .pace = pace_of(options),
                           .samples = samples_of(options, resolved.scene),
-                          .start = options.start};
+                          .start = options.start,
+                          .security = curve ? Security::curve : Security::none};
     refuse_stream_shortages(options, plan);
     const std::atomic<bool>& stop = stop_asked();
-    Publisher publisher(options.endpoint, all_topics, Pipeline::publisher_options(plan.scene));
+    PublisherOptions publisher_options = Pipeline::publisher_options(plan.scene);
+    publisher_options.curve = curve;
+    Publisher publisher(options.endpoint, all_topics, publisher_options);
     std::optional<Recorder> recorder;
     if (!options.recording.empty()) {
         recorder.emplace(options.recording, Chain(plan.scene), plan.scene.output.sample_rate_hz,
@@ -203,6 +223,10 @@ Command stream_command(CLI::App& program) {
     command->add_option("--bind", options->endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
         ->capture_default_str();
+    add_curve_options(*command, options->curve);
+    command->add_flag_callback(
+        "--insecure", [options] { options->exposure = Exposure::anything; },
+        "let other machines connect without encryption");
     command->add_option("--pace", options->pace, "realtime, flat-out, or simulated seconds per second")
         ->type_name("PACE")
         ->capture_default_str();

@@ -32,6 +32,7 @@ std::string meta_json(const StreamPlan& plan, const std::string& run_id) {
                     {"fs", plan.scene.output.sample_rate_hz},
                     {"frame_samples", plan.scene.output.frame_samples},
                     {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
+                    {"security", word(plan.security)},
                     {"streams", streams},
                     {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}},
                     {"scene", scene_json(plan.scene)}};

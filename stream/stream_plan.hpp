@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/scene.hpp"
+#include "stream/curve.hpp"
 #include "stream/pacer.hpp"
 
 namespace hertzline {
@@ -20,6 +21,7 @@ struct StreamPlan {
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples;  ///< unset: until stopped
     StreamStart start = StreamStart::at_once;
+    Security security = Security::none;  ///< of the publisher
 };
 
 /// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's
