@@ -1,7 +1,10 @@
 #include "apps/curve_arguments.hpp"
 
+#include <fmt/format.h>
+
 #include "apps/commands.hpp"
 #include "stream/certificate.hpp"
+#include "stream/endpoint.hpp"
 
 namespace hertzline::app {
 
@@ -24,7 +27,8 @@ void refuse(const std::string& faults) {
 }
 
 void add_key_option(CLI::App& command, std::string& key) {
-    command.add_option("--curve-key", key, "encrypt; our own key, NAME.key_secret as hertzline keys makes it")
+    command
+        .add_option("--curve-key", key, "encrypt; our own key, NAME.key_secret as hertzline keys makes it")
         ->check(missing_name)
         ->type_name("FILE");
 }
@@ -37,23 +41,32 @@ void add_curve_options(CLI::App& command, CurveServerRequest& request) {
                           "with --curve-key: who may subscribe, a public key NAME.key or a folder of them")
         ->check(missing_name)
         ->type_name("FILE|FOLDER");
+    command.add_flag_callback(
+        "--insecure", [&request] { request.exposure = Exposure::anything; },
+        "let other machines connect without encryption");
 }
 
 void add_curve_options(CLI::App& command, CurveClientRequest& request) {
     add_key_option(command, request.key);
-    command
-        .add_option("--server-key", request.server, "with --curve-key: the stream's public key, NAME.key")
+    command.add_option("--server-key", request.server, "with --curve-key: the stream's public key, NAME.key")
         ->check(missing_name)
         ->type_name("FILE");
 }
 
-std::optional<CurveServer> curve_of(const CurveServerRequest& request) {
+std::optional<CurveServer> curve_of(const CurveServerRequest& request, const std::string& endpoint) {
     if (request.key.empty() && request.clients.empty()) {
+        if (!is_local(endpoint) && request.exposure == Exposure::encrypted) {
+            throw WrongUse(fmt::format(
+                "--bind: {} can be reached from other machines, and anybody there could listen: give "
+                "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
+                endpoint));
+        }
         return std::nullopt;
     }
     if (request.clients.empty()) {
-        throw WrongUse("--curve-key: found no --allow-clients, allowed: with the public keys of those who may "
-                       "subscribe");
+        throw WrongUse(
+            "--curve-key: found no --allow-clients, allowed: with the public keys of those who may "
+            "subscribe");
     }
     if (request.key.empty()) {
         throw WrongUse("--allow-clients: found no --curve-key, allowed: with the stream's own key");

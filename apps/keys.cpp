@@ -13,7 +13,8 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Makes NAME.key, to be given to the other side, and NAME.key_secret, which stays where it is. Neither is\n"
+    "Makes NAME.key, to be given to the other side, and NAME.key_secret, which stays where it is. Neither "
+    "is\n"
     "overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
     "Examples:\n"
     "  hertzline keys laboratory\n"

@@ -116,8 +116,8 @@ std::string_view trimmed(std::string_view text) {
 }
 
 std::string_view unquoted(std::string_view text) {
-    const bool quoted = text.size() >= 2 && (text.front() == '"' || text.front() == '\'') &&
-                        text.front() == text.back();
+    const bool quoted =
+        text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.front() == text.back();
     return quoted ? text.substr(1, text.size() - 2) : text;
 }
 
@@ -153,13 +153,13 @@ Expected<Certificate> read_certificate(const fs::path& file, bool secret) {
         const std::string_view value = equals == std::string_view::npos ? "" : content.substr(equals + 1);
         key = key_from_z85(unquoted(trimmed(value)));
         if (!key) {
-            return Failure{fmt::format("{}:{}: {} is no key of 40 characters in Z85", file.string(),
-                                       line_number, name)};
+            return Failure{
+                fmt::format("{}:{}: {} is no key of 40 characters in Z85", file.string(), line_number, name)};
         }
     }
     if (!certificate.public_key) {
-        return Failure{fmt::format("{} is no certificate: it has no public-key in a section curve",
-                                   file.string())};
+        return Failure{
+            fmt::format("{} is no certificate: it has no public-key in a section curve", file.string())};
     }
     return certificate;
 }
@@ -168,8 +168,7 @@ Expected<Certificate> read_certificate(const fs::path& file, bool secret) {
 
 KeyFiles write_key_files(const std::string& name, const KeyPair& pair) {
     const KeyFiles files{name + ".key", name + ".key_secret"};
-    const std::string body =
-        fmt::format("metadata\ncurve\n    public-key = \"{}\"\n", z85(pair.public_key));
+    const std::string body = fmt::format("metadata\ncurve\n    public-key = \"{}\"\n", z85(pair.public_key));
     write_new_file(files.secret_file, owner_only,
                    fmt::format("# CURVE key pair: the secret key is for its owner alone\n{}"
                                "    secret-key = \"{}\"\n",
@@ -189,9 +188,10 @@ Expected<CurveKey> read_public_key(const fs::path& file) {
         return Failure{certificate.error()};
     }
     if (certificate->secret_key) {
-        return Failure{fmt::format("{} holds a secret key; only its owner should have that: use the public "
-                                   "file that was made with it",
-                                   file.string())};
+        return Failure{
+            fmt::format("{} holds a secret key; only its owner should have that: use the public "
+                        "file that was made with it",
+                        file.string())};
     }
     return *certificate->public_key;
 }

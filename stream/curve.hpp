@@ -52,8 +52,8 @@ KeyPair make_key_pair();
 /// Throws std::runtime_error when the ZeroMQ library here was built without encryption.
 void require_curve();
 
-/// Makes a socket that is not bound yet encrypt, and ask the context's ZapHandler (stream/zap) about each peer.
-/// Without a handler nobody gets in.
+/// Makes a socket that is not bound yet encrypt, and ask the context's ZapHandler (stream/zap) about each
+/// peer. Without a handler nobody gets in.
 void encrypt_as_server(zmq::socket_t& socket, const KeyPair& own);
 
 /// Makes a socket that is not connected yet encrypt, and talk to nobody but the owner of the server's key.

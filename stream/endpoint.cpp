@@ -41,14 +41,13 @@ bool good_host(std::string_view host, EndpointUse use) {
 }
 
 bool good_port(std::string_view port, EndpointUse use) {
-    if (port == "*") {
+    if (port == "*" || port == "0") {
         return use == EndpointUse::bind;
     }
     unsigned number = 0;  // unsigned: from_chars then refuses a sign
     const char* end = port.data() + port.size();
     const auto [stopped, error] = std::from_chars(port.data(), end, number);
-    const unsigned lowest = use == EndpointUse::bind ? 0 : 1;
-    return error == std::errc{} && stopped == end && number >= lowest && number <= 65535;
+    return error == std::errc{} && stopped == end && number >= 1 && number <= 65535;
 }
 
 /// The text in quotes, with what a terminal or a log should not show replaced, and not longer than a line.

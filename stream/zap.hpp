@@ -17,8 +17,8 @@ namespace hertzline {
 
 class ZapHandler {
 public:
-    /// Answers for all sockets of the context, from a thread of its own, until destroyed (which takes at most a
-    /// tenth of a second). To be made before any of them binds. Throws zmq::error_t when the context has a
+    /// Answers for all sockets of the context, from a thread of its own, until destroyed (which takes at most
+    /// a tenth of a second). To be made before any of them binds. Throws zmq::error_t when the context has a
     /// handler already.
     ZapHandler(zmq::context_t& context, std::vector<CurveKey> allowed);
 

@@ -17,6 +17,7 @@
 #include <zmq.hpp>
 
 #include "stream/continuity.hpp"
+#include "stream/endpoint.hpp"
 #include "stream/frame_codec.hpp"
 #include "stream/publisher.hpp"
 #include "stream/subscriber.hpp"
@@ -174,6 +175,12 @@ TEST(Publisher, AnyFreePortIsResolved) {
     const Publisher publisher("tcp://127.0.0.1:*");
     EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);
     EXPECT_EQ(publisher.endpoint().find('*'), std::string::npos);
+}
+
+TEST(Publisher, LocalhostAndPortZeroAreBound) {
+    const Publisher publisher("tcp://localhost:0");
+    EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);
+    EXPECT_EQ(endpoint_fault(publisher.endpoint(), EndpointUse::connect), std::nullopt);
 }
 
 TEST(Publisher, BindFailuresNameTheEndpointAndTheReason) {
