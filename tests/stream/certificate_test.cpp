@@ -125,9 +125,11 @@ TEST_F(Certificates, APublicFileIsNoPairAndASecretFileIsNotHandedAround) {
 
 TEST_F(Certificates, OthersWaysOfWritingAreRead) {
     // comments, sections of others before and after, tabs, single or no quotes, no last line end, CR LF
-    const std::string file = written("a", "# made elsewhere\r\n\r\nmetadata\r\n    public-key = \"no\"\r\ncurve\r\n"
-                                          "\tpublic-key='" + public_ + "'\r\n  # more\r\n    secret-key = " +
-                                              secret_ + "\r\nother\r\n    secret-key = 3");
+    const std::string file = written(
+        "a",
+        "# made elsewhere\r\n\r\nmetadata\r\n    public-key = \"no\"\r\ncurve\r\n"
+        "\tpublic-key='" +
+            public_ + "'\r\n  # more\r\n    secret-key = " + secret_ + "\r\nother\r\n    secret-key = 3");
     const auto read = read_key_pair(file);
     ASSERT_TRUE(read) << read.error();
     EXPECT_EQ(read->secret_key, pair_.secret_key);
@@ -142,7 +144,7 @@ TEST_F(Certificates, MalformedFilesAreToldAndNoSecretIsShown) {
     } faults[] = {
         {"", "no public-key"},
         {"metadata\n", "no public-key"},
-        {"    public-key = \"" + public_ + "\"\n", "no public-key"},  // of no section
+        {"    public-key = \"" + public_ + "\"\n", "no public-key"},     // of no section
         {"curve\npublic-key = \"" + public_ + "\"\n", "no public-key"},  // a section, at the margin
         {"keys\n    public-key = \"" + public_ + "\"\n", "no public-key"},
         {std::string(100, '\0'), "no public-key"},
