@@ -71,6 +71,7 @@ Pipeline::Pipeline(StreamPlan plan, SampleSource& source, Publisher& publisher, 
       pacer_(format_.sample_rate_hz, plan_.pace),
       producer_(source, pacer_, static_cast<std::size_t>(slots_for(format_, plan_.pace)), plan_.samples,
                 plan_.pace.is_flat_out() ? OnOverrun::wait : plan_.on_overrun) {
+    plan_.about["security"] = word(publisher.security());
     frame_.run = run_id_;
     frame_.fs = format_.sample_rate_hz;
     payload_.reserve(static_cast<std::size_t>(format_.frame_samples) * format_.spheres);
