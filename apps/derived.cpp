@@ -18,6 +18,7 @@
 #include "core/stability.hpp"
 #include "stream/pipeline.hpp"
 #include "stream/recording_formats.hpp"
+#include "stream/simulation_source.hpp"
 
 namespace hertzline::app {
 
@@ -168,8 +169,9 @@ void add_costs(Values& values, const Scene& scene) {
     values.push_back({"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(RecordedBodies::outputs)});
     values.push_back(
         {"run", "CSV of --all, at most", "csv_all_bytes", "bytes", csv_bytes(RecordedBodies::all)});
-    values.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
-                      Pipeline::memory_bytes(scene)});
+    values.push_back(
+        {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
+         SimulationSource::memory_bytes(scene) + Pipeline::ring_bytes(SimulationSource::format_of(scene))});
     values.push_back({"run", "hash of the scene", "scene_hash", "", scene_hash(scene)});
 }
 

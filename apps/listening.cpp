@@ -49,6 +49,8 @@ const char* word(Ending ending) {
             return "run broke off";
         case Ending::no_such_stream:
             return "no such stream";
+        case Ending::refused:
+            return "refused";
     }
     return "";
 }
@@ -71,6 +73,16 @@ void Listening::take(const Message& message) {
 void Listening::note_malformed(const std::string& reason) {
     if (++malformed_ == 1) {  // a peer that sends nonsense sends a lot of it
         tell_("a message that is none of a stream's: " + reason);
+    }
+}
+
+void Listening::note_refusal(const Refusal& refusal) {
+    if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
+        tell_(refusal.reason);
+        refusal_ = refusal.reason;
+    }
+    if (refusal.final) {
+        end(Ending::refused);
     }
 }
 
@@ -213,7 +225,8 @@ void Listening::save() {
 }
 
 bool Listening::sound() const noexcept {
-    const bool whole = ending_ != Ending::silence && ending_ != Ending::run_broke_off;
+    const bool whole =
+        ending_ != Ending::silence && ending_ != Ending::run_broke_off && ending_ != Ending::refused;
     return heard_samples() && check_.unbroken() && missing_at_end_ == 0 && malformed_ == 0 && whole;
 }
 
