@@ -8,6 +8,7 @@
 // is not heard; the sending thread (the caller's) lets each block go when it is due. What nobody subscribes
 // to or records is not computed.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -45,6 +46,8 @@ public:
     const std::string& run_id() const noexcept { return run_id_; }
     const StreamPlan& plan() const noexcept { return plan_; }
     const StreamFormat& format() const noexcept { return format_; }
+    /// When sample 0 was due, in the time of MonotonicClock; before the start 0.
+    Nanoseconds start_time() const noexcept { return start_time_; }
 
     /// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams,
     /// and at most half a GiB of the large ones.
@@ -76,6 +79,8 @@ private:
     const StreamEvents* events_ = nullptr;
 
     bool started_ = false;
+    TapSet wanted_;
+    std::array<std::uint32_t, all_taps.size()> wanted_since_{};  // number of the wish that began it
     StreamMeters meters_;
     std::uint64_t dropped_counted_ = 0;
     Nanoseconds start_time_{0};

@@ -53,7 +53,8 @@ public:
 
     /// Takes in who subscribed and left since the last call, without waiting. Returns how many subscriptions
     /// to our topics came, repeated ones included: each is somebody who may want the meta message. At most
-    /// 1000 messages a call, so that a peer that floods us cannot hold up the frames.
+    /// 1000 messages a call, so that a peer that floods us cannot hold up the frames. ZeroMQ lets a
+    /// subscription take effect in any call, send() included: call this right before a batch of frames.
     std::size_t poll_subscriptions();
 
     /// Whether anybody subscribes to the topic, as of the last poll_subscriptions().
