@@ -1,0 +1,126 @@
+"""What peers do to a stream: strangers on its port, and subscribers that misbehave or die."""
+import contextlib
+import itertools
+import os
+import signal
+import socket
+import struct
+import sys
+import time
+
+import zmq
+
+import stand as stands
+from stand import check, wait_until
+
+# ZMTP 3.1 (rfc.zeromq.org/spec/37): signature, version, mechanism NULL, no server; then a READY command of a SUB socket.
+GREETING = b"\xff" + bytes(8) + b"\x7f" + b"\x03\x01" + b"NULL".ljust(20, b"\0") + bytes(32)
+READY = b"\x04\x19\x05READY\x0bSocket-Type\x00\x00\x00\x03SUB"
+LENGTH_OF_READY = 27  # what the stream answers at least
+
+
+def _connected(stream):
+    return socket.create_connection(stream.address, timeout=stands.LONG_ENOUGH_S)
+
+
+def _subscriber(stream):
+    """A connection with its handshake done, for what no library would send."""
+    peer = _connected(stream)
+    peer.sendall(GREETING + READY)
+    received = 0
+    while received < len(GREETING) + LENGTH_OF_READY:
+        received += len(peer.recv(4096))
+    return peer
+
+
+def _subscription(prefix):
+    """A message of ZMTP 3.0: flags, length, 1, prefix."""
+    body = b"\x01" + prefix
+    length = bytes([0, len(body)]) if len(body) < 256 else b"\x02" + struct.pack(">Q", len(body))
+    return length + body
+
+
+def _is_closed_by_the_stream(peer):
+    try:
+        while peer.recv(65536):
+            pass
+    except ConnectionResetError:
+        pass
+    return True
+
+
+def plain_garbage(stand):
+    huge = struct.pack(">Q", 2**63 - 1)
+    garbage = [b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\0" * 5000, b"\xff" * 5000, os.urandom(100_000),
+               GREETING[:10] + os.urandom(1000), GREETING + os.urandom(1000), GREETING + b"\x06" + huge,
+               GREETING + READY + os.urandom(1000), GREETING + READY + b"\x02" + huge, GREETING + READY + b"\x00\x00",
+               GREETING + READY + b"\x00\x05hello", GREETING + READY + b"\x04\x05\x04PING"]
+    with stand.stream() as stream:
+        for bytes_ in 10 * garbage:
+            with _connected(stream) as peer, contextlib.suppress(ConnectionError):
+                peer.sendall(bytes_)
+                peer.settimeout(0.02)
+                with contextlib.suppress(TimeoutError):
+                    _is_closed_by_the_stream(peer)
+
+
+def half_open_connections(stand):
+    with stand.stream() as stream:
+        for _ in range(5):  # what the first round costs may be kept for the others, but no more
+            with contextlib.ExitStack() as connections:
+                for begun in 50 * [b"", GREETING[:1], GREETING[:10], GREETING, GREETING + READY[:5]]:
+                    connections.enter_context(_connected(stream)).sendall(begun)
+                stream.first_frame()  # among them there is room for one who means it
+
+
+def connections_beyond_the_descriptors(stand):
+    few = 100
+
+    def limit():
+        import resource
+        resource.setrlimit(resource.RLIMIT_NOFILE, (few, few))
+    with stand.stream(before_exec=limit) as stream:
+        with contextlib.ExitStack() as connections:
+            for _ in range(few + 50):  # those that find no descriptor wait in the system's queue
+                connections.enter_context(_connected(stream))
+            wait_until(lambda: stream.footprint()[0] >= few, "used them up")
+            time.sleep(0.5)
+
+
+def port_scan(stand):
+    at_once = struct.pack("ii", 1, 0)
+    with stand.stream() as stream:
+        for i in range(3000):
+            with _connected(stream) as peer:
+                if i % 2:
+                    peer.sendall(b"\r\n")
+                if i % 3 == 0:
+                    peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, at_once)  # closes with a reset
+
+
+def very_many_subscriptions(stand):
+    with stand.stream() as stream, _subscriber(stream) as peer:
+        peak = stream.footprint()[1]
+        sent = 0
+        with contextlib.suppress(ConnectionError):  # the stream may have enough of it
+            for i in range(200_000):
+                # as long as is allowed and different from the first byte on: what costs a table of prefixes most
+                peer.sendall(_subscription(struct.pack("<Q", i * 0x9E3779B97F4A7C15 % 2**64) * 31))
+                sent += 1
+        time.sleep(1)
+        peak = stream.footprint()[1]
+        print(sent, "subscriptions", (peak - stream.before[1]) >> 20, "MiB", file=sys.stderr)
+        check(stand.sanitized or peak - stream.before[1] < 64 << 20, f"{peak >> 20} MiB for one peer's subscriptions")
+
+
+def subscription_longer_than_allowed(stand):
+    with stand.stream() as stream:
+        for length in (300, 100_000):
+            with _subscriber(stream) as peer:
+                with contextlib.suppress(ConnectionError):
+                    peer.sendall(_subscription(b"v" * length))
+                check(_is_closed_by_the_stream(peer), "")
+
+
+if __name__ == "__main__":
+    stands.main(sys.modules[__name__])

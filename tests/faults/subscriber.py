@@ -1,0 +1,41 @@
+"""A subscriber made of pyzmq alone. Receives a stream's frames until its end and prints as JSON what it got; --nap and
+--queue make it slow, --save keeps the samples."""
+import argparse
+import json
+import time
+
+import numpy
+import zmq
+
+parser = argparse.ArgumentParser()
+parser.add_argument("endpoint")
+parser.add_argument("--stream", default="v_out")
+parser.add_argument("--save", metavar="NPY")
+parser.add_argument("--nap", type=float, default=0, help="seconds between two frames")
+parser.add_argument("--queue", type=int, default=100_000, help="frames that may wait to be received")
+words = parser.parse_args()
+
+socket = zmq.Context().socket(zmq.SUB)
+socket.rcvhwm = words.queue
+socket.connect(words.endpoint)
+socket.subscribe(f"{words.stream}/np")
+socket.subscribe("end")
+headers, samples = [], []
+while True:
+    topic, header, *data = socket.recv_multipart()
+    if topic == b"end":
+        summary = json.loads(header)
+        break
+    if not headers:
+        print("hears", flush=True)
+    headers.append(json.loads(header))
+    if words.save:
+        samples.append(numpy.frombuffer(data[0], "<f4"))
+    time.sleep(words.nap)
+
+if words.save:
+    numpy.save(words.save, numpy.concatenate(samples))
+first = headers[0]["sample"]
+got = sum(h["shape"][0] for h in headers)
+print(json.dumps({"first_sample": first, "samples": got, "missing_samples": summary["samples"] - first - got,
+                  "ended_by": "end of run"}))
