@@ -44,6 +44,10 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
     socket_.set(zmq::sockopt::xpub_verbose, true);
     // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory.
     socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{256});
+    // A flood of them waits at the peer that sends it. A receiving call takes in all that has arrived and
+    // what arrives meanwhile: with a longer queue it would not return before the flood ends.
+    socket_.set(zmq::sockopt::rcvhwm, 1);
+    socket_.set(zmq::sockopt::rcvbuf, 16 * 1024);
     // Without them a peer whose machine froze is never noticed and its queue stays.
     socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
     socket_.set(zmq::sockopt::heartbeat_timeout, 3 * heartbeat);
@@ -72,9 +76,11 @@ std::size_t Publisher::poll_subscriptions() {
                 break;
             case Subscriptions::Change::foreign:
                 ++foreign_;
+                quota_.charge(incoming_);
                 break;
             case Subscriptions::Change::malformed:
                 ++malformed_;
+                quota_.charge(incoming_);
                 break;
         }
     }

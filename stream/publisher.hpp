@@ -16,6 +16,7 @@
 
 #include <zmq.hpp>
 
+#include "stream/peer_quota.hpp"
 #include "stream/subscriptions.hpp"
 #include "stream/taps.hpp"
 
@@ -62,6 +63,8 @@ public:
     /// Subscriptions to what we never send, and messages that are no subscriptions.
     std::uint64_t foreign_subscriptions() const noexcept { return foreign_; }
     std::uint64_t malformed_subscriptions() const noexcept { return malformed_; }
+    /// Peers that were sent away because they made too many of those.
+    std::uint64_t peers_cut_off() const noexcept { return quota_.cut_off(); }
 
 private:
     template <class Part>
@@ -74,6 +77,7 @@ private:
     zmq::context_t context_;
     zmq::socket_t socket_;
     Subscriptions subscriptions_;
+    PeerQuota quota_{100};  // far more than any client has use for
     std::string endpoint_;
     zmq::message_t incoming_;
     std::uint64_t foreign_ = 0;

@@ -1,7 +1,9 @@
 """What peers do to a stream: strangers on its port, and subscribers that misbehave or die."""
 import contextlib
 import itertools
+import json
 import os
+import resource
 import signal
 import socket
 import struct
@@ -75,11 +77,7 @@ def half_open_connections(stand):
 
 def connections_beyond_the_descriptors(stand):
     few = 100
-
-    def limit():
-        import resource
-        resource.setrlimit(resource.RLIMIT_NOFILE, (few, few))
-    with stand.stream(before_exec=limit) as stream:
+    with stand.stream(before_exec=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (few, few))) as stream:
         with contextlib.ExitStack() as connections:
             for _ in range(few + 50):  # those that find no descriptor wait in the system's queue
                 connections.enter_context(_connected(stream))
@@ -98,19 +96,28 @@ def port_scan(stand):
                     peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, at_once)  # closes with a reset
 
 
+def _flood(stream, subscriptions):
+    """Sends them for as long as the stream listens; how much memory that has cost it [bytes]."""
+    with _subscriber(stream) as peer, contextlib.suppress(ConnectionError):
+        for subscription in subscriptions:
+            peer.sendall(subscription)
+        time.sleep(0.5)
+        return stream.footprint()[1] - stream.before[1]
+    return stream.footprint()[1] - stream.before[1]
+
+
 def very_many_subscriptions(stand):
-    with stand.stream() as stream, _subscriber(stream) as peer:
-        peak = stream.footprint()[1]
-        sent = 0
-        with contextlib.suppress(ConnectionError):  # the stream may have enough of it
-            for i in range(200_000):
-                # as long as is allowed and different from the first byte on: what costs a table of prefixes most
-                peer.sendall(_subscription(struct.pack("<Q", i * 0x9E3779B97F4A7C15 % 2**64) * 31))
-                sent += 1
-        time.sleep(1)
-        peak = stream.footprint()[1]
-        print(sent, "subscriptions", (peak - stream.before[1]) >> 20, "MiB", file=sys.stderr)
-        check(stand.sanitized or peak - stream.before[1] < 64 << 20, f"{peak >> 20} MiB for one peer's subscriptions")
+    # Each as long as may be and different from the first byte on: that takes most of a table of prefixes.
+    different = (_subscription(struct.pack("<Q", i * 0x9E3779B97F4A7C15 % 2**64) * 31) for i in range(200_000))
+    with stand.stream() as stream:
+        memory = _flood(stream, different)
+        check(stand.sanitized or memory < 16 << 20, f"{memory >> 20} MiB for one peer's subscriptions")
+
+
+def one_subscription_very_often(stand):
+    with stand.stream() as stream:
+        memory = _flood(stream, itertools.repeat(_subscription(b"meta"), 200_000))
+        check(stand.sanitized or memory < 16 << 20, f"{memory >> 20} MiB for one peer's subscriptions")
 
 
 def subscription_longer_than_allowed(stand):
@@ -120,6 +127,69 @@ def subscription_longer_than_allowed(stand):
                 with contextlib.suppress(ConnectionError):
                     peer.sendall(_subscription(b"v" * length))
                 check(_is_closed_by_the_stream(peer), "")
+
+
+def two_publishers_on_one_port(stand):
+    with stand.stream() as stream:
+        second = stand.run("stream", "paper-stream", "--bind", stream.endpoint)
+        check(second.returncode == 1 and "in use" in second.stderr, f"the second: {second}")
+
+
+def two_publishers_on_one_path(stand):
+    with stand.stream(endpoint=f"ipc://{stand.folder}/socket") as stream:
+        second = stand.run("stream", "paper-stream", "--bind", stream.endpoint)
+        check(second.returncode == 1 and "in use" in second.stderr, f"the second: {second}")
+
+
+# Six spheres a sample: what a subscriber that does not read leaves lying in queues.
+MOST = ["--stream", "v_chain"]
+
+
+def _hearing_peer(stream, *words):
+    peer = stream.peer(*words)
+    check(peer.stdout.readline() == "hears\n", "a peer hears nothing")
+    return peer
+
+
+def _account(peer):
+    return json.loads(peer.communicate(timeout=stands.LONG_ENOUGH_S)[0])
+
+
+def subscriber_stopped_for_a_while(stand):
+    with stand.stream() as stream:
+        peer = _hearing_peer(stream, *MOST)
+        peer.send_signal(signal.SIGSTOP)
+        time.sleep(1.5)
+        peer.send_signal(signal.SIGCONT)
+        stream.interrupt()
+        check(_account(peer)["missing_samples"] == 0, "the queue did not hold what it has room for")
+
+
+def subscriber_stopped_for_good(stand):
+    with stand.stream() as stream:
+        peer = _hearing_peer(stream, *MOST)
+        peer.send_signal(signal.SIGSTOP)
+        time.sleep(1)
+        stream.interrupt()  # somebody is there who will never take what was sent to him
+
+
+def subscriber_killed(stand):
+    with stand.stream() as stream:
+        for _ in range(3):
+            peer = _hearing_peer(stream, *MOST)
+            peer.send_signal(signal.SIGSTOP)  # so that there is a queue for him
+            time.sleep(0.5)
+            peer.kill()
+
+
+def slow_subscriber(stand):
+    # A thousand spheres, of which a queue may take half a GiB: short for one who listens to v_out alone, so he loses some.
+    with stand.stream(scene=stands.LONG_CHAIN, endpoint=f"ipc://{stand.folder}/socket", listener="pyzmq") as stream:
+        peer = _hearing_peer(stream, "--slow", 3, "--queue", 1)
+        time.sleep(4)
+        stream.interrupt()
+        account = _account(peer)
+        check(account["missing_samples"] > 0, "the slow one lost nothing: this tests nothing")
 
 
 if __name__ == "__main__":

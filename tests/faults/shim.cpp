@@ -1,8 +1,9 @@
-// Loaded into the program (LD_PRELOAD) by the tests of faults, it lets them do from outside what they otherwise could not
-// without touching the whole machine:
+// Loaded into the program (LD_PRELOAD) by the tests of faults, it lets them do from outside what they
+// otherwise could not without touching the whole machine:
 //     SIGUSR1   interrupts whatever system call waits, as the signals of profilers and debuggers do
 //     SIGUSR2   sets the program's wall clock back by an hour
-// The wall clock is read through the kernel itself: no other library's clock is asked, a sanitizer's included.
+// The wall clock is read through the kernel itself: no other library's clock is asked, a sanitizer's
+// included.
 
 #include <atomic>
 #include <csignal>

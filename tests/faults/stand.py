@@ -21,9 +21,15 @@ import numpy
 import zmq
 
 # 50 000 samples a second in about 400 frames: a stream that any machine can follow, so that a loss is a fault's.
-SAMPLE_RATE_HZ = 1e6
-SCENE = ["paper-stream", "--set", "output.sample_rate_hz=1e6", "--set", "output.frame_samples=128"]
-PACE = ["--pace", "0.05"]
+class Scene:
+    def __init__(self, name, sample_rate_hz, pace, **settings):
+        settings = {"output.sample_rate_hz": sample_rate_hz, "output.frame_samples": 128, **settings}
+        self.words = [name, *(word for key, value in settings.items() for word in ("--set", f"{key}={value}"))]
+        self.sample_rate_hz, self.pace = sample_rate_hz, ["--pace", str(pace)]
+
+
+PAPER = Scene("paper-stream", 1e6, 0.05)
+LONG_CHAIN = Scene("long-chain", 1e8, 0.001, **{"chain.spheres": 1000})  # the wave arrives after a second and a half
 
 LONG_ENOUGH_S = 60  # for a loaded machine with sanitizers
 # What an allocator may keep for later of memory that was given back to it: a few MiB of each thread's heap.
@@ -66,14 +72,14 @@ class Stand:
 class Stream:
     """hertzline stream, until it is interrupted."""
 
-    def __init__(self, stand, *words, endpoint="tcp://127.0.0.1:*", listener="hertzline", before_exec=None, env=None,
+    def __init__(self, stand, *words, endpoint="tcp://127.0.0.1:*", scene=PAPER, listener="hertzline", before_exec=None, env=None,
                  exit_status=0, **stdio):
         """listener: who the well-behaved one is, the project's own or one that knows pyzmq only.
         stdio: instead of stdout=a file, stderr=a file."""
-        self.stand, self.exit_status, self.interrupted = stand, exit_status, None
+        self.stand, self.scene, self.exit_status, self.interrupted = stand, scene, exit_status, None
         self.messages, self.summary = stand.folder / "messages", stand.folder / "summary"
         self.heard = stand.folder / ("heard.csv" if listener == "hertzline" else "heard.npy")
-        command = [stand.program, "stream", *SCENE, *PACE, "--wait-for-subscriber", "--json", "--bind", endpoint, *words]
+        command = [stand.program, "stream", *scene.words, *scene.pace, "--wait-for-subscriber", "--json", "--bind", endpoint, *words]
         self.peers = []
         self.process = self._start(command, preexec_fn=before_exec, env={**os.environ, **(env or {})}, **{
             "stdin": subprocess.DEVNULL, "stdout": self.summary.open("wb"), "stderr": self.messages.open("wb"), **stdio})
@@ -186,8 +192,8 @@ class Stream:
         if self.summary.stat().st_size > 0:
             check(json.loads(self.summary.read_text())["samples"] == account["samples"], "listener and summary differ")
         own = self.stand.folder / "run.csv"
-        duration = f"output.duration_s={account['samples'] / SAMPLE_RATE_HZ!r}"
-        done = self.stand.run("run", *SCENE, "--set", duration, "-o", own)
+        duration = f"output.duration_s={account['samples'] / self.scene.sample_rate_hz!r}"
+        done = self.stand.run("run", *self.scene.words, "--set", duration, "-o", own)
         check(done.returncode == 0, done.stderr)
         heard = samples_of(self.heard) if self.heard.suffix == ".csv" else numpy.load(self.heard)
         # run saves the sample at its end, too

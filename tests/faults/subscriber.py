@@ -1,4 +1,4 @@
-"""A subscriber made of pyzmq alone. Receives a stream's frames until its end and prints as JSON what it got; --nap and
+"""A subscriber made of pyzmq alone. Receives a stream's frames until its end and prints as JSON what it got; --slow and
 --queue make it slow, --save keeps the samples."""
 import argparse
 import json
@@ -11,7 +11,7 @@ parser = argparse.ArgumentParser()
 parser.add_argument("endpoint")
 parser.add_argument("--stream", default="v_out")
 parser.add_argument("--save", metavar="NPY")
-parser.add_argument("--nap", type=float, default=0, help="seconds between two frames")
+parser.add_argument("--slow", type=float, default=0, help="for the first seconds take only 50 frames in each")
 parser.add_argument("--queue", type=int, default=100_000, help="frames that may wait to be received")
 words = parser.parse_args()
 
@@ -20,7 +20,7 @@ socket.rcvhwm = words.queue
 socket.connect(words.endpoint)
 socket.subscribe(f"{words.stream}/np")
 socket.subscribe("end")
-headers, samples = [], []
+headers, samples, begin = [], [], time.monotonic()
 while True:
     topic, header, *data = socket.recv_multipart()
     if topic == b"end":
@@ -31,7 +31,8 @@ while True:
     headers.append(json.loads(header))
     if words.save:
         samples.append(numpy.frombuffer(data[0], "<f4"))
-    time.sleep(words.nap)
+    if time.monotonic() < begin + words.slow:
+        time.sleep(0.02)
 
 if words.save:
     numpy.save(words.save, numpy.concatenate(samples))
