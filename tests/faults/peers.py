@@ -109,13 +109,13 @@ def _flood(stream, subscriptions):
 def very_many_subscriptions(stand):
     # Each as long as may be and different from the first byte on: that takes most of a table of prefixes.
     different = (_subscription(struct.pack("<Q", i * 0x9E3779B97F4A7C15 % 2**64) * 31) for i in range(200_000))
-    with stand.stream() as stream:
+    with stand.stream(scene=stands.LARGE_FRAMES, recorded=False) as stream:
         memory = _flood(stream, different)
         check(stand.sanitized or memory < 16 << 20, f"{memory >> 20} MiB for one peer's subscriptions")
 
 
 def one_subscription_very_often(stand):
-    with stand.stream() as stream:
+    with stand.stream(scene=stands.LARGE_FRAMES, recorded=False) as stream:
         memory = _flood(stream, itertools.repeat(_subscription(b"meta"), 200_000))
         check(stand.sanitized or memory < 16 << 20, f"{memory >> 20} MiB for one peer's subscriptions")
 
