@@ -136,7 +136,8 @@ class Stream:
                                              "-o", self.heard], stdout=subprocess.PIPE, text=True)
             else:
                 self.listener = self.peer("--save", self.heard)
-            self.first_frame()  # a peer that comes and goes: what a first one costs for good is no fault's
+            # Peers have come and gone and buffers have filled: what that costs for good is no fault's.
+            wait_until(lambda: self.first_frame()["sample"] > 15_000, "began")
             self.before = wait_until(self._settled_footprint, "settled")
             return self
         except BaseException:

@@ -1,5 +1,4 @@
-"""A subscriber made of pyzmq alone. Receives a stream's frames until its end and prints as JSON what it got; --slow and
---queue make it slow, --save keeps the samples."""
+"""A subscriber made of pyzmq alone. Receives frames of v_out until the stream's end and prints as JSON what it got."""
 import argparse
 import json
 import time
@@ -9,7 +8,7 @@ import zmq
 
 parser = argparse.ArgumentParser()
 parser.add_argument("endpoint")
-parser.add_argument("--stream", default="v_out")
+parser.add_argument("--everything", action="store_true", help="subscribe to every topic, not to v_out alone")
 parser.add_argument("--save", metavar="NPY")
 parser.add_argument("--slow", type=float, default=0, help="for the first seconds take only 50 frames in each")
 parser.add_argument("--queue", type=int, default=100_000, help="frames that may wait to be received")
@@ -18,14 +17,16 @@ words = parser.parse_args()
 socket = zmq.Context().socket(zmq.SUB)
 socket.rcvhwm = words.queue
 socket.connect(words.endpoint)
-socket.subscribe(f"{words.stream}/np")
-socket.subscribe("end")
+for topic in ("",) if words.everything else ("v_out/np", "end"):
+    socket.subscribe(topic)
 headers, samples, begin = [], [], time.monotonic()
 while True:
     topic, header, *data = socket.recv_multipart()
     if topic == b"end":
         summary = json.loads(header)
         break
+    if topic != b"v_out/np":
+        continue
     if not headers:
         print("hears", flush=True)
     headers.append(json.loads(header))
