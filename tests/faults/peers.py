@@ -152,7 +152,7 @@ def _account(peer):
 
 
 # Over a Unix socket, in which the system keeps little: what a peer does not read waits in the stream's own queue for it,
-# 3.6 MB in each second of everything.
+# 3.6 MB in each second for one who subscribes to everything.
 def _on_a_unix_socket(stand, **how):
     return stand.stream(endpoint=f"ipc://{stand.folder}/socket", **how)
 
@@ -176,12 +176,12 @@ def subscriber_stopped_for_good(stand):
 
 
 def subscriber_killed(stand):
-    with _on_a_unix_socket(stand) as stream:
-        for _ in range(3):
-            peer = _hearing_peer(stream, "--everything")
-            peer.send_signal(signal.SIGSTOP)
-            time.sleep(0.7)
-            peer.kill()
+    with _on_a_unix_socket(stand, scene=stands.BUSY) as stream:
+        peer = _hearing_peer(stream, "--everything")
+        peer.send_signal(signal.SIGSTOP)
+        queued = lambda: stream.footprint()[1] - stream.before[1]
+        wait_until(lambda: queued() > 4 * stands.KEPT_BY_ALLOCATOR, "had a queue")
+        peer.kill()
 
 
 def slow_subscriber(stand):

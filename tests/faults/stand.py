@@ -29,12 +29,15 @@ class Scene:
 
 # 50 000 samples a second in 400 frames, which any machine can follow.
 PAPER = Scene("paper-stream", 1e6, 0.05)
+# 14 MB in each second for those who subscribe to everything.
+BUSY = Scene("paper-stream", 1e6, 0.2)
 # In 12 frames: with four blocks in its ring the sending thread may be held up for 0.3 s before a frame is dropped.
 LARGE_FRAMES = Scene("paper-stream", 1e6, 0.05, **{"output.frame_samples": 4096})
 LONG_CHAIN = Scene("long-chain", 1e8, 0.001, **{"chain.spheres": 1000})  # the wave arrives after a second and a half
 
 LONG_ENOUGH_S = 60  # for a loaded machine with sanitizers
-# What an allocator may keep for later of memory that was given back to it: a few MiB of each thread's heap.
+# What an allocator may keep of the memory that was given back to it, for the next who ask: several sizes of blocks for
+# each thread. Ten seconds are more than it takes to decide that nobody does.
 KEPT_BY_ALLOCATOR = 4 << 20
 
 
@@ -178,7 +181,7 @@ class Stream:
             more = now[1] - memory
             return now[0] == descriptors and (self.stand.sanitized or more < KEPT_BY_ALLOCATOR)
         try:
-            wait_until(is_as_before, "", 10)
+            wait_until(is_as_before, "", 10)  # seconds
         except AssertionError:
             raise AssertionError(f"descriptors and bytes were {self.before}, are {self.footprint()}") from None
 
