@@ -26,8 +26,8 @@ struct PublisherOptions {
     /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
     /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
     int send_high_water_mark = 4096;
-    /// How long the destructor waits for subscribers to take what was sent last. With all the rest it is to stay
-    /// below the second in which Ctrl-C ends a stream.
+    /// How long the destructor waits for subscribers to take what was sent last. With all the rest it is to
+    /// stay below the second in which Ctrl-C ends a stream.
     std::chrono::milliseconds linger{600};
     /// A tcp subscriber that does not answer for three of these is gone. One whose queue is full does not
     /// read our questions either, so this is also how long an analyser may pause without being disconnected.

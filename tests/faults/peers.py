@@ -88,7 +88,7 @@ def connections_beyond_the_descriptors(stand):
 def port_scan(stand):
     at_once = struct.pack("ii", 1, 0)
     with stand.stream() as stream:
-        for i in range(3000):
+        for i in range(1500):
             with _connected(stream) as peer:
                 if i % 2:
                     peer.sendall(b"\r\n")
@@ -187,8 +187,8 @@ def subscriber_killed(stand):
 def slow_subscriber(stand):
     # A thousand spheres, of which a queue may take half a GiB: short for one who listens to v_out alone, so he loses some.
     with _on_a_unix_socket(stand, scene=stands.LONG_CHAIN, listener="pyzmq") as stream:
-        peer = _hearing_peer(stream, "--slow", 3, "--queue", 1)
-        time.sleep(4)
+        peer = _hearing_peer(stream, "--slow", 2.5, "--queue", 1)
+        time.sleep(3)
         stream.interrupt()
         account = _account(peer)
         check(account["missing_samples"] > 0, "the slow one lost nothing: this tests nothing")

@@ -117,14 +117,17 @@ class Stream:
         script = pathlib.Path(__file__).with_name("subscriber.py")
         return self._start([sys.executable, script, self.endpoint, *map(str, words)], stdout=subprocess.PIPE, text=True)
 
-    def first_frame(self):
-        """A newcomer's first frame of v_out, its header."""
+    def first_of(self, topic):
+        """A newcomer's first message of the topic: its JSON."""
         with zmq.Context() as context, context.socket(zmq.SUB) as socket:
             socket.linger = 0
             socket.connect(self.endpoint)
-            socket.subscribe("v_out/np")
-            check(socket.poll(1000 * LONG_ENOUGH_S), "a newcomer gets no frame")
+            socket.subscribe(topic)
+            check(socket.poll(1000 * LONG_ENOUGH_S), "a newcomer gets nothing")
             return json.loads(socket.recv_multipart()[1])
+
+    def first_frame(self):
+        return self.first_of("v_out/np")
 
     def footprint(self):
         """Descriptors, and memory of its own [bytes]."""
@@ -139,8 +142,10 @@ class Stream:
                                              "-o", self.heard], stdout=subprocess.PIPE, text=True)
             else:
                 self.listener = self.peer("--save", self.heard)
-            # Peers have come and gone and buffers have filled: what that costs for good is no fault's.
-            wait_until(lambda: self.first_frame()["sample"] > 15_000, "began")
+            # By the meters, which do not start the stream: that is left to the listener. Then peers have come and gone and
+            # buffers have filled: what that costs for good is no fault's.
+            wait_until(lambda: self.first_of("meters")["wall_s"] > 0.3, "began")
+            self.first_frame()
             self.before = wait_until(self._settled_footprint, "settled")
             return self
         except BaseException:
