@@ -6,7 +6,6 @@ must hold after the fault.
                                        # here every promise is checked
 """
 import argparse
-import contextlib
 import inspect
 import json
 import os
@@ -100,9 +99,14 @@ class Stream:
         self.peers.append(process)
         return process
 
+    def _lives(self):
+        status = self.process.poll()
+        check(status is None, f"the stream ended, {status}: {self.messages.read_text()}")
+        return True
+
     def _bound_endpoint(self):
         def said():
-            check(self.process.poll() is None, f"the stream ended: {self.messages.read_text()}")
+            self._lives()
             lines = self.messages.read_text().splitlines(keepends=True)
             return [line.split()[-1] for line in lines if " endpoint " in line and line.endswith("\n")]
         return wait_until(said, "said where it publishes")[0]
@@ -123,7 +127,7 @@ class Stream:
             socket.linger = 0
             socket.connect(self.endpoint)
             socket.subscribe(topic)
-            check(socket.poll(1000 * LONG_ENOUGH_S), "a newcomer gets nothing")
+            wait_until(lambda: self._lives() and socket.poll(100), "sent a newcomer anything")
             return json.loads(socket.recv_multipart()[1])
 
     def first_frame(self):
@@ -165,8 +169,6 @@ class Stream:
                     self.interrupt()
                 self._check_the_end()
                 self._check_the_samples()
-            elif self.messages.exists():
-                print(self.messages.read_text(), file=sys.stderr)
         finally:
             self._kill()
 
