@@ -11,11 +11,14 @@
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "apps/commands.hpp"
+#include "apps/terminal.hpp"
 #include "core/text.hpp"
 #include "stream/provenance.hpp"
 
@@ -32,8 +35,19 @@ constexpr const char* examples =
     "  hertzline check my-scene.toml\n"
     "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
 
+/// In place of a standard stream that is closed the next socket or file would be opened, and summaries and
+/// messages would go there. What is put there fails when it is used, as a closed one does.
+void occupy_closed_standard_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0) {
+            ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest number
+        }
+    }
+}
+
 void send_messages_to_stderr() {
-    auto logger = spdlog::stderr_color_st("hertzline");
+    const auto colour = colour_on_stderr() ? spdlog::color_mode::automatic : spdlog::color_mode::never;
+    auto logger = spdlog::stderr_color_st("hertzline", colour);
     logger->set_pattern("%^%l%$: %v");
     spdlog::set_default_logger(std::move(logger));
     // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
@@ -123,6 +137,7 @@ void require_positive(const char* option, double value) {
 }  // namespace hertzline::app
 
 int main(int argc, char** argv) {
+    hertzline::app::occupy_closed_standard_streams();
     hertzline::app::send_messages_to_stderr();
     return static_cast<int>(hertzline::app::run_guarded(argc, argv));
 }

@@ -35,8 +35,7 @@ double slot_bytes(const StreamFormat& format) noexcept {
 double slots_for(const StreamFormat& format, Pace pace) noexcept {
     const double frame_rate = format.sample_rate_hz / static_cast<double>(format.frame_samples);
     const double by_time = pace.is_flat_out() ? most_slots : reserve_s * pace.times() * frame_rate;
-    const double by_memory =
-        (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
+    const double by_memory = (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
     return std::clamp(std::min(by_time, by_memory), fewest_slots, most_slots);
 }
 
