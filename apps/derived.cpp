@@ -17,6 +17,7 @@
 #include "core/simulation.hpp"
 #include "core/stability.hpp"
 #include "stream/pipeline.hpp"
+#include "stream/simulation_source.hpp"
 
 namespace hertzline::app {
 
@@ -165,8 +166,9 @@ void add_costs(Values& values, const Scene& scene) {
         {"run", "CSV, at most", "csv_bytes", "bytes", recording_bytes(scene, rows, RecordedBodies::outputs)});
     values.push_back({"run", "CSV of --all, at most", "csv_all_bytes", "bytes",
                       recording_bytes(scene, rows, RecordedBodies::all)});
-    values.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
-                      Pipeline::memory_bytes(scene)});
+    values.push_back(
+        {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
+         SimulationSource::memory_bytes(scene) + Pipeline::ring_bytes(SimulationSource::format_of(scene))});
     values.push_back({"run", "hash of the scene", "scene_hash", "", scene_hash(scene)});
 }
 

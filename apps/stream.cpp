@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands.hpp"
+#include "apps/curve_arguments.hpp"
 #include "apps/output.hpp"
 #include "apps/progress.hpp"
 #include "apps/run_needs.hpp"
@@ -21,6 +22,8 @@
 #include "stream/endpoint.hpp"
 #include "stream/pipeline.hpp"
 #include "stream/resources.hpp"
+#include "stream/scene_json.hpp"
+#include "stream/simulation_source.hpp"
 
 namespace hertzline::app {
 
@@ -37,10 +40,13 @@ constexpr const char* examples =
 struct StreamOptions {
     SceneRequest scene;
     std::string endpoint = "tcp://127.0.0.1:5573";
+    CurveServerRequest curve;
     std::string pace = "realtime";
     std::optional<double> duration_s;
     std::string recording;  // empty: none
     StreamStart start = StreamStart::at_once;
+    std::string on_overrun;  // empty: drop, or wait where something is recorded
+    ThreadWishes thread;
     Format format = Format::text;
 };
 
@@ -50,6 +56,11 @@ Pace pace_of(const StreamOptions& options) {
         throw WrongUse("--pace: " + pace.error());
     }
     return *pace;
+}
+
+OnOverrun on_overrun(const StreamOptions& options) {
+    const bool drop = options.on_overrun.empty() ? options.recording.empty() : options.on_overrun == "drop";
+    return drop ? OnOverrun::drop : OnOverrun::wait;
 }
 
 std::optional<std::int64_t> samples_of(const StreamOptions& options, const Scene& scene) {
@@ -76,17 +87,23 @@ void refuse_wrong_use(const StreamOptions& options) {
     if (!options.recording.empty()) {
         refuse_wrong_endings({&options.recording, 1});
     }
+    if (options.thread.cpu) {
+        if (const auto fault = cpu_fault(*options.thread.cpu)) {
+            throw WrongUse("--cpu: " + *fault);
+        }
+    }
     (void)pace_of(options);
 }
 
-void refuse_stream_shortages(const StreamOptions& options, const StreamPlan& plan) {
-    if (const auto shortage =
-            memory_shortage("streaming this scene", Pipeline::memory_bytes(plan.scene, plan.pace))) {
+void refuse_shortages(const StreamOptions& options, const Scene& scene, const StreamPlan& plan) {
+    const double memory = SimulationSource::memory_bytes(scene) +
+                          Pipeline::ring_bytes(SimulationSource::format_of(scene), plan.pace);
+    if (const auto shortage = memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
     if (!options.recording.empty() && plan.samples) {
         const double bytes =
-            recording_bytes(plan.scene, static_cast<double>(*plan.samples), RecordedBodies::outputs);
+            recording_bytes(scene, static_cast<double>(*plan.samples), RecordedBodies::outputs);
         if (const auto shortage = disk_shortage(options.recording, bytes)) {
             throw std::runtime_error(*shortage);
         }
@@ -102,49 +119,54 @@ std::string local_endpoint(std::string endpoint) {
     return endpoint;
 }
 
-void announce(const Publisher& publisher, const Pipeline& pipeline, const StreamPlan& plan) {
+void announce(const Publisher& publisher, const Pipeline& pipeline) {
     std::vector<std::string_view> streams;
-    for (const Tap tap : taps_of(plan.scene.end.kind)) {
+    for (const Tap tap : pipeline.format().taps) {
         streams.push_back(names_of(tap).name);
     }
     spdlog::info("endpoint {}", publisher.endpoint());
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),
-                 plan.scene.output.sample_rate_hz);
+                 pipeline.format().sample_rate_hz);
     spdlog::info("run {}", pipeline.run_id());
-    spdlog::info("to listen: hertzline listen --connect {}", local_endpoint(publisher.endpoint()));
-    if (plan.start == StreamStart::with_first_subscriber) {
+    const bool encrypted = publisher.security() == Security::curve;
+    spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),
+                 encrypted ? " --curve-key YOURS.key_secret --server-key OURS.key" : "");
+    if (pipeline.plan().start == StreamStart::with_first_subscriber) {
         spdlog::info("waiting for a subscriber");
     }
 }
 
-Json summarise(const StreamMeters& meters, const StreamPlan& plan, const Pipeline& pipeline,
+/// What meta says of the scene.
+Json about(const Resolved& resolved) {
+    return {{"version", HERTZLINE_VERSION},
+            {"scene_hash", scene_hash(resolved.scene)},
+            {"estimated_error", number_or_null(resolved.estimated_error)},
+            {"scene", scene_json(resolved.scene)}};
+}
+
+Json summarise(const StreamMeters& meters, const Resolved& resolved, const Pipeline& pipeline,
                const Publisher& publisher) {
     Json summary;
-    summary["simulated_s"] = meters.simulated_s;
-    summary["wall_s"] = meters.wall_s;
-    summary["real_time_factor"] = meters.real_time_factor();
-    summary["steps"] = meters.steps;
-    summary["step_s"] = *plan.scene.numerics.step_s;
-    summary["integrator"] = word(*plan.scene.numerics.integrator);
-    summary["estimated_error"] = number_or_null(plan.estimated_error);
-    summary["contact_events"] = meters.contact_events;
-    summary["energy_residual"] = meters.energy_residual;
+    add_stream_members(summary, meters, pipeline.format().taps);
     summary["samples"] = meters.samples;
-    summary["frames"] = meters.frames;
-    summary["late_frames"] = meters.late_frames;
     summary["dropped_frames"] = meters.dropped_frames;
-    summary["load"] = meters.load;
+    summary["steps"] = meters.account.steps;
+    summary["step_s"] = *resolved.scene.numerics.step_s;
+    summary["integrator"] = word(*resolved.scene.numerics.integrator);
+    summary["estimated_error"] = number_or_null(resolved.estimated_error);
     summary["endpoint"] = publisher.endpoint();
+    summary["security"] = word(publisher.security());
+    summary["refused_clients"] = publisher.refused_clients();
     summary["run"] = pipeline.run_id();
-    summary["scene_hash"] = plan.scene_hash;
-    summary["version"] = plan.version;
+    summary["scene_hash"] = scene_hash(resolved.scene);
+    summary["version"] = HERTZLINE_VERSION;
     return summary;
 }
 
-std::string stream_progress(const StreamMeters& meters, const StreamPlan& plan) {
+std::string stream_progress(const StreamMeters& meters, const Pipeline& pipeline) {
     std::optional<double> goal_s;
-    if (plan.samples) {
-        goal_s = static_cast<double>(*plan.samples) / plan.scene.output.sample_rate_hz;
+    if (pipeline.plan().samples) {
+        goal_s = static_cast<double>(*pipeline.plan().samples) / pipeline.format().sample_rate_hz;
     }
     return fmt::format("{}, load {:.0f} %, {} late, {} dropped",
                        progress_text({meters.simulated_s, goal_s, meters.wall_s}), 100 * meters.load,
@@ -153,41 +175,52 @@ std::string stream_progress(const StreamMeters& meters, const StreamPlan& plan) 
 
 Exit stream(const StreamOptions& options) {
     refuse_wrong_use(options);
+    const std::optional<CurveServer> curve = curve_of(options.curve, options.endpoint);
     const Resolved resolved = resolved_scene(options.scene);
-    const StreamPlan plan{.scene = resolved.scene,
-                          .scene_hash = scene_hash(resolved.scene),
-                          .version = HERTZLINE_VERSION,
-                          .estimated_error = resolved.estimated_error,
+    const StreamPlan plan{.about = about(resolved),
                           .pace = pace_of(options),
                           .samples = samples_of(options, resolved.scene),
-                          .start = options.start};
-    refuse_stream_shortages(options, plan);
+                          .start = options.start,
+                          .on_overrun = on_overrun(options),
+                          .thread = options.thread};
+    refuse_shortages(options, resolved.scene, plan);
     const std::atomic<bool>& stop = stop_asked();
-    Publisher publisher(options.endpoint, all_topics, Pipeline::publisher_options(plan.scene));
+    SimulationSource source(resolved.scene, !options.recording.empty());
+    PublisherOptions publisher_options = Pipeline::publisher_options(source.format());
+    publisher_options.curve = curve;
+    Publisher publisher(options.endpoint, all_topics, publisher_options);
     std::optional<Recorder> recorder;
     if (!options.recording.empty()) {
-        recorder.emplace(options.recording, Chain(plan.scene), plan.scene.output.sample_rate_hz,
+        recorder.emplace(options.recording, Chain(resolved.scene), resolved.scene.output.sample_rate_hz,
                          RecordedBodies::outputs);
     }
-    Pipeline pipeline(plan, publisher, recorder ? &*recorder : nullptr);
-    announce(publisher, pipeline, plan);
+    Pipeline pipeline(plan, source, publisher, recorder ? &*recorder : nullptr);
+    announce(publisher, pipeline);
 
     ProgressLine line;
     Json summary;
-    const auto show = [&](const StreamMeters& meters) {
-        if (line.due()) {
-            line.show(stream_progress(meters, plan));
-        }
-    };
-    // Before subscribers hear of a good end the recording is complete: its failure is the stream's.
-    const auto conclude = [&](const StreamMeters& meters) {
-        if (recorder) {
-            recorder->commit();
-        }
-        summary = summarise(meters, plan, pipeline, publisher);
-        return json_text(summary);
-    };
-    pipeline.run(stop, show, conclude);
+    const StreamEvents events{.progress =
+                                  [&](const StreamMeters& meters) {
+                                      if (line.due()) {
+                                          line.show(stream_progress(meters, pipeline));
+                                      }
+                                  },
+                              .warn =
+                                  [&](const std::string& text) {
+                                      line.clear();
+                                      spdlog::warn(text);
+                                  },
+                              // Before subscribers hear of a good end the recording is complete: its failure
+                              // is the stream's.
+                              .summary =
+                                  [&](const StreamMeters& meters) {
+                                      if (recorder) {
+                                          recorder->commit();
+                                      }
+                                      summary = summarise(meters, resolved, pipeline, publisher);
+                                      return json_text(summary);
+                                  }};
+    pipeline.run(stop, events);
     line.clear();
     print_summary(summary, options.format);
     return Exit::done;
@@ -203,6 +236,7 @@ Command stream_command(CLI::App& program) {
     command->add_option("--bind", options->endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
         ->capture_default_str();
+    add_curve_options(*command, options->curve);
     command->add_option("--pace", options->pace, "realtime, flat-out, or simulated seconds per second")
         ->type_name("PACE")
         ->capture_default_str();
@@ -216,6 +250,17 @@ Command stream_command(CLI::App& program) {
     command->add_flag_callback(
         "--wait-for-subscriber", [options] { options->start = StreamStart::with_first_subscriber; },
         "hold sample 0 back until somebody subscribes to a stream");
+    command
+        ->add_option("--on-overrun", options->on_overrun,
+                     "what becomes of a frame whose time has passed while the program was held up: drop (and "
+                     "count) it, or wait and fall behind (default: drop, with --record wait)")
+        ->check(CLI::IsMember({"drop", "wait"}))
+        ->type_name("WORD");
+    command->add_flag(
+        "--realtime-priority", options->thread.realtime_priority,
+        "let the simulating thread run before ordinary ones, and keep memory from being swapped");
+    command->add_option("--cpu", options->thread.cpu, "keep the simulating thread on this processor")
+        ->type_name("N");
     add_format_option(*command, options->format, "print the summary as one JSON object");
     command->footer(examples);
     return {command, [options] { return stream(*options); }};

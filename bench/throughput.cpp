@@ -1,80 +1,174 @@
-// Each shipped scene at its default settings on one core: time per step and per sphere-step, real-time
-// factor, and the error where a reference exists.
+// How many bytes a second a stream brings to a subscriber, flat out, beside plain ZeroMQ.
 //
-//     bench_throughput [--json FILE]
+//     bench_throughput [--json FILE] [SECONDS]        2 s for each by default
+//
+// Ours is the whole stream without the physics: a source that costs nothing, ring, float32, header, topic.
+// Plain is zmq_send() of one and the same buffer, of a frame's size, on a PUB socket with the same queue.
+// Both publish over tcp on loopback to a subscriber in another process, which counts the bytes of samples
+// that arrive; what the queue of a subscriber that does not keep up discards is not counted, for neither.
+// Rounds alternate; medians.
 
-#include <cmath>
+#include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
-#include <map>
+#include <functional>
+#include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "bench/arguments.hpp"
-#include "bench/timing.hpp"
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include "core/integrators/folded_chain.hpp"
-#include "core/numerics.hpp"
-#include "core/scene_toml.hpp"
-#include "core/scene_words.hpp"
-#include "core/shipped_scenes.hpp"
-#include "tests/support/reference.hpp"
+#include "stream/pipeline.hpp"
+#include "stream/subscriber.hpp"
+#include "tests/support/counting_source.hpp"
 
 namespace {
 
 using namespace hertzline;
+using Clock = std::chrono::steady_clock;
 
-/// The reference of a shipped scene. paper-stream's first burst is the vitreous-carbon scene's.
-const std::map<std::string, std::string, std::less<>> references{
-    {"paper-vitreous-carbon", "paper_vitreous_carbon"},
-    {"paper-aluminium", "paper_aluminium"},
-    {"paper-pyrex", "paper_pyrex"},
-    {"paper-acrylic", "paper_acrylic"},
-    {"paper-silicone-rubber", "paper_silicone_rubber"},
-    {"paper-wall", "paper_wall"},
-    {"paper-stream", "paper_vitreous_carbon"},
-    {"sonic-vacuum", "sonic_vacuum_10"},
+constexpr int rounds = 5;
+constexpr const char* any_port = "tcp://127.0.0.1:*";
+
+struct Received {
+    double bytes = 0;
+    double seconds = 0;
+    double rate() const { return bytes / seconds; }
 };
 
-double largest_error(std::string_view name, const Scene& scene) {
-    const auto reference = references.find(name);
-    if (reference == references.end()) {
-        return NAN;
+/// Counts the bytes of the last part of every message for that long, from the first one on.
+Received count_bytes(const std::string& endpoint, std::string_view topic, double seconds) {
+    Subscriber subscriber(endpoint, {.receive_high_water_mark = 65536});
+    subscriber.subscribe(topic);
+    Received received;
+    Clock::time_point begin;
+    while (const Message* message = subscriber.receive(std::chrono::seconds(10))) {
+        const Clock::time_point now = Clock::now();
+        if (received.bytes == 0) {
+            begin = now;
+        }
+        received.bytes += static_cast<double>(
+            message->parts() == 0 ? message->topic().size() : message->bytes(message->parts() - 1).size());
+        received.seconds = std::chrono::duration<double>(now - begin).count();
+        if (received.seconds >= seconds) {
+            return received;
+        }
     }
-    const test::Comparison errors =
-        test::compare_with_reference(scene, test::read_reference(reference->second));
-    return std::max({errors.v_last, errors.v_plate, errors.v_out});
+    throw std::runtime_error("nothing arrived");
+}
+
+/// Publishes here, by `publish(stop)`, while a child process counts what arrives from the endpoint.
+Received measure(const std::string& endpoint, std::string_view topic, double seconds,
+                 const std::function<void(std::atomic<bool>&)>& publish) {
+    int ends[2];
+    if (pipe(ends) != 0) {
+        throw std::runtime_error("no pipe");
+    }
+    const pid_t listener = fork();  // no thread of ours runs yet but ZeroMQ's, which the child does not touch
+    if (listener == 0) {
+        Received received;
+        try {
+            received = count_bytes(endpoint, topic, seconds);
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "%s\n", error.what());
+        }
+        _exit(write(ends[1], &received, sizeof received) == sizeof received ? 0 : 1);
+    }
+    close(ends[1]);
+    std::atomic<bool> stop{false};
+    std::thread publishing([&] { publish(stop); });
+    Received received;
+    const bool told = read(ends[0], &received, sizeof received) == sizeof received;
+    stop = true;
+    publishing.join();
+    close(ends[0]);
+    waitpid(listener, nullptr, 0);
+    if (!told || received.seconds == 0) {
+        throw std::runtime_error("the listener heard nothing");
+    }
+    return received;
+}
+
+double ours(std::int64_t frame_samples, std::string_view topic, double seconds) {
+    test::CountingSource source(
+        {.taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples});
+    PublisherOptions options = Pipeline::publisher_options(source.format());
+    options.linger = std::chrono::milliseconds(0);
+    Publisher publisher(any_port, all_topics, options);
+    Pipeline pipeline({.about = nlohmann::ordered_json::object(),
+                       .pace = Pace::flat_out(),
+                       .start = StreamStart::with_first_subscriber},
+                      source, publisher, nullptr);
+    return measure(publisher.endpoint(), topic, seconds,
+                   [&](const std::atomic<bool>& stop) {
+                       pipeline.run(stop, {.progress = [](const StreamMeters&) {},
+                                           .warn = [](const std::string&) {},
+                                           .summary = [](const StreamMeters&) { return std::string("{}"); }});
+                   })
+        .rate();
+}
+
+double plain(std::int64_t frame_samples, double seconds) {
+    const StreamFormat format{
+        .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples};
+    zmq::context_t context;
+    zmq::socket_t socket(context, zmq::socket_type::pub);
+    socket.set(zmq::sockopt::sndhwm, Pipeline::publisher_options(format).send_high_water_mark);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.bind(any_port);
+    const std::vector<float> frame(static_cast<std::size_t>(frame_samples), 1.0F);
+    return measure(socket.get(zmq::sockopt::last_endpoint), "", seconds,
+                   [&](const std::atomic<bool>& stop) {
+                       while (!stop) {
+                           socket.send(zmq::const_buffer(frame.data(), frame.size() * sizeof(float)));
+                       }
+                   })
+        .rate();
+}
+
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
+nlohmann::ordered_json compare(std::int64_t frame_samples, double seconds) {
+    std::vector<double> raw, np, alone, raw_ratio, np_ratio;
+    for (int round = 0; round < rounds; ++round) {
+        raw.push_back(ours(frame_samples, names_of(Tap::v_out).raw_topic, seconds));
+        np.push_back(ours(frame_samples, names_of(Tap::v_out).np_topic, seconds));
+        alone.push_back(plain(frame_samples, seconds));
+        raw_ratio.push_back(raw.back() / alone.back());
+        np_ratio.push_back(np.back() / alone.back());
+    }
+    std::printf("%10lld %12.0f %12.0f %12.0f %8.2f %8.2f\n", static_cast<long long>(4 * frame_samples),
+                median(raw) / 1e6, median(np) / 1e6, median(alone) / 1e6, median(raw_ratio),
+                median(np_ratio));
+    std::fflush(stdout);
+    return {{"frame_bytes", 4 * frame_samples},    {"raw_bytes_per_s", median(raw)},
+            {"np_bytes_per_s", median(np)},        {"plain_bytes_per_s", median(alone)},
+            {"raw_over_plain", median(raw_ratio)}, {"np_over_plain", median(np_ratio)}};
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    const bench::Arguments arguments(argc, argv);
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-    std::printf("%s\n%-22s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernel_target(), "scene", "method",
-                "spheres", "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
-    for (const ShippedScene& shipped : shipped_scenes()) {
-        const Scene scene = resolved(*parse_scene(shipped.text, shipped.name).scene).scene;
-        const double rate = scene.output.sample_rate_hz;
-        const auto samples = static_cast<std::int64_t>(scene.output.duration_s * rate) + 1;
-        const bench::Timing timing = bench::time_run(scene, samples);
-        const double per_step = timing.median_s / static_cast<double>(timing.steps) * 1e9;
-        const double factor = static_cast<double>(samples) / rate / timing.median_s;
-        const auto spheres = static_cast<double>(scene.chain.spheres);
-        const double error = largest_error(shipped.name, scene);
-        const std::string method(word(*scene.numerics.integrator));
-        std::printf("%-22s %-9s %8lld %8.2f %10.1f %14.3f %10.3f %6.0f%% %10.2g\n",
-                    std::string(shipped.name).c_str(), method.c_str(),
-                    static_cast<long long>(scene.chain.spheres), *scene.numerics.step_s * 1e9, per_step,
-                    per_step / spheres, factor, 100 * timing.spread, error);
-        rows.push_back({{"scene", shipped.name},
-                        {"integrator", method},
-                        {"spheres", scene.chain.spheres},
-                        {"step_s", *scene.numerics.step_s},
-                        {"ns_per_step", per_step},
-                        {"ns_per_sphere_step", per_step / spheres},
-                        {"real_time_factor", factor},
-                        {"spread", timing.spread},
-                        {"error", error}});
+    try {
+        const bench::Arguments arguments(argc, argv);
+        const double seconds = arguments.words.empty() ? 2 : std::stod(arguments.words[0]);
+        std::printf("%10s %12s %12s %12s %8s %8s\n", "bytes", "raw MB/s", "np MB/s", "plain MB/s", "raw",
+                    "np");
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        for (const std::int64_t samples : {64, 256, 1024, 4096, 16384, 65536}) {
+            rows.push_back(compare(samples, seconds));
+        }
+        arguments.save(rows);
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_throughput: %s\n", error.what());
+        return 1;
     }
-    arguments.save({{"simd", kernel_target()}, {"scenes", rows}});
-    return 0;
 }

@@ -136,11 +136,14 @@ StepPosition StepPosition::times(std::int64_t n) const noexcept {
 }
 
 Samples::Samples(const Chain& chain, std::size_t capacity_, Wish most)
-    : capacity(capacity_), spheres(static_cast<std::size_t>(chain.spheres())) {
+    : Samples(static_cast<std::size_t>(chain.spheres()), chain.end == EndKind::plate, capacity_, most) {}
+
+Samples::Samples(std::size_t spheres_, bool plate, std::size_t capacity_, Wish most)
+    : capacity(capacity_), spheres(spheres_) {
     if (most.outputs) {
         v_last.resize(capacity);
         v_out.resize(capacity);
-        v_plate.resize(chain.end == EndKind::plate ? capacity : 0);
+        v_plate.resize(plate ? capacity : 0);
     }
     chain_v.resize(most.chain_velocities ? capacity * spheres : 0);
     chain_x.resize(most.chain_displacements ? capacity * spheres : 0);

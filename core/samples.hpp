@@ -21,6 +21,8 @@ struct Wish {
 struct Samples {
     /// @param most what advance() may ever be asked to put here @param capacity samples
     Samples(const Chain& chain, std::size_t capacity, Wish most);
+    /// The same without a chain. @param plate whether there is room for v_plate
+    Samples(std::size_t spheres, bool plate, std::size_t capacity, Wish most);
 
     std::int64_t first = 0;  ///< index of the first sample since the start
     std::size_t count = 0;   ///< samples in this block

@@ -1,11 +1,7 @@
 #include "stream/pipeline.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
-#include <thread>
-
-#include <pthread.h>
 
 #include "stream/frame_codec.hpp"
 #include "stream/run_id.hpp"
@@ -25,25 +21,23 @@ constexpr double release_period_s = 1e-3;
 /// Subscribers that come together shall all get sample 0.
 constexpr Nanoseconds gathering = milliseconds(200);
 constexpr Nanoseconds idle_nap = milliseconds(1);
-constexpr Nanoseconds full_ring_nap = microseconds(200);
+constexpr Nanoseconds empty_ring_nap = microseconds(200);
 
 constexpr double reserve_s = 0.05;                      // of wall time that the ring's samples last,
-constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this
+constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this;
+constexpr double cached_ring_bytes = 1024.0 * 1024;     // flat out nothing is held back: it stays in cache
 constexpr double fewest_slots = 4;
 constexpr double most_slots = 4096;
 
-constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = false};
-
-double slot_bytes(const Scene& scene) noexcept {
-    return static_cast<double>(scene.output.frame_samples) * 8 *
-           (3 + static_cast<double>(scene.chain.spheres));
+double slot_bytes(const StreamFormat& format) noexcept {
+    return static_cast<double>(format.frame_samples) * 8 * (3 + static_cast<double>(format.spheres));
 }
 
-double slots_for(const Scene& scene, Pace pace) noexcept {
-    const double pace_factor = pace.is_flat_out() ? 1 : pace.times();
-    const double frame_rate = scene.output.sample_rate_hz / static_cast<double>(scene.output.frame_samples);
-    const double by_time = reserve_s * pace_factor * frame_rate;
-    return std::clamp(std::min(by_time, most_ring_bytes / slot_bytes(scene)), fewest_slots, most_slots);
+double slots_for(const StreamFormat& format, Pace pace) noexcept {
+    const double frame_rate = format.sample_rate_hz / static_cast<double>(format.frame_samples);
+    const double by_time = pace.is_flat_out() ? most_slots : reserve_s * pace.times() * frame_rate;
+    const double by_memory = (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
+    return std::clamp(std::min(by_time, by_memory), fewest_slots, most_slots);
 }
 
 std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {
@@ -60,165 +54,95 @@ std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {
     return {samples.chain_v.data(), samples.count * samples.spheres};
 }
 
+double seconds(Nanoseconds time) {
+    return std::chrono::duration<double>(time).count();
+}
+
 }  // namespace
 
-Pipeline::Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder)
+Pipeline::Pipeline(StreamPlan plan, SampleSource& source, Publisher& publisher, Recorder* recorder)
     : plan_(std::move(plan)),
+      source_(source),
       publisher_(publisher),
       recorder_(recorder),
+      format_(source.format()),
       run_id_(make_run_id()),
-      simulation_(plan_.scene, everything),
-      pacer_(plan_.scene.output.sample_rate_hz, plan_.pace),
-      possible_(taps_of(plan_.scene.end.kind)),
-      ring_(static_cast<std::size_t>(slots_for(plan_.scene, plan_.pace)), [this] {
-          const auto capacity = static_cast<std::size_t>(plan_.scene.output.frame_samples);
-          return Block{.samples = Samples(simulation_.chain(), capacity, everything), .taps = {}};
-      }) {
+      pacer_(format_.sample_rate_hz, plan_.pace),
+      producer_(source, pacer_, static_cast<std::size_t>(slots_for(format_, plan_.pace)), plan_.samples,
+                plan_.pace.is_flat_out() ? OnOverrun::wait : plan_.on_overrun) {
+    plan_.about["security"] = word(publisher.security());
     frame_.run = run_id_;
-    frame_.fs = plan_.scene.output.sample_rate_hz;
-    payload_.reserve(static_cast<std::size_t>(plan_.scene.output.frame_samples * plan_.scene.chain.spheres));
+    frame_.fs = format_.sample_rate_hz;
+    payload_.reserve(static_cast<std::size_t>(format_.frame_samples) * format_.spheres);
+    meters_.samples = producer_.origin();
 }
 
-double Pipeline::memory_bytes(const Scene& scene, Pace pace) noexcept {
-    return slots_for(scene, pace) * slot_bytes(scene) + Simulation::memory_bytes(scene, everything);
+double Pipeline::ring_bytes(const StreamFormat& format, Pace pace) noexcept {
+    return slots_for(format, pace) * slot_bytes(format);
 }
 
-PublisherOptions Pipeline::publisher_options(const Scene& scene) noexcept {
+PublisherOptions Pipeline::publisher_options(const StreamFormat& format) noexcept {
     constexpr double most_queued_bytes = 512.0 * 1024 * 1024;  // for one subscriber that does not keep up
-    const auto largest_frame =
-        static_cast<double>(scene.output.frame_samples * scene.chain.spheres) * sizeof(float);
+    const double largest_frame = static_cast<double>(format.frame_samples) *
+                                 static_cast<double>(std::max<std::size_t>(1, format.spheres)) *
+                                 sizeof(float);
     PublisherOptions options;
     options.send_high_water_mark =
         static_cast<int>(std::clamp(most_queued_bytes / largest_frame, 16.0, 65536.0));
     return options;
 }
 
-Wish Pipeline::wish_for(TapSet taps) const noexcept {
-    const bool outputs = !(taps - TapSet(Tap::v_chain)).empty() || recorder_ != nullptr;
-    return {
-        .outputs = outputs, .chain_velocities = taps.contains(Tap::v_chain), .chain_displacements = false};
-}
-
-// ---------------------------------------------------------------------------------------------- simulating
-// thread
-
-bool Pipeline::wait_for_start() noexcept {
-    while (!started_.load(std::memory_order_acquire)) {
-        if (stopping_.load(std::memory_order_relaxed)) {
-            return false;
-        }
-        MonotonicClock::sleep_until(MonotonicClock::now() + idle_nap);
-    }
-    return true;
-}
-
-/// The slot for the next block; nullptr when it must be discarded (its time has passed and there is no room)
-/// or the stream is stopping.
-Block* Pipeline::wait_for_slot(std::int64_t first, std::int64_t count) noexcept {
-    const auto due_with = static_cast<std::uint64_t>(first + count);
-    while (!stopping_.load(std::memory_order_relaxed)) {
-        if (Block* slot = ring_.try_claim()) {
-            return slot;
-        }
-        const bool may_discard = recorder_ == nullptr && !pacer_.flat_out();
-        if (may_discard && pacer_.lateness(MonotonicClock::now(), due_with) > Nanoseconds{0}) {
-            return nullptr;
-        }
-        MonotonicClock::sleep_until(MonotonicClock::now() + full_ring_nap);
-    }
-    return nullptr;
-}
-
-void Pipeline::simulate() noexcept {
-    // Nothing here allocates, locks or sends.
-    pthread_setname_np(pthread_self(), simulating_thread_name);
-    const std::int64_t frame = plan_.scene.output.frame_samples;
-    const std::int64_t total = plan_.samples.value_or(std::numeric_limits<std::int64_t>::max());
-    std::int64_t busy_ns = 0;
-    bool running = wait_for_start();
-    while (running && simulation_.next_sample() < total && !stopping_.load(std::memory_order_relaxed)) {
-        const std::int64_t first = simulation_.next_sample();
-        const std::int64_t count = std::min(frame, total - first);
-        Block* slot = wait_for_slot(first, count);
-        if (slot == nullptr && stopping_.load(std::memory_order_relaxed)) {
-            break;
-        }
-        const Nanoseconds begin = MonotonicClock::now();
-        if (slot == nullptr) {
-            dropped_.fetch_add(1, std::memory_order_relaxed);
-            running = simulation_.skip(count) == Status::running;
-            busy_ns += (MonotonicClock::now() - begin).count();
-            continue;
-        }
-        const TapSet taps = wanted_.load(std::memory_order_relaxed);
-        running = simulation_.advance(slot->samples, static_cast<std::size_t>(count), wish_for(taps)) ==
-                  Status::running;
-        if (!running) {
-            break;
-        }
-        slot->taps = taps;
-        slot->dropped = dropped_.load(std::memory_order_relaxed);
-        slot->contact_events = simulation_.contact_events();
-        slot->steps = simulation_.steps();
-        if (meters_wanted_.exchange(false, std::memory_order_relaxed)) {
-            last_residual_ = simulation_.energy_residual();
-        }
-        slot->energy_residual = last_residual_;
-        busy_ns += (MonotonicClock::now() - begin).count();
-        slot->busy_ns = busy_ns;
-        ring_.publish();
-    }
-    finished_.store(true, std::memory_order_release);
-}
-
-// ------------------------------------------------------------------------------------------------- sending
-// thread
-
 void Pipeline::listen_for_subscriptions() {
     const std::size_t news = publisher_.poll_subscriptions();
     TapSet wanted;
-    for (const Tap tap : possible_) {
+    for (const Tap tap : format_.taps) {
         const TapNames names = names_of(tap);
         if (publisher_.wanted(names.raw_topic) || publisher_.wanted(names.np_topic)) {
             wanted |= tap;
         }
     }
-    wanted_.store(wanted, std::memory_order_relaxed);
+    const std::uint32_t wish = producer_.want(wanted);
+    for (const Tap tap : wanted - wanted_) {
+        wanted_since_[static_cast<std::size_t>(tap)] = wish;
+    }
+    wanted_ = wanted;
     if (!wanted.empty() && first_subscription_ == Nanoseconds{0}) {
         first_subscription_ = MonotonicClock::now();
     }
     if (news > 0) {
-        publisher_.send(meta_topic, meta_json(plan_, run_id_));
+        publisher_.send(meta_topic, meta_json(plan_, format_, run_id_));
     }
 }
 
 void Pipeline::start_when_ready() {
-    if (started_.load(std::memory_order_relaxed)) {
+    if (started_) {
         return;
     }
     const Nanoseconds now = MonotonicClock::now();
     const bool gathered = first_subscription_ != Nanoseconds{0} && now - first_subscription_ >= gathering;
     if (plan_.start == StreamStart::at_once || gathered) {
+        started_ = true;
         start_time_ = now;
         pacer_.start(now);
-        started_.store(true, std::memory_order_release);
+        producer_.go();
     }
 }
 
-/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it is,
-/// negative when there was time left.
+/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it then
+/// is.
 Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>& stop) {
-    const double samples_per_release =
-        plan_.scene.output.sample_rate_hz * plan_.pace.times() * release_period_s;
+    const double samples_per_release = format_.sample_rate_hz * plan_.pace.times() * release_period_s;
     const auto grain = static_cast<std::uint64_t>(std::max(1.0, samples_per_release));
-    const auto end = static_cast<std::uint64_t>(block.samples.first) + block.samples.count;
+    const auto end =
+        static_cast<std::uint64_t>(block.samples.first - producer_.origin()) + block.samples.count;
     const std::uint64_t deadline = (end + grain - 1) / grain * grain;
     MonotonicClock clock;
-    return wait_until_due(clock, pacer_, deadline, [&] {
+    wait_until_due(clock, pacer_, deadline, [&] {
         listen_for_subscriptions();
         report();
         return !stop.load(std::memory_order_relaxed);
     });
+    return pacer_.lateness(MonotonicClock::now(), deadline);
 }
 
 void Pipeline::send_tap(const Block& block, Tap tap) {
@@ -233,19 +157,31 @@ void Pipeline::send_tap(const Block& block, Tap tap) {
     if (to_float32(values, payload_) != 0) {
         throw std::runtime_error("a sample of " + std::string(names.name) + " does not fit float32");
     }
+    const auto add = [](TopicCount& count, bool sent) { ++(sent ? count.sent : count.dropped); };
     if (raw) {
-        publisher_.send(names.raw_topic, wire_bytes(payload_));
+        add(meters_.raw(tap), publisher_.send(names.raw_topic, wire_bytes(payload_)));
     }
     if (np) {
         frame_.stream = names.name;
         frame_.unit = names.unit;
         frame_.sample = static_cast<std::uint64_t>(block.samples.first);
-        frame_.seq = frame_.sample / static_cast<std::uint64_t>(plan_.scene.output.frame_samples);
+        frame_.seq = block.seq;
         frame_.dropped = block.dropped;
         frame_.n = block.samples.count;
         frame_.channels = values.size() / block.samples.count;
         encode_header(frame_, header_);
-        publisher_.send(names.np_topic, header_, wire_bytes(payload_));
+        add(meters_.np(tap), publisher_.send(names.np_topic, header_, wire_bytes(payload_)));
+    }
+}
+
+/// Blocks that were discarded before they had frames: one of each topic that somebody listens to.
+void Pipeline::count_dropped(std::uint64_t dropped) {
+    const auto more = static_cast<std::int64_t>(dropped - dropped_counted_);
+    dropped_counted_ = dropped;
+    meters_.dropped_frames += more;
+    for (const Tap tap : format_.taps) {
+        meters_.raw(tap).dropped += publisher_.wanted(names_of(tap).raw_topic) ? more : 0;
+        meters_.np(tap).dropped += publisher_.wanted(names_of(tap).np_topic) ? more : 0;
     }
 }
 
@@ -253,17 +189,37 @@ void Pipeline::release(const Block& block) {
     if (recorder_ != nullptr) {
         recorder_->write(block.samples);
     }
-    for (const Tap tap : block.taps) {
-        send_tap(block, tap);
+    count_dropped(block.dropped);
+    for (const Tap tap : block.wish.taps) {
+        // An older block holds the tap for somebody who has left; others without it may follow.
+        if (block.wish.number >= wanted_since_[static_cast<std::size_t>(tap)]) {
+            send_tap(block, tap);
+        }
     }
+}
+
+void Pipeline::count(const Block& block, Nanoseconds lateness) {
     ++meters_.frames;
+    meters_.late_frames += lateness > late_after ? 1 : 0;
+    meters_.largest_lateness_s = std::max(meters_.largest_lateness_s, seconds(lateness));
     meters_.samples = block.samples.first + static_cast<std::int64_t>(block.samples.count);
-    meters_.simulated_s = static_cast<double>(meters_.samples) / plan_.scene.output.sample_rate_hz;
-    meters_.contact_events = block.contact_events;
-    meters_.steps = block.steps;
+    meters_.simulated_s = static_cast<double>(meters_.samples - producer_.origin()) / format_.sample_rate_hz;
+    meters_.account = block.account;
     meters_.energy_residual = block.energy_residual;
-    const auto wall_ns = static_cast<double>((MonotonicClock::now() - start_time_).count());
-    meters_.load = wall_ns > 0 ? std::min(1.0, static_cast<double>(block.busy_ns) / wall_ns) : 0;
+    const RingBuffer<Block>& ring = producer_.ring();
+    meters_.ring_fill = static_cast<double>(ring.size()) / static_cast<double>(ring.capacity());
+    meters_.ring_high_water = std::max(meters_.ring_high_water, meters_.ring_fill);
+}
+
+/// The load since the last time, and how long the stream has run.
+void Pipeline::measure(Nanoseconds now) {
+    const Nanoseconds busy = producer_.busy();
+    const Nanoseconds since = std::max(measured_at_, start_time_);
+    meters_.load =
+        started_ && now > since ? std::min(1.0, seconds(busy - busy_then_) / seconds(now - since)) : 0;
+    measured_at_ = now;
+    busy_then_ = busy;
+    meters_.wall_s = started_ ? seconds(now - start_time_) : 0;
 }
 
 /// Meters ten times, meta once a second.
@@ -271,71 +227,64 @@ void Pipeline::report() {
     const Nanoseconds now = MonotonicClock::now();
     if (now >= next_meters_) {
         next_meters_ = now + meters_period;
-        meters_.dropped_frames = static_cast<std::int64_t>(dropped_.load(std::memory_order_relaxed));
-        meters_.ring_fill = static_cast<double>(ring_.size()) / static_cast<double>(ring_.capacity());
-        meters_.wall_s = started_ ? std::chrono::duration<double>(now - start_time_).count() : 0;
+        measure(now);
         if (publisher_.wanted(meters_topic)) {
-            meters_wanted_.store(true, std::memory_order_relaxed);
-            publisher_.send(meters_topic, meters_json(meters_, run_id_));
+            producer_.want_residual();
+            publisher_.send(meters_topic, meters_json(meters_, format_.taps, run_id_));
         }
-        progress_(meters_);
+        events_->progress(meters_);
     }
     if (now >= next_meta_) {
         next_meta_ = now + meta_period;
         if (publisher_.wanted(meta_topic)) {
-            publisher_.send(meta_topic, meta_json(plan_, run_id_));
+            publisher_.send(meta_topic, meta_json(plan_, format_, run_id_));
         }
     }
 }
 
 void Pipeline::deliver(const std::atomic<bool>& stop) {
+    RingBuffer<Block>& ring = producer_.ring();
     while (!stop.load(std::memory_order_relaxed)) {
-        listen_for_subscriptions();
         start_when_ready();
         report();
-        const bool finished = finished_.load(std::memory_order_acquire);
-        const Block* block = ring_.try_front();
+        const bool finished = producer_.finished();
+        const Block* block = ring.try_front();
         if (block == nullptr) {
             if (finished) {
                 return;
             }
+            listen_for_subscriptions();
             MonotonicClock::sleep_until(MonotonicClock::now() +
-                                        (pacer_.flat_out() ? full_ring_nap : idle_nap));
+                                        (pacer_.flat_out() ? empty_ring_nap : idle_nap));
             continue;
         }
-        if (hold_until_due(*block, stop) > late_after) {
-            ++meters_.late_frames;
-        }
+        const Nanoseconds lateness = hold_until_due(*block, stop);
         if (stop.load(std::memory_order_relaxed)) {
             return;
         }
+        listen_for_subscriptions();  // the last moment: who came while we slept gets meta before this block
         release(*block);
-        ring_.pop();
+        count(*block, lateness);
+        ring.pop();
     }
 }
 
-StreamMeters Pipeline::run(const std::atomic<bool>& stop,
-                           const std::function<void(const StreamMeters&)>& progress,
-                           const std::function<std::string(const StreamMeters&)>& summary) {
-    progress_ = progress;
-    publisher_.send(meta_topic, meta_json(plan_, run_id_));
-    {
-        struct StopAtExit {
-            std::atomic<bool>& flag;
-            ~StopAtExit() { flag.store(true, std::memory_order_relaxed); }
-        };
-        std::jthread simulating([this] { simulate(); });
-        const StopAtExit stop_at_exit{stopping_};  // before the thread is joined, whatever happens
-        deliver(stop);
+StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& events) {
+    events_ = &events;
+    publisher_.send(meta_topic, meta_json(plan_, format_, run_id_));
+    for (const std::string& refused : producer_.start(plan_.thread)) {
+        events.warn(refused);
     }
-    const Nanoseconds now = MonotonicClock::now();
-    meters_.wall_s = started_ ? std::chrono::duration<double>(now - start_time_).count() : 0;
-    meters_.dropped_frames = static_cast<std::int64_t>(dropped_.load());
-    meters_.energy_residual = simulation_.energy_residual();
-    if (!simulation_.failure().empty()) {
-        throw std::runtime_error(simulation_.failure());
+    deliver(stop);
+    producer_.stop();
+    count_dropped(producer_.dropped());
+    measured_at_ = busy_then_ = Nanoseconds{0};  // the summary's load is that of the whole run
+    measure(MonotonicClock::now());
+    meters_.energy_residual = source_.energy_residual();
+    if (!source_.failure().empty()) {
+        throw std::runtime_error(source_.failure());
     }
-    publisher_.send(end_topic, summary(meters_));
+    publisher_.send(end_topic, events.summary(meters_));
     return meters_;
 }
 

@@ -1,105 +1,94 @@
 #pragma once
 // The stream: a simulating thread and a sending thread, joined by the ring.
 //
-//     Simulation -> [ring of blocks] -> pacer -> frames -> publisher
-//                                            \-> recorder
+//     source -> [ring of blocks] -> pacer -> frames -> publisher
+//                                        \-> recorder
 //
-// The simulating thread works ahead until the ring is full, so a hiccup of it or of the system is not heard;
-// the sending thread (the caller's) lets each block go when it is due. What nobody subscribes to or records
-// is not computed.
+// The simulating thread (producer.hpp) works ahead until the ring is full, so a hiccup of it or of the system
+// is not heard; the sending thread (the caller's) lets each block go when it is due. What nobody subscribes
+// to or records is not computed.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "core/simulation.hpp"
 #include "stream/frame.hpp"
 #include "stream/pacer.hpp"
+#include "stream/producer.hpp"
 #include "stream/publisher.hpp"
 #include "stream/recorder.hpp"
-#include "stream/ring_buffer.hpp"
+#include "stream/sample_source.hpp"
 #include "stream/stream_plan.hpp"
 #include "stream/taps.hpp"
 
 namespace hertzline {
 
-/// As the system's tools list it (top -H).
-inline constexpr const char* simulating_thread_name = "simulating";
-
-/// What travels through the ring.
-struct Block {
-    Samples samples;
-    TapSet taps;                ///< what was computed
-    std::uint64_t dropped = 0;  ///< frames of the run discarded before this one
-    std::int64_t contact_events = 0;
-    std::int64_t steps = 0;
-    std::int64_t busy_ns = 0;  ///< the simulating thread's work up to and with this block
-    double energy_residual = 0;
+/// What the pipeline tells its owner, in the sending thread.
+struct StreamEvents {
+    std::function<void(const StreamMeters&)> progress;        ///< about ten times a second
+    std::function<void(const std::string&)> warn;             ///< for the user
+    std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
 };
 
 class Pipeline {
 public:
-    /// @param recorder nullptr: nothing is recorded. With one, blocks are never discarded; the stream falls
-    /// behind instead.
-    Pipeline(StreamPlan plan, Publisher& publisher, Recorder* recorder);
+    /// @param recorder nullptr: nothing is recorded
+    Pipeline(StreamPlan plan, SampleSource& source, Publisher& publisher, Recorder* recorder);
 
     /// Streams until done, or until `stop` becomes true (then it returns within a fraction of a second).
-    /// `progress` is called about ten times a second from this thread. Publishes meta, meters and, last, end
-    /// with the summary's JSON that `summary` makes. @throws std::runtime_error when the simulation fails or
-    /// a recording cannot be written.
-    StreamMeters run(const std::atomic<bool>& stop, const std::function<void(const StreamMeters&)>& progress,
-                     const std::function<std::string(const StreamMeters&)>& summary);
+    /// Publishes meta, meters and, last, end. @throws std::runtime_error when the simulation fails or a
+    /// recording cannot be written.
+    StreamMeters run(const std::atomic<bool>& stop, const StreamEvents& events);
 
     const std::string& run_id() const noexcept { return run_id_; }
+    const StreamPlan& plan() const noexcept { return plan_; }
+    const StreamFormat& format() const noexcept { return format_; }
+    /// When sample 0 was due, in the time of MonotonicClock; before the start 0.
+    Nanoseconds start_time() const noexcept { return start_time_; }
 
     /// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams,
     /// and at most half a GiB of the large ones.
-    static PublisherOptions publisher_options(const Scene& scene) noexcept;
+    static PublisherOptions publisher_options(const StreamFormat& format) noexcept;
 
-    /// Bytes of the ring and the simulation for a scene.
-    static double memory_bytes(const Scene& scene, Pace pace = Pace::realtime()) noexcept;
+    /// Bytes of the ring.
+    static double ring_bytes(const StreamFormat& format, Pace pace = Pace::realtime()) noexcept;
 
 private:
-    // simulating thread
-    void simulate() noexcept;
-    bool wait_for_start() noexcept;
-    Block* wait_for_slot(std::int64_t first, std::int64_t count) noexcept;
-    Wish wish_for(TapSet taps) const noexcept;
-
-    // sending thread
     void deliver(const std::atomic<bool>& stop);
     void release(const Block& block);
+    void count(const Block& block, Nanoseconds lateness);
     void send_tap(const Block& block, Tap tap);
+    void count_dropped(std::uint64_t dropped);
     void listen_for_subscriptions();
     void start_when_ready();
     void report();
+    void measure(Nanoseconds now);
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
 
     StreamPlan plan_;
+    SampleSource& source_;
     Publisher& publisher_;
     Recorder* recorder_;
+    StreamFormat format_;
     std::string run_id_;
-    Simulation simulation_;  // the simulating thread's while it runs
-    double last_residual_ = 0;
     Pacer pacer_;
-    TapSet possible_;
-    RingBuffer<Block> ring_;
+    Producer producer_;
+    const StreamEvents* events_ = nullptr;
 
-    std::atomic<TapSet> wanted_{TapSet()};
-    std::atomic<bool> meters_wanted_{false};
-    std::atomic<bool> started_{false};
-    std::atomic<bool> stopping_{false};
-    std::atomic<bool> finished_{false};
-    std::atomic<std::uint64_t> dropped_{0};
-
+    bool started_ = false;
+    TapSet wanted_;
+    std::array<std::uint32_t, all_taps.size()> wanted_since_{};  // number of the wish that began it
     StreamMeters meters_;
+    std::uint64_t dropped_counted_ = 0;
     Nanoseconds start_time_{0};
     Nanoseconds first_subscription_{0};
     Nanoseconds next_meters_{0};
     Nanoseconds next_meta_{0};
-    std::function<void(const StreamMeters&)> progress_;
+    Nanoseconds measured_at_{0};
+    Nanoseconds busy_then_{0};
     std::vector<float> payload_;
     std::string header_;
     FrameHeader frame_;

@@ -1,9 +1,6 @@
 #include "stream/stream_plan.hpp"
 
-#include <nlohmann/json.hpp>
-
-#include "stream/scene_json.hpp"
-#include "stream/taps.hpp"
+#include <fmt/format.h>
 
 namespace hertzline {
 
@@ -13,43 +10,52 @@ using Json = nlohmann::ordered_json;
 
 }  // namespace
 
-std::string meta_json(const StreamPlan& plan, const std::string& run_id) {
+std::string meta_json(const StreamPlan& plan, const StreamFormat& format, const std::string& run_id) {
     Json streams = Json::array();
-    for (const Tap tap : taps_of(plan.scene.end.kind)) {
+    for (const Tap tap : format.taps) {
         const TapNames names = names_of(tap);
         streams.push_back({{"name", names.name},
                            {"topics", {names.raw_topic, names.np_topic}},
                            {"unit", names.unit},
-                           {"channels", channels_of(tap, plan.scene.chain)},
-                           {"fs", plan.scene.output.sample_rate_hz},
+                           {"channels", format.channels(tap)},
+                           {"fs", format.sample_rate_hz},
                            {"dtype", "<f4"}});
     }
-    const Json meta{{"program", "hertzline"},
-                    {"version", plan.version},
-                    {"run", run_id},
-                    {"scene_hash", plan.scene_hash},
-                    {"estimated_error", plan.estimated_error ? Json(*plan.estimated_error) : Json(nullptr)},
-                    {"fs", plan.scene.output.sample_rate_hz},
-                    {"frame_samples", plan.scene.output.frame_samples},
-                    {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
-                    {"streams", streams},
-                    {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}},
-                    {"scene", scene_json(plan.scene)}};
+    Json meta{{"program", "hertzline"}, {"run", run_id}};
+    meta.update(plan.about);
+    meta.update(Json{{"fs", format.sample_rate_hz},
+                     {"frame_samples", format.frame_samples},
+                     {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
+                     {"streams", streams},
+                     {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}}});
     return meta.dump();
 }
 
-std::string meters_json(const StreamMeters& meters, const std::string& run_id) {
-    const Json json{{"run", run_id},
-                    {"simulated_s", meters.simulated_s},
-                    {"wall_s", meters.wall_s},
-                    {"real_time_factor", meters.real_time_factor()},
-                    {"load", meters.load},
-                    {"frames", meters.frames},
-                    {"late_frames", meters.late_frames},
-                    {"dropped", meters.dropped_frames},
-                    {"ring_fill", meters.ring_fill},
-                    {"energy_residual", meters.energy_residual},
-                    {"contact_events", meters.contact_events}};
+void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
+    object["simulated_s"] = meters.simulated_s;
+    object["wall_s"] = meters.wall_s;
+    object["real_time_factor"] = meters.real_time_factor();
+    object["load"] = meters.load;
+    object["frames"] = meters.frames;
+    object["late_frames"] = meters.late_frames;
+    object["largest_lateness_s"] = meters.largest_lateness_s;
+    object["ring_high_water"] = meters.ring_high_water;
+    object["energy_residual"] = meters.energy_residual;
+    object["contact_events"] = meters.account.contact_events;
+    for (const Tap tap : taps) {
+        const std::string_view name = names_of(tap).name;
+        object[fmt::format("{}_raw_sent", name)] = meters.raw(tap).sent;
+        object[fmt::format("{}_raw_dropped", name)] = meters.raw(tap).dropped;
+        object[fmt::format("{}_np_sent", name)] = meters.np(tap).sent;
+        object[fmt::format("{}_np_dropped", name)] = meters.np(tap).dropped;
+    }
+}
+
+std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run_id) {
+    Json json{{"run", run_id}};
+    add_stream_members(json, meters, taps);
+    json["dropped"] = meters.dropped_frames;
+    json["ring_fill"] = meters.ring_fill;
     return json.dump();
 }
 

@@ -10,6 +10,7 @@
 #include "core/numerics.hpp"
 #include "stream/continuity.hpp"
 #include "stream/frame_codec.hpp"
+#include "stream/simulation_source.hpp"
 #include "stream/subscriber.hpp"
 #include "tests/support/allocation_count.hpp"
 
@@ -18,16 +19,14 @@ namespace {
 
 constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = false};
 
-StreamPlan plan(Pace pace, std::int64_t samples, StreamStart start) {
+Scene repeated_bursts() {
     Scene scene;
     scene.drive.repetition_hz = 1000;
-    scene = resolved(scene).scene;
-    return {.scene = scene,
-            .scene_hash = "test",
-            .version = "test",
-            .pace = pace,
-            .samples = samples,
-            .start = start};
+    return resolved(scene).scene;
+}
+
+StreamPlan plan(Pace pace, std::int64_t samples, StreamStart start) {
+    return {.about = {{"version", "test"}}, .pace = pace, .samples = samples, .start = start};
 }
 
 /// Listens to a tap of a publisher in a thread of its own, until the end of the run.
@@ -70,13 +69,18 @@ private:
 
 struct Stream {
     explicit Stream(StreamPlan with)
-        : scene(with.scene), publisher("tcp://127.0.0.1:*"), pipeline(std::move(with), publisher, nullptr) {}
+        : source(scene, false),
+          publisher("tcp://127.0.0.1:*"),
+          pipeline(std::move(with), source, publisher, nullptr) {}
 
     StreamMeters run(const std::function<void(const StreamMeters&)>& progress = [](const StreamMeters&) {}) {
-        return pipeline.run(stop, progress, [](const StreamMeters&) { return std::string("{}"); });
+        return pipeline.run(stop, {.progress = progress,
+                                   .warn = [](const std::string&) {},
+                                   .summary = [](const StreamMeters&) { return std::string("{}"); }});
     }
 
-    Scene scene;
+    Scene scene = repeated_bursts();
+    SimulationSource source;
     Publisher publisher;
     Pipeline pipeline;
     std::atomic<bool> stop{false};
@@ -103,8 +107,8 @@ TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
         EXPECT_EQ(listener.samples[tap], std::vector<float>(column->begin(), column->end()))
             << names_of(tap).name;
     }
-    EXPECT_EQ(meters.steps, simulation.steps());
-    EXPECT_EQ(meters.contact_events, simulation.contact_events());
+    EXPECT_EQ(meters.account.steps, simulation.steps());
+    EXPECT_EQ(meters.account.contact_events, simulation.contact_events());
 }
 
 TEST(Pipeline, TheSimulatingThreadAllocatesNothing) {
@@ -139,6 +143,63 @@ TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
     EXPECT_GT(totals.dropped_by_sender, 0U);
     EXPECT_LE(totals.dropped_by_sender, static_cast<std::uint64_t>(meters.dropped_frames));
     EXPECT_EQ(totals.inconsistent, 0U);
+    // each frame of the topic is accounted for
+    const TopicCount& count = meters.np(Tap::v_out);
+    EXPECT_EQ(count.sent, static_cast<std::int64_t>(totals.frames));
+    EXPECT_EQ(count.dropped, meters.dropped_frames);
+    EXPECT_EQ(count.sent + count.dropped, meters.frames + meters.dropped_frames);
+    EXPECT_EQ(meters.raw(Tap::v_out).sent, 0);
+    EXPECT_GT(meters.largest_lateness_s, 0.5);
+}
+
+TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
+    StreamPlan patient = plan(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
+    patient.on_overrun = OnOverrun::wait;
+    Stream stream(std::move(patient));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out});
+    bool stalled = false;
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) {
+        if (!stalled && now.frames > 0) {
+            stalled = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        }
+    });
+    listener.join();
+    EXPECT_TRUE(listener.checks[Tap::v_out].unbroken());
+    EXPECT_EQ(listener.samples[Tap::v_out].size(), 500'000U);
+    EXPECT_EQ(meters.dropped_frames, 0);
+    EXPECT_GT(meters.late_frames, 0);
+}
+
+/// Hears `frames` frames of v_last as a new subscriber, and leaves.
+std::uint64_t lost_by_a_visitor(const std::string& endpoint, std::uint64_t frames) {
+    Subscriber visitor(endpoint);
+    visitor.subscribe("v_last/np");
+    ContinuityCheck check;
+    while (check.totals().frames < frames) {
+        const Message* message = visitor.receive(std::chrono::seconds(30));
+        if (message == nullptr) {
+            ADD_FAILURE() << "no frame came";
+            break;
+        }
+        check.take(*decode_header(message->text(0), message->bytes(1).size()));
+    }
+    return check.totals().lost_on_the_way;
+}
+
+TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
+    // Slow enough for this machine's load not to matter. The ring lasts 50 ms: 50 frames.
+    Stream stream(plan(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once));
+    std::thread visitors([&] {
+        for (int visit = 0; visit < 5; ++visit) {
+            EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 3), 0U);
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 100), 0U);
+        }
+        stream.stop = true;
+    });
+    stream.run();
+    visitors.join();
 }
 
 TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
@@ -147,7 +208,7 @@ TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
     EXPECT_EQ(meters.samples, 10'000);
     Simulation simulation(stream.scene, {});
     simulation.skip(10'000);
-    EXPECT_EQ(meters.steps, simulation.steps());
+    EXPECT_EQ(meters.account.steps, simulation.steps());
 }
 
 TEST(Pipeline, StopsWhenAsked) {

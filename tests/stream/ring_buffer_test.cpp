@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include "tests/support/allocation_count.hpp"
 
@@ -162,21 +163,38 @@ void nap() {
     std::this_thread::sleep_for(std::chrono::microseconds(1));
 }
 
-void run_two_threads(std::size_t capacity, std::uint64_t count) {
-    RingBuffer<Slot> ring(capacity, Slot{});
-    std::thread writer([&ring, count] {
-        for (std::uint64_t i = 0; i < count;) {
-            if (Slot* slot = ring.try_claim()) {
-                for (std::size_t k = 0; k < slot->size(); ++k) {
-                    (*slot)[k] = i * 31 + k;
-                }
-                ring.publish();
-                ++i;
-            } else {
-                nap();
-            }
+/// Keeps the calling thread on the nth processor that the process may use; where there is only one, both
+/// threads share it.
+void stay_on_processor(int nth) {
+    cpu_set_t allowed;
+    ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+    nth %= CPU_COUNT(&allowed);
+    for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+        if (CPU_ISSET(cpu, &allowed) && nth-- == 0) {
+            CPU_ZERO(&allowed);
+            CPU_SET(cpu, &allowed);
+            ASSERT_EQ(sched_setaffinity(0, sizeof allowed, &allowed), 0);
+            return;
         }
-    });
+    }
+}
+
+void write_slots(RingBuffer<Slot>& ring, std::uint64_t count) {
+    for (std::uint64_t i = 0; i < count;) {
+        if (Slot* slot = ring.try_claim()) {
+            for (std::size_t k = 0; k < slot->size(); ++k) {
+                (*slot)[k] = i * 31 + k;
+            }
+            ring.publish();
+            ++i;
+        } else {
+            nap();
+        }
+    }
+}
+
+/// @returns how many words were not what was written.
+std::uint64_t read_slots(RingBuffer<Slot>& ring, std::uint64_t count) {
     std::uint64_t wrong = 0;
     for (std::uint64_t i = 0; i < count;) {
         if (Slot* slot = ring.try_front()) {
@@ -191,7 +209,22 @@ void run_two_threads(std::size_t capacity, std::uint64_t count) {
             nap();
         }
     }
+    return wrong;
+}
+
+void run_two_threads(std::size_t capacity, std::uint64_t count) {
+    RingBuffer<Slot> ring(capacity, Slot{});
+    std::uint64_t wrong = 0;
+    std::thread writer([&] {
+        stay_on_processor(0);
+        write_slots(ring, count);
+    });
+    std::thread reader([&] {
+        stay_on_processor(1);
+        wrong = read_slots(ring, count);
+    });
     writer.join();
+    reader.join();
     EXPECT_EQ(wrong, 0u);
     EXPECT_EQ(ring.size(), 0u);
 }

@@ -1,0 +1,70 @@
+#!/usr/bin/python3
+"""The simulating thread makes no system call but the pacing sleep: watched by strace while two streams are sent.
+
+    system_calls.py PROGRAM
+
+Exit status 77 (skipped) where the system allows no tracing.
+"""
+import collections
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import zmq
+
+SLEEP = {"clock_nanosleep", "restart_syscall"}
+
+
+def trace(program, log):
+    """Streams a second under strace, slowly enough for that, to a subscriber; the summary and the trace's lines."""
+    stream = subprocess.Popen(
+        ["strace", "--follow-forks", "--output", log, "--string-limit=32", program, "stream", "paper-stream", "--json",
+         "--bind", "tcp://127.0.0.1:*", "--duration", "0.02", "--pace", "0.02", "--wait-for-subscriber"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said = []
+    for line in stream.stderr:
+        said.append(line)
+        if "ptrace" in line and "not permitted" in line:
+            sys.exit(77)
+        if line.startswith("info: endpoint "):
+            break
+    else:
+        sys.exit("the stream did not start: " + "".join(said))
+    with zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        socket.connect(line.split()[-1])
+        for topic in ("end", "v_out/raw", "v_chain/np"):
+            socket.subscribe(topic)
+        while socket.recv_multipart()[0] != b"end":
+            pass
+    summary = json.loads(stream.communicate(timeout=60)[0])
+    return summary, pathlib.Path(log).read_text(encoding="utf-8").splitlines()
+
+
+def calls_of_the_simulating_thread(lines):
+    """How often it called what, from its naming to its last sleep; what follows is the C library ending the thread."""
+    named = re.compile(r'(\d+) +prctl\(PR_SET_NAME, "simulating"')
+    thread = next((match[1] for match in map(named.match, lines) if match), None)
+    if thread is None:
+        sys.exit("no thread named itself simulating")
+    call = re.compile(rf"{thread} +(\w+)\(")
+    calls = [match[1] for match in map(call.match, lines) if match]
+    last_sleep = max((i for i, name in enumerate(calls) if name in SLEEP), default=0)
+    return collections.Counter(calls[calls.index("prctl") + 1:last_sleep + 1])
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        summary, lines = trace(sys.argv[1], folder + "/trace")
+    calls = calls_of_the_simulating_thread(lines)
+    print(f"{summary['frames']} frames; the simulating thread called {dict(calls)}")
+    if summary["frames"] < 190 or not calls:
+        sys.exit("that is too little to mean anything")
+    if set(calls) - SLEEP:
+        sys.exit(f"other than the sleep: {sorted(set(calls) - SLEEP)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,57 @@
+#pragma once
+// A source of v_out and v_chain that costs nothing: every channel of sample k has the value k.
+
+#include <algorithm>
+#include <limits>
+
+#include "stream/sample_source.hpp"
+
+namespace hertzline::test {
+
+class CountingSource : public SampleSource {
+public:
+    explicit CountingSource(const StreamFormat& format,
+                            std::int64_t end = std::numeric_limits<std::int64_t>::max())
+        : format_(format), end_(end) {}
+
+    StreamFormat format() const override { return format_; }
+
+    Samples make_block() const override {
+        return {format_.spheres, format_.taps.contains(Tap::v_plate),
+                static_cast<std::size_t>(format_.frame_samples),
+                Wish{.outputs = true, .chain_velocities = true, .chain_displacements = false}};
+    }
+
+    bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override {
+        samples.first = next_;
+        samples.count = std::min(count, static_cast<std::size_t>(end_ - next_));
+        next_ += static_cast<std::int64_t>(samples.count);
+        if (wanted.contains(Tap::v_chain)) {
+            number(samples, samples.chain_v, samples.spheres);
+        }
+        if (wanted.contains(Tap::v_out)) {
+            number(samples, samples.v_out, 1);
+        }
+        return samples.count > 0;
+    }
+
+    bool skip(std::int64_t count) noexcept override {
+        next_ = std::min(next_ + count, end_);
+        return next_ < end_;
+    }
+
+    std::int64_t next_sample() const noexcept override { return next_; }
+
+private:
+    static void number(const Samples& samples, std::vector<double>& values, std::size_t channels) noexcept {
+        for (std::size_t i = 0; i < samples.count * channels; ++i) {
+            values[i] = static_cast<double>(samples.first) + static_cast<double>(i / channels);
+        }
+    }
+
+    StreamFormat format_;
+    std::int64_t end_;
+    std::int64_t next_ = 0;
+};
+
+}  // namespace hertzline::test
