@@ -216,8 +216,7 @@ Exit stream(const StreamOptions& options) {
                               .summary =
                                   [&](const StreamMeters& meters) {
                                       recordings.commit();
-                                      summary =
-                                          summarise(meters, resolved, pipeline, publisher, recordings);
+                                      summary = summarise(meters, resolved, pipeline, publisher, recordings);
                                       return json_text(summary);
                                   }};
     pipeline.run(stop, events);
