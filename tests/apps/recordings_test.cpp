@@ -5,6 +5,7 @@
 #include <csignal>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -45,7 +46,7 @@ std::vector<double> column(const std::string& file, const std::string& name) {
 
 /// v_out of `count` samples of paper-stream, as `run` has it.
 std::vector<double> v_out_of_run(std::size_t count, const TemporaryFolder& folder) {
-    const std::string duration = std::to_string(static_cast<double>(count) / 10e6);
+    const std::string duration = fmt::format("{}", static_cast<double>(count) / 10e6);
     const Outcome run = hertzline({"run", "paper-stream", "--set", "output.duration_s=" + duration, "-o",
                                    folder.file("reference.npy")});
     EXPECT_EQ(run.status, 0) << run.err;
