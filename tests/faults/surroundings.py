@@ -114,10 +114,10 @@ def decimal_comma(stand):
     summaries = [{key: value for key, value in json.loads(text).items() if key not in differing}
                  for text in (here.stdout, there.stdout)]
     check(summaries[0] == summaries[1], "another summary")
-    with stand.stream("--duration", "0.0251", env=german) as stream:  # with --pace 0.05: half a second
+    with stand.stream("--duration", "0.1251", env=german) as stream:  # with --pace 0.05: two and a half seconds
         stream.process.wait(stands.LONG_ENOUGH_S)
         stream.interrupted = time.monotonic()
-    check(json.loads(stream.summary.read_text())["samples"] == 25_100, "another --duration")
+    check(json.loads(stream.summary.read_text())["samples"] == 125_100, "another --duration")
 
 
 def _on_a_terminal(stand, **env):
