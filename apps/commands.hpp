@@ -29,6 +29,7 @@ Command stream_command(CLI::App& program);
 Command listen_command(CLI::App& program);
 Command scenes_command(CLI::App& program);
 Command check_command(CLI::App& program);
+Command keys_command(CLI::App& program);
 
 /// For CLI::Option::check(): a file needs a name, and "" would else mean none.
 std::string missing_name(const std::string& value);

@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands.hpp"
+#include "apps/curve_arguments.hpp"
 #include "apps/listening.hpp"
 #include "apps/output.hpp"
 #include "apps/progress.hpp"
@@ -34,6 +35,7 @@ constexpr const char* examples =
 
 struct ListenOptions {
     std::string endpoint = "tcp://127.0.0.1:5573";
+    CurveClientRequest curve;
     std::string stream = "v_out";
     std::optional<double> duration_s;
     std::optional<double> timeout_s;
@@ -96,6 +98,9 @@ void listen_to_the_end(Subscriber& subscriber, Listening& listening, ProgressLin
         } else if (seconds_since(last_heard) > patience(listening, options)) {
             listening.end(Ending::silence);
         }
+        if (const auto refusal = subscriber.refusal()) {
+            listening.note_refusal(*refusal);
+        }
         if (stop && listening.ending() == Ending::none) {
             listening.end(Ending::stopped);
         }
@@ -123,6 +128,7 @@ void complain(const Listening& listening, const ListenOptions& options) {
 Exit listen(const ListenOptions& options) {
     refuse_wrong_use(options);
     const Tap tap = tap_of(options);
+    const SubscriberOptions subscriber_options{.curve = curve_of(options.curve)};
     stop_asked();
     std::optional<OutputFile> file;
     if (!options.file.empty()) {
@@ -133,7 +139,7 @@ Exit listen(const ListenOptions& options) {
         line.clear();
         spdlog::warn(text);
     });
-    Subscriber subscriber(options.endpoint);
+    Subscriber subscriber(options.endpoint, subscriber_options);
     subscriber.subscribe(meta_topic);
     subscriber.subscribe(end_topic);
     subscriber.subscribe(names_of(tap).np_topic);  // last: it may start the stream
@@ -161,6 +167,7 @@ Command listen_command(CLI::App& program) {
     command->add_option("--connect", options->endpoint, "where a stream is published")
         ->type_name("ENDPOINT")
         ->capture_default_str();
+    add_curve_options(*command, options->curve);
     command->add_option("--stream", options->stream, "v_out, v_last, v_plate or v_chain")
         ->type_name("NAME")
         ->capture_default_str();

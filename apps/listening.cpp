@@ -59,6 +59,8 @@ const char* word(Ending ending) {
             return "run broke off";
         case Ending::no_such_stream:
             return "no such stream";
+        case Ending::refused:
+            return "refused";
     }
     return "";
 }
@@ -82,6 +84,16 @@ void Listening::take(const Message& message) {
 void Listening::note_malformed(const std::string& reason) {
     if (++malformed_ == 1) {  // a peer that sends nonsense sends a lot of it
         tell_("a message that is none of a stream's: " + reason);
+    }
+}
+
+void Listening::note_refusal(const Refusal& refusal) {
+    if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
+        tell_(refusal.reason);
+        refusal_ = refusal.reason;
+    }
+    if (refusal.final) {
+        end(Ending::refused);
     }
 }
 
@@ -215,7 +227,8 @@ void Listening::take_samples(const FrameHeader& header, std::span<const std::byt
 }
 
 bool Listening::sound() const noexcept {
-    const bool whole = ending_ != Ending::silence && ending_ != Ending::run_broke_off;
+    const bool whole =
+        ending_ != Ending::silence && ending_ != Ending::run_broke_off && ending_ != Ending::refused;
     return heard_samples() && check_.unbroken() && missing_at_end_ == 0 && malformed_ == 0 && whole;
 }
 

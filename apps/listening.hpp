@@ -18,7 +18,16 @@
 namespace hertzline::app {
 
 /// Why listening ended.
-enum class Ending { none, end_of_run, heard_enough, stopped, silence, run_broke_off, no_such_stream };
+enum class Ending {
+    none,
+    end_of_run,
+    heard_enough,
+    stopped,
+    silence,
+    run_broke_off,
+    no_such_stream,
+    refused
+};
 
 class Listening {
 public:
@@ -29,6 +38,9 @@ public:
 
     /// Takes the next message. Afterwards ending() tells whether it was the last one.
     void take(const Message& message);
+
+    /// Takes a failed handshake: the end when there will be no other.
+    void note_refusal(const Refusal& refusal);
 
     void end(Ending ending) noexcept { ending_ = ending; }
     Ending ending() const noexcept { return ending_; }
@@ -69,6 +81,7 @@ private:
     std::uint64_t samples_ = 0;  // kept
     std::uint64_t missing_at_end_ = 0;
     std::uint64_t malformed_ = 0;
+    std::string refusal_;  // as told last
     std::vector<float> values_;
     std::vector<double> row_;
 };

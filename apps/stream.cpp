@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands.hpp"
+#include "apps/curve_arguments.hpp"
 #include "apps/output.hpp"
 #include "apps/progress.hpp"
 #include "apps/run_needs.hpp"
@@ -39,6 +40,7 @@ constexpr const char* examples =
 struct StreamOptions {
     SceneRequest scene;
     std::string endpoint = "tcp://127.0.0.1:5573";
+    CurveServerRequest curve;
     std::string pace = "realtime";
     std::optional<double> duration_s;
     std::string recording;  // empty: none
@@ -126,7 +128,9 @@ void announce(const Publisher& publisher, const Pipeline& pipeline) {
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),
                  pipeline.format().sample_rate_hz);
     spdlog::info("run {}", pipeline.run_id());
-    spdlog::info("to listen: hertzline listen --connect {}", local_endpoint(publisher.endpoint()));
+    const bool encrypted = publisher.security() == Security::curve;
+    spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),
+                 encrypted ? " --curve-key YOURS.key_secret --server-key OURS.key" : "");
     if (pipeline.plan().start == StreamStart::with_first_subscriber) {
         spdlog::info("waiting for a subscriber");
     }
@@ -151,6 +155,8 @@ Json summarise(const StreamMeters& meters, const Resolved& resolved, const Pipel
     summary["integrator"] = word(*resolved.scene.numerics.integrator);
     summary["estimated_error"] = number_or_null(resolved.estimated_error);
     summary["endpoint"] = publisher.endpoint();
+    summary["security"] = word(publisher.security());
+    summary["refused_clients"] = publisher.refused_clients();
     summary["run"] = pipeline.run_id();
     summary["scene_hash"] = scene_hash(resolved.scene);
     summary["version"] = HERTZLINE_VERSION;
@@ -169,6 +175,7 @@ std::string stream_progress(const StreamMeters& meters, const Pipeline& pipeline
 
 Exit stream(const StreamOptions& options) {
     refuse_wrong_use(options);
+    const std::optional<CurveServer> curve = curve_of(options.curve, options.endpoint);
     const Resolved resolved = resolved_scene(options.scene);
     const StreamPlan plan{.about = about(resolved),
                           .pace = pace_of(options),
@@ -179,7 +186,9 @@ Exit stream(const StreamOptions& options) {
     refuse_shortages(options, resolved.scene, plan);
     const std::atomic<bool>& stop = stop_asked();
     SimulationSource source(resolved.scene, !options.recording.empty());
-    Publisher publisher(options.endpoint, all_topics, Pipeline::publisher_options(source.format()));
+    PublisherOptions publisher_options = Pipeline::publisher_options(source.format());
+    publisher_options.curve = curve;
+    Publisher publisher(options.endpoint, all_topics, publisher_options);
     std::optional<Recorder> recorder;
     if (!options.recording.empty()) {
         recorder.emplace(options.recording, Chain(resolved.scene), resolved.scene.output.sample_rate_hz,
@@ -227,6 +236,7 @@ Command stream_command(CLI::App& program) {
     command->add_option("--bind", options->endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
         ->capture_default_str();
+    add_curve_options(*command, options->curve);
     command->add_option("--pace", options->pace, "realtime, flat-out, or simulated seconds per second")
         ->type_name("PACE")
         ->capture_default_str();

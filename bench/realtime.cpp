@@ -1,11 +1,14 @@
 // Does a real-time stream keep pace, and does a listener that keeps up get every sample?
 //
-//     bench_realtime [SECONDS [STREAMS...]]        60 s with 1 and with 4 streams by default
+//     bench_realtime [SECONDS [CASE...]]        60 s of the cases 1, 4 and 4x3 by default
 //
-// The program streams paper-stream from one core. The listener, on another core, keeps a fingerprint of every
-// frame; when the stream has ended it simulates the same scene itself and compares: every float32 must be
-// what `hertzline run` writes.
+// A case is a number of streams, or STREAMSxLISTENERS: that many listeners in processes of their own, each
+// subscribed to all of them. The program streams paper-stream; a single listener has a core of its own. A
+// listener keeps a fingerprint of every frame; when the stream has ended it simulates the same scene itself
+// and compares: every float32 must be what `hertzline run` writes. Each frame that the program sent must have
+// been received, or be known as missing to the listener from what it received: else it is unaccounted for.
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstring>
@@ -17,6 +20,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <nlohmann/json.hpp>
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -51,14 +55,16 @@ struct Program {
     pid_t pid = 0;
     int summary = -1;
 
-    explicit Program(const std::string& seconds) {
+    Program(const std::string& seconds, bool alone) {
         int ends[2];
         if (pipe(ends) != 0) {
             throw std::runtime_error("no pipe");
         }
         pid = fork();
         if (pid == 0) {
-            stay_on_core(0);
+            if (alone) {
+                stay_on_core(0);
+            }
             dup2(ends[1], STDOUT_FILENO);
             dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
             execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration",
@@ -130,6 +136,7 @@ struct Heard {
     std::vector<ReceivedFrame> frames;
     std::map<Tap, ContinuityCheck> checks;
     bool ended = false;
+    std::uint64_t end_frames = 0;  // of each stream, as the end told
 };
 
 /// Listens until the end of the run, or until nothing has come for a while (the end itself may have been
@@ -145,7 +152,10 @@ Heard hear(Subscriber& subscriber, std::size_t streams) {
     Heard heard;
     while (const Message* message = subscriber.receive(std::chrono::seconds(10))) {
         if (message->topic() == end_topic) {
+            const auto end = nlohmann::json::parse(message->text(0));
             heard.ended = true;
+            heard.end_frames =
+                end.at("frames").get<std::uint64_t>() + end.at("dropped_frames").get<std::uint64_t>();
             break;
         }
         const Tap tap = taps.find(message->topic())->second;
@@ -161,11 +171,12 @@ Heard hear(Subscriber& subscriber, std::size_t streams) {
 }
 
 /// Frames that are not what the simulation gives here.
-std::uint64_t differing(const Scene& scene, const std::vector<ReceivedFrame>& frames, Wish wish) {
+std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<ReceivedFrame>& frames,
+                                     Wish wish) {
     Simulation simulation(scene, wish);
     Samples samples(simulation.chain(), static_cast<std::size_t>(scene.output.frame_samples), wish);
     std::vector<float> values;
-    std::uint64_t wrong = 0;
+    std::vector<ReceivedFrame> wrong;
     for (const ReceivedFrame& frame : frames) {
         const auto sample = static_cast<std::int64_t>(frame.sample);
         if (samples.first != sample || samples.count != frame.samples) {
@@ -176,45 +187,131 @@ std::uint64_t differing(const Scene& scene, const std::vector<ReceivedFrame>& fr
         const std::size_t width = frame.tap == Tap::v_chain ? samples.spheres : 1;
         values.assign(expected.begin(),
                       expected.begin() + static_cast<std::ptrdiff_t>(width * frame.samples));
-        wrong += fingerprint(std::as_bytes(std::span(values))) == frame.fingerprint ? 0 : 1;
+        if (fingerprint(std::as_bytes(std::span(values))) != frame.fingerprint) {
+            wrong.push_back(frame);
+        }
     }
     return wrong;
 }
 
-void listen(const std::string& seconds, std::size_t streams) {
-    const Scene scene = streamed_scene();
-    const Program program(seconds);
+/// What a listener tells of one stream.
+struct Account {
+    std::uint64_t samples = 0;
+    std::uint64_t frames = 0;
+    std::uint64_t missing = 0;  ///< frames that the numbers of later ones, or the end, told of
+    std::uint64_t differing = 0;
+    bool ended = false;
+};
+using Accounts = std::array<Account, all_taps.size()>;
+
+/// The program's count of frames for a stream's topic, those that it discarded included.
+std::uint64_t sent(const nlohmann::json& summary, Tap tap) {
+    const std::string name(names_of(tap).name);
+    return summary.at(name + "_np_sent").get<std::uint64_t>() +
+           summary.at(name + "_np_dropped").get<std::uint64_t>();
+}
+
+Accounts listen(std::size_t streams) {
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
     const Heard heard = hear(subscriber, streams);
-    std::uint64_t missing = 0;
-    std::uint64_t samples = 0;
-    for (const auto& [tap, check] : heard.checks) {
-        missing += check.totals().missing_samples;
-        samples += check.totals().samples;
-    }
-    const std::string summary = program.result();
     const bool chain = streams == all_taps.size();
-    const std::uint64_t wrong = differing(
-        scene, heard.frames, {.outputs = true, .chain_velocities = chain, .chain_displacements = false});
-    std::cout << "{\"streams\": " << streams << ", \"samples_received\": " << samples
-              << ", \"samples_missing\": " << missing << ", \"frames_compared\": " << heard.frames.size()
-              << ", \"frames_that_differ\": " << wrong
-              << ", \"end_heard\": " << (heard.ended ? "true" : "false") << ",\n \"program\": " << summary
-              << "}" << std::endl;
+    const Wish wish{.outputs = true, .chain_velocities = chain, .chain_displacements = false};
+    Accounts accounts;
+    for (const auto& [tap, check] : heard.checks) {
+        Account& account = accounts[static_cast<std::size_t>(tap)];
+        account.samples = check.totals().samples;
+        account.frames = check.totals().frames;
+        account.missing = check.totals().dropped_by_sender + check.totals().lost_on_the_way;
+        account.ended = heard.ended;
+        if (heard.ended && heard.end_frames > account.frames + account.missing) {
+            account.missing = heard.end_frames - account.frames;  // lost before the end
+        }
+    }
+    for (const ReceivedFrame& wrong : differing(streamed_scene(), heard.frames, wish)) {
+        ++accounts[static_cast<std::size_t>(wrong.tap)].differing;
+    }
+    return accounts;
+}
+
+/// A listener in a process of its own.
+struct Listener {
+    pid_t pid = 0;
+    int result = -1;
+
+    Listener(std::size_t streams, bool alone) {
+        int ends[2];
+        if (pipe(ends) != 0) {
+            throw std::runtime_error("no pipe");
+        }
+        pid = fork();
+        if (pid == 0) {
+            if (alone) {
+                stay_on_core(1);
+            }
+            const Accounts accounts = listen(streams);
+            _exit(write(ends[1], &accounts, sizeof accounts) == sizeof accounts ? 0 : 1);
+        }
+        close(ends[1]);
+        result = ends[0];
+    }
+
+    Accounts accounts() const {
+        Accounts accounts;
+        if (read(result, &accounts, sizeof accounts) != sizeof accounts) {
+            throw std::runtime_error("a listener failed");
+        }
+        close(result);
+        waitpid(pid, nullptr, 0);
+        return accounts;
+    }
+};
+
+nlohmann::ordered_json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t streams) {
+    std::uint64_t samples = 0, frames = 0, missing = 0, wrong = 0, unaccounted = 0;
+    bool ended = true;
+    for (std::size_t i = 0; i < streams; ++i) {
+        const Account& account = accounts[i];
+        samples += account.samples;
+        frames += account.frames;
+        missing += account.missing;
+        wrong += account.differing;
+        ended = ended && account.ended;
+        unaccounted += sent(summary, all_taps[i]) - account.frames - account.missing;
+    }
+    return {{"samples_received", samples}, {"frames_received", frames}, {"frames_missing", missing},
+            {"frames_that_differ", wrong}, {"end_heard", ended},        {"frames_unaccounted", unaccounted}};
+}
+
+/// @param words "4" or "4x3"
+void measure(const std::string& seconds, const std::string& words) {
+    const std::size_t streams = std::stoul(words);
+    const std::size_t x = words.find('x');
+    const std::size_t listeners = x == std::string::npos ? 1 : std::stoul(words.substr(x + 1));
+    if (streams < 1 || streams > all_taps.size()) {
+        throw std::runtime_error("found " + words + ", allowed: 1 to 4 streams");
+    }
+    const Program program(seconds, listeners == 1);
+    std::vector<Listener> all;
+    for (std::size_t i = 0; i < listeners; ++i) {
+        all.emplace_back(streams, listeners == 1);
+    }
+    const auto summary = nlohmann::ordered_json::parse(program.result());
+    nlohmann::ordered_json heard = nlohmann::ordered_json::array();
+    for (const Listener& listener : all) {
+        heard.push_back(report(listener.accounts(), summary, streams));
+    }
+    const nlohmann::ordered_json result{{"streams", streams}, {"listeners", heard}, {"program", summary}};
+    std::cout << result.dump(1) << std::endl;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
-        stay_on_core(1);
         const std::string seconds = argc > 1 ? argv[1] : "60";
-        std::vector<std::size_t> counts;
-        for (int i = 2; i < argc; ++i) {
-            counts.push_back(std::stoul(argv[i]));
-        }
-        for (const std::size_t streams : counts.empty() ? std::vector<std::size_t>{1, 4} : counts) {
-            listen(seconds, streams);
+        const std::vector<std::string> cases(argv + std::min(argc, 2), argv + argc);
+        for (const std::string& words : cases.empty() ? std::vector<std::string>{"1", "4", "4x3"} : cases) {
+            measure(seconds, words);
         }
         return 0;
     } catch (const std::exception& error) {

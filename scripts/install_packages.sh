@@ -1,15 +1,28 @@
 #!/bin/sh
-# Installs the Debian packages of packages.txt that are missing. Quick and silent when none is.
-# --optional installs those marked so, too.
+# install_packages.sh [--tests|--optional]: installs the Debian packages of packages.txt that are missing, those for tests and the
+# optional ones only when asked for (--optional: both). Quick and silent when none is missing.
 set -eu
-list="$(dirname "$0")/packages.txt"
-marked='^optional '
-[ "${1:-}" != --optional ] || marked='^$'
+passed_over="tests optional"
+case "${1:-}" in
+--tests) passed_over="optional" ;;
+--optional) passed_over="" ;;
+esac
+
+installed() { # PACKAGE [COMMAND]
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ] ||
+        { [ -n "${2:-}" ] && command -v "$2" >/dev/null; }
+}
+
 missing=""
-for package in $(grep -v -e '^#' -e "$marked" "$list" | sed 's/^optional //'); do
-    status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
-    [ "$status" = installed ] || missing="$missing $package"
-done
+while read -r first second third; do
+    case "$first" in
+    '' | '#'*) continue ;;
+    tests | optional) mark=$first package=$second command=$third ;;
+    *) mark="" package=$first command=$second ;;
+    esac
+    case " $passed_over " in *" ${mark:-always} "*) continue ;; esac
+    installed "$package" "$command" || missing="$missing $package"
+done <"$(dirname "$0")/packages.txt"
 [ -n "$missing" ] || exit 0
 
 as_root=""

@@ -3,7 +3,7 @@
 # lint.sh --fix: formats.
 set -eu
 cd "$(dirname "$0")/.."
-./scripts/install_packages.sh
+./scripts/install_packages.sh --tests
 sources=$(git ls-files '*.cpp' '*.hpp')
 if [ "${1:-}" = --fix ]; then
     echo "$sources" | xargs clang-format -i

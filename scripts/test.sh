@@ -3,7 +3,7 @@
 # test.sh [PRESET...]: release by default; asan and tsan run the same tests under sanitizers.
 set -eu
 cd "$(dirname "$0")/.."
-./scripts/install_packages.sh
+./scripts/install_packages.sh --tests
 [ $# -gt 0 ] || set -- release
 for preset in "$@"; do
     ./scripts/build.sh "$preset"

@@ -5,7 +5,10 @@
 #include <charconv>
 #include <cstring>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <ifaddrs.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -38,7 +41,7 @@ bool good_host(std::string_view host, EndpointUse use) {
 }
 
 bool good_port(std::string_view port, EndpointUse use) {
-    if (port == "*") {
+    if (port == "*" || port == "0") {
         return use == EndpointUse::bind;
     }
     unsigned number = 0;  // unsigned: from_chars then refuses a sign
@@ -71,7 +74,7 @@ Fault tcp_fault(std::string_view endpoint, EndpointUse use) {
     }
     if (!good_port(port, use)) {
         return fmt::format("endpoint {}: port {} is not a number from 1 to 65535{}", quoted(endpoint),
-                           quoted(port), binds ? ", or * for any free port" : "");
+                           quoted(port), binds ? ", or 0 or * for any free port" : "");
     }
     return std::nullopt;
 }
@@ -92,6 +95,51 @@ Fault ipc_fault(std::string_view endpoint) {
                            path.size(), max_ipc_path);
     }
     return std::nullopt;
+}
+
+/// Of an endpoint tcp://HOST:PORT.
+std::string_view host_of(std::string_view endpoint) {
+    const std::string_view address = endpoint.substr(tcp_scheme.size());
+    return address.substr(0, address.rfind(':'));
+}
+
+bool is_loopback(const sockaddr& address) {
+    if (address.sa_family == AF_INET) {
+        const auto& ipv4 = reinterpret_cast<const sockaddr_in&>(address);
+        return ntohl(ipv4.sin_addr.s_addr) >> 24 == IN_LOOPBACKNET;
+    }
+    return address.sa_family == AF_INET6 &&
+           IN6_IS_ADDR_LOOPBACK(&reinterpret_cast<const sockaddr_in6&>(address).sin6_addr) != 0;
+}
+
+/// Whether all addresses of the interface are loopback ones; nothing when there is no such interface.
+std::optional<bool> local_interface(const std::string& name, int family) {
+    ifaddrs* interfaces = nullptr;
+    if (::getifaddrs(&interfaces) != 0) {
+        return false;
+    }
+    std::optional<bool> local;
+    for (const ifaddrs* each = interfaces; each != nullptr; each = each->ifa_next) {
+        if (name == each->ifa_name && each->ifa_addr != nullptr && each->ifa_addr->sa_family == family) {
+            local = local.value_or(true) && is_loopback(*each->ifa_addr);
+        }
+    }
+    ::freeifaddrs(interfaces);
+    return local;
+}
+
+/// Whether the text is a loopback address, read by the function with which ZeroMQ reads it.
+bool local_address(const std::string& text, int family) {
+    addrinfo wanted{};
+    wanted.ai_family = family;
+    wanted.ai_flags = AI_NUMERICHOST;
+    addrinfo* found = nullptr;
+    if (::getaddrinfo(text.c_str(), nullptr, &wanted, &found) != 0) {
+        return false;
+    }
+    const bool local = is_loopback(*found->ai_addr);
+    ::freeaddrinfo(found);
+    return local;
 }
 
 /// Whether somebody accepts connections at the path of an existing socket.
@@ -142,6 +190,28 @@ std::optional<std::string> occupied_fault(std::string_view endpoint) {
 
 bool is_ipv6(std::string_view endpoint) noexcept {
     return endpoint.starts_with("tcp://[");
+}
+
+std::string bind_address(std::string_view endpoint) {
+    constexpr std::string_view localhost = "tcp://localhost:";
+    if (!endpoint.starts_with(localhost)) {
+        return std::string(endpoint);
+    }
+    return "tcp://127.0.0.1:" + std::string(endpoint.substr(localhost.size()));
+}
+
+bool is_local(std::string_view endpoint) {
+    if (endpoint.starts_with(ipc_scheme)) {
+        return true;
+    }
+    const std::string bound = bind_address(endpoint);
+    std::string_view host = host_of(bound);
+    const int family = is_ipv6(bound) ? AF_INET6 : AF_INET;
+    if (family == AF_INET6) {
+        host = host.substr(1, host.size() - 2);
+    }
+    // An interface of that name comes first, as it does for ZeroMQ.
+    return local_interface(std::string(host), family).value_or(local_address(std::string(host), family));
 }
 
 }  // namespace hertzline

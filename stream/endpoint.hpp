@@ -17,7 +17,7 @@ inline constexpr std::size_t max_ipc_path = 107;
 /// What is wrong with an endpoint's text and what is allowed; nothing when it is good. Looks at the text
 /// only.
 ///     tcp://HOST:PORT   HOST a name, an IPv4 address or an [IPv6] one, to bind also * (every interface);
-///                       PORT 1 to 65535, to bind also * (any free one)
+///                       PORT 1 to 65535, to bind also 0 and * (any free one)
 ///     ipc://PATH        a file name of at most max_ipc_path bytes, without control characters
 std::optional<std::string> endpoint_fault(std::string_view endpoint, EndpointUse use);
 
@@ -29,5 +29,13 @@ std::optional<std::string> occupied_fault(std::string_view endpoint);
 
 /// Whether the endpoint's host is an IPv6 address, for which ZeroMQ needs an option set.
 bool is_ipv6(std::string_view endpoint) noexcept;
+
+/// The endpoint as ZeroMQ binds it: it knows interfaces and addresses there, but not the name localhost.
+std::string bind_address(std::string_view endpoint);
+
+/// Whether an endpoint to bind can be reached from this machine only: ipc, localhost, an address in
+/// 127.0.0.0/8 or [::1], or the name of an interface that has no other. What cannot be told counts as
+/// reachable.
+bool is_local(std::string_view endpoint);
 
 }  // namespace hertzline

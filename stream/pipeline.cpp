@@ -24,7 +24,8 @@ constexpr Nanoseconds idle_nap = milliseconds(1);
 constexpr Nanoseconds empty_ring_nap = microseconds(200);
 
 constexpr double reserve_s = 0.05;                      // of wall time that the ring's samples last,
-constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this
+constexpr double most_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this;
+constexpr double cached_ring_bytes = 1024.0 * 1024;     // flat out nothing is held back: it stays in cache
 constexpr double fewest_slots = 4;
 constexpr double most_slots = 4096;
 
@@ -33,10 +34,11 @@ double slot_bytes(const StreamFormat& format) noexcept {
 }
 
 double slots_for(const StreamFormat& format, Pace pace) noexcept {
-    const double pace_factor = pace.is_flat_out() ? 1 : pace.times();
     const double frame_rate = format.sample_rate_hz / static_cast<double>(format.frame_samples);
-    const double by_time = reserve_s * pace_factor * frame_rate;
-    return std::clamp(std::min(by_time, most_ring_bytes / slot_bytes(format)), fewest_slots, most_slots);
+    const double by_time = pace.is_flat_out() ? most_slots : reserve_s * pace.times() * frame_rate;
+    const double by_memory =
+        (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
+    return std::clamp(std::min(by_time, by_memory), fewest_slots, most_slots);
 }
 
 std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {
@@ -69,6 +71,7 @@ Pipeline::Pipeline(StreamPlan plan, SampleSource& source, Publisher& publisher, 
       pacer_(format_.sample_rate_hz, plan_.pace),
       producer_(source, pacer_, static_cast<std::size_t>(slots_for(format_, plan_.pace)), plan_.samples,
                 plan_.pace.is_flat_out() ? OnOverrun::wait : plan_.on_overrun) {
+    plan_.about["security"] = word(publisher.security());
     frame_.run = run_id_;
     frame_.fs = format_.sample_rate_hz;
     payload_.reserve(static_cast<std::size_t>(format_.frame_samples) * format_.spheres);
@@ -99,7 +102,11 @@ void Pipeline::listen_for_subscriptions() {
             wanted |= tap;
         }
     }
-    producer_.want(wanted);
+    const std::uint32_t wish = producer_.want(wanted);
+    for (const Tap tap : wanted - wanted_) {
+        wanted_since_[static_cast<std::size_t>(tap)] = wish;
+    }
+    wanted_ = wanted;
     if (!wanted.empty() && first_subscription_ == Nanoseconds{0}) {
         first_subscription_ = MonotonicClock::now();
     }
@@ -184,8 +191,11 @@ void Pipeline::release(const Block& block) {
         recorder_->write(block.samples);
     }
     count_dropped(block.dropped);
-    for (const Tap tap : block.taps) {
-        send_tap(block, tap);
+    for (const Tap tap : block.wish.taps) {
+        // An older block holds the tap for somebody who has left; others without it may follow.
+        if (block.wish.number >= wanted_since_[static_cast<std::size_t>(tap)]) {
+            send_tap(block, tap);
+        }
     }
 }
 
@@ -236,7 +246,6 @@ void Pipeline::report() {
 void Pipeline::deliver(const std::atomic<bool>& stop) {
     RingBuffer<Block>& ring = producer_.ring();
     while (!stop.load(std::memory_order_relaxed)) {
-        listen_for_subscriptions();
         start_when_ready();
         report();
         const bool finished = producer_.finished();
@@ -245,6 +254,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
             if (finished) {
                 return;
             }
+            listen_for_subscriptions();
             MonotonicClock::sleep_until(MonotonicClock::now() +
                                         (pacer_.flat_out() ? empty_ring_nap : idle_nap));
             continue;
@@ -253,6 +263,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
         if (stop.load(std::memory_order_relaxed)) {
             return;
         }
+        listen_for_subscriptions();  // the last moment: who came while we slept gets meta before this block
         release(*block);
         count(*block, lateness);
         ring.pop();

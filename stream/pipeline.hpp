@@ -8,6 +8,7 @@
 // is not heard; the sending thread (the caller's) lets each block go when it is due. What nobody subscribes
 // to or records is not computed.
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -78,6 +79,8 @@ private:
     const StreamEvents* events_ = nullptr;
 
     bool started_ = false;
+    TapSet wanted_;
+    std::array<std::uint32_t, all_taps.size()> wanted_since_{};  // number of the wish that began it
     StreamMeters meters_;
     std::uint64_t dropped_counted_ = 0;
     Nanoseconds start_time_{0};

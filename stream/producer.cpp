@@ -24,7 +24,7 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
                ? origin_ + *samples
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
-      ring_(slots, [&source] { return Block{.samples = source.make_block(), .taps = {}, .account = {}}; }) {}
+      ring_(slots, [&source] { return Block{.samples = source.make_block(), .wish = {}, .account = {}}; }) {}
 
 Producer::~Producer() {
     stop();
@@ -44,6 +44,15 @@ void Producer::stop() noexcept {
     if (thread_.joinable()) {
         thread_.join();
     }
+}
+
+std::uint32_t Producer::want(TapSet taps) noexcept {
+    TapWish wish = wish_.load(std::memory_order_relaxed);
+    if (taps != wish.taps) {
+        wish = {taps, wish.number + 1};
+        wish_.store(wish, std::memory_order_relaxed);
+    }
+    return wish.number;
 }
 
 bool Producer::wait_for_go() const noexcept {
@@ -74,11 +83,10 @@ Block* Producer::wait_for_slot(std::int64_t first, std::int64_t count) noexcept 
 }
 
 bool Producer::fill(Block& block, std::int64_t count) noexcept {
-    const TapSet taps = wanted_.load(std::memory_order_relaxed);
-    if (!source_.read(block.samples, static_cast<std::size_t>(count), taps)) {
+    block.wish = wish_.load(std::memory_order_relaxed);
+    if (!source_.read(block.samples, static_cast<std::size_t>(count), block.wish.taps)) {
         return false;
     }
-    block.taps = taps;
     block.account = source_.account();
     if (residual_wanted_.exchange(false, std::memory_order_relaxed)) {
         last_residual_ = source_.energy_residual();

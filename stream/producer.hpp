@@ -26,10 +26,17 @@ enum class OnOverrun {
     wait,  ///< the stream falls behind
 };
 
+/// What subscribers want computed. A new wish has a new number: it tells a block that was made after somebody
+/// came from one that still lay in the ring, from before somebody else left.
+struct TapWish {
+    TapSet taps;
+    std::uint32_t number = 0;
+};
+
 /// What travels through the ring.
 struct Block {
     Samples samples;
-    TapSet taps;                ///< what was wanted
+    TapWish wish;               ///< of the moment when it was made
     std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
     std::uint64_t dropped = 0;  ///< of the run, before this one
     SourceAccount account;
@@ -55,7 +62,8 @@ public:
     /// Nothing more will be put into the ring.
     bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
-    void want(TapSet taps) noexcept { wanted_.store(taps, std::memory_order_relaxed); }
+    /// For one thread. @returns the wish's number, a new one if it changed.
+    std::uint32_t want(TapSet taps) noexcept;
     /// The next block shall say how the energy ledger stands.
     void want_residual() noexcept { residual_wanted_.store(true, std::memory_order_relaxed); }
 
@@ -82,7 +90,8 @@ private:
     double last_residual_ = 0;
     RingBuffer<Block> ring_;
 
-    std::atomic<TapSet> wanted_{TapSet()};
+    std::atomic<TapWish> wish_{TapWish()};
+    static_assert(std::atomic<TapWish>::is_always_lock_free);
     std::atomic<bool> residual_wanted_{false};
     std::atomic<bool> going_{false};
     std::atomic<bool> stopping_{false};

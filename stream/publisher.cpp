@@ -37,23 +37,41 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
     if (const auto fault = occupied_fault(endpoint)) {
         throw std::runtime_error(*fault);
     }
+    if (options.curve) {
+        require_curve();
+        gate_.emplace(context_, options.curve->clients);
+        encrypt_as_server(socket_, options.curve->own);
+    }
+    set_options(endpoint, options);
+    try {
+        socket_.bind(bind_address(endpoint));
+    } catch (const zmq::error_t& error) {
+        throw std::runtime_error(bind_failure(endpoint, error));
+    }
+    endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
+}
+
+void Publisher::set_options(const std::string& endpoint, const PublisherOptions& options) {
     const auto heartbeat = static_cast<int>(options.heartbeat.count());
     socket_.set(zmq::sockopt::sndhwm, options.send_high_water_mark);
     socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
     // Tells of every subscriber, not of a topic's first one only: each has to be sent the meta message.
     socket_.set(zmq::sockopt::xpub_verbose, true);
-    // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory.
-    socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{256});
+    // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake
+    // of CURVE counts, too: its longest command has 257 bytes and what the peer says of itself.
+    socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options.curve ? 1024 : 256});
+    socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options.handshake.count()));
+    // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
+    socket_.set(zmq::sockopt::backlog, 128);
     // Without them a peer whose machine froze is never noticed and its queue stays.
     socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
     socket_.set(zmq::sockopt::heartbeat_timeout, 3 * heartbeat);
+    // For peers too old for heartbeats (libzmq 3): the system then notices that their machine is gone.
+    socket_.set(zmq::sockopt::tcp_keepalive, 1);
+    socket_.set(zmq::sockopt::tcp_keepalive_idle, 60);
+    socket_.set(zmq::sockopt::tcp_keepalive_intvl, 10);
+    socket_.set(zmq::sockopt::tcp_keepalive_cnt, 3);
     socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
-    try {
-        socket_.bind(endpoint);
-    } catch (const zmq::error_t& error) {
-        throw std::runtime_error(bind_failure(endpoint, error));
-    }
-    endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
 }
 
 std::size_t Publisher::poll_subscriptions() {

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,8 +17,10 @@
 
 #include <zmq.hpp>
 
+#include "stream/curve.hpp"
 #include "stream/subscriptions.hpp"
 #include "stream/taps.hpp"
+#include "stream/zap.hpp"
 
 namespace hertzline {
 
@@ -30,6 +33,12 @@ struct PublisherOptions {
     /// A tcp subscriber that does not answer for three of these is gone. One whose queue is full does not
     /// read our questions either, so this is also how long an analyser may pause without being disconnected.
     std::chrono::milliseconds heartbeat{5000};
+    /// A peer that has not introduced itself by then is cut off: connections that say nothing cost a
+    /// descriptor each. Three round trips and a little arithmetic fit many times, however busy the peer's
+    /// program is.
+    std::chrono::milliseconds handshake{5000};
+    /// Encrypts, and lets in those who are listed; unset: plain, for whoever can reach the endpoint.
+    std::optional<CurveServer> curve{};
 };
 
 class Publisher {
@@ -44,7 +53,8 @@ public:
 
     /// Takes in who subscribed and left since the last call, without waiting. Returns how many subscriptions
     /// to our topics came, repeated ones included: each is somebody who may want the meta message. At most
-    /// 1000 messages a call, so that a peer that floods us cannot hold up the frames.
+    /// 1000 messages a call, so that a peer that floods us cannot hold up the frames. ZeroMQ lets a
+    /// subscription take effect in any call, send() included: call this right before a batch of frames.
     std::size_t poll_subscriptions();
 
     /// Whether anybody subscribes to the topic, as of the last poll_subscriptions().
@@ -63,6 +73,12 @@ public:
     std::uint64_t foreign_subscriptions() const noexcept { return foreign_; }
     std::uint64_t malformed_subscriptions() const noexcept { return malformed_; }
 
+    Security security() const noexcept { return gate_ ? Security::curve : Security::none; }
+
+    /// Who asked to come in with a key that is not listed. (A wrong server key or none ends the handshake
+    /// before that and is not counted.)
+    std::uint64_t refused_clients() const noexcept { return gate_ ? gate_->refused() : 0; }
+
 private:
     template <class Part>
     static std::span<const std::byte> bytes_of(const Part& part) noexcept {
@@ -71,7 +87,10 @@ private:
     }
     bool send_parts(std::span<const std::span<const std::byte>> parts) noexcept;
 
+    void set_options(const std::string& endpoint, const PublisherOptions& options);
+
     zmq::context_t context_;
+    std::optional<ZapHandler> gate_;  // before the socket, which nobody may reach without it
     zmq::socket_t socket_;
     Subscriptions subscriptions_;
     std::string endpoint_;

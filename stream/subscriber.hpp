@@ -4,12 +4,15 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <zmq.hpp>
+
+#include "stream/curve.hpp"
 
 namespace hertzline {
 
@@ -21,6 +24,17 @@ struct SubscriberOptions {
     std::chrono::milliseconds heartbeat{5000};
     /// Larger parts end the connection [bytes].
     std::int64_t max_part_bytes = std::int64_t{1} << 30;
+    /// A publisher that has not answered or introduced itself by then is tried anew: one whose machine drops
+    /// our packets would be waited for for minutes, and be missed when it comes up.
+    std::chrono::milliseconds handshake{5000};
+    /// Encrypts, and listens to the owner of this key only; unset: plain.
+    std::optional<CurveClient> curve{};
+};
+
+/// A publisher was there, but would not or could not talk to us.
+struct Refusal {
+    std::string reason;
+    bool final = false;  ///< ZeroMQ does not try again: nothing will ever arrive
 };
 
 /// A received message: the topic and what follows it.
@@ -57,12 +71,18 @@ public:
     /// Messages of more parts than any of ours (8) are passed over.
     const Message* receive(std::chrono::milliseconds timeout);
 
+    /// The last handshake that failed since this was asked before.
+    std::optional<Refusal> refusal();
+
 private:
+    void set_options(const std::string& endpoint, const SubscriberOptions& options);
+    void watch_handshakes();
     enum class Received { message, nothing, unusable };
     Received receive_parts();
 
     zmq::context_t context_;
     zmq::socket_t socket_;
+    zmq::socket_t handshakes_;  // tells of those that fail
     Message message_;
 };
 

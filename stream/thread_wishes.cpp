@@ -52,15 +52,17 @@ std::vector<std::string> grant(const ThreadWishes& wishes, pthread_t thread) {
     }
     if (wishes.realtime_priority) {
         if (const int error = put_first(thread); error != 0) {
-            refused.push_back(fmt::format("no real-time priority: {}; the priority stays ordinary (it needs "
-                                          "CAP_SYS_NICE, or rtprio {} in limits.conf)",
-                                          reason(error), priority));
+            refused.push_back(
+                fmt::format("no real-time priority: {}; the priority stays ordinary (it needs "
+                            "CAP_SYS_NICE, or rtprio {} in limits.conf)",
+                            reason(error), priority));
         }
         // Not what comes later: the queues of slow subscribers would fail to grow at the system's limit.
         if (mlockall(MCL_CURRENT) != 0) {
-            refused.push_back(fmt::format("memory cannot be locked: {}; it may be swapped out (it needs "
-                                          "CAP_IPC_LOCK, or memlock in limits.conf)",
-                                          reason(errno)));
+            refused.push_back(
+                fmt::format("memory cannot be locked: {}; it may be swapped out (it needs "
+                            "CAP_IPC_LOCK, or memlock in limits.conf)",
+                            reason(errno)));
         }
     }
     return refused;

@@ -155,6 +155,46 @@ const Mistake mistakes[] = {
     {"PortOutOfRange", {"stream", "paper-wall", "--bind", "tcp://127.0.0.1:99999"}, 2, {"99999", "65535"}},
     {"PortOutOfRangeOfListener", {"listen", "--connect", "tcp://127.0.0.1:0"}, 2, {"--connect"}},
     {"NoEndpoint", {"stream", "paper-wall", "--bind", "here"}, 2, {"--bind", "tcp://"}},
+    {"EveryInterface",
+     {"stream", "paper-wall", "--bind", "tcp://*:0"},
+     2,
+     {"tcp://*:0 can be reached from other machines", "--curve-key", "--allow-clients", "--insecure"}},
+    {"EveryInterfaceInNumbers", {"stream", "paper-wall", "--bind", "tcp://0.0.0.0:*"}, 2, {"--insecure"}},
+    {"EveryInterfaceOfIpv6", {"stream", "paper-wall", "--bind", "tcp://[::]:*"}, 2, {"--insecure"}},
+    {"AnAddressOfANetwork", {"stream", "paper-wall", "--bind", "tcp://192.0.2.1:*"}, 2, {"--insecure"}},
+    {"AnInterface", {"stream", "paper-wall", "--bind", "tcp://eth0:*"}, 2, {"--insecure"}},
+
+    // keys
+    {"KeysWithoutName", {"keys", ""}, 2, {"NAME", "found \"\""}},
+    {"KeysOfAFolder", {"keys", "FOLDER/"}, 2, {"NAME"}},
+    {"KeysInNoFolder", {"keys", "FOLDER/no/alice"}, 1, {"FOLDER/no/alice.key_secret", "No such file"}},
+    {"EncryptedForNobodyInParticular",
+     {"stream", "paper-wall", "--curve-key", "FOLDER/a.key_secret"},
+     2,
+     {"--curve-key: found no --allow-clients"}},
+    {"AListWithoutAKey",
+     {"stream", "paper-wall", "--allow-clients", "FOLDER"},
+     2,
+     {"--allow-clients: found no --curve-key"}},
+    {"EveryFaultOfTheKeys",
+     {"stream", "paper-wall", "--curve-key", "FOLDER/a.key_secret", "--allow-clients", "FOLDER",
+      "--allow-clients", "FOLDER/b.key"},
+     2,
+     {"--curve-key: cannot read FOLDER/a.key_secret", "--allow-clients: FOLDER has no certificates",
+      "--allow-clients: cannot read FOLDER/b.key"}},
+    {"AKeyThatOthersMayRead",
+     {"stream", "paper-wall", "--curve-key", "FOLDER/scene.toml", "--allow-clients", "FOLDER/step.toml"},
+     2,
+     {"chmod 600 FOLDER/scene.toml", "FOLDER/step.toml is no certificate"}},
+    {"AListenersKeyWithoutTheServers",
+     {"listen", "--curve-key", "FOLDER/a.key_secret"},
+     2,
+     {"--curve-key: found no --server-key"}},
+    {"TheServersKeyWithoutAListeners",
+     {"listen", "--server-key", "FOLDER/a.key"},
+     2,
+     {"--server-key: found no --curve-key"}},
+
     {"NobodyStreams",
      {"listen", "--connect", "ipc://FOLDER/s", "--timeout", "0.2"},
      1,
@@ -175,7 +215,7 @@ TEST(Endpoints, PortInUseIsAFailureThatNamesIt) {
 TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
     const Outcome program = hertzline({"--help"});
     EXPECT_EQ(program.status, 0);
-    for (const char* command : {"run", "stream", "listen", "scenes", "check"}) {
+    for (const char* command : {"run", "stream", "listen", "scenes", "check", "keys"}) {
         const Outcome help = hertzline({command, "--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));

@@ -171,6 +171,37 @@ TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
     EXPECT_GT(meters.late_frames, 0);
 }
 
+/// Hears `frames` frames of v_last as a new subscriber, and leaves.
+std::uint64_t lost_by_a_visitor(const std::string& endpoint, std::uint64_t frames) {
+    Subscriber visitor(endpoint);
+    visitor.subscribe("v_last/np");
+    ContinuityCheck check;
+    while (check.totals().frames < frames) {
+        const Message* message = visitor.receive(std::chrono::seconds(30));
+        if (message == nullptr) {
+            ADD_FAILURE() << "no frame came";
+            break;
+        }
+        check.take(*decode_header(message->text(0), message->bytes(1).size()));
+    }
+    return check.totals().lost_on_the_way;
+}
+
+TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
+    // Slow enough for this machine's load not to matter. The ring lasts 50 ms: 50 frames.
+    Stream stream(plan(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once));
+    std::thread visitors([&] {
+        for (int visit = 0; visit < 5; ++visit) {
+            EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 3), 0U);
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 100), 0U);
+        }
+        stream.stop = true;
+    });
+    stream.run();
+    visitors.join();
+}
+
 TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
     Stream stream(plan(Pace::flat_out(), 10'000, StreamStart::at_once));
     const StreamMeters meters = stream.run();

@@ -1,6 +1,7 @@
 // Publisher and Subscriber over real sockets. Waiting is bounded and generous: it decides only how long a
 // failing test takes.
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -14,9 +15,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
 #include <zmq.hpp>
 
 #include "stream/continuity.hpp"
+#include "stream/endpoint.hpp"
 #include "stream/frame_codec.hpp"
 #include "stream/publisher.hpp"
 #include "stream/subscriber.hpp"
@@ -176,6 +182,12 @@ TEST(Publisher, AnyFreePortIsResolved) {
     EXPECT_EQ(publisher.endpoint().find('*'), std::string::npos);
 }
 
+TEST(Publisher, LocalhostAndPortZeroAreBound) {
+    const Publisher publisher("tcp://localhost:0");
+    EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);
+    EXPECT_EQ(endpoint_fault(publisher.endpoint(), EndpointUse::connect), std::nullopt);
+}
+
 TEST(Publisher, BindFailuresNameTheEndpointAndTheReason) {
     EXPECT_THAT(error_of([] { Publisher("tcp://127.0.0.1:99999"); }), HasSubstr("1 to 65535"));
     EXPECT_THAT(error_of([] { Publisher("tcp://no-such-interface:*"); }), HasSubstr("no such address"));
@@ -254,6 +266,25 @@ TEST(Publisher, AnOversizedSubscriptionCostsItsSenderTheConnectionAndNobodyElse)
     EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), !publisher.wanted("end"); }));
     publisher.send("meta", std::string_view("{}"));
     EXPECT_NE(subscriber.receive(patience), nullptr);
+}
+
+TEST(Publisher, AConnectionThatNeverIntroducesItselfIsCutOff) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, {.handshake = 50ms});
+    const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::string& endpoint = publisher.endpoint();
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+    const timeval at_most{.tv_sec = 20, .tv_usec = 0};
+    ASSERT_EQ(::setsockopt(silent, SOL_SOCKET, SO_RCVTIMEO, &at_most, sizeof at_most), 0);
+    ASSERT_EQ(::connect(silent, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    std::array<char, 256> greeting{};
+    ssize_t got = 0;
+    while ((got = ::read(silent, greeting.data(), greeting.size())) > 0) {
+    }
+    EXPECT_EQ(got, 0) << "still connected after 20 s";
+    ::close(silent);
 }
 
 TEST(Publisher, AFloodOfSubscriptionsHidesNoRealOne) {

@@ -1,5 +1,5 @@
 #pragma once
-// A source that costs nothing: every channel of sample k has the value k.
+// A source of v_out and v_chain that costs nothing: every channel of sample k has the value k.
 
 #include <algorithm>
 #include <limits>
@@ -29,10 +29,8 @@ public:
         if (wanted.contains(Tap::v_chain)) {
             number(samples, samples.chain_v, samples.spheres);
         }
-        if (!wanted.empty()) {
+        if (wanted.contains(Tap::v_out)) {
             number(samples, samples.v_out, 1);
-            number(samples, samples.v_last, 1);
-            number(samples, samples.v_plate, samples.v_plate.empty() ? 0 : 1);
         }
         return samples.count > 0;
     }

@@ -1,0 +1,60 @@
+#!/usr/bin/python3
+"""meta, meters and end of real streams are what their schema says: messages_keep_their_schema.py HERTZLINE SCHEMA"""
+import json, sys, tempfile
+import jsonschema, zmq
+from streaming import LONG_ENOUGH_S, Stream
+
+program, schema_file = sys.argv[1:]
+with open(schema_file) as text:
+    schema = json.load(text)
+jsonschema.Draft202012Validator.check_schema(schema)
+topics = {name: jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$defs": schema["$defs"]})
+          for name in ("meta", "meters", "end")}
+
+
+def messages_of(scene, duration_s, *words):
+    """Everything that a stream says in JSON, as [(topic, object)]."""
+    with Stream(program, scene, "--pace", "flat-out", "--duration", str(duration_s), "--wait-for-subscriber",
+                *words) as stream, zmq.Context() as context, context.socket(zmq.SUB) as socket:
+        socket.rcvtimeo = LONG_ENOUGH_S * 1000
+        socket.connect(stream.endpoint)
+        for topic in (*topics, "v_last/raw"):
+            socket.subscribe(topic)
+        said = []
+        while not said or said[-1][0] != "end":
+            topic, *parts = socket.recv_multipart()
+            if topic.decode() in topics:
+                assert len(parts) == 1, f"{topic}: {len(parts)} parts after the topic"
+                said.append((topic.decode(), json.loads(parts[0])))
+        assert said[-1][1] == json.loads(stream.summary()), "end is not what --json prints"
+        return said
+
+
+def require_closed(topic, message):
+    """The schema sees a key that it does not list, one that is missing, and a value of the wrong type."""
+    for change in ({"not_documented": 1}, {"v_out_sent": 1}, {"run": 7}, {"run": None}):
+        assert not topics[topic].is_valid(message | change), f"{topic} may have {change}"
+    for key in message:
+        without = {name: value for name, value in message.items() if name != key}
+        assert key.startswith("v_") or not topics[topic].is_valid(without), f"{topic} may lack {key}"
+
+
+with tempfile.NamedTemporaryFile("w", suffix=".toml") as own_material:
+    own_material.write('[end]\nmaterial = "tin"\n[materials.tin]\n'
+                       "youngs_modulus_pa = 50e9\npoissons_ratio = 0.36\ndensity_kg_per_m3 = 7265.0\n")
+    own_material.flush()
+    plate = messages_of("paper-stream", 2e-3)
+    others = [messages_of("paper-wall", 2e-4), messages_of(own_material.name, 2e-4),
+              messages_of("long-chain", 1e-4, "--set", "chain.spheres=1000", "--set", "numerics.step_s=20e-9")]
+for said in (plate, *others):
+    assert {topic for topic, _ in said} == set(topics), "a topic said nothing"
+    assert said[0][0] == "meta"
+    for topic, message in said:
+        topics[topic].validate(message)
+        if topic == "meters":  # live plotters look no deeper, and draw numbers
+            assert all(isinstance(value, (int, float)) for key, value in message.items() if key != "run")
+    for stream in said[0][1]["streams"]:
+        for counted in (f"{topic.replace('/', '_')}_{what}" for topic in stream["topics"] for what in ("sent", "dropped")):
+            assert counted in said[-1][1], f"end does not say {counted}"
+for topic, message in plate:
+    require_closed(topic, message)

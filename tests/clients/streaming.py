@@ -1,0 +1,46 @@
+"""The program as the tests of clients run it: a stream on a free port, and a run of the same scene."""
+import subprocess
+import numpy as np
+
+LONG_ENOUGH_S = 100  # for a loaded machine with sanitizers
+
+
+class Stream:
+    """hertzline stream, ended with the block at the latest. `endpoint` is the bound one."""
+
+    def __init__(self, program, scene, *words):
+        self.process = subprocess.Popen([program, "stream", scene, "--bind", "tcp://127.0.0.1:*", "--json", *words],
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        said = []
+        for line in self.process.stderr:
+            said.append(line)
+            if "endpoint " in line:
+                self.endpoint = line.split()[-1]
+                return
+        raise RuntimeError("no endpoint, but: " + "".join(said))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+
+    def summary(self):
+        """Waits for the end; the text that --json printed."""
+        out, errors = self.process.communicate(timeout=LONG_ENOUGH_S)
+        assert self.process.returncode == 0, errors
+        return out
+
+
+def samples_of_run(program, folder, scene, stream, samples, rate_hz):
+    """What `hertzline run` gives of the stream as float32, [sample][channel]."""
+    file = f"{folder}/run.csv"
+    subprocess.run([program, "run", scene, "--all", "--set", f"output.duration_s={samples / rate_hz}", "-o", file],
+                   check=True, timeout=LONG_ENOUGH_S, stdout=subprocess.DEVNULL)
+    with open(file) as csv:
+        names = csv.readline().strip().split(",")
+    wanted = [f"v{k}_m_per_s" for k in range(1, len(names))] if stream == "v_chain" else [f"{stream}_m_per_s"]
+    columns = [names.index(name) for name in wanted if name in names]
+    return np.loadtxt(file, delimiter=",", skiprows=1, usecols=columns, ndmin=2)[:samples].astype("<f4")
