@@ -30,8 +30,7 @@ struct Values {
     std::vector<std::pair<std::string, std::string>>& of_keys;
 
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const std::optional<Member>& member,
-                    const Allowed& allowed) const {
+    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) const {
         if (member) {
             (*this)(key, *member, allowed);
         } else {
