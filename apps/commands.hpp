@@ -36,7 +36,7 @@ std::string missing_name(const std::string& value);
 
 /// Adds an option that may be given several times, with one value each time: -o a.csv -o b.csv.
 CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
-                                   const char* description);
+                                   const std::string& description);
 
 /// Throws WrongUse unless the option's value is a positive, finite number.
 void require_positive(const char* option, double value);

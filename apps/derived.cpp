@@ -17,6 +17,7 @@
 #include "core/simulation.hpp"
 #include "core/stability.hpp"
 #include "stream/pipeline.hpp"
+#include "stream/recording_formats.hpp"
 #include "stream/simulation_source.hpp"
 
 namespace hertzline::app {
@@ -162,10 +163,12 @@ void add_costs(Values& values, const Scene& scene) {
     values.push_back({"run", "rows", "rows", "", rows});
     values.push_back({"run", "memory, at most", "run_memory_bytes", "bytes",
                       memory_of_run(scene, RecordedBodies::outputs)});
+    const auto csv_bytes = [&](RecordedBodies bodies) {
+        return recording_bytes("run.csv", recorded_numbers(scene, bodies), rows);
+    };
+    values.push_back({"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(RecordedBodies::outputs)});
     values.push_back(
-        {"run", "CSV, at most", "csv_bytes", "bytes", recording_bytes(scene, rows, RecordedBodies::outputs)});
-    values.push_back({"run", "CSV of --all, at most", "csv_all_bytes", "bytes",
-                      recording_bytes(scene, rows, RecordedBodies::all)});
+        {"run", "CSV of --all, at most", "csv_all_bytes", "bytes", csv_bytes(RecordedBodies::all)});
     values.push_back(
         {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
          SimulationSource::memory_bytes(scene) + Pipeline::ring_bytes(SimulationSource::format_of(scene))});

@@ -11,12 +11,16 @@
 #include <string>
 #include <vector>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "apps/commands.hpp"
+#include "apps/terminal.hpp"
 #include "core/text.hpp"
+#include "stream/provenance.hpp"
 
 namespace hertzline::app {
 
@@ -31,12 +35,24 @@ constexpr const char* examples =
     "  hertzline check my-scene.toml\n"
     "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
 
+/// In place of a standard stream that is closed the next socket or file would be opened, and summaries and
+/// messages would go there. What is put there fails when it is used, as a closed one does.
+void occupy_closed_standard_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0) {
+            ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest number
+        }
+    }
+}
+
 void send_messages_to_stderr() {
-    auto logger = spdlog::stderr_color_st("hertzline");
+    const auto colour = colour_on_stderr() ? spdlog::color_mode::automatic : spdlog::color_mode::never;
+    auto logger = spdlog::stderr_color_st("hertzline", colour);
     logger->set_pattern("%^%l%$: %v");
     spdlog::set_default_logger(std::move(logger));
     // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // so is a file that is larger than allowed
 }
 
 void report(const std::string& faults) {
@@ -63,7 +79,7 @@ void refuse_unknown_subcommand(const CLI::App& program, int argc, char** argv) {
 
 Exit run_program(int argc, char** argv) {
     CLI::App program{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
-    program.set_version_flag("--version", "hertzline " HERTZLINE_VERSION);
+    program.set_version_flag("--version", fmt::format("hertzline {} ({})", program_version(), git_hash()));
     program.footer(examples);
     const std::vector<Command> commands{run_command(program),    stream_command(program),
                                         listen_command(program), scenes_command(program),
@@ -104,7 +120,7 @@ std::string missing_name(const std::string& value) {
 }
 
 CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
-                                   const char* description) {
+                                   const std::string& description) {
     return command.add_option(names, values, description)
         ->expected(1)
         ->allow_extra_args(false)
@@ -121,6 +137,7 @@ void require_positive(const char* option, double value) {
 }  // namespace hertzline::app
 
 int main(int argc, char** argv) {
+    hertzline::app::occupy_closed_standard_streams();
     hertzline::app::send_messages_to_stderr();
     return static_cast<int>(hertzline::app::run_guarded(argc, argv));
 }

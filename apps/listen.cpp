@@ -19,6 +19,7 @@
 #include "apps/signals.hpp"
 #include "core/text.hpp"
 #include "stream/endpoint.hpp"
+#include "stream/recording_formats.hpp"
 
 namespace hertzline::app {
 
@@ -39,7 +40,7 @@ struct ListenOptions {
     std::string stream = "v_out";
     std::optional<double> duration_s;
     std::optional<double> timeout_s;
-    std::string file;  // empty: none
+    std::vector<std::string> files;
     Format format = Format::text;
 };
 
@@ -66,9 +67,7 @@ void refuse_wrong_use(const ListenOptions& options) {
     if (options.timeout_s) {
         require_positive("--timeout", *options.timeout_s);
     }
-    if (!options.file.empty()) {
-        refuse_wrong_endings({&options.file, 1});
-    }
+    refuse_wrong_files(options.files);
 }
 
 /// How long a silence may last [s]. A stream that runs sends its meta once a second, so one that was heard
@@ -130,12 +129,11 @@ Exit listen(const ListenOptions& options) {
     const Tap tap = tap_of(options);
     const SubscriberOptions subscriber_options{.curve = curve_of(options.curve)};
     stop_asked();
-    std::optional<OutputFile> file;
-    if (!options.file.empty()) {
-        file.emplace(options.file);
+    for (const std::string& file : options.files) {
+        require_writable(file);
     }
     ProgressLine line;
-    Listening listening(tap, options.duration_s, file ? &*file : nullptr, [&line](const std::string& text) {
+    Listening listening(tap, options.duration_s, options.files, [&line](const std::string& text) {
         line.clear();
         spdlog::warn(text);
     });
@@ -146,16 +144,14 @@ Exit listen(const ListenOptions& options) {
     listen_to_the_end(subscriber, listening, line, options);
     line.clear();
 
-    if (file && listening.heard_samples()) {
-        file->commit();
-    }
+    listening.save();
     if (listening.heard_samples() || options.format == Format::json) {
         Json summary = listening.summary();
         summary["endpoint"] = options.endpoint;
         print_summary(summary, options.format);
     }
     complain(listening, options);
-    return listening.sound() ? Exit::done : Exit::failed;
+    return listening.sound() && listening.saved() ? Exit::done : Exit::failed;
 }
 
 }  // namespace
@@ -174,7 +170,9 @@ Command listen_command(CLI::App& program) {
     command
         ->add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")
         ->type_name("S");
-    command->add_option("-o,--output", options->file, "save the samples; the ending picks the format: .csv")
+    add_repeatable_option(
+        *command, "-o,--output", options->files,
+        "save the samples; the ending picks the format: " + recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
     command

@@ -8,6 +8,8 @@
 
 #include "core/text.hpp"
 #include "stream/frame_codec.hpp"
+#include "stream/provenance.hpp"
+#include "stream/recorder.hpp"
 
 namespace hertzline::app {
 
@@ -29,18 +31,6 @@ Json parsed_object(std::string_view text) {
 std::string text_in(const Json& object, const char* key) {
     const auto found = object.is_object() ? object.find(key) : object.end();
     return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-std::vector<std::string> columns(Tap tap, std::size_t channels) {
-    std::vector<std::string> names{"t_s"};
-    if (tap != Tap::v_chain) {
-        names.push_back(fmt::format("{}_m_per_s", names_of(tap).name));
-        return names;
-    }
-    for (std::size_t sphere = 1; sphere <= channels; ++sphere) {
-        names.push_back(fmt::format("v{}_m_per_s", sphere));
-    }
-    return names;
 }
 
 const char* word(Ending ending) {
@@ -67,9 +57,8 @@ const char* word(Ending ending) {
 
 }  // namespace
 
-Listening::Listening(Tap tap, std::optional<double> wanted_s, OutputFile* file,
-                     std::function<void(const std::string&)> tell)
-    : tap_(tap), wanted_s_(wanted_s), file_(file), tell_(std::move(tell)) {}
+Listening::Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell)
+    : tap_(tap), wanted_s_(wanted_s), files_(std::move(files)), tell_(std::move(tell)) {}
 
 void Listening::take(const Message& message) {
     if (message.topic() == names_of(tap_).np_topic) {
@@ -106,6 +95,7 @@ void Listening::take_meta(const Message& message) {
         note_malformed("meta without streams");
         return;
     }
+    provenance_ = provenance_of_meta(meta);
     std::vector<std::string> names;
     for (const Json& stream : meta["streams"]) {
         names.push_back(printable(text_in(stream, "name")));
@@ -143,9 +133,11 @@ void Listening::begin(const FrameHeader& header) {
     fs_ = header.fs;
     channels_ = header.channels;
     first_sample_ = header.sample;
-    if (file_ != nullptr) {
-        csv_.emplace(*file_, columns(tap_, channels_));
-    }
+    const RecordingHead head{.columns = tap_columns(tap_, channels_),
+                             .sample_rate_hz = fs_,
+                             .numbers = NumberType::float32,
+                             .provenance = provenance_};
+    recordings_.emplace(files_, head, tell_);
     if (first_sample_ > 0) {
         tell_(fmt::format("joined run {} at sample {}", run_, first_sample_));
     }
@@ -214,16 +206,22 @@ void Listening::take_samples(const FrameHeader& header, std::span<const std::byt
             end(Ending::heard_enough);
         }
     }
-    if (csv_ && !decode_samples(payload, values_)) {
-        note_malformed("a payload of no whole number of samples");
-        return;
-    }
-    for (std::size_t i = 0; csv_ && i < count; ++i) {
-        const auto first = values_.begin() + static_cast<std::ptrdiff_t>(i * channels_);
-        row_.assign(first, first + static_cast<std::ptrdiff_t>(channels_));
-        csv_->row(static_cast<double>(header.sample + i) / fs_, row_);
+    if (recordings_->any_left()) {
+        if (!decode_samples(payload, values_)) {
+            note_malformed("a payload of no whole number of samples");
+            return;
+        }
+        const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count * channels_);
+        rows_.assign(values_.begin(), end);
+        recordings_->write(static_cast<std::int64_t>(header.sample), rows_);
     }
     samples_ += count;
+}
+
+void Listening::save() {
+    if (recordings_) {
+        recordings_->commit();
+    }
 }
 
 bool Listening::sound() const noexcept {
@@ -256,6 +254,7 @@ Json Listening::summary() const {
     summary["frames_out_of_order"] = totals.out_of_order;
     summary["frames_inconsistent"] = totals.inconsistent;
     summary["messages_malformed"] = malformed_;
+    summary["recordings"] = recordings_ ? recordings_json(*recordings_) : Json::array();
     summary["unbroken"] = sound();
     summary["ended_by"] = word(ending_);
     return summary;

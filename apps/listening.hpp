@@ -10,8 +10,7 @@
 
 #include "apps/output.hpp"
 #include "stream/continuity.hpp"
-#include "stream/csv.hpp"
-#include "stream/output_file.hpp"
+#include "stream/recordings.hpp"
 #include "stream/subscriber.hpp"
 #include "stream/taps.hpp"
 
@@ -31,12 +30,14 @@ enum class Ending {
 
 class Listening {
 public:
-    /// @param wanted_s simulated seconds; unset: all of the run. @param file where to save; nullptr: nowhere.
-    /// @param tell takes the messages for the user, as things happen
-    Listening(Tap tap, std::optional<double> wanted_s, OutputFile* file,
-              std::function<void(const std::string&)> tell);
+    /// Takes a message for the user, as things happen.
+    using Tell = std::function<void(const std::string&)>;
 
-    /// Takes the next message. Afterwards ending() tells whether it was the last one.
+    /// @param wanted_s simulated seconds; unset: all of the run. @param files where to save
+    Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell);
+
+    /// Takes the next message. Afterwards ending() tells whether it was the last one. Throws
+    /// std::runtime_error when the first samples come and a recording cannot be begun.
     void take(const Message& message);
 
     /// Takes a failed handshake: the end when there will be no other.
@@ -44,6 +45,12 @@ public:
 
     void end(Ending ending) noexcept { ending_ = ending; }
     Ending ending() const noexcept { return ending_; }
+
+    /// Completes the recordings.
+    void save();
+
+    /// No recording has failed.
+    bool saved() const noexcept { return !recordings_ || recordings_->sound(); }
 
     /// Something was received, and nothing was missing, odd or cut short.
     bool sound() const noexcept;
@@ -65,10 +72,11 @@ private:
 
     Tap tap_;
     std::optional<double> wanted_s_;
-    OutputFile* file_;
-    std::function<void(const std::string&)> tell_;
+    std::vector<std::string> files_;
+    Tell tell_;
     ContinuityCheck check_;
-    std::optional<CsvWriter> csv_;
+    std::optional<Recordings> recordings_;  // once the first frame has told what is in them
+    Json provenance_ = Json::object();      // as meta says
     Ending ending_ = Ending::none;
 
     // of the run that is listened to
@@ -83,7 +91,7 @@ private:
     std::uint64_t malformed_ = 0;
     std::string refusal_;  // as told last
     std::vector<float> values_;
-    std::vector<double> row_;
+    std::vector<double> rows_;
 };
 
 }  // namespace hertzline::app

@@ -22,7 +22,7 @@ std::string value_text(const Json& value) {
     if (value.is_number_float()) {
         return fmt::format("{:.6g}", value.get<double>());
     }
-    if (value.is_array()) {
+    if (value.is_structured()) {
         std::string text;
         for (const Json& item : value) {
             const bool number = item.is_number_float();
@@ -65,6 +65,16 @@ void print_summary(const Json& summary, Format format) {
         text += fmt::format("{:<{}}  {}\n", name, width, value_text(value));
     }
     print(text);
+}
+
+Json recordings_json(const Recordings& recordings) {
+    Json list = Json::array();
+    for (const Recordings::Status& one : recordings.status()) {
+        list.push_back({{"file", one.file},
+                        {"samples", one.samples},
+                        {"status", one.failure.empty() ? "complete" : one.failure}});
+    }
+    return list;
 }
 
 Json number_or_null(const std::optional<double>& number) {

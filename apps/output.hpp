@@ -7,6 +7,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "stream/recordings.hpp"
+
 namespace hertzline::app {
 
 using Json = nlohmann::ordered_json;
@@ -25,6 +27,9 @@ std::string json_text(const Json& json);
 
 /// A flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
+
+/// An object for each recording: file, samples, status ("complete", or why it is not).
+Json recordings_json(const Recordings& recordings);
 
 /// null where there is no value.
 Json number_or_null(const std::optional<double>& number);

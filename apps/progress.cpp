@@ -5,7 +5,8 @@
 #include <cstdio>
 
 #include <fmt/format.h>
-#include <unistd.h>
+
+#include "apps/terminal.hpp"
 
 namespace hertzline::app {
 
@@ -14,7 +15,7 @@ using std::chrono::steady_clock;
 constexpr auto period = std::chrono::milliseconds(200);
 }  // namespace
 
-ProgressLine::ProgressLine() : terminal_(::isatty(STDERR_FILENO) == 1), last_(steady_clock::now()) {}
+ProgressLine::ProgressLine() : terminal_(stderr_is_terminal()), last_(steady_clock::now()) {}
 
 bool ProgressLine::due() const noexcept {
     return terminal_ && steady_clock::now() - last_ >= period;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,7 +18,9 @@
 #include "core/scene_toml.hpp"
 #include "core/scene_words.hpp"
 #include "stream/pacer.hpp"
+#include "stream/provenance.hpp"
 #include "stream/recorder.hpp"
+#include "stream/recording_formats.hpp"
 #include "stream/spectrum.hpp"
 
 namespace hertzline::app {
@@ -61,7 +62,9 @@ void keep(const Samples& block, RunRecord& record) {
 }
 
 RunRecord simulate(Simulation& simulation, const Scene& scene, RecordedBodies bodies,
-                   std::deque<Recorder>& recorders) {
+                   Recordings& recordings) {
+    Recorder recorder(recordings, bodies);
+    const bool wants_files = recordings.any_left();
     const Wish wish = wish_for(bodies);
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     Samples block(simulation.chain(), block_of_run(scene, bodies), wish);
@@ -84,8 +87,9 @@ RunRecord simulate(Simulation& simulation, const Scene& scene, RecordedBodies bo
             throw std::runtime_error(simulation.failure());
         }
         keep(block, record);
-        for (Recorder& recorder : recorders) {
-            recorder.write(block);
+        recorder.write(block);
+        if (wants_files && !recordings.any_left()) {
+            throw std::runtime_error("no recording is left, the run was ended");
         }
         if (line.due()) {
             line.show(progress_text({static_cast<double>(record.v_out.size()) / scene.output.sample_rate_hz,
@@ -118,7 +122,7 @@ void add_spectrum(Json& summary, const RunRecord& record, const Scene& scene) {
 }
 
 Json summarise(Simulation& simulation, const RunRecord& record, const Resolved& resolved,
-               const std::vector<std::string>& files) {
+               const Recordings& recordings) {
     const Scene& scene = resolved.scene;
     const double simulated_s = static_cast<double>(record.v_out.size() - 1) / scene.output.sample_rate_hz;
     const double wall_s = record.wall_s();
@@ -136,34 +140,33 @@ Json summarise(Simulation& simulation, const RunRecord& record, const Resolved& 
     summary["peak_v_out_m_per_s"] = record.peak_v_out;
     add_spectrum(summary, record, scene);
     summary["rows"] = record.v_out.size();
-    summary["files"] = files;
+    summary["recordings"] = recordings_json(recordings);
     summary["scene_hash"] = scene_hash(scene);
-    summary["version"] = HERTZLINE_VERSION;
+    summary["version"] = program_version();
     return summary;
 }
 
 Exit run(const RunOptions& options) {
-    refuse_wrong_endings(options.files);
+    refuse_wrong_files(options.files);
     const Resolved resolved = resolved_scene(options.scene);
     const Scene& scene = resolved.scene;
     refuse_shortages(scene, options.files, options.bodies);
     stop_asked();  // from here on there are files to be cleaned up
     Simulation simulation(scene, wish_for(options.bodies));
-    std::deque<Recorder> recorders;
-    for (const std::string& file : options.files) {
-        recorders.emplace_back(file, simulation.chain(), scene.output.sample_rate_hz, options.bodies);
-    }
-    const RunRecord record = simulate(simulation, scene, options.bodies, recorders);
+    const RecordingHead head{
+        .columns = recorded_columns(scene, options.bodies),
+        .sample_rate_hz = scene.output.sample_rate_hz,
+        .provenance = provenance_json(
+            {scene, resolved.estimated_error, utc_text(std::chrono::system_clock::now()), std::nullopt})};
+    Recordings recordings(options.files, head, [](const std::string& text) { spdlog::error(text); });
+    const RunRecord record = simulate(simulation, scene, options.bodies, recordings);
     if (record.stopped) {
         spdlog::error("stopped before the end, nothing was saved");
         return Exit::failed;
     }
-    const Json summary = summarise(simulation, record, resolved, options.files);
-    for (Recorder& recorder : recorders) {
-        recorder.commit();
-    }
-    print_summary(summary, options.format);
-    return Exit::done;
+    recordings.commit();
+    print_summary(summarise(simulation, record, resolved, recordings), options.format);
+    return recordings.sound() ? Exit::done : Exit::failed;
 }
 
 }  // namespace
@@ -173,8 +176,9 @@ Command run_command(CLI::App& program) {
     CLI::App* command =
         program.add_subcommand("run", "simulate a scene as fast as possible, to files and a summary");
     add_scene_options(*command, options->scene)->required();
-    add_repeatable_option(*command, "-o,--output", options->files,
-                          "save the samples; the ending picks the format: .csv; repeatable")
+    add_repeatable_option(
+        *command, "-o,--output", options->files,
+        "save the samples; the ending picks the format: " + recording_endings() + "; repeatable")
         ->type_name("FILE");
     command->add_flag_callback(
         "--all", [options] { options->bodies = RecordedBodies::all; },

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "apps/commands.hpp"
 #include "core/text.hpp"
+#include "stream/recording_formats.hpp"
 #include "stream/resources.hpp"
 #include "stream/spectrum.hpp"
 
@@ -51,6 +54,16 @@ double memory_of_run(const Scene& scene, RecordedBodies bodies) noexcept {
            rows * sizeof(double) + SpectrumAnalyser::bytes_needed(rows);
 }
 
+void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
+                           RecordedBodies bodies) {
+    for (const std::string& file : files) {
+        const double bytes = recording_bytes(file, recorded_numbers(scene, bodies), samples);
+        if (const auto shortage = disk_shortage(file, bytes)) {
+            throw std::runtime_error(*shortage);
+        }
+    }
+}
+
 void refuse_shortages(const Scene& scene, std::span<const std::string> files, RecordedBodies bodies) {
     const double rows = rows_of_run(scene);
     const std::string run =
@@ -62,18 +75,18 @@ void refuse_shortages(const Scene& scene, std::span<const std::string> files, Re
         throw std::runtime_error(
             fmt::format("{} is too long: the spectrum takes at most {} rows", run, number_text(most_rows)));
     }
-    const double bytes = recording_bytes(scene, rows, bodies);
-    for (const std::string& file : files) {
-        if (const auto shortage = disk_shortage(file, bytes)) {
-            throw std::runtime_error(*shortage);
-        }
-    }
+    refuse_disk_shortages(scene, rows, files, bodies);
 }
 
-void refuse_wrong_endings(std::span<const std::string> files) {
+void refuse_wrong_files(std::span<const std::string> files) {
     std::string faults;
+    std::set<std::filesystem::path> names;
     for (const std::string& file : files) {
-        if (const auto fault = recording_fault(file)) {
+        std::optional<std::string> fault = recording_fault(file);
+        if (!fault && !names.insert(recording_name(file)).second) {
+            fault = fmt::format("{}: found a second time, allowed: each recording once", file);
+        }
+        if (fault) {
             faults += (faults.empty() ? "" : "\n") + *fault;
         }
     }

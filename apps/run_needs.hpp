@@ -24,10 +24,15 @@ std::size_t block_of_run(const Scene& scene, RecordedBodies bodies) noexcept;
 /// The simulation, its blocks, the record of v_out and its spectrum.
 double memory_of_run(const Scene& scene, RecordedBodies bodies) noexcept;
 
-/// Throws std::runtime_error when there is not enough memory, or not enough disk for all of the files.
+/// Throws std::runtime_error when there is not enough disk for one of the files with so many samples.
+void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
+                           RecordedBodies bodies);
+
+/// Throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
 void refuse_shortages(const Scene& scene, std::span<const std::string> files, RecordedBodies bodies);
 
-/// Throws WrongUse, for all of them at once, when an ending is none that can be written.
-void refuse_wrong_endings(std::span<const std::string> files);
+/// Throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
+/// recording.
+void refuse_wrong_files(std::span<const std::string> files);
 
 }  // namespace hertzline::app

@@ -21,8 +21,10 @@
 #include "core/scene_words.hpp"
 #include "stream/endpoint.hpp"
 #include "stream/pipeline.hpp"
+#include "stream/provenance.hpp"
+#include "stream/recorder.hpp"
+#include "stream/recording_formats.hpp"
 #include "stream/resources.hpp"
-#include "stream/scene_json.hpp"
 #include "stream/simulation_source.hpp"
 
 namespace hertzline::app {
@@ -43,7 +45,7 @@ struct StreamOptions {
     CurveServerRequest curve;
     std::string pace = "realtime";
     std::optional<double> duration_s;
-    std::string recording;  // empty: none
+    std::vector<std::string> recordings;
     StreamStart start = StreamStart::at_once;
     std::string on_overrun;  // empty: drop, or wait where something is recorded
     ThreadWishes thread;
@@ -59,7 +61,7 @@ Pace pace_of(const StreamOptions& options) {
 }
 
 OnOverrun on_overrun(const StreamOptions& options) {
-    const bool drop = options.on_overrun.empty() ? options.recording.empty() : options.on_overrun == "drop";
+    const bool drop = options.on_overrun.empty() ? options.recordings.empty() : options.on_overrun == "drop";
     return drop ? OnOverrun::drop : OnOverrun::wait;
 }
 
@@ -84,9 +86,7 @@ void refuse_wrong_use(const StreamOptions& options) {
     if (options.duration_s) {
         require_positive("--duration", *options.duration_s);
     }
-    if (!options.recording.empty()) {
-        refuse_wrong_endings({&options.recording, 1});
-    }
+    refuse_wrong_files(options.recordings);
     if (options.thread.cpu) {
         if (const auto fault = cpu_fault(*options.thread.cpu)) {
             throw WrongUse("--cpu: " + *fault);
@@ -101,12 +101,9 @@ void refuse_shortages(const StreamOptions& options, const Scene& scene, const St
     if (const auto shortage = memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
-    if (!options.recording.empty() && plan.samples) {
-        const double bytes =
-            recording_bytes(scene, static_cast<double>(*plan.samples), RecordedBodies::outputs);
-        if (const auto shortage = disk_shortage(options.recording, bytes)) {
-            throw std::runtime_error(*shortage);
-        }
+    if (plan.samples) {
+        refuse_disk_shortages(scene, static_cast<double>(*plan.samples), options.recordings,
+                              RecordedBodies::outputs);
     }
 }
 
@@ -136,16 +133,14 @@ void announce(const Publisher& publisher, const Pipeline& pipeline) {
     }
 }
 
-/// What meta says of the scene.
-Json about(const Resolved& resolved) {
-    return {{"version", HERTZLINE_VERSION},
-            {"scene_hash", scene_hash(resolved.scene)},
-            {"estimated_error", number_or_null(resolved.estimated_error)},
-            {"scene", scene_json(resolved.scene)}};
+/// Of the samples: what meta and recordings say.
+Json about(const Resolved& resolved, const std::string& run) {
+    return provenance_json(
+        {resolved.scene, resolved.estimated_error, utc_text(std::chrono::system_clock::now()), run});
 }
 
 Json summarise(const StreamMeters& meters, const Resolved& resolved, const Pipeline& pipeline,
-               const Publisher& publisher) {
+               const Publisher& publisher, const Recordings& recordings) {
     Json summary;
     add_stream_members(summary, meters, pipeline.format().taps);
     summary["samples"] = meters.samples;
@@ -158,8 +153,9 @@ Json summarise(const StreamMeters& meters, const Resolved& resolved, const Pipel
     summary["security"] = word(publisher.security());
     summary["refused_clients"] = publisher.refused_clients();
     summary["run"] = pipeline.run_id();
+    summary["recordings"] = recordings_json(recordings);
     summary["scene_hash"] = scene_hash(resolved.scene);
-    summary["version"] = HERTZLINE_VERSION;
+    summary["version"] = program_version();
     return summary;
 }
 
@@ -177,7 +173,9 @@ Exit stream(const StreamOptions& options) {
     refuse_wrong_use(options);
     const std::optional<CurveServer> curve = curve_of(options.curve, options.endpoint);
     const Resolved resolved = resolved_scene(options.scene);
-    const StreamPlan plan{.about = about(resolved),
+    const std::string run = make_run_id();
+    const StreamPlan plan{.run = run,
+                          .about = about(resolved, run),
                           .pace = pace_of(options),
                           .samples = samples_of(options, resolved.scene),
                           .start = options.start,
@@ -185,19 +183,22 @@ Exit stream(const StreamOptions& options) {
                           .thread = options.thread};
     refuse_shortages(options, resolved.scene, plan);
     const std::atomic<bool>& stop = stop_asked();
-    SimulationSource source(resolved.scene, !options.recording.empty());
+    SimulationSource source(resolved.scene, !options.recordings.empty());
     PublisherOptions publisher_options = Pipeline::publisher_options(source.format());
     publisher_options.curve = curve;
     Publisher publisher(options.endpoint, all_topics, publisher_options);
-    std::optional<Recorder> recorder;
-    if (!options.recording.empty()) {
-        recorder.emplace(options.recording, Chain(resolved.scene), resolved.scene.output.sample_rate_hz,
-                         RecordedBodies::outputs);
-    }
-    Pipeline pipeline(plan, source, publisher, recorder ? &*recorder : nullptr);
+    ProgressLine line;
+    const RecordingHead head{.columns = recorded_columns(resolved.scene, RecordedBodies::outputs),
+                             .sample_rate_hz = resolved.scene.output.sample_rate_hz,
+                             .provenance = plan.about};
+    Recordings recordings(options.recordings, head, [&line](const std::string& text) {
+        line.clear();
+        spdlog::error("{}; the stream goes on", text);
+    });
+    Recorder recorder(recordings, RecordedBodies::outputs);
+    Pipeline pipeline(plan, source, publisher, recordings.any_left() ? &recorder : nullptr);
     announce(publisher, pipeline);
 
-    ProgressLine line;
     Json summary;
     const StreamEvents events{.progress =
                                   [&](const StreamMeters& meters) {
@@ -210,20 +211,19 @@ Exit stream(const StreamOptions& options) {
                                       line.clear();
                                       spdlog::warn(text);
                                   },
-                              // Before subscribers hear of a good end the recording is complete: its failure
-                              // is the stream's.
+                              // Before subscribers hear of the end the recordings are complete, or known not
+                              // to be.
                               .summary =
                                   [&](const StreamMeters& meters) {
-                                      if (recorder) {
-                                          recorder->commit();
-                                      }
-                                      summary = summarise(meters, resolved, pipeline, publisher);
+                                      recordings.commit();
+                                      summary =
+                                          summarise(meters, resolved, pipeline, publisher, recordings);
                                       return json_text(summary);
                                   }};
     pipeline.run(stop, events);
     line.clear();
     print_summary(summary, options.format);
-    return Exit::done;
+    return recordings.sound() ? Exit::done : Exit::failed;
 }
 
 }  // namespace
@@ -242,9 +242,9 @@ Command stream_command(CLI::App& program) {
         ->capture_default_str();
     command->add_option("--duration", options->duration_s, "simulated seconds (default: until stopped)")
         ->type_name("S");
-    command
-        ->add_option("--record", options->recording,
-                     "save the samples as well; the ending picks the format: .csv")
+    add_repeatable_option(
+        *command, "--record", options->recordings,
+        "save the samples as well; the ending picks the format: " + recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
     command->add_flag_callback(

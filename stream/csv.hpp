@@ -1,40 +1,33 @@
 #pragma once
-// Samples as comma-separated text: a header of column names, then a row per sample.
+// Samples as comma-separated text: a line of column names, the time t_s first, then a line for each sample. A
+// gap shows in the times.
+//
+// What a CSV cannot say (units, rate, provenance) lies beside it in FILE.csv-metadata.json, as the W3C
+// recommendations for CSV on the Web have it ("Metadata Vocabulary for Tabular Data", 2015, and the place of
+// that file in "Model for Tabular Data and Metadata on the Web", section 5.3); not beside a device or FIFO.
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
+#include <filesystem>
+#include <memory>
 #include <string>
-#include <vector>
 
-#include "core/scene.hpp"
+#include "stream/recording.hpp"
 
 namespace hertzline {
 
-class OutputFile;
-
-/// The columns of a run's CSV: t_s, v_last_m_per_s, for a plate v_plate_m_per_s and v_out_m_per_s, then
-/// xI_m and vI_m_per_s for the first `spheres_listed` spheres, I from 1.
-std::vector<std::string> csv_columns(EndKind end, std::int64_t spheres_listed = 0);
+/// The first column.
+inline constexpr const char* csv_time_column = "t_s";
 
 /// Appends `number` with 17 significant digits, enough to read back the same bits; independent of the locale.
 void append_csv_number(std::string& text, double number);
 
-/// Writes a CSV to an OutputFile, which the caller opens before and commits afterwards. Memory: one row; the
-/// file has the large buffer. Errors of the file pass through: std::runtime_error with path and reason, at a
-/// row or at the file's commit().
-class CsvWriter {
-public:
-    /// Writes the header. `out` must outlive the writer; `columns` names the time first.
-    CsvWriter(OutputFile& out, const std::vector<std::string>& columns);
+/// Where the metadata of a CSV lies.
+std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
 
-    /// A row: the time, then the values, one for each further column (else std::invalid_argument).
-    void row(double t, std::span<const double> values);
+/// A CSV, under its name once it is complete.
+std::unique_ptr<RecordingWriter> open_csv_writer(const std::filesystem::path& path,
+                                                 const RecordingHead& head);
 
-private:
-    OutputFile& out_;
-    std::size_t values_;
-    std::string line_;
-};
+/// Reads a CSV whose first column is t_s. Without its metadata the rate is taken from the first two times.
+std::unique_ptr<RecordingReader> open_csv_reader(const std::filesystem::path& path);
 
 }  // namespace hertzline

@@ -1,164 +1,22 @@
 #include "stream/output_file.hpp"
 
 #include <algorithm>
-#include <array>
+#include <cassert>
 #include <cerrno>
-#include <charconv>
-#include <cstdio>
-#include <random>
-#include <stdexcept>
-#include <string>
-#include <system_error>
 #include <utility>
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace hertzline {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
-constexpr int max_links = 40;                // as the kernel does (path_resolution(7))
-constexpr std::size_t max_stem_bytes = 200;  // leaves room for the ending in a name of 255 bytes
-
-[[noreturn]] void refuse(const fs::path& path, int reason) {
-    throw std::system_error(reason, std::generic_category(), "cannot write " + path.string());
-}
-
-/// The directory that holds path, without links; fails when there is none.
-fs::path directory_of(const fs::path& path, const fs::path& named_by_user) {
-    std::error_code error;
-    const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
-    fs::path directory = fs::canonical(parent, error);
-    if (error) {
-        throw std::system_error(error,
-                                "cannot write " + named_by_user.string() + ": directory " + parent.string());
-    }
-    return directory;
-}
-
-/// Where a file of that name really lives. Links are followed one by one and not by realpath(), which knows
-/// nothing of a link to a file that does not exist yet, and would follow /dev/stdout into the file behind it.
-fs::path without_links(const fs::path& named_by_user) {
-    fs::path path = named_by_user;
-    for (int followed = 0; followed < max_links; ++followed) {
-        const fs::path directory = directory_of(path, named_by_user);
-        path = directory / path.filename();
-        std::error_code error;
-        if (directory.parent_path().parent_path() == "/proc" || !fs::is_symlink(path, error)) {
-            return path;
-        }
-        const fs::path next = fs::read_symlink(path, error);
-        if (error) {
-            refuse(named_by_user, error.value());
-        }
-        path = directory / next;  // an absolute next replaces the directory
-    }
-    refuse(named_by_user, ELOOP);
-}
-
-/// The number N when path is this process's own open file N (/proc/PID/fd/N, where /dev/stdout leads).
-int own_descriptor(const fs::path& path) {
-    if (path.parent_path() != "/proc/" + std::to_string(::getpid()) + "/fd") {
-        return -1;
-    }
-    const std::string name = path.filename().string();
-    int number = -1;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-    return error == std::errc() && end == name.data() + name.size() ? number : -1;
-}
-
-std::string random_ending() {
-    std::random_device random;
-    std::array<char, 24> text{};
-    const int length = std::snprintf(text.data(), text.size(), ".partial-%08x", random());
-    return {text.data(), static_cast<std::size_t>(length)};
-}
 
 }  // namespace
 
-OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
-    if (path_.empty()) {
-        throw std::system_error(ENOENT, std::generic_category(), "cannot write to a file without a name");
-    }
-    if (!path_.has_filename()) {
-        refuse(path_, EISDIR);
-    }
-    target_ = without_links(path_);
+OutputFile::OutputFile(std::filesystem::path path, StagedFile::Devices devices)
+    : file_(std::move(path), devices) {
     buffer_.reserve(buffer_bytes);
-    struct stat existing {};
-    const bool exists = ::stat(target_.c_str(), &existing) == 0;
-    if (!exists && errno != ENOENT) {
-        refuse(path_, errno);
-    }
-    if (exists && S_ISDIR(existing.st_mode)) {
-        refuse(path_, EISDIR);
-    }
-    if (own_descriptor(target_) >= 0 || (exists && !S_ISREG(existing.st_mode))) {
-        open_straight();
-    } else {
-        open_temporary();
-    }
-}
-
-void OutputFile::open_straight() {
-    // The program's own stdout is duplicated, not reopened: a file behind it would be reopened at its start,
-    // and everything else that the program prints would overwrite it.
-    const int own = own_descriptor(target_);
-    descriptor_ = own >= 0 ? ::fcntl(own, F_DUPFD_CLOEXEC, 0)
-                           : ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
-    if (descriptor_ < 0) {
-        refuse(path_, errno);
-    }
-}
-
-void OutputFile::open_temporary() {
-    struct stat existing {};
-    const bool replaces = ::stat(target_.c_str(), &existing) == 0;
-    // Renaming would replace a read-only file too; whoever made it read-only did not want that.
-    if (replaces && ::access(target_.c_str(), W_OK) != 0) {
-        refuse(path_, errno);
-    }
-    const std::string stem = target_.filename().string().substr(0, max_stem_bytes);
-    // Not mkstemp: its files are private (0600), and the umask cannot be read without changing it for all
-    // threads.
-    for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
-        temporary_ = target_.parent_path() / (stem + random_ending());
-        descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor_ < 0 && errno != EEXIST) {
-            refuse(path_, errno);
-        }
-    }
-    if (descriptor_ < 0) {
-        refuse(path_, EEXIST);
-    }
-    if (replaces) {
-        // Owner first: changing it clears bits of the mode. Neither is worth losing the data for.
-        [[maybe_unused]] const int owner = ::fchown(descriptor_, existing.st_uid, existing.st_gid);
-        [[maybe_unused]] const int mode = ::fchmod(descriptor_, existing.st_mode & 07777);
-    }
-}
-
-OutputFile::~OutputFile() {
-    abandon();
-}
-
-void OutputFile::abandon() noexcept {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-        descriptor_ = -1;
-        if (!temporary_.empty()) {
-            ::unlink(temporary_.c_str());
-        }
-    }
-}
-
-void OutputFile::fail(int reason) {
-    failure_ = reason;
-    abandon();
-    refuse(path_, reason);
 }
 
 void OutputFile::write(std::string_view text) {
@@ -166,12 +24,7 @@ void OutputFile::write(std::string_view text) {
 }
 
 void OutputFile::write(std::span<const std::byte> bytes) {
-    if (failure_ != 0) {
-        refuse(path_, failure_);
-    }
-    if (descriptor_ < 0) {
-        throw std::logic_error("write to " + path_.string() + " after its commit");
-    }
+    file_.require_open();
     bytes_ += bytes.size();
     while (!bytes.empty()) {
         const auto part = bytes.first(std::min(bytes.size(), buffer_bytes - buffer_.size()));
@@ -183,35 +36,39 @@ void OutputFile::write(std::span<const std::byte> bytes) {
     }
 }
 
+void OutputFile::rewrite(std::uint64_t offset, std::string_view text) {
+    file_.require_open();
+    assert(offset + text.size() <= bytes_);
+    flush();
+    while (!text.empty()) {
+        const ssize_t written =
+            ::pwrite(file_.descriptor(), text.data(), text.size(), static_cast<off_t>(offset));
+        if (written >= 0) {
+            text.remove_prefix(static_cast<std::size_t>(written));
+            offset += static_cast<std::uint64_t>(written);
+        } else if (errno != EINTR) {
+            file_.fail(errno);
+        }
+    }
+}
+
 void OutputFile::flush() {
     std::span<const std::byte> rest = buffer_;
     while (!rest.empty()) {
-        const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+        const ssize_t written = ::write(file_.descriptor(), rest.data(), rest.size());
         if (written >= 0) {
             rest = rest.subspan(static_cast<std::size_t>(written));
         } else if (errno != EINTR) {
-            fail(errno);
+            file_.fail(errno);
         }
     }
     buffer_.clear();
 }
 
 void OutputFile::commit() {
-    write(std::string_view());  // fails when an earlier write did
+    file_.require_open();  // fails when an earlier write did
     flush();
-    // Some file systems tell of a full disk or quota only here.
-    if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) {
-        failure_ = errno;
-        if (!temporary_.empty()) {
-            ::unlink(temporary_.c_str());
-        }
-        refuse(path_, failure_);
-    }
-    if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
-        failure_ = errno;
-        ::unlink(temporary_.c_str());
-        refuse(path_, failure_);
-    }
+    file_.commit();
 }
 
 }  // namespace hertzline

@@ -1,9 +1,5 @@
 #pragma once
-// A file that exists under its name only when it is complete.
-//
-// The bytes go to a temporary beside the target (FILE.partial-...), which commit() renames over it. Without
-// commit the temporary is removed and the target is as it was. What is not a regular file (/dev/null, a FIFO,
-// the program's own /dev/stdout) cannot be replaced by renaming: it is written straight to.
+// A file that exists under its name only when it is complete (staged_file), written through a buffer.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "stream/staged_file.hpp"
+
 namespace hertzline {
 
 /// Buffered, sequential. Errors are std::system_error (a std::runtime_error): what() names the path and the
@@ -19,44 +17,37 @@ namespace hertzline {
 /// every later write or commit throws again.
 class OutputFile {
 public:
-    /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or
-    /// unwritable directory, a target that is a directory or read-only. A FIFO waits for its reader.
-    /// A symbolic link is followed, not replaced. A new file gets the permissions that any new file would;
-    /// one that replaces another gets its permissions, and its owner where the system lets us.
-    explicit OutputFile(std::filesystem::path path);
+    /// Opens the temporary or the device, as StagedFile does.
+    explicit OutputFile(std::filesystem::path path,
+                        StagedFile::Devices devices = StagedFile::Devices::allowed);
 
-    /// Without commit(): removes the temporary; bytes still in the buffer are dropped.
-    ~OutputFile();
-    OutputFile(const OutputFile&) = delete;
-    OutputFile& operator=(const OutputFile&) = delete;
+    // Without commit() the temporary is removed; bytes still in the buffer are dropped.
 
     void write(std::string_view text);
     void write(std::span<const std::byte> bytes);
 
-    /// Writes out the buffer, closes, and gives the file its name. Does not wait for the disk (no fsync): a
-    /// power cut may still lose the file, a crash of the program may not.
+    /// Replaces bytes written before, as a header whose counts are known only at the end. Not for devices.
+    void rewrite(std::uint64_t offset, std::string_view text);
+
+    /// Writes out the buffer: what the disk has no room for is known now.
+    void flush();
+
+    /// Writes out the buffer, closes, and gives the file its name.
     void commit();
 
     /// As the user named it.
-    const std::filesystem::path& path() const noexcept { return path_; }
+    const std::filesystem::path& path() const noexcept { return file_.path(); }
+
+    /// It has no name to be given: a device, a FIFO.
+    bool is_device() const noexcept { return file_.temporary().empty(); }
 
     /// Bytes taken by write() so far.
     std::uint64_t bytes() const noexcept { return bytes_; }
 
 private:
-    void open_straight();
-    void open_temporary();
-    void flush();
-    void abandon() noexcept;
-    [[noreturn]] void fail(int reason);
-
-    std::filesystem::path path_;
-    std::filesystem::path target_;     // path_ with symbolic links followed
-    std::filesystem::path temporary_;  // empty: written straight
+    StagedFile file_;
     std::vector<std::byte> buffer_;
     std::uint64_t bytes_ = 0;
-    int descriptor_ = -1;
-    int failure_ = 0;  // errno of the first error
 };
 
 }  // namespace hertzline

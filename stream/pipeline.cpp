@@ -4,7 +4,6 @@
 #include <stdexcept>
 
 #include "stream/frame_codec.hpp"
-#include "stream/run_id.hpp"
 
 namespace hertzline {
 
@@ -36,8 +35,7 @@ double slot_bytes(const StreamFormat& format) noexcept {
 double slots_for(const StreamFormat& format, Pace pace) noexcept {
     const double frame_rate = format.sample_rate_hz / static_cast<double>(format.frame_samples);
     const double by_time = pace.is_flat_out() ? most_slots : reserve_s * pace.times() * frame_rate;
-    const double by_memory =
-        (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
+    const double by_memory = (pace.is_flat_out() ? cached_ring_bytes : most_ring_bytes) / slot_bytes(format);
     return std::clamp(std::min(by_time, by_memory), fewest_slots, most_slots);
 }
 
@@ -67,7 +65,7 @@ Pipeline::Pipeline(StreamPlan plan, SampleSource& source, Publisher& publisher, 
       publisher_(publisher),
       recorder_(recorder),
       format_(source.format()),
-      run_id_(make_run_id()),
+      run_id_(plan_.run),
       pacer_(format_.sample_rate_hz, plan_.pace),
       producer_(source, pacer_, static_cast<std::size_t>(slots_for(format_, plan_.pace)), plan_.samples,
                 plan_.pace.is_flat_out() ? OnOverrun::wait : plan_.on_overrun) {

@@ -39,8 +39,7 @@ public:
     Pipeline(StreamPlan plan, SampleSource& source, Publisher& publisher, Recorder* recorder);
 
     /// Streams until done, or until `stop` becomes true (then it returns within a fraction of a second).
-    /// Publishes meta, meters and, last, end. @throws std::runtime_error when the simulation fails or a
-    /// recording cannot be written.
+    /// Publishes meta, meters and, last, end. @throws std::runtime_error when the simulation fails.
     StreamMeters run(const std::atomic<bool>& stop, const StreamEvents& events);
 
     const std::string& run_id() const noexcept { return run_id_; }

@@ -60,6 +60,10 @@ void Publisher::set_options(const std::string& endpoint, const PublisherOptions&
     // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake
     // of CURVE counts, too: its longest command has 257 bytes and what the peer says of itself.
     socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options.curve ? 1024 : 256});
+    // A flood of them waits at the peer that sends it. A receiving call takes in all that has arrived and
+    // what arrives meanwhile: with a longer queue it would not return before the flood ends.
+    socket_.set(zmq::sockopt::rcvhwm, 1);
+    socket_.set(zmq::sockopt::rcvbuf, 16 * 1024);
     socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options.handshake.count()));
     // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
     socket_.set(zmq::sockopt::backlog, 128);
@@ -90,9 +94,11 @@ std::size_t Publisher::poll_subscriptions() {
                 break;
             case Subscriptions::Change::foreign:
                 ++foreign_;
+                quota_.charge(incoming_);
                 break;
             case Subscriptions::Change::malformed:
                 ++malformed_;
+                quota_.charge(incoming_);
                 break;
         }
     }

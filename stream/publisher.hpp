@@ -18,6 +18,7 @@
 #include <zmq.hpp>
 
 #include "stream/curve.hpp"
+#include "stream/peer_quota.hpp"
 #include "stream/subscriptions.hpp"
 #include "stream/taps.hpp"
 #include "stream/zap.hpp"
@@ -28,8 +29,9 @@ struct PublisherOptions {
     /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
     /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
     int send_high_water_mark = 4096;
-    /// How long the destructor waits for subscribers to take what was sent last.
-    std::chrono::milliseconds linger{800};
+    /// How long the destructor waits for subscribers to take what was sent last. With all the rest it is to
+    /// stay below the second in which Ctrl-C ends a stream.
+    std::chrono::milliseconds linger{600};
     /// A tcp subscriber that does not answer for three of these is gone. One whose queue is full does not
     /// read our questions either, so this is also how long an analyser may pause without being disconnected.
     std::chrono::milliseconds heartbeat{5000};
@@ -72,6 +74,8 @@ public:
     /// Subscriptions to what we never send, and messages that are no subscriptions.
     std::uint64_t foreign_subscriptions() const noexcept { return foreign_; }
     std::uint64_t malformed_subscriptions() const noexcept { return malformed_; }
+    /// Peers that were sent away because they made too many of those.
+    std::uint64_t peers_cut_off() const noexcept { return quota_.cut_off(); }
 
     Security security() const noexcept { return gate_ ? Security::curve : Security::none; }
 
@@ -93,6 +97,7 @@ private:
     std::optional<ZapHandler> gate_;  // before the socket, which nobody may reach without it
     zmq::socket_t socket_;
     Subscriptions subscriptions_;
+    PeerQuota quota_{100};  // far more than any client has use for
     std::string endpoint_;
     zmq::message_t incoming_;
     std::uint64_t foreign_ = 0;

@@ -1,47 +1,45 @@
 #pragma once
-// Samples to a file, at full precision. The file's ending picks the format; CSV so far.
+// Blocks of a simulation to recordings, as rows. What is in a row has the same names everywhere: they are
+// those of the CSV.
 
-#include <filesystem>
-#include <optional>
-#include <string>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
-#include "core/simulation.hpp"
-#include "stream/csv.hpp"
-#include "stream/output_file.hpp"
+#include "core/samples.hpp"
+#include "stream/recordings.hpp"
+#include "stream/taps.hpp"
 
 namespace hertzline {
 
-/// What a recording holds beside the outputs.
+/// What a recording of a run holds beside the outputs.
 enum class RecordedBodies { outputs, all };
 
-/// Why a file of that name cannot be recorded to (unknown ending); nothing when it can.
-std::optional<std::string> recording_fault(const std::filesystem::path& path);
+/// The columns of a run: v_last, for a plate v_plate and v_out; with all bodies x and v of each sphere.
+std::vector<Column> recorded_columns(const Scene& scene, RecordedBodies bodies);
 
-/// Bytes of a recording, from above: so that a full disk is noticed before the run.
-double recording_bytes(const Scene& scene, double samples, RecordedBodies bodies) noexcept;
+/// How many those are; counted in double, so that an absurd number of spheres is a number too.
+double recorded_numbers(const Scene& scene, RecordedBodies bodies) noexcept;
+
+/// The columns of a stream's samples.
+std::vector<Column> tap_columns(Tap tap, std::size_t channels);
+
+/// The column of that name; one that is none of the above is a quantity of its own, without a unit.
+Column column_named(const std::string& name);
 
 class Recorder {
 public:
-    /// Opens the file. Throws std::runtime_error that names the path and the reason.
-    Recorder(const std::filesystem::path& path, const Chain& chain, double sample_rate_hz,
-             RecordedBodies bodies);
+    /// @param recordings outlives the recorder; its columns are recorded_columns() of the same bodies
+    Recorder(Recordings& recordings, RecordedBodies bodies) : recordings_(recordings), bodies_(bodies) {}
 
-    /// Appends a block that holds the outputs (and for RecordedBodies::all the whole chain). Throws like
-    /// above.
+    /// Appends a block that holds the outputs (and for RecordedBodies::all the whole chain). Does not throw
+    /// when a recording cannot be written: `recordings` tells.
     void write(const Samples& block);
 
-    /// Completes the file and gives it its name; without this nothing is left behind.
-    void commit() { file_.commit(); }
-
-    const std::filesystem::path& path() const noexcept { return file_.path(); }
-
 private:
-    double sample_rate_hz_;
+    Recordings& recordings_;
     RecordedBodies bodies_;
-    OutputFile file_;
-    CsvWriter csv_;
-    std::vector<double> row_;
+    std::vector<double> rows_;
 };
 
 }  // namespace hertzline

@@ -10,6 +10,7 @@
 
 #include "stream/pacer.hpp"
 #include "stream/producer.hpp"
+#include "stream/run_id.hpp"
 #include "stream/sample_source.hpp"
 #include "stream/taps.hpp"
 
@@ -18,7 +19,8 @@ namespace hertzline {
 enum class StreamStart { at_once, with_first_subscriber };
 
 struct StreamPlan {
-    nlohmann::ordered_json about;  ///< of the samples: what meta says beside their format
+    std::string run = make_run_id();
+    nlohmann::ordered_json about;  ///< of the samples: what meta says beside their format (stream/provenance)
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples{};  ///< unset: to the end, or until stopped
     StreamStart start = StreamStart::at_once;

@@ -54,16 +54,17 @@ private:
 
 /// 2 ms, from sample 0 on when the first subscriber is there.
 Words short_stream(const Words& more) {
-    return joined({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3", "--wait-for-subscriber",
-                   "--json", "--bind", any_port},
+    return joined({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
+                   "--wait-for-subscriber", "--json", "--bind", any_port},
                   more);
 }
 
 /// A listener with these words hears the whole stream, with the samples that `run` makes.
 void expect_whole(Program& stream, const Words& listener_words) {
     const TemporaryFolder folder;
-    const Outcome listener = hertzline(
-        joined({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")}, listener_words));
+    const Outcome listener =
+        hertzline(joined({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")},
+                         listener_words));
     ASSERT_EQ(listener.status, 0) << listener.err;
     EXPECT_EQ(listener.json()["samples"], 20'000);
     EXPECT_EQ(listener.json()["unbroken"], true);
@@ -93,9 +94,9 @@ class Strangers : public testing::TestWithParam<Stranger> {};
 TEST_P(Strangers, HearNothingAndDisturbNobody) {
     const Keys keys;
     Program stream(short_stream(keys.of_server()));
-    const Outcome stranger =
-        hertzline(joined({"listen", "--connect", stream.endpoint(), "--timeout", "2", "-o", keys.file("stolen.csv")},
-                         GetParam().words(keys)));
+    const Outcome stranger = hertzline(
+        joined({"listen", "--connect", stream.endpoint(), "--timeout", "2", "-o", keys.file("stolen.csv")},
+               GetParam().words(keys)));
     EXPECT_EQ(stranger.status, 1);
     EXPECT_EQ(stranger.out, "");
     EXPECT_THAT(stranger.err, HasSubstr(GetParam().says));
@@ -111,12 +112,12 @@ TEST_P(Strangers, HearNothingAndDisturbNobody) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, Strangers,
-    testing::Values(
-        Stranger{"UnlistedKey", [](const Keys& keys) { return keys.of_listener("eve"); }, "our key is not on its list",
-                 1},
-        Stranger{"WrongServerKey", [](const Keys& keys) { return keys.of_listener("clients/alice", "eve"); },
-                 "hung up during the handshake", 0},
-        Stranger{"NoEncryption", [](const Keys&) { return Words{}; }, "not both", 0}),
+    testing::Values(Stranger{"UnlistedKey", [](const Keys& keys) { return keys.of_listener("eve"); },
+                             "our key is not on its list", 1},
+                    Stranger{"WrongServerKey",
+                             [](const Keys& keys) { return keys.of_listener("clients/alice", "eve"); },
+                             "hung up during the handshake", 0},
+                    Stranger{"NoEncryption", [](const Keys&) { return Words{}; }, "not both", 0}),
     [](const auto& stranger) { return std::string(stranger.param.name); });
 
 /// What another program may try that has the server's public key but none of its own.
@@ -154,7 +155,8 @@ TEST(Security, AListenerThatEncryptsDoesNotTakeAPlainStream) {
 TEST(Security, MetaSaysWhetherTheStreamIsEncrypted) {
     const Keys keys;
     for (const bool encrypted : {false, true}) {
-        Program stream(joined({"stream", "paper-stream", "--bind", any_port}, encrypted ? keys.of_server() : Words{}));
+        Program stream(
+            joined({"stream", "paper-stream", "--bind", any_port}, encrypted ? keys.of_server() : Words{}));
         SubscriberOptions options;
         if (encrypted) {
             options.curve = CurveClient{.own = *read_key_pair(keys.file("clients/alice.key_secret")),

@@ -175,13 +175,6 @@ TEST(Stream, SaysHowToListen) {
     EXPECT_THAT(stream.messages_with("hertzline listen"), HasSubstr("--connect " + endpoint));
 }
 
-TEST(Stream, AFullDiskIsAFailure) {
-    const Outcome outcome = hertzline(
-        {"stream", "paper-stream", "--pace", "flat-out", "--record", "/dev/full", "--bind", any_port});
-    EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr("No space left"));
-}
-
 }  // namespace
 
 }  // namespace hertzline::test

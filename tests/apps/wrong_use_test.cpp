@@ -15,6 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::MatchesRegex;
 
 using Words = std::vector<std::string>;
 
@@ -144,6 +145,20 @@ const Mistake mistakes[] = {
      2,
      {"a.mp3", "b.xls", ".csv"}},
     {"WrongEndingOfRecording", {"stream", "paper-wall", "--record", "FOLDER/a"}, 2, {"FOLDER/a", ".csv"}},
+    {"SameRecordingTwice",
+     {"run", "paper-wall", "-o", "FOLDER/a.sigmf-meta", "-o", "FOLDER/./a.sigmf-data"},
+     2,
+     {"a.sigmf-data: found a second time"}},
+    {"MoreColumnsThanSigmfHas",
+     {"run", "paper-wall", "--all", "-o", "FOLDER/a.sigmf-meta", "--set", "chain.spheres=500"},
+     1,
+     {"a.sigmf-meta", "found 1001 columns, allowed: at most 1000"}},
+    {"NoSuchFolderForListener", {"listen", "-o", "FOLDER/no/a.csv"}, 1, {"FOLDER/no/a.csv", "No such file"}},
+    {"NoSuchFolderForOneOfTwo",
+     {"stream", "paper-wall", "--record", "FOLDER/a.sigmf-meta", "--record", "FOLDER/no/a.csv", "--bind",
+      "tcp://127.0.0.1:*"},
+     1,
+     {"FOLDER/no/a.csv"}},
     {"FileWithoutAName", {"run", "paper-wall", "-o", ""}, 2, {".csv"}},
     {"RecordingWithoutAName", {"stream", "paper-wall", "--record", ""}, 2, {"--record", "found no name"}},
     {"WrongEndingOfListener", {"listen", "-o", "FOLDER/a.txt"}, 2, {"FOLDER/a.txt", ".csv"}},
@@ -226,7 +241,8 @@ TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
 TEST(Help, VersionIsTheProjects) {
     const Outcome outcome = hertzline({"--version"});
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_EQ(outcome.out, "hertzline " HERTZLINE_VERSION "\n");
+    EXPECT_THAT(outcome.out,
+                MatchesRegex("hertzline " HERTZLINE_VERSION " \\(([0-9a-f]+(-dirty)?|unknown)\\)\n"));
 }
 
 TEST(Output, AFullStandardOutputIsAFailure) {

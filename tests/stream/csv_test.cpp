@@ -1,7 +1,6 @@
 #include "stream/csv.hpp"
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <random>
@@ -11,47 +10,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/output_file.hpp"
+#include "tests/support/recording_checks.hpp"
+#include "tests/support/temporary_folder.hpp"
 
-namespace hertzline {
+namespace hertzline::test {
 namespace {
+
 namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
 
 std::string text_of(double number) {
     std::string text;
     append_csv_number(text, number);
     return text;
-}
-
-class Csv : public testing::Test {
-protected:
-    fs::path file =
-        fs::path(testing::TempDir()) /
-        (std::string("csv_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv");
-
-    void TearDown() override { fs::remove(file); }
-
-    std::string contents() const {
-        std::ifstream in(file);
-        std::ostringstream text;
-        text << in.rdbuf();
-        return text.str();
-    }
-};
-
-TEST(CsvColumns, WallAndFreeEndHaveOnlyTheLastSphere) {
-    EXPECT_THAT(csv_columns(EndKind::wall), testing::ElementsAre("t_s", "v_last_m_per_s"));
-    EXPECT_THAT(csv_columns(EndKind::free), testing::ElementsAre("t_s", "v_last_m_per_s"));
-}
-
-TEST(CsvColumns, PlateAddsItsOwnVelocityAndTheOutput) {
-    EXPECT_THAT(csv_columns(EndKind::plate),
-                testing::ElementsAre("t_s", "v_last_m_per_s", "v_plate_m_per_s", "v_out_m_per_s"));
-}
-
-TEST(CsvColumns, SpheresFollowNumberedFromOne) {
-    EXPECT_THAT(csv_columns(EndKind::wall, 2),
-                testing::ElementsAre("t_s", "v_last_m_per_s", "x1_m", "v1_m_per_s", "x2_m", "v2_m_per_s"));
 }
 
 TEST(CsvNumber, HasSeventeenSignificantDigits) {
@@ -76,66 +49,118 @@ TEST(CsvNumber, ReadsBackBitForBit) {
     }
 }
 
-TEST_F(Csv, IsAHeaderAndARowPerSample) {
-    OutputFile out(file);
-    CsvWriter csv(out, csv_columns(EndKind::plate));
-    csv.row(0, std::vector{0.0, 0.0, 0.0});
-    csv.row(0.5, std::vector{1.0, -2.0, 0.25});
-    out.commit();
-    EXPECT_EQ(contents(), "t_s,v_last_m_per_s,v_plate_m_per_s,v_out_m_per_s\n0,0,0,0\n0.5,1,-2,0.25\n");
+TEST(Csv, IsALineOfNamesAndALineForEachSample) {
+    const TemporaryFolder folder;
+    const auto writer =
+        open_csv_writer(folder.file("a.csv"), head_of({"v_last_m_per_s", "v_out_m_per_s"}, 2));
+    writer->write(0, std::vector{0.0, 0.0, 1.0, -2.0});
+    writer->write(5, std::vector{0.25, 0.5});
+    EXPECT_FALSE(fs::exists(folder.file("a.csv")));
+    writer->commit();
+    EXPECT_EQ(contents(folder.file("a.csv")),
+              "t_s,v_last_m_per_s,v_out_m_per_s\n0,0,0\n0.5,1,-2\n2.5,0.25,0.5\n");
 }
 
-TEST_F(Csv, ManyRowsArriveWholeAndInOrder) {
-    constexpr int rows = 100'000;  // several buffers of the file
-    OutputFile out(file);
-    CsvWriter csv(out, {"t_s", "v"});
-    for (int i = 0; i < rows; ++i) {
-        csv.row(i, std::vector{i * 0.125});
+TEST(Csv, MetadataBesideItSayWhatTheColumnsAreAndWhereTheyComeFrom) {
+    const TemporaryFolder folder;
+    RecordingHead head = head_of({"v_last_m_per_s", "x1_m"}, 2);
+    head.provenance = {{"version", "1.2.3"}};
+    open_csv_writer(folder.file("a.csv"), head)->commit();
+    const json metadata = json::parse(contents(folder.file("a.csv-metadata.json")));
+    EXPECT_EQ(metadata["@context"], "http://www.w3.org/ns/csvw");
+    EXPECT_EQ(metadata["url"], "a.csv");
+    EXPECT_EQ(metadata["urn:hertzline:provenance"]["version"], "1.2.3");
+    const json& columns = metadata["tableSchema"]["columns"];
+    ASSERT_EQ(columns.size(), 3U);
+    EXPECT_EQ(columns[0]["name"], "t_s");
+    EXPECT_EQ(columns[1]["schema:unitText"], "m/s");
+    EXPECT_EQ(columns[2]["name"], "x1_m");
+    EXPECT_EQ(columns[2]["schema:unitText"], "m");
+}
+
+TEST(Csv, ADeviceGetsNoMetadata) {
+    open_csv_writer("/dev/null", head_of({"v"}, 1))->commit();
+    EXPECT_FALSE(fs::exists("/dev/null-metadata.json"));
+}
+
+TEST(Csv, WithoutCommitNothingIsLeftAndWhatWasThereStays) {
+    const TemporaryFolder folder;
+    open_csv_writer(folder.file("a.csv"), head_of({"v"}, 1))->commit();
+    const std::string metadata = contents(folder.file("a.csv-metadata.json"));
+    open_csv_writer(folder.file("a.csv"), head_of({"w"}, 1))->write(0, std::vector{1.0});
+    EXPECT_EQ(contents(folder.file("a.csv")), "t_s,v\n");
+    EXPECT_EQ(contents(folder.file("a.csv-metadata.json")), metadata);
+}
+
+TEST(Csv, AFullDiskIsToldOfWithPathAndReason) {
+    const auto writer = open_csv_writer("/dev/full", head_of({"v"}, 1));
+    writer->write(0, std::vector{1.0});
+    EXPECT_THAT(error_of([&] { writer->commit(); }),
+                testing::AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
+    const auto large = open_csv_writer("/dev/full", head_of({"v"}, 1));
+    EXPECT_THAT(error_of([&] { large->write(0, std::vector<double>(100'000, 0.1)); }),
+                HasSubstr("No space left"));
+}
+
+TEST(CsvReader, GivesBackTheSameBitsAndTheGaps) {
+    const TemporaryFolder folder;
+    expect_round_trip(folder.file("a.csv"), NumberType::float64);
+    expect_round_trip(folder.file("b.csv"), NumberType::float32);
+}
+
+TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"),
+               "t_s,v_out_m_per_s,other\n3e-07,1,2\n3.9999999999999998e-07,3,4\r\n9e-07,5,6\n");
+    const auto reader = open_csv_reader(folder.file("a.csv"));
+    EXPECT_EQ(reader->head().sample_rate_hz, 10e6);
+    EXPECT_EQ(reader->head().columns[0].unit, "m/s");
+    EXPECT_EQ(reader->head().columns[1].quantity, "other");
+    RecordedRows rows;
+    ASSERT_TRUE(reader->read(rows, 100));
+    EXPECT_EQ(rows.first, 3);
+    EXPECT_THAT(rows.values, ElementsAre(1, 2, 3, 4));
+    ASSERT_TRUE(reader->read(rows, 100));
+    EXPECT_EQ(rows.first, 9);
+    EXPECT_FALSE(reader->read(rows, 100));
+}
+
+TEST(CsvReader, NamesTheLineThatIsWrong) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    const auto fault = [&](const std::string& text) {
+        write_text(file, text);
+        return error_of([&] { read_rows(*open_csv_reader(file)); });
+    };
+    EXPECT_THAT(fault(""), HasSubstr("a.csv:1"));
+    EXPECT_THAT(fault("time,v\n"), HasSubstr("allowed: t_s"));
+    EXPECT_THAT(fault("t_s\n0\n"), HasSubstr("a.csv:1"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,\n"), HasSubstr("a.csv:3: found no 2 numbers"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,2,3\n"), HasSubstr("a.csv:3"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1\n"), HasSubstr("a.csv:3"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n0,1\n"), HasSubstr("does not increase"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,1\n2,1\n1,1\n"), HasSubstr("a.csv:5: the time does not increase"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,1\n2.5,1\n"), HasSubstr("a.csv:4: found the time 2.5"));
+    EXPECT_THAT(fault("t_s,v\n-1,1\n0,1\n"), HasSubstr("a.csv:2: found the time -1"));
+    EXPECT_THAT(fault("t_s,v\nnan,1\n0,1\n"), HasSubstr("a.csv"));
+    EXPECT_THAT(fault("t_s,v\n0,inf\n1,1\n"), HasSubstr("a.csv"));
+    EXPECT_EQ(fault("t_s,v\n0,1\n"), "");
+    EXPECT_EQ(fault("t_s,v\n"), "");
+    EXPECT_THAT(error_of([&] { open_csv_reader(folder.file("none.csv")); }), HasSubstr("none.csv"));
+}
+
+TEST(CsvReader, RefusesMetadataThatAreNone) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    write_text(file, "t_s,v\n0,1\n");
+    for (
+        const char* text :
+        {"", "[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})",
+         R"({"urn:hertzline:sample_rate_hz": 0, "urn:hertzline:provenance": 0, "tableSchema": {"columns": []}})"}) {
+        write_text(file + "-metadata.json", text);
+        EXPECT_THAT(error_of([&] { open_csv_reader(file); }), HasSubstr("a.csv-metadata.json")) << text;
     }
-    out.commit();
-    EXPECT_EQ(out.bytes(), fs::file_size(file));
-    std::ifstream in(file);
-    std::string line;
-    std::getline(in, line);
-    for (int i = 0; i < rows; ++i) {
-        ASSERT_TRUE(std::getline(in, line));
-        ASSERT_EQ(line, text_of(i) + "," + text_of(i * 0.125));
-    }
-    EXPECT_FALSE(std::getline(in, line));
-}
-
-TEST_F(Csv, RowOfTheWrongWidthIsRefused) {
-    OutputFile out(file);
-    CsvWriter csv(out, {"t_s", "v"});
-    EXPECT_THROW(csv.row(0, {}), std::invalid_argument);
-    EXPECT_THROW(csv.row(0, std::vector{1.0, 2.0}), std::invalid_argument);
-    EXPECT_THROW(CsvWriter(out, {}), std::invalid_argument);
-}
-
-TEST(CsvOnAFullDisk, FailsWithPathAndReasonAtTheLatestAtCommit) {
-    OutputFile out("/dev/full");
-    CsvWriter csv(out, {"t_s", "v"});
-    csv.row(0, std::vector{1.0});
-    try {
-        out.commit();
-        FAIL() << "a full disk went unnoticed";
-    } catch (const std::runtime_error& error) {
-        EXPECT_THAT(error.what(), testing::HasSubstr("/dev/full"));
-        EXPECT_THAT(error.what(), testing::HasSubstr("No space left"));
-    }
-}
-
-TEST(CsvOnAFullDisk, FailsAtARowOnceTheBufferIsFull) {
-    OutputFile out("/dev/full");
-    CsvWriter csv(out, {"t_s", "v"});
-    EXPECT_THROW(
-        {
-            for (int i = 0; i < 1'000'000; ++i) {
-                csv.row(0.1 * i, std::vector{0.1});
-            }
-        },
-        std::runtime_error);
 }
 
 }  // namespace
-}  // namespace hertzline
+}  // namespace hertzline::test

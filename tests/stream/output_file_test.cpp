@@ -94,6 +94,16 @@ TEST_F(OutputFileTest, EveryByteArrivesWhateverThePieces) {
     EXPECT_TRUE(contents(file) == expected);
 }
 
+TEST_F(OutputFileTest, BytesWrittenBeforeCanBeReplaced) {
+    OutputFile out(directory / "a.bin", StagedFile::Devices::refused);
+    out.write(std::string(3'000'000, 'x'));
+    out.rewrite(1, "yz");
+    out.write("end");
+    out.rewrite(2'999'999, "!");
+    out.commit();
+    EXPECT_TRUE(contents(directory / "a.bin") == "xyz" + std::string(2'999'996, 'x') + "!end");
+}
+
 TEST_F(OutputFileTest, NewFileGetsThePermissionsOfAnyNewFile) {
     const mode_t before = ::umask(027);
     OutputFile out(directory / "a.csv");

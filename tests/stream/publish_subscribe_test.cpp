@@ -287,15 +287,31 @@ TEST(Publisher, AConnectionThatNeverIntroducesItselfIsCutOff) {
     ::close(silent);
 }
 
-TEST(Publisher, AFloodOfSubscriptionsHidesNoRealOne) {
+TEST(Publisher, AFloodOfSubscriptionsHidesNoRealOneAndIsCutOff) {
     Publisher publisher("tcp://127.0.0.1:*");
     Rogue rogue(publisher.endpoint());
     for (int i = 0; i < 20'000; ++i) {
         rogue.send("\1flood" + std::to_string(i));
     }
-    rogue.send("\1v_last/raw");
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("v_last/raw");
     EXPECT_EQ(subscriptions_until_wanted(publisher, "v_last/raw"), 1u);
-    EXPECT_EQ(publisher.foreign_subscriptions(), 20'000u);
+    EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), publisher.peers_cut_off() > 0; }));
+}
+
+TEST(Publisher, OneWhoSubscribesAFewTimesInVainStays) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    for (int connection = 0; connection < 20; ++connection) {  // one after the other: they share a descriptor
+        Rogue mistaken(publisher.endpoint());
+        for (int i = 0; i < 90; ++i) {
+            mistaken.send("\1nothing" + std::to_string(i));
+        }
+        mistaken.send("\1end");
+        subscriptions_until_wanted(publisher, "end");
+        mistaken.send(std::string_view("\0end", 4));
+        EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), !publisher.wanted("end"); }));
+    }
+    EXPECT_EQ(publisher.peers_cut_off(), 0u);
 }
 
 // Ends within the test's time limit only because LINGER, endless by default, is not. (The heartbeat would

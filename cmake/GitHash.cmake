@@ -1,0 +1,16 @@
+# Writes git_hash.hpp with the commit that is being built: cmake -D SOURCE=dir -D OUTPUT=git_hash.hpp -P GitHash.cmake
+# Run at each build; the file is touched only when the hash has changed. "unknown" where there is no git or no repository.
+find_package(Git QUIET)
+set(hash "")
+if(GIT_FOUND)
+  # Sources unpacked inside of somebody else's repository are none of that one's commits.
+  get_filename_component(above "${SOURCE}" DIRECTORY)
+  set(ENV{GIT_CEILING_DIRECTORIES} "${above}")
+  set(ENV{GIT_OPTIONAL_LOCKS} 0)
+  execute_process(COMMAND ${GIT_EXECUTABLE} -C ${SOURCE} describe --always --dirty --abbrev=12 --exclude=*
+    OUTPUT_VARIABLE hash ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+endif()
+if(hash STREQUAL "")
+  set(hash unknown)
+endif()
+file(CONFIGURE OUTPUT "${OUTPUT}" CONTENT "#pragma once\n#define HERTZLINE_GIT_HASH \"${hash}\"\n" @ONLY)

@@ -1,0 +1,70 @@
+#include "stream/provenance.hpp"
+
+#include <array>
+#include <string_view>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "core/integrators/folded_chain.hpp"
+#include "core/scene_toml.hpp"
+#include "core/scene_words.hpp"
+#include "git_hash.hpp"
+#include "stream/scene_json.hpp"
+
+namespace hertzline {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::string_view, 12> keys{
+    "program", "version",    "git_hash",   "compiler", "simd_target",     "start_time",
+    "run",     "scene_hash", "integrator", "step_s",   "estimated_error", "scene"};
+
+}  // namespace
+
+const char* program_version() noexcept {
+    return HERTZLINE_VERSION;
+}
+
+const char* git_hash() noexcept {
+    return HERTZLINE_GIT_HASH;
+}
+
+std::string utc_text(std::chrono::system_clock::time_point time) {
+    using std::chrono::milliseconds;
+    const auto since_epoch = std::chrono::floor<milliseconds>(time.time_since_epoch());
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
+    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(static_cast<std::time_t>(seconds.count())),
+                       (since_epoch - seconds).count());
+}
+
+Json provenance_json(const Provenance& provenance) {
+    const Scene& scene = provenance.scene;
+    Json json{{"program", "hertzline"},          {"version", program_version()},
+              {"git_hash", git_hash()},          {"compiler", HERTZLINE_COMPILER},
+              {"simd_target", kernel_target()},  {"start_time", provenance.start_time}};
+    if (provenance.run) {
+        json["run"] = *provenance.run;
+    }
+    json["scene_hash"] = scene_hash(scene);
+    json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
+    json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
+    json["estimated_error"] =
+        provenance.estimated_error ? Json(*provenance.estimated_error) : Json(nullptr);
+    json["scene"] = scene_json(scene);
+    return json;
+}
+
+Json provenance_of_meta(const Json& meta) {
+    Json json = Json::object();
+    for (const std::string_view key : keys) {
+        if (meta.is_object() && meta.contains(key)) {
+            json[std::string(key)] = meta[std::string(key)];
+        }
+    }
+    return json;
+}
+
+}  // namespace hertzline

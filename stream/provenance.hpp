@@ -1,0 +1,37 @@
+#pragma once
+// Where samples come from: all that is needed to make the same bits again. Part of every recording and of the
+// topic meta.
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "core/scene.hpp"
+
+namespace hertzline {
+
+const char* program_version() noexcept;
+
+/// The commit that was built, with "-dirty" when files differed from it; "unknown" without git.
+const char* git_hash() noexcept;
+
+/// UTC as ISO 8601 with milliseconds: "2026-01-31T12:00:00.123Z".
+std::string utc_text(std::chrono::system_clock::time_point time);
+
+struct Provenance {
+    const Scene& scene;                      ///< resolved (core/numerics.hpp)
+    std::optional<double> estimated_error;   ///< of the velocities, relative L2; unset: unknown
+    std::string start_time;                  ///< when the run was set up (utc_text)
+    std::optional<std::string> run = {};     ///< its id; unset: it has none
+};
+
+/// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator, step_s,
+/// estimated_error (null: unknown), scene.
+nlohmann::ordered_json provenance_json(const Provenance& provenance);
+
+/// The provenance in a message of the topic meta: those of the keys above that it has.
+nlohmann::ordered_json provenance_of_meta(const nlohmann::ordered_json& meta);
+
+}  // namespace hertzline

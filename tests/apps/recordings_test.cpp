@@ -1,0 +1,247 @@
+// Recordings as users make them: several at once, with what makes them go wrong, and what is left then.
+
+#include <csignal>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "stream/recording_formats.hpp"
+#include "tests/apps/program.hpp"
+#include "tests/support/recordings.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string any_port = "tcp://127.0.0.1:*";
+using Words = std::vector<std::string>;
+
+/// All samples of a recording without gaps, and the column of that name.
+std::vector<double> column(const std::string& file, const std::string& name) {
+    const auto reader = open_reader(file);
+    const auto& columns = reader->head().columns;
+    const auto found = std::ranges::find(columns, name, &Column::name);
+    EXPECT_NE(found, columns.end()) << name;
+    const std::vector<RecordedRows> stretches = read_rows(*reader, 1 << 16);
+    EXPECT_LE(stretches.size(), 1U) << "gaps";
+    std::vector<double> values;
+    if (!stretches.empty()) {
+        EXPECT_EQ(stretches[0].first, 0);
+        for (auto i = static_cast<std::size_t>(found - columns.begin()); i < stretches[0].values.size();
+             i += columns.size()) {
+            values.push_back(stretches[0].values[i]);
+        }
+    }
+    return values;
+}
+
+/// v_out of `count` samples of paper-stream, as `run` has it.
+std::vector<double> v_out_of_run(std::size_t count, const TemporaryFolder& folder) {
+    const std::string duration = std::to_string(static_cast<double>(count) / 10e6);
+    const Outcome run = hertzline(
+        {"run", "paper-stream", "--set", "output.duration_s=" + duration, "-o", folder.file("reference.npy")});
+    EXPECT_EQ(run.status, 0) << run.err;
+    std::vector<double> values = column(folder.file("reference.npy"), "v_out_m_per_s");
+    EXPECT_GE(values.size(), count);
+    values.resize(count);
+    return values;
+}
+
+std::vector<double> as_float32(std::vector<double> values) {
+    std::ranges::transform(values, values.begin(), [](double v) { return static_cast<float>(v); });
+    return values;
+}
+
+/// The limit on the size of files for what is started meanwhile.
+class LargestFile {
+public:
+    explicit LargestFile(rlim_t bytes) {
+        getrlimit(RLIMIT_FSIZE, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    }
+    ~LargestFile() { setrlimit(RLIMIT_FSIZE, &before_); }
+    LargestFile(const LargestFile&) = delete;
+    LargestFile& operator=(const LargestFile&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+TEST(Recordings, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
+    const TemporaryFolder folder;
+    Words stream_words{"stream",     "paper-stream", "--pace", "flat-out",
+                       "--duration", "2e-3",         "--json", "--wait-for-subscriber",
+                       "--bind",     any_port};
+    for (const char* file : {"s.csv", "s.sigmf-meta", "s.npy"}) {
+        stream_words.insert(stream_words.end(), {"--record", folder.file(file)});
+    }
+    Program stream(stream_words);
+    const Outcome heard = hertzline({"listen", "--connect", stream.endpoint(), "--json", "-o",
+                                     folder.file("l.sigmf-data"), "-o", folder.file("l.csv")});
+    const Outcome streamed = stream.wait();
+    ASSERT_EQ(streamed.status, 0) << streamed.err;
+    ASSERT_EQ(heard.status, 0) << heard.err;
+    for (const json& one : streamed.json()["recordings"]) {
+        EXPECT_EQ(one["status"], "complete");
+        EXPECT_EQ(one["samples"], 20'000);
+    }
+    const std::vector<double> run = v_out_of_run(20'000, folder);
+    for (const char* file : {"s.csv", "s.npy"}) {
+        EXPECT_EQ(column(folder.file(file), "v_out_m_per_s"), run) << file;
+    }
+    for (const char* file : {"s.sigmf-meta", "l.sigmf-meta", "l.csv"}) {
+        EXPECT_EQ(column(folder.file(file), "v_out_m_per_s"), as_float32(run)) << file;
+    }
+}
+
+TEST(Recordings, EachSaysWhereItComesFrom) {
+    const TemporaryFolder folder;
+    Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "1e-3", "--json",
+                    "--wait-for-subscriber", "--bind", any_port, "--record", folder.file("s.sigmf-meta")});
+    Subscriber subscriber(stream.endpoint());
+    subscriber.subscribe("meta");
+    const json meta = object_of(subscriber, "meta");
+    hertzline({"listen", "--connect", stream.endpoint(), "-o", folder.file("l.csv")});
+    const std::string hash = stream.wait().json()["scene_hash"];
+    for (const char* file : {"s.sigmf-meta", "l.csv"}) {
+        const json provenance = open_reader(folder.file(file))->head().provenance;
+        for (const char* key : {"program", "version", "git_hash", "compiler", "simd_target", "start_time",
+                                "run", "scene_hash", "integrator", "step_s", "estimated_error", "scene"}) {
+            EXPECT_TRUE(provenance.contains(key)) << file << " " << key;
+            EXPECT_EQ(provenance.value(key, json()), meta.value(key, json())) << file << " " << key;
+        }
+        EXPECT_EQ(provenance["scene_hash"], hash);
+        EXPECT_EQ(provenance["version"], HERTZLINE_VERSION);
+    }
+}
+
+TEST(Recordings, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        hertzline({"run", "paper-wall", "--json", "-o", "/dev/full", "-o", folder.file("a.csv")});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
+    EXPECT_THAT(outcome.json()["recordings"][0]["status"].get<std::string>(), HasSubstr("No space left"));
+    EXPECT_EQ(outcome.json()["recordings"][1]["status"], "complete");
+    EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 5001U);
+}
+
+TEST(Recordings, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "old");
+    const LargestFile limit(50'000);
+    const Outcome outcome = hertzline({"run", "paper-wall", "-o", folder.file("a.csv")});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("a.csv"), HasSubstr("File too large")));
+    EXPECT_EQ(text_of(folder.file("a.csv")), "old");
+    EXPECT_FALSE(fs::exists(folder.file("a.csv-metadata.json")));
+}
+
+TEST(Recordings, TheStreamGoesOnWhenTheDiskIsFull) {
+    const TemporaryFolder folder;
+    constexpr rlim_t limit = 1 << 20;
+    std::unique_ptr<Program> stream;
+    {
+        const LargestFile small(limit);
+        stream = std::make_unique<Program>(
+            Words{"stream", "paper-stream", "--pace", "flat-out", "--duration", "0.03", "--json",
+                  "--wait-for-subscriber", "--record", folder.file("a.sigmf-meta"), "--record",
+                  folder.file("a.csv"), "--record", "/dev/null", "--bind", any_port});
+    }
+    const Outcome heard = hertzline({"listen", "--connect", stream->endpoint(), "--json"});
+    const Outcome streamed = stream->wait();
+    EXPECT_EQ(heard.json()["samples"], 300'000);
+    EXPECT_EQ(heard.json()["unbroken"], true);
+    EXPECT_EQ(streamed.status, 1);
+    EXPECT_THAT(streamed.err, AllOf(HasSubstr("recording " + folder.file("a.sigmf-meta") + " ended after"),
+                                    HasSubstr("File too large; the stream goes on")));
+    const json recordings = streamed.json()["recordings"];
+    EXPECT_THAT(recordings[0]["status"].get<std::string>(), HasSubstr("File too large"));
+    EXPECT_THAT(recordings[1]["status"].get<std::string>(), HasSubstr("File too large"));
+    EXPECT_EQ(recordings[2]["status"], "complete");
+    EXPECT_EQ(recordings[2]["samples"], 300'000);
+    EXPECT_FALSE(fs::exists(folder.file("a.csv")));
+    // what the disk had room for is there
+    const std::vector<double> kept = column(folder.file("a.sigmf-meta"), "v_out_m_per_s");
+    EXPECT_EQ(kept.size(), limit / 12);
+    EXPECT_EQ(kept, as_float32(v_out_of_run(kept.size(), folder)));
+}
+
+TEST(Recordings, TheStreamGoesOnWhenTheFileVanishes) {
+    const TemporaryFolder folder;
+    Program stream({"stream", "paper-stream", "--json", "--record", folder.file("a.sigmf-meta"), "--bind",
+                    any_port});
+    while (!fs::exists(folder.file("a.sigmf-meta"))) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    fs::remove(folder.file("a.sigmf-data"));
+    stream.messages_with("the stream goes on");
+    Subscriber subscriber(stream.endpoint());
+    subscriber.subscribe("v_out/raw");
+    EXPECT_NE(subscriber.receive(std::chrono::seconds(60)), nullptr);
+    stream.send(SIGINT);
+    const Outcome outcome = stream.wait();
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("No such file"));
+}
+
+TEST(Recordings, AKilledStreamLeavesAllButTheLastSecond) {
+    const TemporaryFolder folder;
+    Program stream({"stream", "paper-stream", "--record", folder.file("a.sigmf-meta"), "--record",
+                    folder.file("a.csv"), "--bind", any_port, "--pace", "0.01"});
+    Subscriber subscriber(stream.endpoint());
+    subscriber.subscribe("v_out/np");
+    std::int64_t sent = 0;
+    while (sent < 200'000) {  // 20 ms of the run, two seconds of ours
+        const Message* message = subscriber.receive(std::chrono::seconds(60));
+        ASSERT_NE(message, nullptr);
+        const json header = json::parse(message->text(0));
+        sent = header["sample"].get<std::int64_t>() + header["shape"][0].get<std::int64_t>();
+    }
+    stream.send(SIGKILL);
+    stream.wait();
+    const std::vector<double> kept = column(folder.file("a.sigmf-meta"), "v_out_m_per_s");
+    const auto a_second = static_cast<std::size_t>(0.01 * 10e6);
+    EXPECT_GT(kept.size() + a_second, static_cast<std::size_t>(sent));
+    EXPECT_EQ(kept, as_float32(v_out_of_run(kept.size(), folder)));
+    EXPECT_FALSE(fs::exists(folder.file("a.csv"))) << "half a CSV under its name";
+}
+
+TEST(Recordings, AnInterruptedRunLeavesNoneOfThem) {
+    const TemporaryFolder folder;
+    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"), "--set",
+                 "output.duration_s=1.2"});
+    while (!fs::exists(folder.file("a.sigmf-meta"))) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    run.send(SIGINT);
+    EXPECT_EQ(run.wait().status, 1);
+    EXPECT_TRUE(fs::is_empty(fs::path(folder.file("x")).parent_path()));
+}
+
+TEST(Recordings, AListenerWhoseDiskIsFullHearsTheRest) {
+    const TemporaryFolder folder;
+    Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "5e-3", "--json",
+                    "--wait-for-subscriber", "--bind", any_port});
+    const std::string endpoint = stream.endpoint();
+    const Outcome heard = hertzline(
+        {"listen", "--connect", endpoint, "--json", "-o", "/dev/full", "-o", folder.file("l.csv")});
+    EXPECT_EQ(heard.status, 1);
+    EXPECT_EQ(heard.json()["unbroken"], true);
+    EXPECT_EQ(heard.json()["samples"], 50'000);
+    EXPECT_THAT(heard.json()["recordings"][0]["status"].get<std::string>(), HasSubstr("No space left"));
+    EXPECT_EQ(heard.json()["recordings"][1]["status"], "complete");
+    EXPECT_EQ(stream.wait().status, 0);
+}
+
+}  // namespace
+
+}  // namespace hertzline::test

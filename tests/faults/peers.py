@@ -1,0 +1,201 @@
+"""What peers do to a stream: strangers on its port, and subscribers that misbehave or die."""
+import contextlib
+import itertools
+import json
+import os
+import resource
+import signal
+import socket
+import struct
+import sys
+import time
+
+import zmq
+
+import stand as stands
+from stand import check, wait_until
+
+# ZMTP 3.1 (rfc.zeromq.org/spec/37): signature, version, mechanism NULL, no server; then a READY command of a SUB socket.
+GREETING = b"\xff" + bytes(8) + b"\x7f" + b"\x03\x01" + b"NULL".ljust(20, b"\0") + bytes(32)
+READY = b"\x04\x19\x05READY\x0bSocket-Type\x00\x00\x00\x03SUB"
+LENGTH_OF_READY = 27  # what the stream answers at least
+
+
+def _connected(stream):
+    return socket.create_connection(stream.address, timeout=stands.LONG_ENOUGH_S)
+
+
+def _subscriber(stream):
+    """A connection with its handshake done, for what no library would send."""
+    peer = _connected(stream)
+    peer.sendall(GREETING + READY)
+    received = 0
+    while received < len(GREETING) + LENGTH_OF_READY:
+        received += len(peer.recv(4096))
+    return peer
+
+
+def _subscription(prefix):
+    """A message of ZMTP 3.0: flags, length, 1, prefix."""
+    body = b"\x01" + prefix
+    length = bytes([0, len(body)]) if len(body) < 256 else b"\x02" + struct.pack(">Q", len(body))
+    return length + body
+
+
+def _is_closed_by_the_stream(peer):
+    try:
+        while peer.recv(65536):
+            pass
+    except ConnectionResetError:
+        pass
+    return True
+
+
+def plain_garbage(stand):
+    huge = struct.pack(">Q", 2**63 - 1)
+    garbage = [b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n", b"\0" * 5000, b"\xff" * 5000, os.urandom(100_000),
+               GREETING[:10] + os.urandom(1000), GREETING + os.urandom(1000), GREETING + b"\x06" + huge,
+               GREETING + READY + os.urandom(1000), GREETING + READY + b"\x02" + huge, GREETING + READY + b"\x00\x00",
+               GREETING + READY + b"\x00\x05hello", GREETING + READY + b"\x04\x05\x04PING"]
+    with stand.stream() as stream:
+        for bytes_ in 10 * garbage:
+            with _connected(stream) as peer, contextlib.suppress(ConnectionError):
+                peer.sendall(bytes_)
+                peer.settimeout(0.02)
+                with contextlib.suppress(TimeoutError):
+                    _is_closed_by_the_stream(peer)
+
+
+def half_open_connections(stand):
+    with stand.stream() as stream:
+        for _ in range(8):  # what the allocator keeps of one round serves the next; what leaks is lost each time
+            with contextlib.ExitStack() as connections:
+                for begun in 30 * [b"", GREETING[:1], GREETING[:10], GREETING, GREETING + READY[:5]]:
+                    connections.enter_context(_connected(stream)).sendall(begun)
+                stream.first_frame()  # among them there is room for one who means it
+
+
+def connections_beyond_the_descriptors(stand):
+    few = 100
+    with stand.stream(before_exec=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (few, few))) as stream:
+        with contextlib.ExitStack() as connections:
+            for _ in range(few + 50):  # those that find no descriptor wait in the system's queue
+                connections.enter_context(_connected(stream))
+            wait_until(lambda: stream.footprint()[0] >= few, "used them up")
+            time.sleep(0.5)
+
+
+def port_scan(stand):
+    at_once = struct.pack("ii", 1, 0)
+    with stand.stream() as stream:
+        for i in range(1500):
+            with _connected(stream) as peer:
+                if i % 2:
+                    peer.sendall(b"\r\n")
+                if i % 3 == 0:
+                    peer.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, at_once)  # closes with a reset
+
+
+def _flood(stream, subscriptions):
+    """Sends them for as long as the stream listens, at most five seconds; how much memory that has cost it [bytes]."""
+    with _subscriber(stream) as peer, contextlib.suppress(ConnectionError):
+        end = time.monotonic() + 5
+        for subscription in subscriptions:
+            peer.sendall(subscription)
+            if time.monotonic() > end:
+                break
+        time.sleep(0.5)
+        return stream.footprint()[1] - stream.before[1]
+    return stream.footprint()[1] - stream.before[1]
+
+
+def very_many_subscriptions(stand):
+    # Each as long as may be and different from the first byte on: that takes most of a table of prefixes.
+    different = (_subscription(struct.pack("<Q", i * 0x9E3779B97F4A7C15 % 2**64) * 31) for i in range(200_000))
+    with stand.stream(scene=stands.LARGE_FRAMES, recorded=False) as stream:
+        memory = _flood(stream, different)
+        check(stand.sanitized or memory < 16 << 20, f"{memory >> 20} MiB for one peer's subscriptions")
+
+
+def one_subscription_very_often(stand):
+    with stand.stream(scene=stands.LARGE_FRAMES, recorded=False) as stream:
+        memory = _flood(stream, itertools.repeat(_subscription(b"meta"), 200_000))
+        check(stand.sanitized or memory < 16 << 20, f"{memory >> 20} MiB for one peer's subscriptions")
+
+
+def subscription_longer_than_allowed(stand):
+    with stand.stream() as stream:
+        for length in (300, 100_000):
+            with _subscriber(stream) as peer:
+                with contextlib.suppress(ConnectionError):
+                    peer.sendall(_subscription(b"v" * length))
+                check(_is_closed_by_the_stream(peer), "")
+
+
+def two_publishers_on_one_port(stand):
+    with stand.stream() as stream:
+        second = stand.run("stream", "paper-stream", "--bind", stream.endpoint)
+        check(second.returncode == 1 and "in use" in second.stderr, f"the second: {second}")
+
+
+def two_publishers_on_one_path(stand):
+    with _on_a_unix_socket(stand) as stream:
+        second = stand.run("stream", "paper-stream", "--bind", stream.endpoint)
+        check(second.returncode == 1 and "in use" in second.stderr, f"the second: {second}")
+
+
+def _hearing_peer(stream, *words):
+    peer = stream.peer(*words)
+    check(peer.stdout.readline() == "hears\n", "a peer hears nothing")
+    return peer
+
+
+def _account(peer):
+    return json.loads(peer.communicate(timeout=stands.LONG_ENOUGH_S)[0])
+
+
+# Over a Unix socket, in which the system keeps little: what a peer does not read waits in the stream's own queue for it,
+# 3.6 MB in each second for one who subscribes to everything.
+def _on_a_unix_socket(stand, **how):
+    return stand.stream(endpoint=f"ipc://{stand.folder}/socket", **how)
+
+
+def subscriber_stopped_for_a_while(stand):
+    with _on_a_unix_socket(stand) as stream:
+        peer = _hearing_peer(stream, "--everything")
+        peer.send_signal(signal.SIGSTOP)
+        time.sleep(1.5)
+        check(stand.sanitized or stream.footprint()[1] - stream.before[1] > 2 << 20, "there is no queue: this tests nothing")
+        peer.send_signal(signal.SIGCONT)
+        stream.interrupt()
+        check(_account(peer)["missing_samples"] == 0, "the queue has room for more than that")
+
+
+def subscriber_stopped_for_good(stand):
+    with _on_a_unix_socket(stand) as stream:
+        _hearing_peer(stream, "--everything").send_signal(signal.SIGSTOP)
+        time.sleep(1)
+        stream.interrupt()  # somebody is there who will never take what was sent to him
+
+
+def subscriber_killed(stand):
+    with _on_a_unix_socket(stand, scene=stands.BUSY) as stream:
+        peer = _hearing_peer(stream, "--everything")
+        peer.send_signal(signal.SIGSTOP)
+        queued = lambda: stream.footprint()[1] - stream.before[1]
+        wait_until(lambda: queued() > 4 * stands.KEPT_BY_ALLOCATOR, "had a queue")
+        peer.kill()
+
+
+def slow_subscriber(stand):
+    # A thousand spheres, of which a queue may take half a GiB: short for one who listens to v_out alone, so he loses some.
+    with _on_a_unix_socket(stand, scene=stands.LONG_CHAIN, listener="pyzmq") as stream:
+        peer = _hearing_peer(stream, "--slow", 2.5, "--queue", 1)
+        time.sleep(3)
+        stream.interrupt()
+        account = _account(peer)
+        check(account["missing_samples"] > 0, "the slow one lost nothing: this tests nothing")
+
+
+if __name__ == "__main__":
+    stands.main(sys.modules[__name__])

@@ -1,0 +1,89 @@
+"""Reads recordings with what Python has for them and compares each number: read_recordings.py FOLDER"""
+
+import json
+import pathlib
+import struct
+import sys
+
+import h5py
+import numpy as np
+
+folder = pathlib.Path(sys.argv[1])
+rate = 10e6
+
+
+def same(a, b):
+    return a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+
+
+def columns_of(spheres):
+    names = ["v_last_m_per_s", "v_out_m_per_s"]
+    for i in range(1, spheres + 1):
+        names += [f"x{i}_m", f"v{i}_m_per_s"]
+    return names
+
+
+def check_npy(name, number, columns, values, samples):
+    with open(folder / f"{name}.npy", "rb") as f:
+        a = np.load(f, max_header_size=10**7)
+        about = json.loads(np.load(f).item())
+        assert f.read() == b""
+    assert a.dtype.names == ("t_s", *columns)
+    assert same(a["t_s"], samples / rate)
+    for k, column in enumerate(columns):
+        assert same(a[column], values[:, k].astype(number)), column
+    assert about["sample_rate_hz"] == rate
+    assert [c[0] for c in about["columns"]] == columns
+    assert about["columns"][0] == ["v_last_m_per_s", "v_last", "m/s"]
+    assert about["provenance"]["version"] == "1.2.3"
+
+
+def check_hdf5(name, number, columns, values, samples):
+    with h5py.File(folder / f"{name}.h5") as f:
+        assert f.attrs["sample_rate_hz"] == rate
+        assert json.loads(f.attrs["provenance"])["version"] == "1.2.3"
+        assert [c[0] for c in json.loads(f.attrs["columns"])] == columns
+        assert sorted(f) == ["captures", "v_chain", "v_last", "v_out", "x_chain"]
+        assert same(f["v_last"][:], values[:, 0].astype(number))
+        assert same(f["v_out"][:], values[:, 1].astype(number))
+        assert same(f["x_chain"][:], values[:, 2::2].astype(number))
+        assert same(f["v_chain"][:], values[:, 3::2].astype(number))
+        assert f["x_chain"].attrs["units"] == "m" and f["v_out"].attrs["units"] == "m/s"
+        assert f["captures"][:].tolist() == [[0, 3], [1000, 5000]]
+        for dataset in f.values():
+            assert dataset.compression is None and dataset.chunks is not None
+            assert np.prod(dataset.chunks) * dataset.dtype.itemsize <= 256 * 1024
+
+
+def chunks_of(data):
+    at = 12
+    while at < len(data):
+        kind, size = struct.unpack_from("<4sI", data, at)
+        yield kind, data[at + 8 : at + 8 + size]
+        at += 8 + size + size % 2
+
+
+def check_wav(name, columns, values):
+    data = (folder / f"{name}.wav").read_bytes()
+    assert data[:4] == b"RIFF" and data[8:12] == b"WAVE"
+    assert struct.unpack_from("<I", data, 4)[0] == len(data) - 8
+    chunks = list(chunks_of(data))
+    channels, fs = struct.unpack_from("<2xHI", dict(chunks)[b"fmt "])
+    assert (channels, fs) == (len(columns), rate)
+    assert dict(chunks)[b"data"] == values.astype("<f4").tobytes()
+    about = json.loads(dict(chunks)[b"hzln"])
+    assert [c[0] for c in about["columns"]] == columns
+    assert about["provenance"]["version"] == "1.2.3"
+    info = b"".join(body for kind, body in chunks if kind == b"LIST")
+    assert b'{"rows":3000,"captures":[[0,3],[1000,5000]]}' in info
+
+
+for name, number, spheres in [("narrow", "<f4", 3), ("exact", "<f8", 3), ("wide", "<f8", 2000)]:
+    columns = columns_of(spheres)
+    samples = np.fromfile(folder / f"{name}.samples", "<i8")
+    values = np.fromfile(folder / f"{name}.values", "<f8").reshape(len(samples), len(columns))
+    check_npy(name, number, columns, values, samples)
+    check_hdf5(name, number, columns, values, samples)
+    if number == "<f4":
+        check_wav(name, columns, values)
+    print(f"{name}: {values.size} numbers, each the same")

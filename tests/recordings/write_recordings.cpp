@@ -1,0 +1,67 @@
+// Writes recordings for read_recordings.py and .m, with the numbers beside them as they lie in memory:
+// write_recordings FOLDER
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+#include "stream/hdf5.hpp"
+#include "stream/npy.hpp"
+#include "stream/wav.hpp"
+#include "tests/support/recordings.hpp"
+
+namespace {
+using namespace hertzline;
+namespace fs = std::filesystem;
+
+template <class Number>
+void write_raw(const fs::path& file, const std::vector<Number>& numbers) {
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(numbers.data()),
+               static_cast<std::streamsize>(numbers.size() * sizeof(Number)));
+}
+
+/// NAME.values (float64), NAME.samples (int64) and the recording in each format.
+void write_all(const fs::path& folder, const std::string& name, const RecordingHead& head) {
+    std::vector<double> values;
+    std::vector<std::int64_t> samples;
+    const auto npy = open_npy_writer(folder / (name + ".npy"), head);
+    const auto hdf5 = open_hdf5_writer(folder / (name + ".h5"), head);
+    const bool fits_wav = head.numbers == NumberType::float32;
+    const auto wav = fits_wav ? open_wav_writer(folder / (name + ".wav"), head) : nullptr;
+    for (const std::int64_t first : {3, 5000, 6000}) {
+        const RecordedRows rows = test::recorded_rows(head, first, 1000);
+        for (RecordingWriter* writer : {npy.get(), hdf5.get(), wav.get()}) {
+            if (writer != nullptr) {
+                writer->write(rows.first, rows.values);
+            }
+        }
+        values.insert(values.end(), rows.values.begin(), rows.values.end());
+        for (std::int64_t i = 0; i < 1000; ++i) {
+            samples.push_back(first + i);
+        }
+    }
+    npy->commit();
+    hdf5->commit();
+    if (wav != nullptr) {
+        wav->commit();
+    }
+    write_raw(folder / (name + ".values"), values);
+    write_raw(folder / (name + ".samples"), samples);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    if (count != 2) {
+        std::fputs("usage: write_recordings FOLDER\n", stderr);
+        return 2;
+    }
+    const fs::path folder = arguments[1];
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    write_all(folder, "narrow", test::recording_head(NumberType::float32, 3));
+    write_all(folder, "exact", test::recording_head(NumberType::float64, 3));
+    write_all(folder, "wide", test::recording_head(NumberType::float64, 2000));
+    return 0;
+}
