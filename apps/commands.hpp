@@ -26,6 +26,7 @@ struct Command {
 
 Command run_command(CLI::App& program);
 Command stream_command(CLI::App& program);
+Command replay_command(CLI::App& program);
 Command listen_command(CLI::App& program);
 Command scenes_command(CLI::App& program);
 Command check_command(CLI::App& program);

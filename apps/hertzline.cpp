@@ -81,9 +81,9 @@ Exit run_program(int argc, char** argv) {
     CLI::App program{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
     program.set_version_flag("--version", fmt::format("hertzline {} ({})", program_version(), git_hash()));
     program.footer(examples);
-    const std::vector<Command> commands{run_command(program),    stream_command(program),
-                                        listen_command(program), scenes_command(program),
-                                        check_command(program),  keys_command(program)};
+    const std::vector<Command> commands{
+        run_command(program),    stream_command(program), replay_command(program), listen_command(program),
+        scenes_command(program), check_command(program),  keys_command(program)};
     refuse_unknown_subcommand(program, argc, argv);
     try {
         program.parse(argc, argv);

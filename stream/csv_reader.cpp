@@ -37,7 +37,8 @@ std::vector<std::string> split(std::string_view line) {
     }
 }
 
-/// The rate that the times of two neighbours tell. They have lost digits by then, rates are seldom that crooked.
+/// The rate that the times of two neighbours tell. They have lost digits by then, rates are seldom that
+/// crooked.
 double rate_between(double t0, double t1) {
     double rate = 0;
     const std::string rounded = fmt::format("{:.9g}", 1 / (t1 - t0));
@@ -134,7 +135,8 @@ private:
 
     void take_metadata(const fs::path& path) {
         InputFile file(path);
-        const Json metadata = json_from_outside(file.text(std::min(file.size(), largest_metadata), "the metadata"));
+        const Json metadata =
+            json_from_outside(file.text(std::min(file.size(), largest_metadata), "the metadata"));
         metadata.at("urn:hertzline:sample_rate_hz").get_to(head_.sample_rate_hz);
         head_.provenance = metadata.at("urn:hertzline:provenance");
         const bool single = metadata.at("tableSchema").at("columns").at(1).at("datatype") == "float";
@@ -186,7 +188,8 @@ private:
         const double sample = time * head_.sample_rate_hz;
         const double whole = std::round(sample);
         if (!(whole >= 0) || whole > most_samples) {
-            fail(fmt::format("found the time {}, allowed: 0 to {:g} samples", number_text(time), most_samples));
+            fail(fmt::format("found the time {}, allowed: 0 to {:g} samples", number_text(time),
+                             most_samples));
         }
         if (std::abs(sample - whole) > most_rounding) {
             fail(fmt::format("found the time {}, which is no sample at {} Hz", number_text(time),

@@ -1,6 +1,6 @@
 #pragma once
-// A file of records that has its name from early on and is whole at any time: for recordings that shall survive
-// the sudden end of the program.
+// A file of records that has its name from early on and is whole at any time: for recordings that shall
+// survive the sudden end of the program.
 
 #include <cstddef>
 #include <filesystem>
@@ -24,8 +24,8 @@ public:
     void write(std::span<const std::byte> records);
     bool fits(std::size_t bytes) const noexcept { return buffer_.size() + bytes <= most_buffered_; }
 
-    /// Hands the buffer to the system, which keeps it when the program is killed. Fails when the file is there no
-    /// more: the bytes would go nowhere.
+    /// Hands the buffer to the system, which keeps it when the program is killed. Fails when the file is
+    /// there no more: the bytes would go nowhere.
     void flush();
 
     /// Flushes and closes.

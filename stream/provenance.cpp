@@ -3,13 +3,13 @@
 #include <array>
 #include <string_view>
 
+#include "git_hash.hpp"
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "core/integrators/folded_chain.hpp"
 #include "core/scene_toml.hpp"
 #include "core/scene_words.hpp"
-#include "git_hash.hpp"
 #include "stream/scene_json.hpp"
 
 namespace hertzline {
@@ -42,17 +42,16 @@ std::string utc_text(std::chrono::system_clock::time_point time) {
 
 Json provenance_json(const Provenance& provenance) {
     const Scene& scene = provenance.scene;
-    Json json{{"program", "hertzline"},          {"version", program_version()},
-              {"git_hash", git_hash()},          {"compiler", HERTZLINE_COMPILER},
-              {"simd_target", kernel_target()},  {"start_time", provenance.start_time}};
+    Json json{{"program", "hertzline"},         {"version", program_version()},
+              {"git_hash", git_hash()},         {"compiler", HERTZLINE_COMPILER},
+              {"simd_target", kernel_target()}, {"start_time", provenance.start_time}};
     if (provenance.run) {
         json["run"] = *provenance.run;
     }
     json["scene_hash"] = scene_hash(scene);
     json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
     json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
-    json["estimated_error"] =
-        provenance.estimated_error ? Json(*provenance.estimated_error) : Json(nullptr);
+    json["estimated_error"] = provenance.estimated_error ? Json(*provenance.estimated_error) : Json(nullptr);
     json["scene"] = scene_json(scene);
     return json;
 }

@@ -21,14 +21,14 @@ const char* git_hash() noexcept;
 std::string utc_text(std::chrono::system_clock::time_point time);
 
 struct Provenance {
-    const Scene& scene;                      ///< resolved (core/numerics.hpp)
-    std::optional<double> estimated_error;   ///< of the velocities, relative L2; unset: unknown
-    std::string start_time;                  ///< when the run was set up (utc_text)
-    std::optional<std::string> run = {};     ///< its id; unset: it has none
+    const Scene& scene;                     ///< resolved (core/numerics.hpp)
+    std::optional<double> estimated_error;  ///< of the velocities, relative L2; unset: unknown
+    std::string start_time;                 ///< when the run was set up (utc_text)
+    std::optional<std::string> run = {};    ///< its id; unset: it has none
 };
 
-/// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator, step_s,
-/// estimated_error (null: unknown), scene.
+/// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator,
+/// step_s, estimated_error (null: unknown), scene.
 nlohmann::ordered_json provenance_json(const Provenance& provenance);
 
 /// The provenance in a message of the topic meta: those of the keys above that it has.

@@ -24,9 +24,10 @@ std::vector<double>& column_of(Samples& samples, Tap tap) noexcept {
 
 }  // namespace
 
-ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, std::int64_t frame_samples)
+ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sample_rate_hz,
+                           std::int64_t frame_samples)
     : reader_(std::move(reader)), columns_(all_taps.size()) {
-    format_.sample_rate_hz = head().sample_rate_hz;
+    format_.sample_rate_hz = sample_rate_hz;
     format_.frame_samples = frame_samples;
     find_columns();
     if (!refill()) {

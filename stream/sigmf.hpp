@@ -3,11 +3,11 @@
 // JSON that says what they are in x.sigmf-meta.
 //
 // A capture begins where samples are missing: core:sample_start is its first sample in the file,
-// core:global_index that sample's number in the run, core:datetime the time at which it was written. Columns and
-// provenance have names of the namespace "hertzline".
+// core:global_index that sample's number in the run, core:datetime the time at which it was written. Columns
+// and provenance have names of the namespace "hertzline".
 //
-// Both files are whole at any time, so that the recording survives the sudden end of the program: data go to the
-// system at least once in half a second, and a capture becomes known before its first sample.
+// Both files are whole at any time, so that the recording survives the sudden end of the program: data go to
+// the system at least once in half a second, and a capture becomes known before its first sample.
 
 #include <filesystem>
 #include <memory>
@@ -28,12 +28,13 @@ struct SigmfPaths {
 /// Both files of a recording of which one is named.
 SigmfPaths sigmf_paths(const std::filesystem::path& either);
 
-/// Replaces a recording of that name with its first row (or commit). After a failure what was written stays and is
-/// valid; without commit() both files are removed.
-std::unique_ptr<RecordingWriter> open_sigmf_writer(const std::filesystem::path& either, const RecordingHead& head);
+/// Replaces a recording of that name with its first row (or commit). After a failure what was written stays
+/// and is valid; without commit() both files are removed.
+std::unique_ptr<RecordingWriter> open_sigmf_writer(const std::filesystem::path& either,
+                                                   const RecordingHead& head);
 
-/// Reads recordings of one or more channels in rf32_le. Half a sample at the end, which a kill in the midst of
-/// writing may leave, is passed over.
+/// Reads recordings of one or more channels in rf32_le. Half a sample at the end, which a kill in the midst
+/// of writing may leave, is passed over.
 std::unique_ptr<RecordingReader> open_sigmf_reader(const std::filesystem::path& either);
 
 }  // namespace hertzline

@@ -74,26 +74,30 @@ private:
     }
 
     /// The integer at that key, or what it is without the key.
-    std::int64_t count_at(const Json& object, const char* key, std::int64_t otherwise, std::int64_t most) const {
+    std::int64_t count_at(const Json& object, const char* key, std::int64_t otherwise,
+                          std::int64_t most) const {
         const auto found = object.find(key);
         if (found == object.end()) {
             return otherwise;
         }
-        const bool whole = found->is_number_unsigned() && found->get<std::uint64_t>() <= static_cast<std::uint64_t>(most);
+        const bool whole =
+            found->is_number_unsigned() && found->get<std::uint64_t>() <= static_cast<std::uint64_t>(most);
         if (!whole) {
             refuse(fmt::format("{}: found {}, allowed: an integer from 0 to {}", key,
-                                                printable(found->dump().substr(0, 40)), most));
+                               printable(found->dump().substr(0, 40)), most));
         }
         return found->get<std::int64_t>();
     }
 
     void take_global(const Json& global) {
         const auto text = [&](const char* key) {
-            return global.is_object() && global.contains(key) && global[key].is_string() ? global[key].get<std::string>() : "";
+            return global.is_object() && global.contains(key) && global[key].is_string()
+                       ? global[key].get<std::string>()
+                       : "";
         };
         if (text("core:datatype") != "rf32_le") {
             refuse(fmt::format("core:datatype: found {}, allowed: \"rf32_le\"",
-                                                quoted_briefly(text("core:datatype"))));
+                               quoted_briefly(text("core:datatype"))));
         }
         const Json rate = global.value("core:sample_rate", Json(nullptr));
         if (!rate.is_number() || !(rate.get<double>() > 0) || !std::isfinite(rate.get<double>())) {
@@ -134,8 +138,8 @@ private:
         }
     }
 
-    /// Those at which samples are missing, within the file: what begins beyond its end is of samples that a kill
-    /// has kept from being written.
+    /// Those at which samples are missing, within the file: what begins beyond its end is of samples that a
+    /// kill has kept from being written.
     std::vector<Capture> captures_of(const Json& json, std::int64_t rows) const {
         if (!json.is_array()) {
             refuse("captures: allowed: an array");

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using std::chrono::steady_clock;
 
-constexpr double flush_every_s = 0.5;         // of samples or by the clock, what comes first
+constexpr double flush_every_s = 0.5;          // of samples or by the clock, what comes first
 constexpr std::size_t most_captures = 10'000;  // each costs a hundred bytes, written anew with the next one
 
 /// What the specification allows.
@@ -124,8 +124,8 @@ private:
         complete_ = true;
     }
 
-    /// Takes the place of what had the name. Old meta go first and new ones come last: they never lie beside data
-    /// that are not theirs.
+    /// Takes the place of what had the name. Old meta go first and new ones come last: they never lie beside
+    /// data that are not theirs.
     void appear() {
         fs::remove(meta_path_);
         data_.appear();

@@ -21,9 +21,9 @@ std::string meta_json(const StreamPlan& plan, const StreamFormat& format, const 
                            {"fs", format.sample_rate_hz},
                            {"dtype", "<f4"}});
     }
-    Json meta{{"program", "hertzline"}, {"run", run_id}};
-    meta.update(plan.about);
-    meta.update(Json{{"fs", format.sample_rate_hz},
+    Json meta = plan.about;
+    meta.update(Json{{"run", run_id},
+                     {"fs", format.sample_rate_hz},
                      {"frame_samples", format.frame_samples},
                      {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
                      {"streams", streams},

@@ -1,15 +1,17 @@
 // Recordings as users make them: several at once, with what makes them go wrong, and what is left then.
 
+#include "tests/support/recordings.hpp"
+
 #include <csignal>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include "stream/recording_formats.hpp"
 #include "tests/apps/program.hpp"
-#include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
@@ -44,9 +46,9 @@ std::vector<double> column(const std::string& file, const std::string& name) {
 
 /// v_out of `count` samples of paper-stream, as `run` has it.
 std::vector<double> v_out_of_run(std::size_t count, const TemporaryFolder& folder) {
-    const std::string duration = std::to_string(static_cast<double>(count) / 10e6);
-    const Outcome run = hertzline(
-        {"run", "paper-stream", "--set", "output.duration_s=" + duration, "-o", folder.file("reference.npy")});
+    const std::string duration = fmt::format("{}", static_cast<double>(count) / 10e6);
+    const Outcome run = hertzline({"run", "paper-stream", "--set", "output.duration_s=" + duration, "-o",
+                                   folder.file("reference.npy")});
     EXPECT_EQ(run.status, 0) << run.err;
     std::vector<double> values = column(folder.file("reference.npy"), "v_out_m_per_s");
     EXPECT_GE(values.size(), count);
@@ -77,9 +79,8 @@ private:
 
 TEST(Recordings, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
     const TemporaryFolder folder;
-    Words stream_words{"stream",     "paper-stream", "--pace", "flat-out",
-                       "--duration", "2e-3",         "--json", "--wait-for-subscriber",
-                       "--bind",     any_port};
+    Words stream_words{"stream", "paper-stream",          "--pace", "flat-out", "--duration", "2e-3",
+                       "--json", "--wait-for-subscriber", "--bind", any_port};
     for (const char* file : {"s.csv", "s.sigmf-meta", "s.npy"}) {
         stream_words.insert(stream_words.end(), {"--record", folder.file(file)});
     }
@@ -177,8 +178,8 @@ TEST(Recordings, TheStreamGoesOnWhenTheDiskIsFull) {
 
 TEST(Recordings, TheStreamGoesOnWhenTheFileVanishes) {
     const TemporaryFolder folder;
-    Program stream({"stream", "paper-stream", "--json", "--record", folder.file("a.sigmf-meta"), "--bind",
-                    any_port});
+    Program stream(
+        {"stream", "paper-stream", "--json", "--record", folder.file("a.sigmf-meta"), "--bind", any_port});
     while (!fs::exists(folder.file("a.sigmf-meta"))) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -217,8 +218,8 @@ TEST(Recordings, AKilledStreamLeavesAllButTheLastSecond) {
 
 TEST(Recordings, AnInterruptedRunLeavesNoneOfThem) {
     const TemporaryFolder folder;
-    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"), "--set",
-                 "output.duration_s=1.2"});
+    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"),
+                 "--set", "output.duration_s=1.2"});
     while (!fs::exists(folder.file("a.sigmf-meta"))) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -232,8 +233,8 @@ TEST(Recordings, AListenerWhoseDiskIsFullHearsTheRest) {
     Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "5e-3", "--json",
                     "--wait-for-subscriber", "--bind", any_port});
     const std::string endpoint = stream.endpoint();
-    const Outcome heard = hertzline(
-        {"listen", "--connect", endpoint, "--json", "-o", "/dev/full", "-o", folder.file("l.csv")});
+    const Outcome heard =
+        hertzline({"listen", "--connect", endpoint, "--json", "-o", "/dev/full", "-o", folder.file("l.csv")});
     EXPECT_EQ(heard.status, 1);
     EXPECT_EQ(heard.json()["unbroken"], true);
     EXPECT_EQ(heard.json()["samples"], 50'000);

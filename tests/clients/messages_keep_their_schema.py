@@ -12,10 +12,10 @@ topics = {name: jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$de
           for name in ("meta", "meters", "end")}
 
 
-def messages_of(scene, duration_s, *words):
+def messages_of(scene, duration_s, *words, command="stream"):
     """Everything that a stream says in JSON, as [(topic, object)]."""
     with Stream(program, scene, "--pace", "flat-out", "--duration", str(duration_s), "--wait-for-subscriber",
-                *words) as stream, zmq.Context() as context, context.socket(zmq.SUB) as socket:
+                *words, command=command) as stream, zmq.Context() as context, context.socket(zmq.SUB) as socket:
         socket.rcvtimeo = LONG_ENOUGH_S * 1000
         socket.connect(stream.endpoint)
         for topic in (*topics, "v_last/raw"):
@@ -39,6 +39,14 @@ def require_closed(topic, message):
         assert key.startswith("v_") or not topics[topic].is_valid(without), f"{topic} may lack {key}"
 
 
+def replayed(folder):
+    """What a replay of a short recording says."""
+    file = folder + "/recording.sigmf-meta"
+    with Stream(program, "paper-wall", "--pace", "flat-out", "--duration", "2e-4", "--record", file) as stream:
+        stream.summary()
+    return messages_of(file, 2e-4, command="replay")
+
+
 with tempfile.NamedTemporaryFile("w", suffix=".toml") as own_material:
     own_material.write('[end]\nmaterial = "tin"\n[materials.tin]\n'
                        "youngs_modulus_pa = 50e9\npoissons_ratio = 0.36\ndensity_kg_per_m3 = 7265.0\n")
@@ -46,6 +54,8 @@ with tempfile.NamedTemporaryFile("w", suffix=".toml") as own_material:
     plate = messages_of("paper-stream", 2e-3)
     others = [messages_of("paper-wall", 2e-4), messages_of(own_material.name, 2e-4),
               messages_of("long-chain", 1e-4, "--set", "chain.spheres=1000", "--set", "numerics.step_s=20e-9")]
+with tempfile.TemporaryDirectory() as folder:
+    others.append(replayed(folder))
 for said in (plate, *others):
     assert {topic for topic, _ in said} == set(topics), "a topic said nothing"
     assert said[0][0] == "meta"

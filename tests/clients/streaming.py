@@ -6,10 +6,10 @@ LONG_ENOUGH_S = 100  # for a loaded machine with sanitizers
 
 
 class Stream:
-    """hertzline stream, ended with the block at the latest. `endpoint` is the bound one."""
+    """hertzline stream (or replay), ended with the block at the latest. `endpoint` is the bound one."""
 
-    def __init__(self, program, scene, *words):
-        self.process = subprocess.Popen([program, "stream", scene, "--bind", "tcp://127.0.0.1:*", "--json", *words],
+    def __init__(self, program, scene, *words, command="stream"):
+        self.process = subprocess.Popen([program, command, scene, "--bind", "tcp://127.0.0.1:*", "--json", *words],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         said = []
         for line in self.process.stderr:

@@ -10,8 +10,6 @@ import struct
 import sys
 import time
 
-import zmq
-
 import stand as stands
 from stand import check, wait_until
 

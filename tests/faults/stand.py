@@ -84,7 +84,8 @@ class Stream:
         self.stand, self.scene, self.exit_status, self.interrupted = stand, scene, exit_status, None
         self.messages, self.summary = stand.folder / "messages", stand.folder / "summary"
         self.heard = stand.folder / ("heard.csv" if listener == "hertzline" else "heard.npy")
-        command = [stand.program, "stream", *scene.words, *scene.pace, "--wait-for-subscriber", "--json", "--bind", endpoint, *words]
+        command = [stand.program, "stream", *scene.words, *scene.pace, "--bind", endpoint, "--wait-for-subscriber", "--json",
+                   *words]
         self.recording = stand.folder / "recording.csv" if recorded else None
         if recorded:
             command += ["--record", self.recording]

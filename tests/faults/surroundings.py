@@ -12,7 +12,7 @@ import threading
 import time
 
 import stand as stands
-from stand import check, wait_until
+from stand import check
 
 COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 

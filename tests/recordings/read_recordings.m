@@ -21,7 +21,14 @@ for name = {"narrow", "exact"}
     [samples, rate] = audioread([file ".wav"], "native");
     same("wav", samples, values);
     assert(rate, 10e6);
+    handle = fopen([file ".sigmf-data"], "r", "ieee-le");
+    sigmf = fread(handle, [8, Inf], "*single")';
+    fclose(handle);
+    same("sigmf", sigmf, values);
   end
+  csv = dlmread([file ".csv"], ",", 1, 0);
+  same("csv", csv(:, 2:end), double(values));
+  same("t_s", csv(:, 1), double(raw([file ".samples"], "int64")) / 10e6);
   h = load("-hdf5", [file ".h5"]);  % the last dimension comes first: [sphere][sample]
   same("v_last", double(h.v_last(:)), double(values(:, 1)));
   same("v_out", double(h.v_out(:)), double(values(:, 2)));

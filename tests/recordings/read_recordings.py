@@ -1,14 +1,23 @@
-"""Reads recordings with what Python has for them and compares each number: read_recordings.py FOLDER"""
+"""Reads recordings with what Python has for them and compares each number.
 
+read_recordings.py FOLDER [--schema FILE]: SigMF metadata are held against that JSON schema (default: sigmf.schema.json
+beside this file; whoever has SigMF's own sigmf-schema.json can give it)
+"""
+
+import argparse
 import json
 import pathlib
 import struct
-import sys
 
 import h5py
+import jsonschema
 import numpy as np
 
-folder = pathlib.Path(sys.argv[1])
+arguments = argparse.ArgumentParser()
+arguments.add_argument("folder", type=pathlib.Path)
+arguments.add_argument("--schema", type=pathlib.Path, default=pathlib.Path(__file__).parent / "sigmf.schema.json")
+arguments = arguments.parse_args()
+folder = arguments.folder
 rate = 10e6
 
 
@@ -78,12 +87,49 @@ def check_wav(name, columns, values):
     assert b'{"rows":3000,"captures":[[0,3],[1000,5000]]}' in info
 
 
+def check_csv(name, datatype, columns, values, samples):
+    a = np.genfromtxt(folder / f"{name}.csv", delimiter=",", names=True, deletechars="")
+    assert a.dtype.names == ("t_s", *columns)
+    assert same(a["t_s"], samples / rate)
+    for k, column in enumerate(columns):
+        assert same(a[column], values[:, k]), column
+    metadata = json.loads((folder / f"{name}.csv-metadata.json").read_text())
+    assert metadata["@context"] == "http://www.w3.org/ns/csvw" and metadata["url"] == f"{name}.csv"
+    described = metadata["tableSchema"]["columns"]
+    assert [c["name"] for c in described] == ["t_s", *columns]
+    assert all(c["datatype"] == datatype for c in described[1:])
+    assert [c["schema:unitText"] for c in described[:2]] == ["s", "m/s"]
+    assert metadata["urn:hertzline:provenance"]["version"] == "1.2.3"
+
+
+def check_sigmf(name, columns, values, samples):
+    meta = json.loads((folder / f"{name}.sigmf-meta").read_text())
+    schema = json.loads(arguments.schema.read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.Draft202012Validator(schema).validate(meta)
+    shared = meta["global"]
+    assert shared["core:sample_rate"] == rate and shared["core:datatype"] == "rf32_le"
+    data = np.fromfile(folder / f"{name}.sigmf-data", "<f4").reshape(-1, shared["core:num_channels"])
+    assert same(data, values.astype("<f4"))
+    numbers = np.arange(len(data))
+    for capture in meta["captures"]:
+        start = capture["core:sample_start"]
+        numbers[start:] = capture["core:global_index"] + np.arange(len(data) - start)
+    assert same(numbers, samples)
+    assert [c["name"] for c in shared["hertzline:columns"]] == columns
+    assert shared["hertzline:columns"][0] == {"name": "v_last_m_per_s", "quantity": "v_last", "unit": "m/s"}
+    assert shared["hertzline:version"] == "1.2.3"
+
+
 for name, number, spheres in [("narrow", "<f4", 3), ("exact", "<f8", 3), ("wide", "<f8", 2000)]:
     columns = columns_of(spheres)
     samples = np.fromfile(folder / f"{name}.samples", "<i8")
     values = np.fromfile(folder / f"{name}.values", "<f8").reshape(len(samples), len(columns))
     check_npy(name, number, columns, values, samples)
     check_hdf5(name, number, columns, values, samples)
+    if spheres < 1000:  # numpy is slow with text
+        check_csv(name, "float" if number == "<f4" else "double", columns, values, samples)
     if number == "<f4":
+        check_sigmf(name, columns, values, samples)
         check_wav(name, columns, values)
     print(f"{name}: {values.size} numbers, each the same")

@@ -5,8 +5,10 @@
 #include <fstream>
 #include <iterator>
 
+#include "stream/csv.hpp"
 #include "stream/hdf5.hpp"
 #include "stream/npy.hpp"
+#include "stream/sigmf.hpp"
 #include "stream/wav.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -27,11 +29,13 @@ void write_all(const fs::path& folder, const std::string& name, const RecordingH
     std::vector<std::int64_t> samples;
     const auto npy = open_npy_writer(folder / (name + ".npy"), head);
     const auto hdf5 = open_hdf5_writer(folder / (name + ".h5"), head);
-    const bool fits_wav = head.numbers == NumberType::float32;
-    const auto wav = fits_wav ? open_wav_writer(folder / (name + ".wav"), head) : nullptr;
+    const auto csv = open_csv_writer(folder / (name + ".csv"), head);
+    const bool narrow = head.numbers == NumberType::float32;
+    const auto sigmf = narrow ? open_sigmf_writer(folder / (name + ".sigmf-meta"), head) : nullptr;
+    const auto wav = narrow ? open_wav_writer(folder / (name + ".wav"), head) : nullptr;
     for (const std::int64_t first : {3, 5000, 6000}) {
         const RecordedRows rows = test::recorded_rows(head, first, 1000);
-        for (RecordingWriter* writer : {npy.get(), hdf5.get(), wav.get()}) {
+        for (RecordingWriter* writer : {npy.get(), hdf5.get(), csv.get(), sigmf.get(), wav.get()}) {
             if (writer != nullptr) {
                 writer->write(rows.first, rows.values);
             }
@@ -41,10 +45,10 @@ void write_all(const fs::path& folder, const std::string& name, const RecordingH
             samples.push_back(first + i);
         }
     }
-    npy->commit();
-    hdf5->commit();
-    if (wav != nullptr) {
-        wav->commit();
+    for (RecordingWriter* writer : {npy.get(), hdf5.get(), csv.get(), sigmf.get(), wav.get()}) {
+        if (writer != nullptr) {
+            writer->commit();
+        }
     }
     write_raw(folder / (name + ".values"), values);
     write_raw(folder / (name + ".samples"), samples);

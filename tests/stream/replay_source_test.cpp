@@ -17,7 +17,6 @@ public:
     ListReader(std::vector<Column> columns, std::deque<RecordedRows> pieces, bool damaged = false)
         : pieces_(std::move(pieces)), damaged_(damaged) {
         head_.columns = std::move(columns);
-        head_.sample_rate_hz = 1e6;
     }
     const RecordingHead& head() const noexcept override { return head_; }
     bool read(RecordedRows& rows, std::size_t most) override {
@@ -65,7 +64,7 @@ const std::vector<Column> outputs{{"v_last_m_per_s", "v_last", "m/s"},
                                   {"v2_m_per_s", "v_chain", "m/s"}};
 
 ReplaySource source(std::vector<Column> columns, std::deque<RecordedRows> pieces, bool damaged = false) {
-    return {std::make_unique<ListReader>(std::move(columns), std::move(pieces), damaged), 10};
+    return {std::make_unique<ListReader>(std::move(columns), std::move(pieces), damaged), 1e6, 10};
 }
 
 TEST(ReplaySource, ColumnsBecomeTheStreamsOfTheirName) {

@@ -67,7 +67,8 @@ TEST_F(Sigmf, IsWholeWhileItIsWritten) {
         EXPECT_GT(held + 1000, static_cast<std::size_t>(first) + 100) << "more than a second is missing";
         if (held > 0) {
             std::vector<double> expected = numbered_rows(0, static_cast<std::int64_t>(held));
-            std::ranges::transform(expected, expected.begin(), [](double v) { return static_cast<float>(v); });
+            std::ranges::transform(expected, expected.begin(),
+                                   [](double v) { return static_cast<float>(v); });
             EXPECT_EQ(read[0].values, expected);
         }
     }
@@ -84,7 +85,8 @@ TEST_F(Sigmf, ACaptureIsKnownBeforeItsSamplesAreThere) {
         for (const RecordedRows& stretch : read_rows(*open_sigmf_reader(meta_file))) {
             const auto count = static_cast<std::int64_t>(stretch.values.size() / 2);
             std::vector<double> expected = numbered_rows(stretch.first, count);
-            std::ranges::transform(expected, expected.begin(), [](double v) { return static_cast<float>(v); });
+            std::ranges::transform(expected, expected.begin(),
+                                   [](double v) { return static_cast<float>(v); });
             ASSERT_EQ(stretch.values, expected) << "samples pass for others, from " << stretch.first;
         }
     }
@@ -98,9 +100,7 @@ TEST_F(Sigmf, WithoutCommitNothingIsLeft) {
 TEST_F(Sigmf, TheOldRecordingStaysUntilTheFirstSample) {
     write_text(meta_file, "old");
     write_text(data_file, "old");
-    {
-        const auto writer = open_sigmf_writer(meta_file, head_of(two, 1000));
-    }
+    { const auto writer = open_sigmf_writer(meta_file, head_of(two, 1000)); }
     EXPECT_EQ(contents(meta_file) + contents(data_file), "oldold");
     open_sigmf_writer(meta_file, head_of(two, 1000))->commit();
     EXPECT_THAT(read_rows(*open_sigmf_reader(meta_file)), IsEmpty());
@@ -209,7 +209,8 @@ TEST_F(Sigmf, ReadsRecordingsOfOthers) {
 
 TEST_F(Sigmf, MetadataThatAreNoneAreRefusedByName) {
     write_text(data_file, std::string(80, '\0'));
-    const std::string global = R"("core:datatype": "rf32_le", "core:version": "1.0.0", "core:sample_rate": 1e6)";
+    const std::string global =
+        R"("core:datatype": "rf32_le", "core:version": "1.0.0", "core:sample_rate": 1e6)";
     const auto with = [](const std::string& g, const std::string& captures) {
         return R"({"global": {)" + g + R"(}, "captures": )" + captures + R"(, "annotations": []})";
     };
