@@ -10,11 +10,11 @@ case "${1:-}" in
 --keep) seconds=keep && shift ;;
 [0-9]*) seconds=$1 && shift ;;
 esac
-[ $# -gt 0 ] || set -- $(sed -n 's/^hertzline_fuzz(\([a-z_]*\) .*/\1/p' tests/fuzz/CMakeLists.txt)
+[ $# -gt 0 ] || set -- $(sed -n 's/^hertzline_fuzz(\([a-z0-9_]*\))/\1/p' tests/fuzz/CMakeLists.txt)
 ./scripts/build.sh fuzz
 
 export UBSAN_OPTIONS=print_stacktrace=1
-most="-max_len=4096 -timeout=10 -rss_limit_mb=2048"
+most="-timeout=10 -rss_limit_mb=2048"
 found=0
 for target in "$@"; do
     learnt=build/fuzz/corpus/$target
@@ -30,8 +30,9 @@ for target in "$@"; do
         echo "$target: $(ls "$kept" | wc -l) inputs kept"
         continue
     fi
-    words=tests/fuzz/$target.dict
-    build/fuzz/fuzz_"$target" -max_total_time="$seconds" $most -dict="$words" -print_final_stats=1 -artifact_prefix="$findings/" \
+    words=""
+    [ ! -e tests/fuzz/"$target".dict ] || words="-dict=tests/fuzz/$target.dict"
+    build/fuzz/fuzz_"$target" -max_total_time="$seconds" $most $words -print_final_stats=1 -artifact_prefix="$findings/" \
         "$learnt" "$kept" >"$log" 2>&1 || found=1
     awk -v target="$target" -v findings="$(ls "$findings" | wc -l)" '
         / cov: / { for (i = 1; i < NF; ++i) if ($i == "cov:") edges = $(i + 1) }

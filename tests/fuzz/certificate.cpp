@@ -1,13 +1,14 @@
-// A certificate with keys, as `hertzline keys` or others made it: once as one that lists a client, once as our
-// own.
+// A certificate with keys, as `hertzline keys` or others made it: once as one that lists a client, once as
+// our own.
+
+#include "stream/certificate.hpp"
 
 #include <cstdint>
 #include <string>
 #include <string_view>
 
-#include "stream/certificate.hpp"
 #include "tests/fuzz/claim.hpp"
-#include "tests/fuzz/memory_file.hpp"
+#include "tests/fuzz/memory_folder.hpp"
 
 namespace hertzline::fuzz {
 
@@ -22,10 +23,10 @@ constexpr std::size_t longest_message = 200;  // with no room for what stands in
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace hertzline;
     const std::string_view input(reinterpret_cast<const char*>(data), size);
-    static const fuzz::MemoryFile file("client.key");
-    file.hold(data, size);
-    const auto listed = read_public_key(file.path());
-    const auto own = read_key_pair(file.path());
+    static const fuzz::MemoryFolder folder;
+    folder.hold("client.key", input);
+    const auto listed = read_public_key(folder.file("client.key"));
+    const auto own = read_key_pair(folder.file("client.key"));
     fuzz::claim(!listed || !own, "what holds a secret key lists nobody");
     if (listed) {
         fuzz::claim(input.find(z85(*listed)) != std::string_view::npos, "a key is the one in the file");
