@@ -11,6 +11,7 @@
 #include "stream/provenance.hpp"
 #include "stream/recording_formats.hpp"
 #include "stream/replay_source.hpp"
+#include "stream/resources.hpp"
 
 namespace hertzline::app {
 
@@ -82,6 +83,10 @@ Exit replay(const ReplayOptions& options) {
     ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
     StreamPlan plan = plan_of(options.streaming, rate, OnOverrun::drop);
     plan.about = about(head, options.file);
+    if (const auto shortage = memory_shortage("replaying " + options.file,
+                                              Pipeline::ring_bytes(source.format(), plan.pace))) {
+        throw std::runtime_error(*shortage);
+    }
     stop_asked();
     Publisher publisher(options.streaming.endpoint, all_topics, publisher_options(source.format(), curve));
     ProgressLine line;

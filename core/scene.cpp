@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "core/scene_fields.hpp"
@@ -21,6 +22,11 @@ bool is_of(MaterialSort sort, const Material& material) {
     return std::holds_alternative<Solid>(material) == (sort == MaterialSort::solid);
 }
 
+bool is_material_name(std::string_view name) {
+    constexpr std::size_t longest = 64;
+    return is_bare_key(name) && name.size() <= longest;
+}
+
 // The names of all materials of that sort that the scene can use.
 std::vector<std::string> names_of(const Scene& scene, MaterialSort sort) {
     std::vector<std::string> names;
@@ -30,11 +36,17 @@ std::vector<std::string> names_of(const Scene& scene, MaterialSort sort) {
         }
     }
     for (const auto& [name, material] : scene.materials) {
-        if (is_of(sort, material)) {
+        if (is_of(sort, material) && is_material_name(name)) {
             names.push_back(name);
         }
     }
     return names;
+}
+
+// The names as a message shows them: a scene may have a thousand materials of its own.
+std::string listed(std::span<const std::string> names) {
+    constexpr std::size_t most = 16;
+    return comma_separated(names.first(std::min(most, names.size()))) + (names.size() > most ? ", ..." : "");
 }
 
 // Visits the fields and notes what is wrong with each value on its own.
@@ -75,7 +87,7 @@ struct FieldCheck {
         const auto names = names_of(scene, sort);
         const auto other = sort == MaterialSort::solid ? "a fluid" : "a solid";
         note(key, quoted_briefly(name) + (material == nullptr ? "" : std::string(", ") + other),
-             allowed_text(sort) + ": " + comma_separated(names) + suggestion(name, names));
+             allowed_text(sort) + ": " + listed(names) + suggestion(name, names));
     }
     void note(std::string_view key, std::string found, std::string allowed) const {
         faults.push_back({section + std::string(key), std::move(found), std::move(allowed)});
@@ -97,10 +109,9 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
 }
 
 void check_materials(const Scene& scene, std::vector<Fault>& faults) {
-    constexpr std::size_t longest_name = 64;
     for (const auto& [name, material] : scene.materials) {
         const std::string section = "materials." + key_part(name);
-        if (!is_bare_key(name) || name.size() > longest_name) {
+        if (!is_material_name(name)) {
             faults.push_back(
                 {section, quoted_briefly(name), "a name of 1 to 64 letters, digits, '_' and '-'"});
         }

@@ -66,8 +66,7 @@ std::string quoted_briefly(std::string_view text) {
     return text.size() <= longest_shown ? quoted(text) : quoted(text.substr(0, longest_shown)) + "...";
 }
 
-std::string printable(std::string_view text) {
-    constexpr std::size_t longest = 2 * longest_shown;
+std::string printable(std::string_view text, std::size_t longest) {
     std::string result(text.substr(0, longest));
     std::replace_if(
         result.begin(), result.end(), [](char c) { return c < 0x20 || c > 0x7E; }, '?');

@@ -20,8 +20,9 @@ std::string quoted(std::string_view text);
 /// quoted(), shortened to what fits a message.
 std::string quoted_briefly(std::string_view text);
 
-/// The text without quotes, for a message: what a terminal might act on becomes '?', and a long text is cut.
-std::string printable(std::string_view text);
+/// The text without quotes, for a message: what a terminal might act on becomes '?', and what is longer is
+/// cut.
+std::string printable(std::string_view text, std::size_t longest = 120);
 
 /// True for what TOML accepts as a key without quotes: letters, digits, '_' and '-'.
 bool is_bare_key(std::string_view text) noexcept;

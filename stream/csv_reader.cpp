@@ -111,7 +111,7 @@ private:
                              quoted_briefly(line_), csv_time_column));
         }
         for (std::size_t i = 1; i < names.size(); ++i) {
-            head_.columns.push_back(column_named(names[i]));
+            head_.columns.push_back(column_named(printable(names[i])));
         }
         row_.resize(head_.columns.size());
     }

@@ -83,9 +83,12 @@ Fault ipc_fault(std::string_view endpoint) {
     const std::string_view path = endpoint.substr(ipc_scheme.size());
     // '@' would be Linux's abstract namespace and '*' a path of ZeroMQ's choice: neither is a
     // file that anybody sees.
-    if (path.empty() || path == "*" || path.front() == '@' || path.back() == '/' ||
-        path.find('\0') != std::string_view::npos) {
+    if (path.empty() || path == "*" || path.front() == '@' || path.back() == '/') {
         return fmt::format("endpoint {}: {} is not the path of a file", quoted(endpoint), quoted(path));
+    }
+    // The endpoint is announced, a line that programs read.
+    if (std::any_of(path.begin(), path.end(), [](char c) { return (c >= 0 && c < ' ') || c == 0x7F; })) {
+        return fmt::format("endpoint {}: control characters in the path", quoted(endpoint));
     }
     if (path.size() > max_ipc_path) {
         return fmt::format("endpoint {}: the path has {} bytes, at most {} are allowed", quoted(endpoint),

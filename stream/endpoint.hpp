@@ -18,7 +18,7 @@ inline constexpr std::size_t max_ipc_path = 107;
 /// only.
 ///     tcp://HOST:PORT   HOST a name, an IPv4 address or an [IPv6] one, to bind also * (every interface);
 ///                       PORT 1 to 65535, to bind also 0 and * (any free one)
-///     ipc://PATH        a file name of at most max_ipc_path bytes
+///     ipc://PATH        a file name of at most max_ipc_path bytes, without control characters
 std::optional<std::string> endpoint_fault(std::string_view endpoint, EndpointUse use);
 
 /// Why an ipc endpoint cannot be bound without harm: somebody answers there, or what lies at the path is no

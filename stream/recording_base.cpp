@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text.hpp"
+
 namespace hertzline {
 namespace {
 
@@ -117,7 +119,8 @@ void cannot_write(const std::filesystem::path& path, std::string_view reason) {
 }
 
 void cannot_read(const std::filesystem::path& path, std::string_view reason) {
-    throw std::runtime_error(fmt::format("cannot read {}: {}", path.string(), reason));
+    constexpr std::size_t longest = 300;  // it may quote the file
+    throw std::runtime_error(fmt::format("cannot read {}: {}", path.string(), printable(reason, longest)));
 }
 
 void require_undamaged(const std::filesystem::path& path, std::int64_t row, std::span<const double> values,
@@ -146,7 +149,7 @@ RecordingHead head_of(Json description, NumberType numbers) {
     try {
         description.at("sample_rate_hz").get_to(head.sample_rate_hz);
         for (const Json& column : description.at("columns")) {
-            head.columns.push_back({column.at(0), column.at(1), column.at(2)});
+            head.columns.push_back({column.at(0), column.at(1), printable(std::string(column.at(2)))});
         }
         head.provenance = std::move(description.at("provenance"));
     } catch (const Json::exception&) {

@@ -131,7 +131,8 @@ private:
                 refuse("");
             }
             std::ranges::transform(*columns, head_.columns.begin(), [](const Json& column) {
-                return Column{column.at("name"), column.at("quantity"), column.at("unit")};
+                const auto text = [&](const char* key) { return printable(std::string(column.at(key))); };
+                return Column{text("name"), text("quantity"), text("unit")};
             });
         } catch (const std::exception&) {
             refuse("hertzline:columns: allowed: name, quantity and unit of each channel");

@@ -125,8 +125,9 @@ TEST(Endpoint, IpcPathsEndWhereTheSystemsDo) {
     const auto fault = endpoint_fault("ipc://" + longest + "p", EndpointUse::bind);
     ASSERT_TRUE(fault);
     EXPECT_THAT(*fault, HasSubstr("108 bytes, at most 107"));
-    for (const std::string& path : {std::string(), std::string("*"), std::string("@abstract"),
-                                    std::string("/tmp/"), std::string("a\0b", 3)}) {
+    for (const std::string& path :
+         {std::string(), std::string("*"), std::string("@abstract"), std::string("/tmp/"),
+          std::string("a\0b", 3), std::string("a\n"), std::string("\x1b[31m"), std::string("a\x7f")}) {
         EXPECT_TRUE(endpoint_fault("ipc://" + path, EndpointUse::bind)) << path;
     }
 }

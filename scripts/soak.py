@@ -1,0 +1,267 @@
+#!/usr/bin/python3
+"""Streams for a long time to subscribers of all kinds, on busy processors, and keeps the accounts.
+
+    scripts/soak.py --program build/release/hertzline --seconds 1800
+
+One subscriber listens from the first sample to the last: what was sent must have reached it, or it must have noticed that it is
+missing. Another is too slow from beginning to end. Others come and go: some listen for a while, some save what they hear, some are
+killed. Memory and file descriptors of the program are looked at once a second. Prints the figures, then what did not hold; exit
+status 1 if there is anything. Debian: python3-zmq python3-numpy.
+"""
+import argparse
+import json
+import multiprocessing
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import numpy as np
+import zmq
+
+STREAMS = ["v_out", "v_last", "v_plate"]
+SETTLED_S = 600          # queues are full and the heap has its shape: memory is judged from here on
+LONG_ENOUGH_S = 1200     # to judge it at all; shorter runs print how it grew after their first third
+MOST_MIB_PER_HOUR = 1
+VISITORS_AT_A_TIME = 3
+FRAMES_AT_A_TIME = 100   # the slow subscriber takes so many,
+NAP_S = 0.05             # then sleeps: 2000 frames a second of ten thousand
+
+
+def busy():
+    """Load, a little less urgent than what is tested."""
+    os.nice(10)
+    while True:
+        pass
+
+
+def slow_subscriber(endpoint, frames):
+    """Falls behind and stays there; counts the frames that it gets, and those that it missed by their numbers."""
+    socket = zmq.Context().socket(zmq.SUB)
+    socket.set_hwm(100)
+    socket.connect(endpoint)
+    socket.subscribe("v_out/np")
+    due = None
+    while True:
+        for _ in range(FRAMES_AT_A_TIME):
+            seq = json.loads(socket.recv_multipart()[1])["seq"]
+            frames[0] += 1
+            frames[1] += 0 if due is None else seq - due
+            due = seq + 1
+        time.sleep(NAP_S)
+
+
+class Stream:
+    """The program under test."""
+
+    def __init__(self, program, scene, folder):
+        said = pathlib.Path(folder, "stderr")
+        with said.open("w", encoding="utf-8") as file:
+            self.process = subprocess.Popen(
+                [program, "stream", scene, "--json", "--bind", "tcp://127.0.0.1:*", "--wait-for-subscriber"],
+                stdout=subprocess.PIPE, stderr=file, text=True)
+        while self.process.poll() is None:
+            lines = said.read_text(encoding="utf-8").splitlines()
+            if "info: waiting for a subscriber" in lines:
+                self.endpoint = next(line.split()[-1] for line in lines if line.startswith("info: endpoint "))
+                return
+            time.sleep(0.05)
+        sys.exit("soak.py: the stream did not start: " + said.read_text(encoding="utf-8"))
+
+    def memory_mib(self):
+        rollup = pathlib.Path(f"/proc/{self.process.pid}/smaps_rollup").read_text(encoding="ascii")
+        return next(int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Rss:")) / 1024
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+
+    def end(self):
+        """Ctrl-C; the summary, and how long it took [s]."""
+        began = time.monotonic()
+        self.process.send_signal(signal.SIGINT)
+        out, _ = self.process.communicate(timeout=60)
+        if self.process.returncode != 0:
+            sys.exit(f"soak.py: the stream ended with status {self.process.returncode}")
+        return json.loads(out), time.monotonic() - began
+
+
+class Visitors:
+    """Subscribers that come and go: each third one saves what it hears, each third one is killed."""
+
+    def __init__(self, program, endpoint, folder):
+        self.listen = [program, "listen", "--json", "--connect", endpoint]
+        self.folder = pathlib.Path(folder)
+        self.present = []  # (process, when it is killed or None, its file or None)
+        self.random = random.Random(1)
+        self.came = self.killed = self.recordings = self.odd = self.frames = self.lost = 0
+
+    def come(self):
+        """One more, unless there are enough."""
+        if len(self.present) == VISITORS_AT_A_TIME:
+            return
+        self.came += 1
+        stay_s = self.random.uniform(0.2, 3)
+        kill_at, file, end = None, None, ["--duration", str(stay_s)]
+        if self.came % 3 == 0:
+            kill_at, end = time.monotonic() + stay_s, []
+        elif self.came % 3 == 1:
+            file = self.folder / f"{self.came}.csv"
+            end = ["--duration", "0.02", "-o", file]
+        process = subprocess.Popen([*self.listen, "--stream", self.random.choice(STREAMS), *end],
+                                   stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.present.append((process, kill_at, file))
+
+    def see_off(self):
+        """Kills those whose time has come, and takes the accounts of those that are done."""
+        for visitor in list(self.present):
+            process, kill_at, file = visitor
+            if kill_at and time.monotonic() > kill_at:
+                process.kill()
+                self.killed += 1
+            elif process.poll() is None:
+                continue
+            self.present.remove(visitor)
+            out, _ = process.communicate()
+            if not kill_at:
+                self.take(json.loads(out), file)
+
+    def take(self, summary, file):
+        """What a visitor says that it heard; a recording must hold as much."""
+        self.frames += summary["frames"]
+        self.lost += summary["frames_lost_on_the_way"]
+        sound = summary["ended_by"] == "duration" and is_in_order(summary)
+        if file:
+            self.recordings += 1
+            with file.open("rb") as rows:
+                sound = sound and sum(1 for _ in rows) == summary["samples"] + 1
+            file.unlink()
+        self.odd += not sound
+
+
+def is_in_order(heard):
+    return not any(heard[name] for name in
+                   ["frames_repeated", "frames_out_of_order", "frames_inconsistent", "messages_malformed"])
+
+
+def growth(memory):
+    """Slope of the memory [MiB/h] and the half width of its 95 % interval, by least squares through the lowest figure of each
+    twentieth of the time: queues of subscribers come and go, a leak stays."""
+    lowest = [min(part, key=lambda sample: sample[1]) for part in np.array_split(np.array(memory), min(20, len(memory)))]
+    hours, mib = np.transpose(lowest) / [[3600], [1]]
+    slope, offset = np.polyfit(hours, mib, 1)
+    rest = mib - (slope * hours + offset)
+    error = np.sqrt(rest @ rest / (len(hours) - 2) / np.sum((hours - hours.mean()) ** 2))
+    return slope, 2.1 * error
+
+
+def settled(memory):
+    """Without the beginning, during which queues fill."""
+    start = min(SETTLED_S, memory[-1][0] / 3)  # [s]
+    return [sample for sample in memory if sample[0] >= start]
+
+
+def until(holds, patience_s):
+    deadline = time.monotonic() + patience_s
+    while not holds() and time.monotonic() < deadline:
+        time.sleep(0.1)
+
+
+def soak(wish, folder):
+    """Runs it all; what was seen, by name."""
+    stream = Stream(wish.program, wish.scene, folder)
+    steady = subprocess.Popen([wish.program, "listen", "--json", "--connect", stream.endpoint],
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    time.sleep(1)  # it is the one that starts the stream
+    slow = multiprocessing.Array("q", 2)
+    helpers = [multiprocessing.Process(target=slow_subscriber, args=(stream.endpoint, slow), daemon=True)]
+    helpers += [multiprocessing.Process(target=busy, daemon=True) for _ in range(os.cpu_count())]
+    for helper in helpers:
+        helper.start()
+    until(lambda: slow[0] > 0, 60)
+    before = stream.descriptors()
+
+    visitors = Visitors(wish.program, stream.endpoint, folder)
+    began = time.monotonic()
+    memory = [(0, stream.memory_mib())]
+    descriptors = [before]
+    while memory[-1][0] < wish.seconds and stream.process.poll() is None:
+        visitors.come()
+        for _ in range(10):
+            visitors.see_off()
+            time.sleep(0.1)
+        memory.append((time.monotonic() - began, stream.memory_mib()))
+        descriptors.append(stream.descriptors())
+    until(lambda: visitors.see_off() or not visitors.present, 60)
+    until(lambda: stream.descriptors() == before, 20)  # a connection that was cut is noticed soon, not at once
+    after = stream.descriptors()
+    summary, ending_s = stream.end()
+    heard = json.loads(steady.communicate(timeout=60)[0])
+    for helper in helpers:
+        helper.kill()
+    return {"summary": summary, "heard": heard, "slow": list(slow), "visitors": visitors, "ending_s": ending_s,
+            "memory": settled(memory), "long_enough": memory[-1][0] >= LONG_ENOUGH_S,
+            "descriptors": (before, max(descriptors), after)}
+
+
+def account(seen):
+    """The figures that are printed, and the demands that they have to meet."""
+    summary, heard, visitors = seen["summary"], seen["heard"], seen["visitors"]
+    sent, dropped = summary["v_out_np_sent"], summary["v_out_np_dropped"]
+    # Frames missing at the very end show in the count of samples alone.
+    frame = heard["samples"] / max(1, heard["frames"])
+    missing = round(heard["missing_samples"] / frame) if frame else 0
+    lost = missing - heard["frames_dropped_by_sender"]
+    unaccounted = sent - heard["frames"] - lost
+    slope, error = growth(seen["memory"])
+    before, most, after = seen["descriptors"]
+    mib = [sample[1] for sample in seen["memory"]]
+    figures = {
+        "streamed": f"{summary['simulated_s']:.1f} s, real-time factor {summary['real_time_factor']:.5f}",
+        "frames sent": sent,
+        "dropped by the program": dropped,
+        "late": f"{summary['late_frames']}, by {1e3 * summary['largest_lateness_s']:.1f} ms at most",
+        "received from first to last": heard["frames"],
+        "lost on the way": lost,
+        "unaccounted": unaccounted,
+        "slow subscriber": f"received {seen['slow'][0]}, knows of {seen['slow'][1]} missing",
+        "visitors": f"{visitors.came}, of them {visitors.killed} killed, {visitors.recordings} recording; "
+                    f"received {visitors.frames}, lost on the way {visitors.lost}",
+        "memory": f"{np.mean(mib):.1f} MiB ({min(mib):.1f} to {max(mib):.1f}), growing by {slope:.2f} +- {error:.2f} MiB/h"
+                  + ("" if seen["long_enough"] else ", too short to judge"),
+        "file descriptors": f"{before} before the visitors, {most} at most, {after} after them",
+        "ended after": f"{seen['ending_s']:.2f} s",
+    }
+    demands = {
+        "frames are unaccounted for": unaccounted == 0 and heard["frames_dropped_by_sender"] == dropped,
+        "the steady listener did not hear the end": heard["ended_by"] == "end of run" and heard["first_sample"] == 0,
+        "frames came twice, late or contradictory": is_in_order(heard),
+        f"{visitors.odd} visitors did not get what they wanted": visitors.odd == 0 and not visitors.present,
+        "the slow subscriber was not slow": seen["slow"][0] > 0 and seen["slow"][1] > 0,
+        f"memory grows by more than {MOST_MIB_PER_HOUR} MiB/h": slope - error < MOST_MIB_PER_HOUR or not seen["long_enough"],
+        "file descriptors were left open": after == before,
+        "the end took more than a second": seen["ending_s"] < 1,
+    }
+    return figures, [fault for fault, held in demands.items() if not held]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
+    parser.add_argument("--seconds", type=float, default=1800, help="how long (%(default)s)")
+    parser.add_argument("--scene", default="paper-stream", help="what to stream (%(default)s)")
+    wish = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        figures, faults = account(soak(wish, folder))
+    for name, value in figures.items():
+        print(f"{name:28} {value}")
+    for fault in faults:
+        print(f"soak.py: {fault}", file=sys.stderr)
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()

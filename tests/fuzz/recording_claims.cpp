@@ -1,0 +1,76 @@
+#include "tests/fuzz/recording_claims.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "stream/provenance.hpp"
+#include "stream/recording_formats.hpp"
+#include "stream/replay_source.hpp"
+#include "tests/fuzz/claim.hpp"
+
+namespace hertzline::fuzz {
+
+namespace {
+
+constexpr std::size_t longest_message = 500;  // or of the name of a column
+constexpr std::int64_t most_rows = 10'000;  // more of the same would show nothing new
+constexpr std::size_t portion = 7;
+
+void claim_head(const RecordingHead& head) {
+    claim(!head.columns.empty(), "a recording has columns");
+    for (const Column& column : head.columns) {
+        claim_message(column.name + ", " + column.quantity + ", " + column.unit, longest_message);
+    }
+    claim(provenance_of_meta(head.provenance).is_object(), "a replay can say where its samples come from");
+    claim(std::isfinite(head.sample_rate_hz) && head.sample_rate_hz >= 0, "a rate is a number");
+}
+
+/// How many rows there are.
+std::int64_t claim_rows(RecordingReader& reader) {
+    const std::size_t columns = reader.head().columns.size();
+    std::int64_t count = 0;
+    std::int64_t due = 0;
+    for (RecordedRows rows; count < most_rows && reader.read(rows, portion);) {
+        claim(!rows.values.empty() && rows.values.size() % columns == 0, "rows are whole");
+        claim(rows.values.size() <= portion * columns, "rows are not more than were asked for");
+        claim(rows.first >= due, "rows never go back");
+        claim(std::all_of(rows.values.begin(), rows.values.end(), [](double v) { return std::isfinite(v); }),
+              "samples are finite");
+        const auto taken = static_cast<std::int64_t>(rows.values.size() / columns);
+        due = rows.first + taken;
+        count += taken;
+    }
+    return count;
+}
+
+void claim_replay(const std::filesystem::path& path, std::int64_t rows) {
+    auto reader = open_reader(path);
+    const double told_hz = reader->head().sample_rate_hz;  // 0: it does not tell
+    ReplaySource source(std::move(reader), told_hz > 0 ? told_hz : 1, portion);
+    Samples samples = source.make_block();
+    const TapSet taps = source.format().taps;
+    std::int64_t count = 0;
+    while (count < most_rows && source.read(samples, portion, taps)) {
+        count += static_cast<std::int64_t>(samples.count);
+    }
+    claim(std::min(count, most_rows) == std::min(rows, most_rows), "a replay has the recording's samples");
+}
+
+}  // namespace
+
+void claim_recording_or_fault(const std::filesystem::path& path) {
+    try {
+        const auto reader = open_reader(path);
+        claim_head(reader->head());
+        if (const std::int64_t rows = claim_rows(*reader); rows > 0) {
+            claim_replay(path, rows);
+        }
+    } catch (const std::runtime_error& error) {
+        claim_message(error.what(), longest_message);
+    }
+}
+
+}  // namespace hertzline::fuzz

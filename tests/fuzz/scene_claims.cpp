@@ -1,0 +1,96 @@
+#include "tests/fuzz/scene_claims.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "core/chain.hpp"
+#include "core/scene_fields.hpp"
+#include "core/simulation.hpp"
+#include "core/stability.hpp"
+#include "core/tone_burst.hpp"
+#include "tests/fuzz/claim.hpp"
+
+namespace hertzline::fuzz {
+
+namespace {
+
+/// Keys and texts are cut in messages; what is allowed may be a list of names.
+constexpr std::size_t longest_message = 2000;
+
+struct FiniteNumbers {
+    template <class Member, class Allowed>
+    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) const {
+        if (member) {
+            (*this)(key, *member, allowed);
+        }
+    }
+    template <class Member, class Allowed>
+    void operator()(std::string_view key, const Member& member, const Allowed& /*allowed*/) const {
+        if constexpr (std::is_same_v<Member, double>) {
+            claim(std::isfinite(member), "an accepted number is finite", std::string(key));
+        }
+    }
+};
+
+void claim_finite_numbers(const Scene& scene) {
+    fields::visit_scene(scene, FiniteNumbers{});
+    for (const auto& [name, material] : scene.materials) {
+        if (const auto* solid = std::get_if<Solid>(&material)) {
+            fields::visit_solid(*solid, FiniteNumbers{});
+        } else {
+            fields::visit_fluid(std::get<Fluid>(material), FiniteNumbers{});
+        }
+    }
+}
+
+void claim_round_trip(const Scene& scene) {
+    const std::string text = to_toml(scene);
+    const SceneResult again = parse_scene(text, "again.toml");
+    claim(again.scene == scene, "what is written reads back", text);
+    claim(to_toml(*again.scene) == text, "equal scenes have one text", text);
+}
+
+/// What is derived from a scene without simulating it.
+void claim_finite_constants(const Scene& scene) {
+    claim(Simulation::memory_bytes(scene, {}) > 0, "a simulation needs memory");
+    constexpr std::int64_t short_chain = 100;
+    if (scene.chain.spheres > short_chain) {
+        return;
+    }
+    const Chain chain(scene);
+    for (const auto* constants : {&chain.stiffness, &chain.static_overlap, &chain.static_force,
+                                  &chain.damping, &chain.inv_mass, &chain.spring, &chain.bias}) {
+        claim(constants->allFinite(), "the chain's constants are finite", to_toml(scene));
+    }
+    claim(chain.transmission >= 0 && chain.transmission <= 2, "a transmission coefficient", to_toml(scene));
+    const auto overlaps = expected_overlaps(chain, scene.drive);
+    claim(!overlaps.isNaN().any(), "overlaps are numbers", to_toml(scene));
+    for (const Integrator integrator : {Integrator::leapfrog, Integrator::taylor8}) {
+        claim(largest_stable_step(chain, overlaps, integrator) >= 0, "the stability limit is a number",
+              to_toml(scene));
+    }
+    const ToneBurst burst(scene.drive, scene.numerics.step_s.value_or(1e-9));
+    for (const std::int64_t step : {0, 1, 1'000'000}) {
+        const HornMotion motion = burst.at(step, 0);
+        claim(std::isfinite(motion.x) && std::isfinite(motion.v) && std::isfinite(motion.a),
+              "the horn's motion is finite", to_toml(scene));
+    }
+}
+
+}  // namespace
+
+void claim_scene_or_faults(const SceneResult& result) {
+    claim(result.scene.has_value() == result.problems.empty(), "there is a scene or a problem");
+    for (const Problem& problem : result.problems) {
+        claim_message(problem.message(), longest_message);
+    }
+    if (result) {
+        claim_finite_numbers(*result.scene);
+        claim_round_trip(*result.scene);
+        claim_finite_constants(*result.scene);
+    }
+}
+
+}  // namespace hertzline::fuzz

@@ -1,0 +1,12 @@
+#pragma once
+// What must hold of any text that was read as a scene.
+
+#include "core/scene_toml.hpp"
+
+namespace hertzline::fuzz {
+
+/// A scene or faults, never both, never neither. Faults are fit for a terminal. A scene holds allowed numbers
+/// only, is the same after it was written and read again, and gives finite constants.
+void claim_scene_or_faults(const SceneResult& result);
+
+}  // namespace hertzline::fuzz
