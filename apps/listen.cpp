@@ -71,8 +71,8 @@ void refuse_wrong_use(const ListenOptions& options) {
 }
 
 /// How long a silence may last [s]. A stream that runs sends its meta once a second, so one that was heard
-/// and falls silent is gone: it was killed, or its end was lost in a full queue. As long as the heartbeats of
-/// stream/subscriber take to tell.
+/// and falls silent is gone: it was killed, or its end was lost in a full queue. As long as
+/// stream/subscriber takes to notice that a machine is gone.
 double patience(const Listening& listening, const ListenOptions& options) {
     constexpr double for_a_stream_that_was_heard = 15;
     constexpr double for_one_to_come = std::numeric_limits<double>::infinity();

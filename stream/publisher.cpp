@@ -52,7 +52,6 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
 }
 
 void Publisher::set_options(const std::string& endpoint, const PublisherOptions& options) {
-    const auto heartbeat = static_cast<int>(options.heartbeat.count());
     socket_.set(zmq::sockopt::sndhwm, options.send_high_water_mark);
     socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
     // Tells of every subscriber, not of a topic's first one only: each has to be sent the meta message.
@@ -67,10 +66,11 @@ void Publisher::set_options(const std::string& endpoint, const PublisherOptions&
     socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options.handshake.count()));
     // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
     socket_.set(zmq::sockopt::backlog, 128);
-    // Without them a peer whose machine froze is never noticed and its queue stays.
-    socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
-    socket_.set(zmq::sockopt::heartbeat_timeout, 3 * heartbeat);
-    // For peers too old for heartbeats (libzmq 3): the system then notices that their machine is gone.
+    // A frozen peer is left to the system to notice. ZeroMQ's heartbeats would, too, but (4.3.4) end the
+    // whole program when one is due on a connection that broke while its subscriptions still waited to be
+    // read.
+    socket_.set(zmq::sockopt::tcp_maxrt, static_cast<int>(options.unread.count()));
+    // The same for one that nothing is sent to.
     socket_.set(zmq::sockopt::tcp_keepalive, 1);
     socket_.set(zmq::sockopt::tcp_keepalive_idle, 60);
     socket_.set(zmq::sockopt::tcp_keepalive_intvl, 10);

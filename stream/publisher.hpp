@@ -32,9 +32,9 @@ struct PublisherOptions {
     /// How long the destructor waits for subscribers to take what was sent last. With all the rest it is to
     /// stay below the second in which Ctrl-C ends a stream.
     std::chrono::milliseconds linger{600};
-    /// A tcp subscriber that does not answer for three of these is gone. One whose queue is full does not
-    /// read our questions either, so this is also how long an analyser may pause without being disconnected.
-    std::chrono::milliseconds heartbeat{5000};
+    /// A tcp subscriber whose machine has taken nothing of what was sent for so long is gone: also how long
+    /// an analyser may pause, once its own buffers are full, without being disconnected.
+    std::chrono::milliseconds unread{15000};
     /// A peer that has not introduced itself by then is cut off: connections that say nothing cost a
     /// descriptor each. Three round trips and a little arithmetic fit many times, however busy the peer's
     /// program is.

@@ -63,13 +63,16 @@ Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& opt
 }
 
 void Subscriber::set_options(const std::string& endpoint, const SubscriberOptions& options) {
-    const auto heartbeat = static_cast<int>(options.heartbeat.count());
     const auto handshake = static_cast<int>(options.handshake.count());
     socket_.set(zmq::sockopt::rcvhwm, options.receive_high_water_mark);
     socket_.set(zmq::sockopt::linger, 0);  // nothing that we send is worth waiting for
     socket_.set(zmq::sockopt::maxmsgsize, options.max_part_bytes);
-    socket_.set(zmq::sockopt::heartbeat_ivl, heartbeat);
-    socket_.set(zmq::sockopt::heartbeat_timeout, 3 * heartbeat);
+    // A publisher whose machine is gone is connected anew after a quarter of a minute. No heartbeats: see
+    // publisher.cpp.
+    socket_.set(zmq::sockopt::tcp_keepalive, 1);
+    socket_.set(zmq::sockopt::tcp_keepalive_idle, 5);
+    socket_.set(zmq::sockopt::tcp_keepalive_intvl, 5);
+    socket_.set(zmq::sockopt::tcp_keepalive_cnt, 2);
     socket_.set(zmq::sockopt::handshake_ivl, handshake);
     socket_.set(zmq::sockopt::connect_timeout, handshake);
     socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));

