@@ -90,7 +90,8 @@ TEST(Recordings, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
     const Outcome streamed = stream.wait();
     ASSERT_EQ(streamed.status, 0) << streamed.err;
     ASSERT_EQ(heard.status, 0) << heard.err;
-    for (const json& one : streamed.json()["recordings"]) {
+    const json summary = streamed.json();
+    for (const json& one : summary["recordings"]) {
         EXPECT_EQ(one["status"], "complete");
         EXPECT_EQ(one["samples"], 20'000);
     }
