@@ -23,8 +23,8 @@ MemoryFolder::~MemoryFolder() {
 
 void MemoryFolder::hold(const std::string& name, std::string_view bytes) const {
     const int descriptor = ::open(file(name).c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-    const bool held =
-        descriptor >= 0 && ::write(descriptor, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
+    const bool held = descriptor >= 0 &&
+                      ::write(descriptor, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size());
     claim(held, "there is memory for files");
     ::close(descriptor);
 }

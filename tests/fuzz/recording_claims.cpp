@@ -16,7 +16,7 @@ namespace hertzline::fuzz {
 namespace {
 
 constexpr std::size_t longest_message = 500;  // or of the name of a column
-constexpr std::int64_t most_rows = 10'000;  // more of the same would show nothing new
+constexpr std::int64_t most_rows = 10'000;    // more of the same would show nothing new
 constexpr std::size_t portion = 7;
 
 void claim_head(const RecordingHead& head) {

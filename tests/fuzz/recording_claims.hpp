@@ -6,8 +6,8 @@
 namespace hertzline::fuzz {
 
 /// The recording opens, or a std::runtime_error says why not, in a message that is fit for a terminal. What
-/// opens has columns with names and units of a line, a rate, and rows of finite numbers that never go back, or it
-/// breaks off with such an error. What it holds can be streamed.
+/// opens has columns with names and units of a line, a rate, and rows of finite numbers that never go back,
+/// or it breaks off with such an error. What it holds can be streamed.
 void claim_recording_or_fault(const std::filesystem::path& path);
 
 }  // namespace hertzline::fuzz
