@@ -92,8 +92,13 @@ void listen_to_the_end(Subscriber& subscriber, Listening& listening, ProgressLin
     while (listening.ending() == Ending::none) {
         const Message* message = subscriber.receive(nap);
         if (message != nullptr) {
+            const bool knew_the_run = listening.knows_the_run();
             listening.take(*message);
             last_heard = steady_clock::now();
+            if (listening.knows_the_run() && !knew_the_run) {
+                // Only now: the first frame shall find us knowing where it comes from.
+                subscriber.subscribe(listening.topic());
+            }
         } else if (seconds_since(last_heard) > patience(listening, options)) {
             listening.end(Ending::silence);
         }
@@ -140,7 +145,6 @@ Exit listen(const ListenOptions& options) {
     Subscriber subscriber(options.endpoint, subscriber_options);
     subscriber.subscribe(meta_topic);
     subscriber.subscribe(end_topic);
-    subscriber.subscribe(names_of(tap).np_topic);  // last: it may start the stream
     listen_to_the_end(subscriber, listening, line, options);
     line.clear();
 

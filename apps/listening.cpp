@@ -61,7 +61,7 @@ Listening::Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::s
     : tap_(tap), wanted_s_(wanted_s), files_(std::move(files)), tell_(std::move(tell)) {}
 
 void Listening::take(const Message& message) {
-    if (message.topic() == names_of(tap_).np_topic) {
+    if (message.topic() == topic()) {
         take_frame(message);
     } else if (message.topic() == meta_topic) {
         take_meta(message);
@@ -95,6 +95,7 @@ void Listening::take_meta(const Message& message) {
         note_malformed("meta without streams");
         return;
     }
+    knows_the_run_ = true;
     provenance_ = provenance_of_meta(meta);
     std::vector<std::string> names;
     for (const Json& stream : meta["streams"]) {

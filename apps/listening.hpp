@@ -55,6 +55,11 @@ public:
     /// Something was received, and nothing was missing, odd or cut short.
     bool sound() const noexcept;
 
+    /// The stream has said what it is.
+    bool knows_the_run() const noexcept { return knows_the_run_; }
+    /// Of the frames that are listened to.
+    std::string_view topic() const noexcept { return names_of(tap_).np_topic; }
+
     bool heard_samples() const noexcept { return check_.totals().frames > 0; }
     double simulated_s() const noexcept { return fs_ > 0 ? static_cast<double>(samples_) / fs_ : 0; }
 
@@ -78,6 +83,7 @@ private:
     std::optional<Recordings> recordings_;  // once the first frame has told what is in them
     Json provenance_ = Json::object();      // as meta says
     Ending ending_ = Ending::none;
+    bool knows_the_run_ = false;
 
     // of the run that is listened to
     std::string run_;

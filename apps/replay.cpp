@@ -18,8 +18,10 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "The streams are the recording's v_out, v_last, v_plate and v_chain; of a recording that has none of these,\n"
-    "one column is streamed as v_out and several as v_chain. Sample indices are the recording's, gaps included.\n"
+    "The streams are the recording's v_out, v_last, v_plate and v_chain; of a recording that has none of "
+    "these,\n"
+    "one column is streamed as v_out and several as v_chain. Sample indices are the recording's, gaps "
+    "included.\n"
     "Examples:\n"
     "  hertzline replay burst.sigmf-meta\n"
     "  hertzline replay burst.h5 --pace 0.01 --wait-for-subscriber\n"

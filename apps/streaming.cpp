@@ -97,8 +97,8 @@ void add_streaming_options(CLI::App& command, StreamingRequest& request) {
         .add_option("--on-overrun", request.on_overrun,
                     "what becomes of a frame whose time has passed while the program was held up: drop (and "
                     "count) it, or wait and fall behind (default: drop, with --record wait)")
-        ->transform(CLI::CheckedTransformer(
-            std::map<std::string, OnOverrun>{{"drop", OnOverrun::drop}, {"wait", OnOverrun::wait}})
+        ->transform(CLI::CheckedTransformer(std::map<std::string, OnOverrun>{{"drop", OnOverrun::drop},
+                                                                             {"wait", OnOverrun::wait}})
                         .description(""))
         ->type_name("WORD");
     command.add_flag(

@@ -19,6 +19,8 @@ constexpr Nanoseconds meta_period = milliseconds(1000);
 constexpr double release_period_s = 1e-3;
 /// Subscribers that come together shall all get sample 0.
 constexpr Nanoseconds gathering = milliseconds(200);
+/// Flat out there is no rest between two blocks; looking for subscriptions takes a system call.
+constexpr Nanoseconds subscriptions_period = microseconds(200);
 constexpr Nanoseconds idle_nap = milliseconds(1);
 constexpr Nanoseconds empty_ring_nap = microseconds(200);
 
@@ -93,13 +95,13 @@ PublisherOptions Pipeline::publisher_options(const StreamFormat& format) noexcep
 
 void Pipeline::listen_for_subscriptions() {
     const std::size_t news = publisher_.poll_subscriptions();
-    TapSet wanted;
+    wanted_raw_ = wanted_np_ = TapSet();
     for (const Tap tap : format_.taps) {
         const TapNames names = names_of(tap);
-        if (publisher_.wanted(names.raw_topic) || publisher_.wanted(names.np_topic)) {
-            wanted |= tap;
-        }
+        wanted_raw_ |= publisher_.wanted(names.raw_topic) ? TapSet(tap) : TapSet();
+        wanted_np_ |= publisher_.wanted(names.np_topic) ? TapSet(tap) : TapSet();
     }
+    const TapSet wanted = wanted_raw_ | wanted_np_;
     const std::uint32_t wish = producer_.want(wanted);
     for (const Tap tap : wanted - wanted_) {
         wanted_since_[static_cast<std::size_t>(tap)] = wish;
@@ -113,11 +115,10 @@ void Pipeline::listen_for_subscriptions() {
     }
 }
 
-void Pipeline::start_when_ready() {
+void Pipeline::start_when_ready(Nanoseconds now) {
     if (started_) {
         return;
     }
-    const Nanoseconds now = MonotonicClock::now();
     const bool gathered = first_subscription_ != Nanoseconds{0} && now - first_subscription_ >= gathering;
     if (plan_.start == StreamStart::at_once || gathered) {
         started_ = true;
@@ -130,6 +131,10 @@ void Pipeline::start_when_ready() {
 /// Waits until the block's last sample is due, rounded up to the release period. @returns how late it then
 /// is.
 Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>& stop) {
+    if (pacer_.flat_out()) {
+        return Nanoseconds{0};
+    }
+    look_at_ring();
     const double samples_per_release = format_.sample_rate_hz * plan_.pace.times() * release_period_s;
     const auto grain = static_cast<std::uint64_t>(std::max(1.0, samples_per_release));
     const auto end =
@@ -138,7 +143,7 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
     MonotonicClock clock;
     wait_until_due(clock, pacer_, deadline, [&] {
         listen_for_subscriptions();
-        report();
+        report(MonotonicClock::now());
         return !stop.load(std::memory_order_relaxed);
     });
     return pacer_.lateness(MonotonicClock::now(), deadline);
@@ -146,8 +151,8 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
 
 void Pipeline::send_tap(const Block& block, Tap tap) {
     const TapNames names = names_of(tap);
-    const bool raw = publisher_.wanted(names.raw_topic);
-    const bool np = publisher_.wanted(names.np_topic);
+    const bool raw = wanted_raw_.contains(tap);
+    const bool np = wanted_np_.contains(tap);
     if (!raw && !np) {
         return;
     }
@@ -178,9 +183,11 @@ void Pipeline::count_dropped(std::uint64_t dropped) {
     const auto more = static_cast<std::int64_t>(dropped - dropped_counted_);
     dropped_counted_ = dropped;
     meters_.dropped_frames += more;
-    for (const Tap tap : format_.taps) {
-        meters_.raw(tap).dropped += publisher_.wanted(names_of(tap).raw_topic) ? more : 0;
-        meters_.np(tap).dropped += publisher_.wanted(names_of(tap).np_topic) ? more : 0;
+    for (const Tap tap : wanted_raw_) {
+        meters_.raw(tap).dropped += more;
+    }
+    for (const Tap tap : wanted_np_) {
+        meters_.np(tap).dropped += more;
     }
 }
 
@@ -205,6 +212,9 @@ void Pipeline::count(const Block& block, Nanoseconds lateness) {
     meters_.simulated_s = static_cast<double>(meters_.samples - producer_.origin()) / format_.sample_rate_hz;
     meters_.account = block.account;
     meters_.energy_residual = block.energy_residual;
+}
+
+void Pipeline::look_at_ring() {
     const RingBuffer<Block>& ring = producer_.ring();
     meters_.ring_fill = static_cast<double>(ring.size()) / static_cast<double>(ring.capacity());
     meters_.ring_high_water = std::max(meters_.ring_high_water, meters_.ring_fill);
@@ -222,10 +232,10 @@ void Pipeline::measure(Nanoseconds now) {
 }
 
 /// Meters ten times, meta once a second.
-void Pipeline::report() {
-    const Nanoseconds now = MonotonicClock::now();
+void Pipeline::report(Nanoseconds now) {
     if (now >= next_meters_) {
         next_meters_ = now + meters_period;
+        look_at_ring();
         measure(now);
         if (publisher_.wanted(meters_topic)) {
             producer_.want_residual();
@@ -243,9 +253,11 @@ void Pipeline::report() {
 
 void Pipeline::deliver(const std::atomic<bool>& stop) {
     RingBuffer<Block>& ring = producer_.ring();
+    Nanoseconds listened{0};
     while (!stop.load(std::memory_order_relaxed)) {
-        start_when_ready();
-        report();
+        const Nanoseconds now = MonotonicClock::now();
+        start_when_ready(now);
+        report(now);
         const bool finished = producer_.finished();
         const Block* block = ring.try_front();
         if (block == nullptr) {
@@ -253,15 +265,18 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
                 return;
             }
             listen_for_subscriptions();
-            MonotonicClock::sleep_until(MonotonicClock::now() +
-                                        (pacer_.flat_out() ? empty_ring_nap : idle_nap));
+            MonotonicClock::sleep_until(now + (pacer_.flat_out() ? empty_ring_nap : idle_nap));
             continue;
         }
         const Nanoseconds lateness = hold_until_due(*block, stop);
         if (stop.load(std::memory_order_relaxed)) {
             return;
         }
-        listen_for_subscriptions();  // the last moment: who came while we slept gets meta before this block
+        if (!pacer_.flat_out() || now - listened >= subscriptions_period) {
+            listen_for_subscriptions();  // the last moment: who came while we slept gets meta before this
+                                         // block
+            listened = now;
+        }
         release(*block);
         count(*block, lateness);
         ring.pop();

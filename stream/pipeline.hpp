@@ -62,8 +62,9 @@ private:
     void send_tap(const Block& block, Tap tap);
     void count_dropped(std::uint64_t dropped);
     void listen_for_subscriptions();
-    void start_when_ready();
-    void report();
+    void start_when_ready(Nanoseconds now);
+    void report(Nanoseconds now);
+    void look_at_ring();
     void measure(Nanoseconds now);
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
 
@@ -78,6 +79,8 @@ private:
     const StreamEvents* events_ = nullptr;
 
     bool started_ = false;
+    TapSet wanted_raw_;
+    TapSet wanted_np_;
     TapSet wanted_;
     std::array<std::uint32_t, all_taps.size()> wanted_since_{};  // number of the wish that began it
     StreamMeters meters_;

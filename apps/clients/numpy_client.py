@@ -1,10 +1,18 @@
 #!/usr/bin/python3
-"""Collects samples of a running hertzline stream: numpy_client.py [ENDPOINT [STREAM [SAMPLES [FILE]]]]"""
+"""Collects samples of a running hertzline stream: numpy_client.py [ENDPOINT [STREAM [SAMPLES [FILE [KEY SERVER_KEY]]]]]
+
+An encrypted stream needs our KEY (NAME.key_secret, as hertzline keys makes it) and the stream's public SERVER_KEY.
+"""
 import json, sys
 import numpy as np, zmq
+from zmq.auth import load_certificate
 
-endpoint, stream, samples, file = sys.argv[1:] + ["tcp://127.0.0.1:5573", "v_out", "10000", ""][len(sys.argv) - 1:]
+usual = ["tcp://127.0.0.1:5573", "v_out", "10000", "", "", ""]
+endpoint, stream, samples, file, key, server_key = sys.argv[1:] + usual[len(sys.argv) - 1:]
 socket = zmq.Context().socket(zmq.SUB)
+if key:
+    socket.curve_publickey, socket.curve_secretkey = load_certificate(key)
+    socket.curve_serverkey, _ = load_certificate(server_key)
 socket.connect(endpoint)
 socket.subscribe("meta")
 meta = json.loads(socket.recv_multipart()[1])  # waited for, before the first frame

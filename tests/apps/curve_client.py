@@ -1,19 +1,17 @@
 #!/usr/bin/python3
-"""A Python client of an encrypted stream: with a listed key it gets every sample that `run` makes, without it none.
+"""A Python client of an encrypted stream: with a listed key it gets every sample that `run` makes.
 
-    curve_client.py PROGRAM
+    curve_client.py PROGRAM NUMPY_CLIENT
 """
-import json
 import pathlib
 import subprocess
 import sys
 import tempfile
 
 import numpy as np
-import zmq
 import zmq.auth
 
-PATIENCE_MS = 60_000
+PATIENCE_S = 60
 
 
 def make_keys(program, folder):
@@ -38,24 +36,11 @@ def start_stream(program, folder):
     sys.exit("the stream did not start: " + "".join(said))
 
 
-def received(context, endpoint, server_certificate, certificate):
-    """All samples of v_out, as float32."""
-    frames = []
-    with context.socket(zmq.SUB) as socket:
-        socket.linger = 0
-        socket.rcvtimeo = PATIENCE_MS
-        socket.curve_publickey, socket.curve_secretkey = zmq.auth.load_certificate(certificate)
-        socket.curve_serverkey, _ = zmq.auth.load_certificate(server_certificate)
-        socket.connect(endpoint)
-        for topic in ("end", "v_out/np"):
-            socket.subscribe(topic)
-        while True:
-            topic, *parts = socket.recv_multipart()
-            if topic == b"end":
-                return np.concatenate(frames)
-            header = json.loads(parts[0])
-            assert header["sample"] == sum(map(len, frames)), "a gap"
-            frames.append(np.frombuffer(parts[1], header["dtype"]))
+def received(client, endpoint, file, certificate, server_certificate):
+    """What the client of apps/clients saves of v_out, as float32."""
+    subprocess.run(["/usr/bin/python3", "-B", client, endpoint, "v_out", "20000", file, certificate, server_certificate],
+                   check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
+    return np.fromfile(file, "<f4")
 
 
 def run(program, folder):
@@ -66,16 +51,16 @@ def run(program, folder):
 
 
 def main():
-    program = sys.argv[1]
-    with tempfile.TemporaryDirectory() as name, zmq.Context() as context:
+    program, client = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         make_keys(program, folder)
         expected = run(program, folder)
-        for client in ("alice", "bob"):
+        for owner in ("alice", "bob"):
             stream, endpoint = start_stream(program, folder)
             try:
-                samples = received(context, endpoint, folder / "server.key",
-                                   folder / "clients" / (client + ".key_secret"))
+                samples = received(client, endpoint, folder / "heard.f32",
+                                   folder / "clients" / (owner + ".key_secret"), folder / "server.key")
             finally:
                 stream.kill()
                 stream.wait()

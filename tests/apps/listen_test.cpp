@@ -31,7 +31,9 @@ public:
         frame_.fs = 1e6;
         frame_.n = 10;
         for (int tries = 0; tries < 6000 && !publisher_.wanted(topic); ++tries) {
-            publisher_.poll_subscriptions();
+            if (publisher_.poll_subscriptions() > 0) {
+                send_text("meta", R"({"streams": [{"name": "v_out"}]})");
+            }
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
         EXPECT_TRUE(publisher_.wanted(topic)) << "nobody listens";

@@ -110,14 +110,14 @@ def decimal_comma(stand):
     there = stand.run(*words, german_file, env={**os.environ, **german})
     check(here.returncode == there.returncode == 0, here.stderr + there.stderr)
     check(file.read_text() == german_file.read_text(), "another CSV")
-    differing = {"wall_s", "real_time_factor", "files"}
+    differing = {"wall_s", "real_time_factor", "recordings"}
     summaries = [{key: value for key, value in json.loads(text).items() if key not in differing}
                  for text in (here.stdout, there.stdout)]
     check(summaries[0] == summaries[1], "another summary")
-    with stand.stream("--duration", "0.0251", env=german) as stream:  # with --pace 0.05: half a second
+    with stand.stream("--duration", "0.1251", env=german) as stream:  # with --pace 0.05: two and a half seconds
         stream.process.wait(stands.LONG_ENOUGH_S)
         stream.interrupted = time.monotonic()
-    check(json.loads(stream.summary.read_text())["samples"] == 25_100, "another --duration")
+    check(json.loads(stream.summary.read_text())["samples"] == 125_100, "another --duration")
 
 
 def _on_a_terminal(stand, **env):

@@ -44,8 +44,11 @@ public:
 
 private:
     static void number(const Samples& samples, std::vector<double>& values, std::size_t channels) noexcept {
-        for (std::size_t i = 0; i < samples.count * channels; ++i) {
-            values[i] = static_cast<double>(samples.first) + static_cast<double>(i / channels);
+        double* value = values.data();
+        for (std::size_t i = 0; i < samples.count; ++i) {
+            for (std::size_t channel = 0; channel < channels; ++channel) {
+                *value++ = static_cast<double>(samples.first + static_cast<std::int64_t>(i));
+            }
         }
     }
 
