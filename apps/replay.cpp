@@ -83,8 +83,8 @@ Exit replay(const ReplayOptions& options) {
     ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
     StreamPlan plan = plan_of(options.streaming, rate, OnOverrun::drop);
     plan.about = about(head, options.file);
-    if (const auto shortage = memory_shortage("replaying " + options.file,
-                                              Pipeline::ring_bytes(source.format(), plan.pace))) {
+    if (const auto shortage =
+            memory_shortage("replaying " + options.file, Pipeline::ring_bytes(source.format(), plan.pace))) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();
