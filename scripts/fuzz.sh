@@ -14,7 +14,7 @@ esac
 ./scripts/build.sh fuzz
 
 export UBSAN_OPTIONS=print_stacktrace=1
-most="-timeout=10 -rss_limit_mb=2048"
+most="-timeout=60 -rss_limit_mb=2048"
 found=0
 for target in "$@"; do
     learnt=build/fuzz/corpus/$target
@@ -26,7 +26,7 @@ for target in "$@"; do
         mkdir -p "$learnt.new"
         # by edges, not by how often each was taken: a hundred inputs instead of thousands
         build/fuzz/fuzz_"$target" -set_cover_merge=1 -use_counters=0 $most "$learnt.new" "$kept" "$learnt" >"$log" 2>&1
-        rm -r "$kept" && mv "$learnt.new" "$kept"
+        rm -rf "$kept" && mv "$learnt.new" "$kept"
         echo "$target: $(ls "$kept" | wc -l) inputs kept"
         continue
     fi
