@@ -17,9 +17,9 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include "apps/commands.hpp"
-#include "apps/terminal.hpp"
-#include "core/text.hpp"
+#include "apps/command.hpp"
+#include "apps/console/terminal.hpp"
+#include "core/scene/text.hpp"
 #include "stream/provenance.hpp"
 
 namespace hertzline::app {
@@ -79,7 +79,8 @@ void refuse_unknown_subcommand(const CLI::App& program, int argc, char** argv) {
 
 Exit run_program(int argc, char** argv) {
     CLI::App program{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
-    program.set_version_flag("--version", fmt::format("hertzline {} ({})", program_version(), git_hash()));
+    program.set_version_flag("--version",
+                             fmt::format("hertzline {} ({})", stream::program_version(), stream::git_hash()));
     program.footer(examples);
     const std::vector<Command> commands{
         run_command(program),    stream_command(program), replay_command(program), listen_command(program),

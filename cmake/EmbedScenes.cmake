@@ -12,7 +12,7 @@ foreach(file IN LISTS SCENES)
 endforeach()
 
 file(WRITE "${OUTPUT}" "// Generated from scenes/*.toml by cmake/EmbedScenes.cmake.
-#include \"core/shipped_scenes.hpp\"
+#include \"core/scene/shipped_scenes.hpp\"
 
 #include <array>
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/chain.hpp"
+#include "core/model/chain.hpp"
 
 namespace hertzline {
 

@@ -4,27 +4,28 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/energy.hpp"
-#include "core/sampler.hpp"
-#include "core/series_solver.hpp"
-#include "core/stepped_solver.hpp"
+#include "core/model/energy.hpp"
+#include "core/solvers/sampler.hpp"
+#include "core/solvers/series_solver.hpp"
+#include "core/solvers/stepped_solver.hpp"
 
 namespace hertzline {
 
-std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most, AtRest at_rest) {
+std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most,
+                                    WavefrontTracking tracking) {
     if (!scene.numerics.integrator || !scene.numerics.step_s) {
         throw std::invalid_argument("Simulation: the scene's integrator and step are not resolved");
     }
     if (is_series(*scene.numerics.integrator)) {
         return std::make_unique<SeriesSolver>(scene, chain, most);
     }
-    return std::make_unique<SteppedSolver>(scene, chain, most, at_rest);
+    return std::make_unique<SteppedSolver>(scene, chain, most, tracking);
 }
 
-Simulation::Simulation(const Scene& scene, Wish most, AtRest at_rest)
+Simulation::Simulation(const Scene& scene, Wish most, WavefrontTracking tracking)
     : chain_(std::make_unique<const Chain>(scene)),
       step_s_(exact_step(scene.numerics.step_s.value_or(0), scene.output.sample_rate_hz)),
-      solver_(make_solver(scene, *chain_, most, at_rest)) {}
+      solver_(make_solver(scene, *chain_, most, tracking)) {}
 
 void Simulation::reset() noexcept {
     solver_->reset();

@@ -5,10 +5,10 @@
 #include <memory>
 #include <string>
 
-#include "core/chain.hpp"
-#include "core/scene.hpp"
-#include "core/solver.hpp"
-#include "core/state.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/state.hpp"
+#include "core/scene/scene.hpp"
+#include "core/solvers/solver.hpp"
 
 namespace hertzline {
 
@@ -17,7 +17,7 @@ public:
     /// @param scene validated and resolved (numerics.hpp): integrator and step_s are set. @param most the
     /// largest wish that advance() will get. @throws std::invalid_argument if the scene is not resolved;
     /// std::bad_alloc
-    Simulation(const Scene& scene, Wish most, AtRest at_rest = AtRest::skipped);
+    Simulation(const Scene& scene, Wish most, WavefrontTracking tracking = WavefrontTracking::on);
 
     /// Back to sample 0, at static equilibrium.
     void reset() noexcept;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-namespace hertzline {
+namespace hertzline::stream {
 
 /// Why there is no value: a sentence for the user, without a full stop.
 struct Failure {
@@ -41,4 +41,4 @@ private:
     std::variant<T, Failure> content_;
 };
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

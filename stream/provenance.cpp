@@ -7,12 +7,12 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "core/integrators/folded_chain.hpp"
-#include "core/scene_toml.hpp"
-#include "core/scene_words.hpp"
+#include "core/integrators/simd_chain.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
 #include "stream/scene_json.hpp"
 
-namespace hertzline {
+namespace hertzline::stream {
 
 namespace {
 
@@ -42,9 +42,12 @@ std::string utc_text(std::chrono::system_clock::time_point time) {
 
 Json provenance_json(const Provenance& provenance) {
     const Scene& scene = provenance.scene;
-    Json json{{"program", "hertzline"},         {"version", program_version()},
-              {"git_hash", git_hash()},         {"compiler", HERTZLINE_COMPILER},
-              {"simd_target", kernel_target()}, {"start_time", provenance.start_time}};
+    Json json{{"program", "hertzline"},
+              {"version", program_version()},
+              {"git_hash", git_hash()},
+              {"compiler", HERTZLINE_COMPILER},
+              {"simd_target", kernels::kernel_target()},
+              {"start_time", provenance.start_time}};
     if (provenance.run) {
         json["run"] = *provenance.run;
     }
@@ -66,4 +69,4 @@ Json provenance_of_meta(const Json& meta) {
     return json;
 }
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

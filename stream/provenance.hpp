@@ -8,9 +8,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
-namespace hertzline {
+namespace hertzline::stream {
 
 const char* program_version() noexcept;
 
@@ -21,7 +21,7 @@ const char* git_hash() noexcept;
 std::string utc_text(std::chrono::system_clock::time_point time);
 
 struct Provenance {
-    const Scene& scene;                     ///< resolved (core/numerics.hpp)
+    const Scene& scene;                     ///< resolved (core/step_choice/resolve.hpp)
     std::optional<double> estimated_error;  ///< of the velocities, relative L2; unset: unknown
     std::string start_time;                 ///< when the run was set up (utc_text)
     std::optional<std::string> run = {};    ///< its id; unset: it has none
@@ -34,4 +34,4 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance);
 /// The provenance in a message of the topic meta: those of the keys above that it has.
 nlohmann::ordered_json provenance_of_meta(const nlohmann::ordered_json& meta);
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

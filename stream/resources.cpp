@@ -10,7 +10,7 @@
 
 #include <sys/statvfs.h>
 
-namespace hertzline {
+namespace hertzline::stream {
 namespace fs = std::filesystem;
 namespace {
 
@@ -158,4 +158,4 @@ std::optional<std::string> disk_shortage(const fs::path& path, double needed_byt
     return disk_shortage(path, needed_bytes, free_disk_bytes(path));
 }
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace hertzline {
+namespace hertzline::stream {
 
 /// Memory that this process may still take without swapping [bytes]: MemAvailable of /proc/meminfo, or less
 /// where a control group (v2 or v1: a container, a systemd slice) allows less. Absent when the system does
@@ -33,4 +33,4 @@ std::optional<std::string> disk_shortage(const std::filesystem::path& path, doub
                                          std::optional<std::uint64_t> available);
 std::optional<std::string> disk_shortage(const std::filesystem::path& path, double needed_bytes);
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-namespace hertzline {
+namespace hertzline::stream {
 
 std::string make_run_id() {
     // The device itself and not a generator seeded by it: two runs started at once must differ in all bits.
@@ -21,4 +21,4 @@ std::string make_run_id() {
                        words[1] & 0xffffU, words[2] >> 16, words[2] & 0xffffU, words[3]);
 }
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

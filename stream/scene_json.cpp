@@ -3,10 +3,10 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/scene_fields.hpp"
-#include "core/scene_words.hpp"
+#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_words.hpp"
 
-namespace hertzline {
+namespace hertzline::stream {
 
 namespace {
 
@@ -59,4 +59,4 @@ Json scene_json(const Scene& scene) {
     return json;
 }
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

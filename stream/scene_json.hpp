@@ -3,12 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
-namespace hertzline {
+namespace hertzline::stream {
 
 /// {"drive": {"material": "steel", ...}, ...}; unset members are null, materials that are the scene's own in
 /// "materials".
 nlohmann::ordered_json scene_json(const Scene& scene);
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

@@ -8,7 +8,7 @@
 
 #include <fftw3.h>
 
-namespace hertzline {
+namespace hertzline::stream {
 namespace {
 
 // Fourfold padding puts a bin within 1/8 of the record's resolution of any line; a parabola through the three
@@ -221,4 +221,4 @@ MagnitudeSpectrum SpectrumAnalyser::magnitudes(std::span<const double> record) {
     return spectrum;
 }
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

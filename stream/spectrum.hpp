@@ -17,7 +17,7 @@
 #include <span>
 #include <vector>
 
-namespace hertzline {
+namespace hertzline::stream {
 
 /// A stretch of the frequency axis.
 struct Band {
@@ -92,4 +92,4 @@ private:
     std::unique_ptr<Transform> transform_;
 };
 
-}  // namespace hertzline
+}  // namespace hertzline::stream

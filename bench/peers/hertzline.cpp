@@ -7,9 +7,9 @@
 
 #include "bench/peers/problem.hpp"
 
-#include "core/numerics.hpp"
-#include "core/scene_words.hpp"
+#include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
 
 namespace hertzline::bench {
 
@@ -75,7 +75,7 @@ std::vector<Contender> hertzline_contenders(const Scene& scene) {
         for (const Numerics& numerics : ladder(integrator.choice)) {
             Scene wish = scene;
             wish.numerics = numerics;
-            const Resolved settled = resolved(wish);
+            const ResolvedScene settled = resolve(wish);
             if (settled.faults.empty()) {  // else the step is beyond the stability limit
                 list.push_back(
                     {Kind::ours, "hertzline " + std::string(integrator.text), setting_text(numerics),

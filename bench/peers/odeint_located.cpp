@@ -21,7 +21,7 @@ public:
               odeint::make_dense_output(tolerance, tolerance, odeint::runge_kutta_dopri5<State<Lanes>>())) {}
 
     void operator()(Trace& trace) {
-        Recorder<Lanes> recorder(problem_, trace);
+        RowBuilder<Lanes> recorder(problem_, trace);
         const auto system = [this](const State<Lanes>& state, State<Lanes>& slope, double t) {
             equations_.derivative(state.data(), slope.data(), t);
         };
@@ -37,7 +37,7 @@ public:
                 recorder.put(state.data());
             }
             if (crossing.contact < problem_.contacts) {
-                if (++restarts > most_restarts) {
+                if (++restarts > max_restarts) {
                     throw std::runtime_error("stuck at a contact");
                 }
                 stepper_.calc_state(crossing.time, state);

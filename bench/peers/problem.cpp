@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/chain.hpp"
+#include "core/model/chain.hpp"
 
 namespace hertzline::bench {
 

@@ -11,11 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace hertzline::bench {
 
-/// Constants of the equations of motion (core/chain.hpp) in units of the drive's amplitude, 1 us and 1 kg.
+/// Constants of the equations of motion (core/model/chain.hpp) in units of the drive's amplitude, 1 us and 1 kg.
 struct Problem {
     std::size_t bodies;       ///< that move: spheres, and the plate if there is one
     std::size_t last_sphere;  ///< its index

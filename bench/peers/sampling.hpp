@@ -28,9 +28,9 @@ auto with_lanes(const Problem& problem, Use use) {
 
 /// Puts states down as samples.
 template <std::size_t Lanes>
-class Recorder {
+class RowBuilder {
 public:
-    Recorder(const Problem& problem, Trace& trace) : problem_(problem), trace_(trace) {}
+    RowBuilder(const Problem& problem, Trace& trace) : problem_(problem), trace_(trace) {}
 
     bool done() const { return next_ == problem_.samples; }
     /// Time of the next sample [us]; counted, not added up.
@@ -71,7 +71,7 @@ inline std::string tolerance_text(double tolerance) {
 }
 
 /// A run that starts anew at contacts more often than this has got stuck at one.
-inline constexpr int most_restarts = 100'000;
+inline constexpr int max_restarts = 100'000;
 
 /// First step that adaptive solvers try [us].
 inline constexpr double first_step = 0.01;

@@ -41,7 +41,7 @@ public:
     }
 
     void operator()(Trace& trace) {
-        Recorder<Lanes> recorder(problem_, trace);
+        RowBuilder<Lanes> recorder(problem_, trace);
         equations_.close_all();
         N_VConst(0, y_.get());
         method_->begin(y_.get());
@@ -50,7 +50,7 @@ public:
         while (!recorder.done()) {
             double t = 0;
             if (method_->advance(recorder.next_time(), y_.get(), t)) {
-                if (++restarts > most_restarts) {
+                if (++restarts > max_restarts) {
                     throw std::runtime_error("stuck at a contact");
                 }
                 switch_contacts();

@@ -6,11 +6,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/frame_codec.hpp"
-#include "stream/publisher.hpp"
+#include "stream/wire/frame_codec.hpp"
+#include "stream/wire/publisher.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 

@@ -13,6 +13,8 @@
 
 namespace hertzline::test {
 
+using namespace stream;
+
 namespace {
 
 using std::chrono::steady_clock;
@@ -72,7 +74,7 @@ std::string Program::messages_with(const std::string& text) const {
     std::string messages;
     const bool found = wait_until(
         [&] {
-            messages = text_of(folder_.file("err"));
+            messages = file_text(folder_.file("err"));
             return messages.find(text) != std::string::npos;
         },
         long_enough);
@@ -91,8 +93,8 @@ Outcome Program::wait(Seconds limit) {
     Outcome outcome;
     int status = 0;
     const bool ended = wait_until([&] { return waitpid(process_, &status, WNOHANG) == process_; }, limit);
-    outcome.out = text_of(folder_.file("out"));
-    outcome.err = text_of(folder_.file("err"));
+    outcome.out = file_text(folder_.file("out"));
+    outcome.err = file_text(folder_.file("err"));
     if (ended) {
         process_ = -1;
         outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -119,7 +121,7 @@ nlohmann::json object_of(Subscriber& subscriber, std::string_view topic) {
     return nullptr;
 }
 
-std::string text_of(const std::filesystem::path& file) {
+std::string file_text(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();

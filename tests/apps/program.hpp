@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/types.h>
 
-#include "stream/subscriber.hpp"
+#include "stream/wire/subscriber.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -56,9 +56,9 @@ private:
 Outcome hertzline(const std::vector<std::string>& arguments);
 
 /// Waits for a message of the topic, passing over others. Fails the test when none comes.
-nlohmann::json object_of(Subscriber& subscriber, std::string_view topic);
+nlohmann::json object_of(stream::Subscriber& subscriber, std::string_view topic);
 
-std::string text_of(const std::filesystem::path& file);
+std::string file_text(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);
 
 /// A CSV: its columns by name.

@@ -1,4 +1,4 @@
-// Recordings as users make them: several at once, with what makes them go wrong, and what is left then.
+// RecordingSet as users make them: several at once, with what makes them go wrong, and what is left then.
 
 #include "tests/support/recordings.hpp"
 
@@ -10,10 +10,12 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
-#include "stream/recording_formats.hpp"
+#include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 
@@ -77,7 +79,7 @@ private:
     rlimit before_{};
 };
 
-TEST(Recordings, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
+TEST(RecordingSet, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
     const TemporaryFolder folder;
     Words stream_words{"stream", "paper-stream",          "--pace", "flat-out", "--duration", "2e-3",
                        "--json", "--wait-for-subscriber", "--bind", any_port};
@@ -104,7 +106,7 @@ TEST(Recordings, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
     }
 }
 
-TEST(Recordings, EachSaysWhereItComesFrom) {
+TEST(RecordingSet, EachSaysWhereItComesFrom) {
     const TemporaryFolder folder;
     Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "1e-3", "--json",
                     "--wait-for-subscriber", "--bind", any_port, "--record", folder.file("s.sigmf-meta")});
@@ -125,7 +127,7 @@ TEST(Recordings, EachSaysWhereItComesFrom) {
     }
 }
 
-TEST(Recordings, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
+TEST(RecordingSet, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
     const TemporaryFolder folder;
     const Outcome outcome =
         hertzline({"run", "paper-wall", "--json", "-o", "/dev/full", "-o", folder.file("a.csv")});
@@ -136,18 +138,18 @@ TEST(Recordings, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
     EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 5001U);
 }
 
-TEST(Recordings, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
+TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
     const TemporaryFolder folder;
     write_text(folder.file("a.csv"), "old");
     const LargestFile limit(50'000);
     const Outcome outcome = hertzline({"run", "paper-wall", "-o", folder.file("a.csv")});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("a.csv"), HasSubstr("File too large")));
-    EXPECT_EQ(text_of(folder.file("a.csv")), "old");
+    EXPECT_EQ(file_text(folder.file("a.csv")), "old");
     EXPECT_FALSE(fs::exists(folder.file("a.csv-metadata.json")));
 }
 
-TEST(Recordings, TheStreamGoesOnWhenTheDiskIsFull) {
+TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     const TemporaryFolder folder;
     constexpr rlim_t limit = 1 << 20;
     std::unique_ptr<Program> stream;
@@ -177,7 +179,7 @@ TEST(Recordings, TheStreamGoesOnWhenTheDiskIsFull) {
     EXPECT_EQ(kept, as_float32(v_out_of_run(kept.size(), folder)));
 }
 
-TEST(Recordings, TheStreamGoesOnWhenTheFileVanishes) {
+TEST(RecordingSet, TheStreamGoesOnWhenTheFileVanishes) {
     const TemporaryFolder folder;
     Program stream(
         {"stream", "paper-stream", "--json", "--record", folder.file("a.sigmf-meta"), "--bind", any_port});
@@ -195,7 +197,7 @@ TEST(Recordings, TheStreamGoesOnWhenTheFileVanishes) {
     EXPECT_THAT(outcome.err, HasSubstr("No such file"));
 }
 
-TEST(Recordings, AKilledStreamLeavesAllButTheLastSecond) {
+TEST(RecordingSet, AKilledStreamLeavesAllButTheLastSecond) {
     const TemporaryFolder folder;
     Program stream({"stream", "paper-stream", "--record", folder.file("a.sigmf-meta"), "--record",
                     folder.file("a.csv"), "--bind", any_port, "--pace", "0.01"});
@@ -217,7 +219,7 @@ TEST(Recordings, AKilledStreamLeavesAllButTheLastSecond) {
     EXPECT_FALSE(fs::exists(folder.file("a.csv"))) << "half a CSV under its name";
 }
 
-TEST(Recordings, AnInterruptedRunLeavesNoneOfThem) {
+TEST(RecordingSet, AnInterruptedRunLeavesNoneOfThem) {
     const TemporaryFolder folder;
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"),
                  "--set", "output.duration_s=1.2"});
@@ -229,7 +231,7 @@ TEST(Recordings, AnInterruptedRunLeavesNoneOfThem) {
     EXPECT_TRUE(fs::is_empty(fs::path(folder.file("x")).parent_path()));
 }
 
-TEST(Recordings, AListenerWhoseDiskIsFullHearsTheRest) {
+TEST(RecordingSet, AListenerWhoseDiskIsFullHearsTheRest) {
     const TemporaryFolder folder;
     Program stream({"stream", "paper-stream", "--pace", "flat-out", "--duration", "5e-3", "--json",
                     "--wait-for-subscriber", "--bind", any_port});

@@ -5,11 +5,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/recording_formats.hpp"
+#include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 

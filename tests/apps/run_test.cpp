@@ -10,6 +10,8 @@
 
 namespace hertzline::test {
 
+using namespace stream;
+
 namespace {
 
 using testing::ContainsRegex;
@@ -89,7 +91,7 @@ TEST(Run, FilesHoldEverySampleUpToAndIncludingTheDuration) {
     EXPECT_EQ(time.front(), 0);
     EXPECT_EQ(time.back(), 500e-6);
     EXPECT_EQ(outcome.json()["rows"], 5001);
-    EXPECT_EQ(text_of(folder.file("a.csv")), text_of(folder.file("b.csv")));
+    EXPECT_EQ(file_text(folder.file("a.csv")), file_text(folder.file("b.csv")));
     EXPECT_EQ(files_in(std::filesystem::path(folder.file("a.csv")).parent_path()), 4U);  // and their metadata
 }
 

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/shipped_scenes.hpp"
+#include "core/scene/shipped_scenes.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 
@@ -63,7 +65,7 @@ TEST(Scenes, PrintsAFileThatGivesTheSameBits) {
             {"run", folder.file("printed.toml"), "--json", "--all", "-o", folder.file("again.csv")});
         ASSERT_EQ(original.status, 0) << original.err;
         ASSERT_EQ(again.status, 0) << again.err;
-        EXPECT_EQ(text_of(folder.file("again.csv")), text_of(folder.file("original.csv")))
+        EXPECT_EQ(file_text(folder.file("again.csv")), file_text(folder.file("original.csv")))
             << numerics.front();
         for (const char* name : {"step_s", "integrator", "estimated_error", "steps", "scene_hash"}) {
             EXPECT_EQ(again.json()[name], original.json()[name]) << name;

@@ -9,11 +9,13 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "stream/certificate.hpp"
-#include "stream/subscriber.hpp"
+#include "stream/wire/certificate.hpp"
+#include "stream/wire/subscriber.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 

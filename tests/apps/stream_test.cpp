@@ -5,10 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/subscriber.hpp"
+#include "stream/wire/subscriber.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 

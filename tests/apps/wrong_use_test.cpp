@@ -6,10 +6,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/publisher.hpp"
+#include "stream/wire/publisher.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
+
+using namespace stream;
 
 namespace {
 

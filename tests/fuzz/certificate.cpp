@@ -1,7 +1,7 @@
 // A certificate with keys, as `hertzline keys` or others made it: once as one that lists a client, once as
 // our own.
 
-#include "stream/certificate.hpp"
+#include "stream/wire/certificate.hpp"
 
 #include <cstdint>
 #include <string>
@@ -11,6 +11,8 @@
 #include "tests/fuzz/memory_folder.hpp"
 
 namespace hertzline::fuzz {
+
+using namespace stream;
 
 namespace {
 
@@ -22,6 +24,7 @@ constexpr std::size_t longest_message = 200;  // with no room for what stands in
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace hertzline;
+    using namespace hertzline::stream;
     const std::string_view input(reinterpret_cast<const char*>(data), size);
     static const fuzz::MemoryFolder folder;
     folder.hold("client.key", input);

@@ -1,6 +1,6 @@
 // An endpoint as a user may write it.
 
-#include "stream/endpoint.hpp"
+#include "stream/wire/endpoint.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,6 +12,8 @@
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
+
+using namespace stream;
 
 namespace {
 
@@ -60,6 +62,7 @@ void claim_local_means_loopback(std::string_view endpoint) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace hertzline;
+    using namespace hertzline::stream;
     const std::string_view endpoint(reinterpret_cast<const char*>(data), size);
     fuzz::claim_good_or_fault(endpoint, EndpointUse::bind);
     fuzz::claim_good_or_fault(endpoint, EndpointUse::connect);

@@ -7,10 +7,12 @@
 #include <string>
 #include <string_view>
 
-#include "stream/frame_codec.hpp"
+#include "stream/wire/frame_codec.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
+
+using namespace stream;
 
 namespace {
 
@@ -37,6 +39,7 @@ void claim_round_trip(const FrameHeader& header, std::size_t payload_bytes) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace hertzline;
+    using namespace hertzline::stream;
     const std::string_view input(reinterpret_cast<const char*>(data), size);
     const std::size_t line_end = std::min(input.find('\n'), size);
     std::size_t payload_bytes = 0;

@@ -7,16 +7,18 @@
 #include <string>
 
 #include "stream/provenance.hpp"
-#include "stream/recording_formats.hpp"
-#include "stream/replay_source.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/sources/replay_source.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
 
+using namespace stream;
+
 namespace {
 
 constexpr std::size_t longest_message = 500;  // or of the name of a column
-constexpr std::int64_t most_rows = 10'000;    // more of the same would show nothing new
+constexpr std::int64_t max_rows = 10'000;     // more of the same would show nothing new
 constexpr std::size_t portion = 7;
 
 void claim_head(const RecordingHead& head) {
@@ -33,7 +35,7 @@ std::int64_t claim_rows(RecordingReader& reader) {
     const std::size_t columns = reader.head().columns.size();
     std::int64_t count = 0;
     std::int64_t due = 0;
-    for (RecordedRows rows; count < most_rows && reader.read(rows, portion);) {
+    for (RecordedRows rows; count < max_rows && reader.read(rows, portion);) {
         claim(!rows.values.empty() && rows.values.size() % columns == 0, "rows are whole");
         claim(rows.values.size() <= portion * columns, "rows are not more than were asked for");
         claim(rows.first >= due, "rows never go back");
@@ -53,10 +55,10 @@ void claim_replay(const std::filesystem::path& path, std::int64_t rows) {
     Samples samples = source.make_block();
     const TapSet taps = source.format().taps;
     std::int64_t count = 0;
-    while (count < most_rows && source.read(samples, portion, taps)) {
+    while (count < max_rows && source.read(samples, portion, taps)) {
         count += static_cast<std::int64_t>(samples.count);
     }
-    claim(std::min(count, most_rows) == std::min(rows, most_rows), "a replay has the recording's samples");
+    claim(std::min(count, max_rows) == std::min(rows, max_rows), "a replay has the recording's samples");
 }
 
 }  // namespace

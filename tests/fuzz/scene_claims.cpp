@@ -5,11 +5,11 @@
 #include <optional>
 #include <string_view>
 
-#include "core/chain.hpp"
-#include "core/scene_fields.hpp"
+#include "core/integrators/stability.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/tone_burst.hpp"
+#include "core/scene/scene_fields.hpp"
 #include "core/simulation.hpp"
-#include "core/stability.hpp"
-#include "core/tone_burst.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {

@@ -1,7 +1,7 @@
 #pragma once
 // What must hold of any text that was read as a scene.
 
-#include "core/scene_toml.hpp"
+#include "core/scene/scene_toml.hpp"
 
 namespace hertzline::fuzz {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene_fields.hpp"
+#include "core/scene/scene_fields.hpp"
 #include "tests/fuzz/claim.hpp"
 #include "tests/fuzz/scene_claims.hpp"
 

@@ -5,15 +5,16 @@
 #include <fstream>
 #include <iterator>
 
-#include "stream/csv.hpp"
-#include "stream/hdf5.hpp"
-#include "stream/npy.hpp"
-#include "stream/sigmf.hpp"
-#include "stream/wav.hpp"
+#include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/hdf5/hdf5.hpp"
+#include "stream/recordings/formats/npy.hpp"
+#include "stream/recordings/formats/sigmf.hpp"
+#include "stream/recordings/formats/wav.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace {
 using namespace hertzline;
+using namespace hertzline::stream;
 namespace fs = std::filesystem;
 
 template <class Number>

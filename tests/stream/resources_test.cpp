@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 namespace hertzline {
+
+using namespace stream;
 namespace {
 namespace fs = std::filesystem;
 

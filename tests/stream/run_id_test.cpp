@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 namespace hertzline {
+
+using namespace stream;
 namespace {
 
 TEST(RunId, IsAVersionFourUuid) {

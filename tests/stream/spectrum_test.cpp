@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 namespace hertzline {
+
+using namespace stream;
 namespace {
 
 constexpr double rate = 10e6;

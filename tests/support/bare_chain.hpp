@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/energy.hpp"
-#include "core/integrators/folded_chain.hpp"
+#include "core/integrators/simd_chain.hpp"
+#include "core/model/energy.hpp"
 #include "tests/support/runs.hpp"
 
 namespace hertzline::test {
@@ -20,7 +20,7 @@ public:
           integrator_(*scene.numerics.integrator),
           step_s_(*scene.numerics.step_s),
           burst_(silent(scene.drive), step_s_),
-          folded_(chain, integrator_, kernel_lanes()) {
+          folded_(chain, integrator_, kernels::kernel_lanes()) {
         folded_.step_s = step_s_;
     }
 
@@ -28,18 +28,19 @@ public:
     void advance(std::int64_t steps) {
         close_where_touching();
         folded_.fold(chain, state, chain.bodies());
-        Trace nothing;
-        nothing.capacity = max_rows_per_step;
+        kernels::Trace nothing;
+        nothing.capacity = kernels::max_rows_per_step;
         nothing.bodies = chain.bodies();
         while (steps > 0) {
             const int count = static_cast<int>(std::min<std::int64_t>(steps, ToneBurst::batch_steps));
-            kernel(integrator_, folded_.rows())(folded_, burst_, horn_.data(), state.step, count, nothing);
+            kernels::kernel(integrator_, folded_.rows())(folded_, burst_, horn_.data(), state.step, count,
+                                                         nothing);
             state.step += count;
             steps -= count;
         }
         folded_.unfold(state);
         for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
-            lost += folded_.column(Column::lost)[s];
+            lost += folded_.column(kernels::ChainField::lost)[s];
         }
     }
 
@@ -70,7 +71,7 @@ private:
     Integrator integrator_;
     double step_s_;
     ToneBurst burst_;
-    FoldedChain folded_;
+    kernels::SimdChain folded_;
     std::array<HornStep, ToneBurst::batch_steps> horn_{};
 };
 
@@ -89,12 +90,12 @@ inline BareChain thrown(Integrator integrator, double step_s, double speed) {
 }
 
 /// Largest change of the energy that was put into a thrown chain, of that energy, over so many steps.
-inline double largest_energy_change(BareChain& chain, double at_rest, double put_in, std::int64_t steps) {
+inline double largest_energy_change(BareChain& chain, double tracking, double put_in, std::int64_t steps) {
     constexpr std::int64_t interval = 1000;  // between looks
     double largest = 0;
     for (std::int64_t done = 0; done < steps; done += interval) {
         chain.advance(std::min(interval, steps - done));
-        const double change = std::abs((chain.energy() - at_rest) / put_in - 1);
+        const double change = std::abs((chain.energy() - tracking) / put_in - 1);
         largest = change <= largest ? largest : change;  // a NaN stays
     }
     return largest;

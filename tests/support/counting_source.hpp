@@ -4,17 +4,17 @@
 #include <algorithm>
 #include <limits>
 
-#include "stream/sample_source.hpp"
+#include "stream/sources/sample_source.hpp"
 
 namespace hertzline::test {
 
-class CountingSource : public SampleSource {
+class CountingSource : public stream::SampleSource {
 public:
-    explicit CountingSource(const StreamFormat& format,
+    explicit CountingSource(const stream::StreamFormat& format,
                             std::int64_t end = std::numeric_limits<std::int64_t>::max())
         : format_(format), end_(end) {}
 
-    StreamFormat format() const override { return format_; }
+    stream::StreamFormat format() const override { return format_; }
 
     Samples make_block() const override {
         return {format_.spheres, format_.taps.contains(Tap::v_plate),
@@ -52,7 +52,7 @@ private:
         }
     }
 
-    StreamFormat format_;
+    stream::StreamFormat format_;
     std::int64_t end_;
     std::int64_t next_ = 0;
 };

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene_words.hpp"
+#include "core/scene/scene_words.hpp"
 
 namespace hertzline::test {
 

@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 
-#include "core/scene_fields.hpp"
-#include "core/scene_words.hpp"
-#include "core/stability.hpp"
+#include "core/integrators/stability.hpp"
+#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_words.hpp"
 
 namespace hertzline::test {
 
@@ -106,8 +106,8 @@ struct ToTheEnds {
 
 void draw_extremes(Draw& draw, Scene& scene) {
     fields::visit_scene(scene, ToTheEnds{draw});
-    const double most_bursts = scene.drive.frequency_hz / scene.drive.cycles;
-    scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, most_bursts);
+    const double max_bursts = scene.drive.frequency_hz / scene.drive.cycles;
+    scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, max_bursts);
 }
 
 /// From steps much shorter than needed to ones beyond the stability limit, and samples on their grid or off

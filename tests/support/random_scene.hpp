@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace hertzline::test {
 

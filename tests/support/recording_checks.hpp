@@ -10,17 +10,17 @@
 
 #include <gtest/gtest.h>
 
-#include "stream/recorder.hpp"
-#include "stream/recording_formats.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/row_builder.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
-inline RecordingHead head_of(const std::vector<std::string>& names, double sample_rate_hz,
-                             NumberType numbers = NumberType::float64) {
-    RecordingHead head;
+inline stream::RecordingHead recording_head(const std::vector<std::string>& names, double sample_rate_hz,
+                                            stream::NumberType numbers = stream::NumberType::float64) {
+    stream::RecordingHead head;
     for (const std::string& name : names) {
-        head.columns.push_back(column_named(name));
+        head.columns.push_back(stream::column_named(name));
     }
     head.sample_rate_hz = sample_rate_hz;
     head.numbers = numbers;
@@ -61,14 +61,14 @@ inline std::vector<double> numbered_rows(std::int64_t first, std::int64_t count)
 }
 
 /// A recording of 5000 rows in three stretches reads back as it was written, in the precision of its numbers.
-inline void expect_round_trip(const std::filesystem::path& file, NumberType numbers) {
-    const RecordingHead head = head_of({"v_last_m_per_s", "x1_m"}, 10e6, numbers);
-    const auto writer = open_recording(file, head);
-    std::vector<RecordedRows> written{{7, numbered_rows(7, 3000)},
-                                      {5000, numbered_rows(5000, 1)},
-                                      {1'000'000'000'000, numbered_rows(9000, 1999)}};
-    for (RecordedRows& stretch : written) {
-        if (numbers == NumberType::float32) {
+inline void expect_round_trip(const std::filesystem::path& file, stream::NumberType numbers) {
+    const stream::RecordingHead head = recording_head({"v_last_m_per_s", "x1_m"}, 10e6, numbers);
+    const auto writer = stream::open_recording(file, head);
+    std::vector<stream::RecordedRows> written{{7, numbered_rows(7, 3000)},
+                                              {5000, numbered_rows(5000, 1)},
+                                              {1'000'000'000'000, numbered_rows(9000, 1999)}};
+    for (stream::RecordedRows& stretch : written) {
+        if (numbers == stream::NumberType::float32) {
             for (double& value : stretch.values) {
                 value = static_cast<float>(value);
             }
@@ -78,12 +78,12 @@ inline void expect_round_trip(const std::filesystem::path& file, NumberType numb
         writer->write(stretch.first + half / 2, {stretch.values.begin() + half, stretch.values.end()});
     }
     writer->commit();
-    const auto reader = open_reader(file);
+    const auto reader = stream::open_reader(file);
     EXPECT_EQ(reader->head().columns, head.columns);
     EXPECT_EQ(reader->head().sample_rate_hz, head.sample_rate_hz);
     EXPECT_EQ(reader->head().numbers, head.numbers);
     EXPECT_EQ(reader->head().provenance, head.provenance);
-    const std::vector<RecordedRows> read = read_rows(*reader, 701);
+    const std::vector<stream::RecordedRows> read = read_rows(*reader, 701);
     ASSERT_EQ(read.size(), written.size());
     for (std::size_t i = 0; i < read.size(); ++i) {
         EXPECT_EQ(read[i].first, written[i].first);

@@ -1,5 +1,5 @@
 #pragma once
-// Recordings that the tests of every format write and expect back.
+// RecordingSet that the tests of every format write and expect back.
 
 #include <cmath>
 #include <cstdint>
@@ -9,13 +9,13 @@
 #include <string>
 #include <vector>
 
-#include "stream/recording.hpp"
+#include "stream/recordings/recording.hpp"
 
 namespace hertzline::test {
 
 /// Two velocities, then displacement and velocity of each sphere, as a run writes them.
-inline RecordingHead recording_head(NumberType numbers, int spheres = 0) {
-    RecordingHead head;
+inline stream::RecordingHead recording_head(stream::NumberType numbers, int spheres = 0) {
+    stream::RecordingHead head;
     head.sample_rate_hz = 10e6;
     head.numbers = numbers;
     head.provenance = {{"version", "1.2.3"}, {"scene", {{"chain", {{"spheres", spheres}}}}}};
@@ -28,27 +28,29 @@ inline RecordingHead recording_head(NumberType numbers, int spheres = 0) {
 }
 
 /// Rows that use all bits of their numbers; different for every sample and column.
-inline RecordedRows recorded_rows(const RecordingHead& head, std::int64_t first, std::size_t rows) {
-    RecordedRows made{first, {}};
+inline stream::RecordedRows recorded_rows(const stream::RecordingHead& head, std::int64_t first,
+                                          std::size_t rows) {
+    stream::RecordedRows made{first, {}};
     for (std::size_t i = 0; i < rows * head.columns.size(); ++i) {
         const double value = std::sin(static_cast<double>(first) + 0.7 * static_cast<double>(i)) *
                              std::pow(10.0, -static_cast<double>(i % 20));
-        made.values.push_back(head.numbers == NumberType::float32 ? static_cast<float>(value) : value);
+        made.values.push_back(head.numbers == stream::NumberType::float32 ? static_cast<float>(value)
+                                                                          : value);
     }
     return made;
 }
 
-inline void write_rows(RecordingWriter& writer, const std::vector<RecordedRows>& rows) {
-    for (const RecordedRows& block : rows) {
+inline void write_rows(stream::RecordingWriter& writer, const std::vector<stream::RecordedRows>& rows) {
+    for (const stream::RecordedRows& block : rows) {
         writer.write(block.first, block.values);
     }
 }
 
 /// All rows, joined where nothing is missing between them, whatever the reader's portions were.
-inline std::vector<RecordedRows> read_rows(RecordingReader& reader, std::size_t most = 1000) {
+inline std::vector<stream::RecordedRows> read_rows(stream::RecordingReader& reader, std::size_t most = 1000) {
     const std::size_t columns = reader.head().columns.size();
-    std::vector<RecordedRows> all;
-    for (RecordedRows rows; reader.read(rows, most);) {
+    std::vector<stream::RecordedRows> all;
+    for (stream::RecordedRows rows; reader.read(rows, most);) {
         const bool continues =
             !all.empty() &&
             all.back().first + static_cast<std::int64_t>(all.back().values.size() / columns) == rows.first;

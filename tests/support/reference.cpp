@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/numerics.hpp"
+#include "core/step_choice/resolve.hpp"
 
 namespace hertzline::test {
 
@@ -102,7 +102,7 @@ double relative_l2(std::span<const double> a, std::span<const double> b) {
 }
 
 Comparison compare_with_reference(const Scene& scene, const Reference& reference) {
-    const Resolved settled = resolved(scene);
+    const ResolvedScene settled = resolve(scene);
     if (!settled.faults.empty()) {
         throw std::runtime_error(settled.faults.front().key + ": " + settled.faults.front().allowed);
     }

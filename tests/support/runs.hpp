@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/numerics.hpp"
 #include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
 
 namespace hertzline::test {
 
@@ -13,7 +13,7 @@ inline constexpr Wish everything{.outputs = true, .chain_velocities = true, .cha
 
 /// The scene with its step settled. Throws if it cannot be.
 inline Scene settled(const Scene& scene) {
-    Resolved result = resolved(scene);
+    ResolvedScene result = resolve(scene);
     if (!result.faults.empty()) {
         throw std::runtime_error(result.faults.front().key + " " + result.faults.front().allowed);
     }

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene_toml.hpp"
+#include "core/scene/scene_toml.hpp"
 
 namespace hertzline::test {
 

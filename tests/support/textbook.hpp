@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/chain.hpp"
+#include "core/model/chain.hpp"
 
 namespace hertzline::test {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/hertz.hpp"
-#include "core/numerics.hpp"
+#include "core/integrators/stability.hpp"
+#include "core/model/hertz.hpp"
 #include "core/simulation.hpp"
-#include "core/stability.hpp"
+#include "core/step_choice/resolve.hpp"
 
 namespace hertzline::test {
 
@@ -52,7 +52,7 @@ void judge_stop(Trial& trial, std::size_t samples_in_block) {
 }
 
 Trial run(const Scene& scene) {
-    constexpr double most_crowded = 40;
+    constexpr double max_crowded = 40;
     constexpr std::size_t block = 64;
     Trial trial;
     trial.integrator = *scene.numerics.integrator;
@@ -76,7 +76,7 @@ Trial run(const Scene& scene) {
         moved += std::abs(simulation.ledger().work - work);
         work = simulation.ledger().work;
         trial.crowding = static_cast<double>(trial.steps) / steps_called_for(scene, simulation);
-        if (trial.crowding > most_crowded) {
+        if (trial.crowding > max_crowded) {
             trial.findings.emplace_back("pieces collapse");
             break;
         }
@@ -122,7 +122,7 @@ Trial tried(const Scene& asked) {
     Trial trial;
     trial.integrator = *scene.numerics.integrator;
     if (scene.numerics.step_s) {
-        // resolved() refuses more, but only after a pilot
+        // resolve() refuses more, but only after a pilot
         constexpr double hopeless = 30;
         const Chain chain(scene);
         const double limit = largest_stable_step(chain, chain.static_overlap, trial.integrator);
@@ -131,7 +131,7 @@ Trial tried(const Scene& asked) {
             return trial;
         }
     } else {
-        const Resolved result = resolved(asked);
+        const ResolvedScene result = resolve(asked);
         scene = result.scene;
         if (!result.faults.empty()) {
             trial.outcome = Outcome::refused;
@@ -152,9 +152,9 @@ Trial tried(const Scene& asked) {
         return trial;
     }
     // a step too coarse for this scene, if what is missing falls with the step
-    constexpr int most_refinements = 3;
+    constexpr int max_refinements = 3;
     Trial fine = trial;
-    for (int i = 0; i < most_refinements && !(fine.residual <= bound); ++i) {
+    for (int i = 0; i < max_refinements && !(fine.residual <= bound); ++i) {
         *scene.numerics.step_s /= 8;
         fine = run(scene);
     }

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "core/scene.hpp"
+#include "core/scene/scene.hpp"
 
 namespace hertzline::test {
 
 enum class Outcome {
     ran,      ///< to the end
     stopped,  ///< by a status other than running
-    refused,  ///< by a fault of resolved()
+    refused,  ///< by a fault of resolve()
 };
 
 /// What became of a scene.

@@ -1,0 +1,103 @@
+#include "apps/arguments/curve_arguments.hpp"
+
+#include <fmt/format.h>
+
+#include "apps/command.hpp"
+#include "stream/wire/certificate.hpp"
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+/// What was read, or another line of faults.
+template <class T>
+T value_or_fault(const stream::Expected<T>& read, const char* option, std::string& faults) {
+    if (read) {
+        return *read;
+    }
+    faults += (faults.empty() ? "" : "\n") + std::string(option) + ": " + read.error();
+    return T{};
+}
+
+void refuse(const std::string& faults) {
+    if (!faults.empty()) {
+        throw WrongUse(faults);
+    }
+}
+
+void add_key_option(CLI::App& command, std::string& key) {
+    command
+        .add_option("--curve-key", key, "encrypt; our own key, NAME.key_secret as hertzline keys makes it")
+        ->check(missing_name)
+        ->type_name("FILE");
+}
+
+}  // namespace
+
+void add_curve_options(CLI::App& command, CurveServerRequest& request) {
+    add_key_option(command, request.key);
+    add_repeatable_option(command, "--allow-clients", request.clients,
+                          "with --curve-key: who may subscribe, a public key NAME.key or a folder of them")
+        ->check(missing_name)
+        ->type_name("FILE|FOLDER");
+    command.add_flag_callback(
+        "--insecure", [&request] { request.exposure = Exposure::anything; },
+        "let other machines connect without encryption");
+}
+
+void add_curve_options(CLI::App& command, CurveClientRequest& request) {
+    add_key_option(command, request.key);
+    command.add_option("--server-key", request.server, "with --curve-key: the stream's public key, NAME.key")
+        ->check(missing_name)
+        ->type_name("FILE");
+}
+
+std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, const std::string& endpoint) {
+    if (request.key.empty() && request.clients.empty()) {
+        if (!stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
+            throw WrongUse(fmt::format(
+                "--bind: {} can be reached from other machines, and anybody there could listen: give "
+                "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
+                endpoint));
+        }
+        return std::nullopt;
+    }
+    if (request.clients.empty()) {
+        throw WrongUse(
+            "--curve-key: found no --allow-clients, allowed: with the public keys of those who may "
+            "subscribe");
+    }
+    if (request.key.empty()) {
+        throw WrongUse("--allow-clients: found no --curve-key, allowed: with the stream's own key");
+    }
+    std::string faults;
+    stream::CurveServer server{
+        .own = value_or_fault(stream::read_key_pair(request.key), "--curve-key", faults), .clients = {}};
+    for (const std::string& clients : request.clients) {
+        const auto keys = value_or_fault(stream::read_public_keys(clients), "--allow-clients", faults);
+        server.clients.insert(server.clients.end(), keys.begin(), keys.end());
+    }
+    refuse(faults);
+    return server;
+}
+
+std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request) {
+    if (request.key.empty() && request.server.empty()) {
+        return std::nullopt;
+    }
+    if (request.server.empty()) {
+        throw WrongUse("--curve-key: found no --server-key, allowed: with the public key of the stream");
+    }
+    if (request.key.empty()) {
+        throw WrongUse("--server-key: found no --curve-key, allowed: with a key of our own");
+    }
+    std::string faults;
+    stream::CurveClient client{
+        .own = value_or_fault(stream::read_key_pair(request.key), "--curve-key", faults),
+        .server = value_or_fault(stream::read_public_key(request.server), "--server-key", faults)};
+    refuse(faults);
+    return client;
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,137 @@
+#include "apps/arguments/scene_argument.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/command.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/scene/text.hpp"
+#include "core/simulation.hpp"
+#include "stream/resources.hpp"
+
+namespace hertzline::app {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t largest_file = 65'536;  // as parse_scene() allows
+
+struct SceneText {
+    std::string origin;  // as messages call it
+    std::string text;
+};
+
+[[noreturn]] void refuse_name(const std::string& name) {
+    std::vector<std::string> shipped;
+    for (const ShippedScene& scene : shipped_scenes()) {
+        shipped.emplace_back(scene.name);
+    }
+    const std::string stem = fs::path(name).stem().string();  // "paper-wal.toml" means a shipped one, too
+    throw WrongUse(fmt::format("{}: found no such file or shipped scene, allowed: a file, or one of {}{}",
+                               printable(name), comma_separated(shipped), suggestion(stem, shipped)));
+}
+
+[[noreturn]] void refuse_file(const std::string& name, int reason) {
+    throw WrongUse(fmt::format("{}: cannot read the scene: {}", printable(name),
+                               std::generic_category().message(reason)));
+}
+
+/// The whole file, or one byte more than is allowed: enough to refuse it.
+std::string read_text(const std::string& name) {
+    const auto close = [](std::FILE* file) { std::fclose(file); };
+    const std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(name.c_str(), "rbe"), close);
+    if (file == nullptr) {
+        refuse_file(name, errno);
+    }
+    std::string text(largest_file + 1, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+    if (std::ferror(file.get()) != 0) {
+        refuse_file(name, errno);
+    }
+    if (text.size() > largest_file) {
+        throw WrongUse(fmt::format("{}: found more than {} bytes, allowed: at most {} bytes", printable(name),
+                                   largest_file, largest_file));
+    }
+    return text;
+}
+
+SceneText find_text(const std::string& name) {
+    std::error_code error;
+    const fs::file_status status = fs::status(name, error);
+    const bool file = fs::exists(status) && !fs::is_directory(status);
+    if (!file) {
+        if (const ShippedScene* shipped = find_shipped_scene(name)) {
+            return {name, std::string(shipped->text)};
+        }
+    }
+    if (status.type() == fs::file_type::none) {
+        refuse_file(name, error.value());  // the name itself cannot be looked up
+    }
+    if (!fs::exists(status)) {
+        refuse_name(name);
+    }
+    return {printable(name), read_text(name)};
+}
+
+[[noreturn]] void refuse_scene(const std::vector<Problem>& problems) {
+    std::string text;
+    for (const Problem& problem : problems) {
+        text += (text.empty() ? "" : "\n") + problem.message();
+    }
+    throw WrongUse(text);
+}
+
+void warn_of_missed_accuracy(const std::string& origin, const ResolvedScene& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    if (!advice.accuracy_met && !resolved.step_set_by_scene) {
+        spdlog::warn(
+            "{}: no step can be shown to reach the wanted accuracy of {:g} (estimated error: {:.2g}){}",
+            origin, advice.accuracy, advice.estimated_error,
+            advice.estimated_error > chaotic_error
+                ? "; the motion is chaotic, so judge it by energy_residual and statistics, not sample "
+                  "by sample"
+                : "");
+    }
+}
+
+}  // namespace
+
+CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request) {
+    add_repeatable_option(command, "--set", request.settings,
+                          "override a key of the scene: section.key=value; repeatable")
+        ->type_name("KEY=VALUE");
+    return command.add_option("SCENE", request.scene, "a scene file, or the name of a shipped scene")
+        ->type_name("");
+}
+
+ResolvedScene resolved_scene(const SceneRequest& request) {
+    const SceneText source = find_text(request.scene);
+    const SceneResult parsed = parse_scene(source.text, source.origin, request.settings);
+    if (!parsed) {
+        refuse_scene(parsed.problems);
+    }
+    if (const auto shortage = stream::memory_shortage("simulating " + source.origin,
+                                                      Simulation::memory_bytes(*parsed.scene, {}))) {
+        throw std::runtime_error(*shortage);
+    }
+    ResolvedScene resolved = hertzline::resolve(*parsed.scene);
+    if (!resolved.faults.empty()) {
+        std::vector<Problem> problems;
+        for (const Fault& fault : resolved.faults) {
+            problems.push_back(parsed.placed(fault));
+        }
+        refuse_scene(problems);
+    }
+    warn_of_missed_accuracy(source.origin, resolved);
+    return resolved;
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,27 @@
+#pragma once
+// The SCENE argument and its --set options: from the command line to a scene that can be simulated.
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "core/scene/scene.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace hertzline::app {
+
+struct SceneRequest {
+    std::string scene;                  ///< a file, or a shipped scene's name
+    std::vector<std::string> settings;  ///< "section.key=value"
+};
+
+/// Adds SCENE and --set to a subcommand. `request` must outlive the parsing.
+CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request);
+
+/// The scene with integrator and step settled. Warns where the wanted accuracy is out of reach. Takes as long
+/// as the pilot of core/numerics does. Throws WrongUse that names every fault at once, std::runtime_error
+/// when the scene does not fit into memory.
+ResolvedScene resolved_scene(const SceneRequest& request);
+
+}  // namespace hertzline::app

@@ -1,0 +1,57 @@
+// hertzline keys: a key pair for a stream that encrypts, or for who listens to it.
+
+#include <memory>
+#include <string>
+
+#include "apps/command.hpp"
+#include "apps/console/output.hpp"
+#include "core/scene/text.hpp"
+#include "stream/wire/certificate.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Makes NAME.key, to be given to the other side, and NAME.key_secret, which stays where it is. Neither "
+    "is\n"
+    "overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
+    "Examples:\n"
+    "  hertzline keys laboratory\n"
+    "  hertzline keys alice\n"
+    "  hertzline stream paper-stream --bind tcp://*:5573 --curve-key laboratory.key_secret --allow-clients "
+    "alice.key\n"
+    "  hertzline listen --connect tcp://HOST:5573 --curve-key alice.key_secret --server-key laboratory.key";
+
+struct KeysOptions {
+    std::string name;
+    Format format = Format::text;
+};
+
+Exit keys(const KeysOptions& options) {
+    if (options.name.empty() || options.name.back() == '/') {
+        throw WrongUse("NAME: found " + quoted_briefly(options.name) +
+                       ", allowed: the name of two files, without their endings .key and .key_secret");
+    }
+    const stream::KeyPair pair = stream::make_key_pair();
+    const stream::KeyFiles files = stream::write_key_files(options.name, pair);
+    Json summary;
+    summary["public_file"] = files.public_file.string();
+    summary["secret_file"] = files.secret_file.string();
+    summary["public_key"] = stream::z85(pair.public_key);
+    print_summary(summary, options.format);
+    return Exit::done;
+}
+
+}  // namespace
+
+Command keys_command(CLI::App& program) {
+    auto options = std::make_shared<KeysOptions>();
+    CLI::App* command = program.add_subcommand("keys", "make a key pair for streams that encrypt");
+    command->add_option("NAME", options->name, "of the two files, with or without a folder")->required();
+    add_format_option(*command, options->format, "print the summary as one JSON object");
+    command->footer(examples);
+    return {command, [options] { return keys(*options); }};
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,103 @@
+#pragma once
+// What a listener hears: checks that it is unbroken, saves the samples, knows when it is over. The messages
+// come from outside and are not trusted.
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/console/output.hpp"
+#include "core/taps.hpp"
+#include "stream/recordings/recording_set.hpp"
+#include "stream/wire/continuity.hpp"
+#include "stream/wire/subscriber.hpp"
+
+namespace hertzline::app {
+
+/// Why listening ended.
+enum class Ending {
+    none,
+    end_of_run,
+    heard_enough,
+    stopped,
+    silence,
+    run_broke_off,
+    no_such_stream,
+    refused
+};
+
+class Listening {
+public:
+    /// Takes a message for the user, as things happen.
+    using Tell = std::function<void(const std::string&)>;
+
+    /// @param wanted_s simulated seconds; unset: all of the run. @param files where to save
+    Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell);
+
+    /// Takes the next message. Afterwards ending() tells whether it was the last one. Throws
+    /// std::runtime_error when the first samples come and a recording cannot be begun.
+    void take(const stream::Message& message);
+
+    /// Takes a failed handshake: the end when there will be no other.
+    void note_refusal(const stream::Refusal& refusal);
+
+    void end(Ending ending) noexcept { ending_ = ending; }
+    Ending ending() const noexcept { return ending_; }
+
+    /// Completes the recordings.
+    void save();
+
+    /// No recording has failed.
+    bool saved() const noexcept { return !recordings_ || recordings_->sound(); }
+
+    /// Something was received, and nothing was missing, odd or cut short.
+    bool sound() const noexcept;
+
+    /// The stream has said what it is.
+    bool knows_the_run() const noexcept { return knows_the_run_; }
+    /// Of the frames that are listened to.
+    std::string_view topic() const noexcept { return names_of(tap_).np_topic; }
+
+    bool heard_samples() const noexcept { return check_.totals().frames > 0; }
+    double simulated_s() const noexcept { return fs_ > 0 ? static_cast<double>(samples_) / fs_ : 0; }
+
+    /// The totals as a line of text, and as an object.
+    std::string text() const;
+    Json summary() const;
+
+private:
+    void take_frame(const stream::Message& message);
+    void take_meta(const stream::Message& message);
+    void take_end(const stream::Message& message);
+    void take_samples(const stream::FrameHeader& header, std::span<const std::byte> payload);
+    void begin(const stream::FrameHeader& header);
+    void note_malformed(const std::string& reason);
+
+    Tap tap_;
+    std::optional<double> wanted_s_;
+    std::vector<std::string> files_;
+    Tell notify_;
+    stream::ContinuityCheck check_;
+    std::optional<stream::RecordingSet> recordings_;  // once the first frame has told what is in them
+    Json provenance_ = Json::object();                // as meta says
+    Ending ending_ = Ending::none;
+    bool knows_the_run_ = false;
+
+    // of the run that is listened to
+    std::string run_;
+    double fs_ = 0;
+    std::size_t channels_ = 0;
+    std::uint64_t first_sample_ = 0;
+    std::uint64_t next_sample_ = 0;
+
+    std::uint64_t samples_ = 0;  // kept
+    std::uint64_t missing_at_end_ = 0;
+    std::uint64_t malformed_ = 0;
+    std::string refusal_;  // as told last
+    std::vector<float> values_;
+    std::vector<double> rows_;
+};
+
+}  // namespace hertzline::app

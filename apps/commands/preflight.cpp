@@ -1,0 +1,100 @@
+#include "apps/commands/preflight.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "apps/command.hpp"
+#include "core/scene/text.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/resources.hpp"
+#include "stream/spectrum.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr double max_rows = 268'435'456;   // 2^28, the longest record that a spectrum is made of
+constexpr double block_numbers = 1 << 18;  // of --all in a block: 2 MiB
+constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
+
+double block_bytes(const Scene& scene, stream::RecordedBodies bodies) noexcept {
+    const double all =
+        bodies == stream::RecordedBodies::all ? 2 * static_cast<double>(scene.chain.spheres) : 0;
+    return static_cast<double>(block_of_run(scene, bodies)) * sizeof(double) * (3 + all);
+}
+
+}  // namespace
+
+double rows_of_run(const Scene& scene) noexcept {
+    const double product = scene.output.duration_s * scene.output.sample_rate_hz;
+    const double whole = std::round(product);
+    // two decimal fractions rounded to binary, then their product: off by less than four last bits
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * product;
+    return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
+}
+
+Wish wish_for(stream::RecordedBodies bodies) noexcept {
+    const bool all = bodies == stream::RecordedBodies::all;
+    return {.outputs = true, .chain_velocities = all, .chain_displacements = all};
+}
+
+std::size_t block_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept {
+    const double numbers =
+        bodies == stream::RecordedBodies::all ? 2 * static_cast<double>(scene.chain.spheres) : 0;
+    return static_cast<std::size_t>(std::clamp(block_numbers / (3 + numbers), 1.0, longest_block));
+}
+
+double memory_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept {
+    const double rows = rows_of_run(scene);
+    return Simulation::memory_bytes(scene, wish_for(bodies)) + block_bytes(scene, bodies) +
+           rows * sizeof(double) + stream::SpectrumAnalyser::bytes_needed(rows);
+}
+
+void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
+                           stream::RecordedBodies bodies) {
+    for (const std::string& file : files) {
+        const double bytes = stream::recording_bytes(file, stream::recorded_numbers(scene, bodies), samples);
+        if (const auto shortage = stream::disk_shortage(file, bytes)) {
+            throw std::runtime_error(*shortage);
+        }
+    }
+}
+
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, stream::RecordedBodies bodies) {
+    const double rows = rows_of_run(scene);
+    const std::string run =
+        fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
+    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, bodies))) {
+        throw std::runtime_error(*shortage);
+    }
+    if (rows > max_rows) {
+        throw std::runtime_error(
+            fmt::format("{} is too long: the spectrum takes at most {} rows", run, number_text(max_rows)));
+    }
+    refuse_disk_shortages(scene, rows, files, bodies);
+}
+
+void refuse_wrong_files(std::span<const std::string> files) {
+    std::string faults;
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : files) {
+        std::optional<std::string> fault = stream::recording_fault(file);
+        if (!fault && !names.insert(stream::recording_name(file)).second) {
+            fault = fmt::format("{}: found a second time, allowed: each recording once", file);
+        }
+        if (fault) {
+            faults += (faults.empty() ? "" : "\n") + *fault;
+        }
+    }
+    if (!faults.empty()) {
+        throw WrongUse(faults);
+    }
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,38 @@
+#pragma once
+// What a run takes, in rows and bytes; counted in double, so that an absurd wish is a number too.
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "core/scene/scene.hpp"
+#include "core/simulation.hpp"
+#include "stream/recordings/row_builder.hpp"
+
+namespace hertzline::app {
+
+/// Rows at k / sample_rate_hz up to and including duration_s. The product is taken for the whole number that
+/// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
+double rows_of_run(const Scene& scene) noexcept;
+
+/// What a block of a run shall hold.
+Wish wish_for(stream::RecordedBodies bodies) noexcept;
+
+/// Samples that are simulated, then written, at a time.
+std::size_t block_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept;
+
+/// The simulation, its blocks, the record of v_out and its spectrum.
+double memory_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept;
+
+/// Throws std::runtime_error when there is not enough disk for one of the files with so many samples.
+void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
+                           stream::RecordedBodies bodies);
+
+/// Throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, stream::RecordedBodies bodies);
+
+/// Throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
+/// recording.
+void refuse_wrong_files(std::span<const std::string> files);
+
+}  // namespace hertzline::app

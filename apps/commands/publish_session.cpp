@@ -1,0 +1,172 @@
+#include "apps/commands/publish_session.hpp"
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/console/signals.hpp"
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+std::optional<std::int64_t> samples_of(std::optional<double> duration_s, double sample_rate_hz) {
+    if (!duration_s) {
+        return std::nullopt;
+    }
+    constexpr double max_samples = 9e18;  // what 63 bits hold
+    const double samples = std::round(*duration_s * sample_rate_hz);
+    if (samples > max_samples) {
+        throw WrongUse(
+            fmt::format("--duration: found {} s, which is {:.3g} samples, allowed: at most {:.0e} samples",
+                        *duration_s, samples, max_samples));
+    }
+    return static_cast<std::int64_t>(std::max(1.0, samples));
+}
+
+/// Where a listener of this machine connects to; everywhere else the host's name comes in place of 127.0.0.1.
+std::string local_endpoint(std::string endpoint) {
+    constexpr std::string_view every_interface = "//0.0.0.0:";
+    if (const std::size_t at = endpoint.find(every_interface); at != std::string::npos) {
+        endpoint.replace(at, every_interface.size(), "//127.0.0.1:");
+    }
+    return endpoint;
+}
+
+void announce(const stream::Publisher& publisher, const stream::Pipeline& pipeline) {
+    std::vector<std::string_view> streams;
+    for (const Tap tap : pipeline.format().taps) {
+        streams.push_back(names_of(tap).name);
+    }
+    spdlog::info("endpoint {}", publisher.endpoint());
+    spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),
+                 pipeline.format().sample_rate_hz);
+    spdlog::info("run {}", pipeline.run_id());
+    const bool encrypted = publisher.security() == stream::Security::curve;
+    spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),
+                 encrypted ? " --curve-key YOURS.key_secret --server-key OURS.key" : "");
+    if (pipeline.plan().start == stream::StreamStart::with_first_subscriber) {
+        spdlog::info("waiting for a subscriber");
+    }
+}
+
+std::string progress_of(const stream::StreamMeters& meters, const stream::Pipeline& pipeline) {
+    std::optional<double> goal_s;
+    if (pipeline.plan().samples) {
+        goal_s = static_cast<double>(*pipeline.plan().samples) / pipeline.format().sample_rate_hz;
+    }
+    return fmt::format("{}, load {:.0f} %, {} late, {} dropped",
+                       progress_text({meters.simulated_s, goal_s, meters.wall_s}), 100 * meters.load,
+                       meters.late_frames, meters.dropped_frames);
+}
+
+Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipeline,
+                const stream::Publisher& publisher) {
+    Json summary;
+    stream::add_stream_members(summary, meters, pipeline.format().taps);
+    summary["samples"] = meters.samples;
+    summary["dropped_frames"] = meters.dropped_frames;
+    summary["endpoint"] = publisher.endpoint();
+    summary["security"] = word(publisher.security());
+    summary["refused_clients"] = publisher.refused_clients();
+    summary["run"] = pipeline.run_id();
+    return summary;
+}
+
+}  // namespace
+
+void add_streaming_options(CLI::App& command, StreamingRequest& request) {
+    command.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
+        ->type_name("ENDPOINT")
+        ->capture_default_str();
+    add_curve_options(command, request.curve);
+    command.add_option("--pace", request.pace, "realtime, flat-out, or simulated seconds per second")
+        ->type_name("PACE")
+        ->capture_default_str();
+    command.add_option("--duration", request.duration_s, "simulated seconds (default: until stopped)")
+        ->type_name("S");
+    command.add_flag_callback(
+        "--wait-for-subscriber", [&request] { request.start = stream::StreamStart::with_first_subscriber; },
+        "hold sample 0 back until somebody subscribes to a stream");
+    command
+        .add_option("--on-overrun", request.on_overrun,
+                    "what becomes of a frame whose time has passed while the program was held up: drop (and "
+                    "count) it, or wait and fall behind (default: drop, with --record wait)")
+        ->transform(
+            CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
+                                        {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
+                .description(""))
+        ->type_name("WORD");
+    command.add_flag(
+        "--realtime-priority", request.thread.realtime_priority,
+        "let the simulating thread run before ordinary ones, and keep memory from being swapped");
+    command.add_option("--cpu", request.thread.cpu, "keep the simulating thread on this processor")
+        ->type_name("N");
+    add_format_option(command, request.format, "print the summary as one JSON object");
+}
+
+std::optional<stream::CurveServer> checked(const StreamingRequest& request) {
+    if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
+        throw WrongUse("--bind: " + *fault);
+    }
+    if (request.duration_s) {
+        require_positive("--duration", *request.duration_s);
+    }
+    if (const auto fault = request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt) {
+        throw WrongUse("--cpu: " + *fault);
+    }
+    if (const stream::Expected<stream::Pace> pace = stream::parse_pace(request.pace); !pace) {
+        throw WrongUse("--pace: " + pace.error());
+    }
+    return curve_of(request.curve, request.endpoint);
+}
+
+stream::StreamOptions plan_of(const StreamingRequest& request, double sample_rate_hz,
+                              stream::OnOverrun by_default) {
+    return {.about = Json::object(),
+            .pace = *stream::parse_pace(request.pace),
+            .samples = samples_of(request.duration_s, sample_rate_hz),
+            .start = request.start,
+            .on_overrun = request.on_overrun.value_or(by_default),
+            .thread = request.thread};
+}
+
+stream::PublisherOptions publisher_options(const stream::StreamFormat& format,
+                                           std::optional<stream::CurveServer> curve) {
+    stream::PublisherOptions options = stream::Pipeline::publisher_options(format);
+    options.curve = std::move(curve);
+    return options;
+}
+
+void stream_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
+                       Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add) {
+    announce(publisher, pipeline);
+    Json summary;
+    pipeline.run(stop_asked(), {.progress =
+                                    [&](const stream::StreamMeters& meters) {
+                                        if (line.due()) {
+                                            line.show(progress_of(meters, pipeline));
+                                        }
+                                    },
+                                .warn =
+                                    [&](const std::string& text) {
+                                        line.clear();
+                                        spdlog::warn(text);
+                                    },
+                                .summary =
+                                    [&](const stream::StreamMeters& meters) {
+                                        summary = summary_of(meters, pipeline, publisher);
+                                        add(summary, meters);
+                                        return json_text(summary);
+                                    }});
+    line.clear();
+    print_summary(summary, format);
+}
+
+}  // namespace hertzline::app

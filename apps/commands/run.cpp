@@ -1,0 +1,192 @@
+// hertzline run: a scene flat out, to files and a summary.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/scene_argument.hpp"
+#include "apps/command.hpp"
+#include "apps/commands/preflight.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/progress.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "stream/pipeline/pacer.hpp"
+#include "stream/provenance.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/row_builder.hpp"
+#include "stream/spectrum.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "wall_s and real_time_factor are those of the simulation; choosing the step, formatting files and the\n"
+    "spectrum are not counted.\n"
+    "Examples:\n"
+    "  hertzline run paper-vitreous-carbon\n"
+    "  hertzline run paper-wall -o wall.csv --set chain.spheres=7\n"
+    "  hertzline run my-scene.toml --all -o all.csv --json";
+
+struct RunOptions {
+    SceneRequest scene;
+    std::vector<std::string> files;
+    stream::RecordedBodies bodies = stream::RecordedBodies::outputs;
+    Format format = Format::text;
+};
+
+/// What is kept of a run for its summary.
+struct RunRecord {
+    std::vector<double> v_out;
+    double peak_v_last = 0;
+    double peak_v_out = 0;
+    stream::Nanoseconds busy{0};  // simulating
+    bool stopped = false;
+
+    double wall_s() const { return std::chrono::duration<double>(busy).count(); }
+};
+
+void keep(const Samples& block, RunRecord& record) {
+    for (std::size_t i = 0; i < block.count; ++i) {
+        record.peak_v_last = std::max(record.peak_v_last, std::abs(block.v_last[i]));
+        record.peak_v_out = std::max(record.peak_v_out, std::abs(block.v_out[i]));
+    }
+    record.v_out.insert(record.v_out.end(), block.v_out.data(), block.v_out.data() + block.count);
+}
+
+RunRecord simulate(Simulation& simulation, const Scene& scene, stream::RecordedBodies bodies,
+                   stream::RecordingSet& recordings) {
+    stream::RowBuilder recorder(recordings, bodies);
+    const bool wants_files = recordings.any_left();
+    const Wish wish = wish_for(bodies);
+    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
+    Samples block(simulation.chain(), block_of_run(scene, bodies), wish);
+    RunRecord record;
+    record.v_out.reserve(rows);
+    ProgressLine line;
+    const std::atomic<bool>& stop = stop_asked();
+    const stream::Nanoseconds start = stream::MonotonicClock::now();
+    while (record.v_out.size() < rows) {
+        if (stop) {
+            record.stopped = true;
+            return record;
+        }
+        const stream::Nanoseconds before = stream::MonotonicClock::now();
+        const Status status =
+            simulation.advance(block, std::min(block.capacity, rows - record.v_out.size()), wish);
+        const stream::Nanoseconds after = stream::MonotonicClock::now();
+        record.busy += after - before;
+        if (status != Status::running) {
+            throw std::runtime_error(simulation.failure());
+        }
+        keep(block, record);
+        recorder.write(block);
+        if (wants_files && !recordings.any_left()) {
+            throw std::runtime_error("no recording is left, the run was ended");
+        }
+        if (line.due()) {
+            line.show(progress_text({static_cast<double>(record.v_out.size()) / scene.output.sample_rate_hz,
+                                     scene.output.duration_s,
+                                     std::chrono::duration<double>(after - start).count()}));
+        }
+    }
+    return record;
+}
+
+void add_spectrum(Json& summary, const RunRecord& record, const Scene& scene) {
+    stream::SpectrumAnalyser analyser(record.v_out.size(), scene.output.sample_rate_hz);
+    const stream::SpectrumSummary spectrum = analyser.analyse(record.v_out, scene.drive.frequency_hz);
+    const auto edge = [](const std::optional<stream::Band>& band, double stream::Band::*side) {
+        return band ? Json((*band).*side) : Json(nullptr);
+    };
+    const auto width = [](const std::optional<stream::Band>& band) {
+        return band ? Json(band->width_hz()) : Json(nullptr);
+    };
+    summary["fundamental_hz"] = spectrum.fundamental_hz;
+    summary["harmonics_db"] = spectrum.harmonics_db.empty() ? Json(nullptr) : Json(spectrum.harmonics_db);
+    summary["subharmonic_db"] = number_or_null(spectrum.subharmonic_db);
+    summary["thd_r"] = number_or_null(spectrum.thd_r);
+    summary["bandwidth_6db_hz"] = width(spectrum.band_6db);
+    summary["band_6db_low_hz"] = edge(spectrum.band_6db, &stream::Band::low_hz);
+    summary["band_6db_high_hz"] = edge(spectrum.band_6db, &stream::Band::high_hz);
+    summary["bandwidth_20db_hz"] = width(spectrum.band_20db);
+    summary["band_20db_low_hz"] = edge(spectrum.band_20db, &stream::Band::low_hz);
+    summary["band_20db_high_hz"] = edge(spectrum.band_20db, &stream::Band::high_hz);
+}
+
+Json summarise(Simulation& simulation, const RunRecord& record, const ResolvedScene& resolved,
+               const stream::RecordingSet& recordings) {
+    const Scene& scene = resolved.scene;
+    const double simulated_s = static_cast<double>(record.v_out.size() - 1) / scene.output.sample_rate_hz;
+    const double wall_s = record.wall_s();
+    Json summary;
+    summary["simulated_s"] = simulated_s;
+    summary["wall_s"] = wall_s;
+    summary["real_time_factor"] = wall_s > 0 ? Json(simulated_s / wall_s) : Json(nullptr);
+    summary["steps"] = simulation.steps();
+    summary["step_s"] = simulation.step_s();
+    summary["integrator"] = word(*scene.numerics.integrator);
+    summary["estimated_error"] = number_or_null(resolved.estimated_error);
+    summary["contact_events"] = simulation.contact_events();
+    summary["energy_residual"] = simulation.energy_residual();
+    summary["peak_v_last_m_per_s"] = record.peak_v_last;
+    summary["peak_v_out_m_per_s"] = record.peak_v_out;
+    add_spectrum(summary, record, scene);
+    summary["rows"] = record.v_out.size();
+    summary["recordings"] = recordings_json(recordings);
+    summary["scene_hash"] = scene_hash(scene);
+    summary["version"] = stream::program_version();
+    return summary;
+}
+
+Exit run(const RunOptions& options) {
+    refuse_wrong_files(options.files);
+    const ResolvedScene resolved = resolved_scene(options.scene);
+    const Scene& scene = resolved.scene;
+    refuse_shortages(scene, options.files, options.bodies);
+    stop_asked();  // from here on there are files to be cleaned up
+    Simulation simulation(scene, wish_for(options.bodies));
+    const stream::RecordingHead head{.columns = stream::recorded_columns(scene, options.bodies),
+                                     .sample_rate_hz = scene.output.sample_rate_hz,
+                                     .provenance = stream::provenance_json(
+                                         {scene, resolved.estimated_error,
+                                          stream::utc_text(std::chrono::system_clock::now()), std::nullopt})};
+    stream::RecordingSet recordings(options.files, head,
+                                    [](const std::string& text) { spdlog::error(text); });
+    const RunRecord record = simulate(simulation, scene, options.bodies, recordings);
+    if (record.stopped) {
+        spdlog::error("stopped before the end, nothing was saved");
+        return Exit::failed;
+    }
+    recordings.commit();
+    print_summary(summarise(simulation, record, resolved, recordings), options.format);
+    return recordings.sound() ? Exit::done : Exit::failed;
+}
+
+}  // namespace
+
+Command run_command(CLI::App& program) {
+    auto options = std::make_shared<RunOptions>();
+    CLI::App* command =
+        program.add_subcommand("run", "simulate a scene as fast as possible, to files and a summary");
+    add_scene_options(*command, options->scene)->required();
+    add_repeatable_option(
+        *command, "-o,--output", options->files,
+        "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
+        ->type_name("FILE");
+    command->add_flag_callback(
+        "--all", [options] { options->bodies = stream::RecordedBodies::all; },
+        "save every sphere's displacement and velocity too");
+    add_format_option(*command, options->format, "print the summary as one JSON object");
+    command->footer(examples);
+    return {command, [options] { return run(*options); }};
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,81 @@
+// hertzline scenes: the shipped scenes, or one scene with every default resolved.
+
+#include <algorithm>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "apps/arguments/scene_argument.hpp"
+#include "apps/command.hpp"
+#include "apps/console/output.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/scene/text.hpp"
+#include "stream/scene_json.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Examples:\n"
+    "  hertzline scenes\n"
+    "  hertzline scenes paper-wall > my-scene.toml\n"
+    "  hertzline scenes paper-wall --set chain.spheres=7 --json";
+
+struct ScenesOptions {
+    SceneRequest scene;
+    Format format = Format::text;
+};
+
+void list_scenes(Format format) {
+    Json list = Json::array();
+    std::string text;
+    std::size_t width = 0;
+    for (const ShippedScene& scene : shipped_scenes()) {
+        width = std::max(width, scene.name.size());
+    }
+    for (const ShippedScene& scene : shipped_scenes()) {
+        list.push_back({{"name", scene.name}, {"description", scene.description}});
+        text += fmt::format("{:<{}}  {}\n", scene.name, width, scene.description);
+    }
+    print(format == Format::json ? json_text(list) + '\n' : text);
+}
+
+/// A scene file that says what its step is good for.
+std::string annotated_toml(const ResolvedScene& resolved, const SceneRequest& request) {
+    const auto error = resolved.estimated_error;
+    return fmt::format("# {} with every default resolved; step_s was {}: estimated relative error {}\n\n{}",
+                       printable(request.scene),
+                       resolved.step_set_by_scene ? "given" : "chosen by the program",
+                       error ? fmt::format("{:.1e}", *error) : "unknown", to_toml(resolved.scene));
+}
+
+Exit scenes(const ScenesOptions& options) {
+    if (options.scene.scene.empty()) {
+        if (!options.scene.settings.empty()) {
+            throw WrongUse("--set: found no scene to set a key of, allowed: with a scene's NAME");
+        }
+        list_scenes(options.format);
+        return Exit::done;
+    }
+    const ResolvedScene resolved = resolved_scene(options.scene);
+    print(options.format == Format::json ? json_text(stream::scene_json(resolved.scene)) + '\n'
+                                         : annotated_toml(resolved, options.scene));
+    return Exit::done;
+}
+
+}  // namespace
+
+Command scenes_command(CLI::App& program) {
+    auto options = std::make_shared<ScenesOptions>();
+    CLI::App* command =
+        program.add_subcommand("scenes", "list the shipped scenes, or print one with every default resolved");
+    add_scene_options(*command, options->scene);
+    add_format_option(*command, options->format, "print JSON");
+    command->footer(examples);
+    return {command, [options] { return scenes(*options); }};
+}
+
+}  // namespace hertzline::app

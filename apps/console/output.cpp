@@ -1,0 +1,84 @@
+#include "apps/console/output.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace hertzline::app {
+
+namespace {
+
+std::string value_text(const Json& value) {
+    if (value.is_null()) {
+        return "-";
+    }
+    if (value.is_string()) {
+        return value.get_ref<const std::string&>().empty() ? "-" : value.get<std::string>();
+    }
+    if (value.is_number_float()) {
+        return fmt::format("{:.6g}", value.get<double>());
+    }
+    if (value.is_structured()) {
+        std::string text;
+        for (const Json& item : value) {
+            const bool number = item.is_number_float();
+            text += (text.empty() ? "" : " ") +
+                    (number ? fmt::format("{:.1f}", item.get<double>()) : value_text(item));
+        }
+        return text.empty() ? "-" : text;
+    }
+    return json_text(value);
+}
+
+}  // namespace
+
+void add_format_option(CLI::App& command, Format& format, const char* description) {
+    command.add_flag_callback(
+        "--json", [&format] { format = Format::json; }, description);
+}
+
+void print(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+        throw std::system_error(errno, std::generic_category(), "cannot write to standard output");
+    }
+}
+
+std::string json_text(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+void print_summary(const Json& summary, Format format) {
+    if (format == Format::json) {
+        print(json_text(summary) + '\n');
+        return;
+    }
+    std::size_t width = 0;
+    for (const auto& [name, value] : summary.items()) {
+        width = std::max(width, name.size());
+    }
+    std::string text;
+    for (const auto& [name, value] : summary.items()) {
+        text += fmt::format("{:<{}}  {}\n", name, width, value_text(value));
+    }
+    print(text);
+}
+
+Json recordings_json(const stream::RecordingSet& recordings) {
+    Json list = Json::array();
+    for (const stream::RecordingSet::Status& one : recordings.status()) {
+        list.push_back({{"file", one.file},
+                        {"samples", one.samples},
+                        {"status", one.failure.empty() ? "complete" : one.failure}});
+    }
+    return list;
+}
+
+Json number_or_null(const std::optional<double>& number) {
+    return number ? Json(*number) : Json(nullptr);
+}
+
+}  // namespace hertzline::app

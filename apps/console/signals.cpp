@@ -1,0 +1,46 @@
+#include "apps/console/signals.hpp"
+
+#include <csignal>
+
+namespace hertzline::app {
+
+namespace {
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
+
+extern "C" void note_stop(int /*signal*/) {
+    stop.store(true, std::memory_order_relaxed);
+}
+
+/// Even where the signal was ignored: a shell starts its background jobs with SIGINT ignored, and whoever
+/// sends it to one means it.
+void catch_signal(int signal) {
+    struct sigaction action {};
+    action.sa_handler = note_stop;
+    sigemptyset(&action.sa_mask);
+    sigaction(signal, &action, nullptr);
+}
+
+/// nohup(1) ignores it for us, and that is to stay.
+void catch_unless_ignored(int signal) {
+    struct sigaction before {};
+    if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) {
+        catch_signal(signal);
+    }
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_asked() {
+    static const bool caught = [] {
+        catch_signal(SIGINT);
+        catch_signal(SIGTERM);
+        catch_unless_ignored(SIGHUP);
+        return true;
+    }();
+    (void)caught;
+    return stop;
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,125 @@
+// What a scene does not need is skipped: run time with and without, side by side.
+//
+//     bench_skipping [--json FILE]
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/support/arguments.hpp"
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace {
+
+using namespace hertzline;
+
+/// Something to be run over and over: a scene, what is wished for, and how long.
+struct Job {
+    Scene scene;
+    Wish wish;
+    double simulated_s;
+};
+
+struct Comparison {
+    std::string what;
+    Job without;  ///< what is not needed is left out
+    Job with;
+};
+
+Scene shipped(const char* name, const std::function<void(Scene&)>& change = {}) {
+    Scene scene = *parse_scene(find_shipped_scene(name)->text, name).scene;
+    if (change) {
+        change(scene);
+    }
+    return resolve(scene).scene;
+}
+
+std::vector<Comparison> comparisons() {
+    const Scene burst = shipped("paper-vitreous-carbon");
+    const Scene stream = shipped("paper-stream");
+    const auto at_step_of_burst = [&](const std::function<void(Scene&)>& change) {
+        Scene scene = burst;
+        change(scene);
+        return scene;
+    };
+    const Wish outputs{.ledger = false};
+    const Wish nothing{.outputs = false, .ledger = false};
+    const Wish all{.outputs = true, .chain_velocities = true, .chain_displacements = true, .ledger = false};
+    const auto rests = [](Scene& s) { s.numerics.rest_tolerance = 1e-3; };
+    const auto clamped = [](Scene& s) { s.chain.tension = Tension::clamped; };
+    const auto wall = [](Scene& s) { s.end.kind = EndKind::wall; };
+    const auto closed = [](Scene& s) { s.drive.amplitude_m = 2e-9; };
+    return {
+        {"samples nobody wants", {burst, nothing, 5e-4}, {burst, outputs, 5e-4}},
+        {"velocities and displacements of all spheres", {burst, outputs, 5e-4}, {burst, all, 5e-4}},
+        {"the energy's ledger", {burst, outputs, 5e-4}, {burst, {}, 5e-4}},
+        {"a chain at rest between bursts (1e-3)",
+         {shipped("paper-stream", rests), {}, 5e-3},
+         {stream, {}, 5e-3}},
+        {"the plate", {at_step_of_burst(wall), outputs, 5e-4}, {burst, outputs, 5e-4}},
+        {"contacts without tension", {burst, outputs, 5e-4}, {at_step_of_burst(clamped), outputs, 5e-4}},
+        {"contacts that switch", {at_step_of_burst(closed), outputs, 5e-4}, {burst, outputs, 5e-4}},
+    };
+}
+
+class Run {
+public:
+    explicit Run(const Job& job)
+        : job_(job), simulation_(job.scene, job.wish), block_(simulation_.chain(), 1000, job.wish) {}
+
+    /// Wall time of a run from rest [s].
+    double operator()() {
+        using Clock = std::chrono::steady_clock;
+        const auto samples = static_cast<std::int64_t>(job_.simulated_s * job_.scene.output.sample_rate_hz);
+        simulation_.reset();
+        const auto begin = Clock::now();
+        while (simulation_.next_sample() < samples) {
+            if (simulation_.advance(block_, 1000, job_.wish) != Status::running) {
+                std::fprintf(stderr, "bench_skipping: %s\n", simulation_.failure().c_str());
+                return 0;
+            }
+        }
+        return std::chrono::duration<double>(Clock::now() - begin).count();
+    }
+    std::int64_t steps() const { return simulation_.steps(); }
+
+private:
+    Job job_;
+    Simulation simulation_;
+    Samples block_;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const bench::Arguments arguments(argc, argv);
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    std::printf("%-46s %10s %10s %8s %9s %9s\n", "what is skipped", "off/us", "on/us", "ratio", "pieces",
+                "pieces");
+    for (const Comparison& comparison : comparisons()) {
+        Run without(comparison.without);
+        Run with(comparison.with);
+        double min_without = 1e9;
+        double min_with = 1e9;
+        for (int round = 0; round < 25; ++round) {  // in turn, so that both meet the same machine
+            min_without = std::min(min_without, without());
+            min_with = std::min(min_with, with());
+        }
+        std::printf("%-46s %10.1f %10.1f %8.2f %9lld %9lld\n", comparison.what.c_str(), min_with * 1e6,
+                    min_without * 1e6, min_with / min_without, static_cast<long long>(with.steps()),
+                    static_cast<long long>(without.steps()));
+        rows.push_back({{"what", comparison.what},
+                        {"not_skipped_s", min_with},
+                        {"skipped_s", min_without},
+                        {"ratio", min_with / min_without}});
+    }
+    arguments.save(rows);
+    return 0;
+}

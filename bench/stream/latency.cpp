@@ -1,0 +1,166 @@
+// How long after a frame's last sample does the frame reach a subscriber?
+//
+//     bench_latency [--json FILE] [SECONDS]        10 s by default
+//
+// paper-stream in real time, 10 million samples a second, to a subscriber in another process of this machine.
+// Sample k is over (k + 1) / fs after the start; both processes read the same monotonic clock. Frames are let
+// go once a millisecond, so half a millisecond is waited for on purpose.
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/support/arguments.hpp"
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/pipeline/pipeline.hpp"
+#include "stream/sources/simulation_source.hpp"
+#include "stream/wire/frame_codec.hpp"
+#include "stream/wire/subscriber.hpp"
+
+namespace {
+
+using namespace hertzline;
+using namespace hertzline::stream;
+
+constexpr const char* scene_name = "paper-stream";
+
+struct Arrival {
+    std::uint64_t end;  ///< index of the sample after the frame's last
+    Nanoseconds time;
+};
+
+/// Notes when each frame arrives, until the end of the run.
+std::vector<Arrival> note_arrivals(const std::string& endpoint, Tap tap) {
+    Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
+    subscriber.subscribe(end_topic);
+    subscriber.subscribe(names_of(tap).np_topic);
+    std::vector<Arrival> arrivals;
+    while (const Message* message = subscriber.receive(std::chrono::seconds(10))) {
+        const Nanoseconds now = MonotonicClock::now();
+        if (message->topic() == end_topic) {
+            break;
+        }
+        const auto header = decode_header(message->text(0), message->bytes(1).size());
+        if (!header) {
+            throw std::runtime_error("a bad frame: " + header.error());
+        }
+        arrivals.push_back({header->sample + header->n, now});
+    }
+    return arrivals;
+}
+
+/// Sends everything down a pipe.
+void write_all(int pipe_end, const std::vector<Arrival>& arrivals) {
+    const auto* bytes = reinterpret_cast<const char*>(arrivals.data());
+    std::size_t left = arrivals.size() * sizeof(Arrival);
+    while (left > 0) {
+        const ssize_t written = write(pipe_end, bytes, left);
+        if (written < 0) {
+            throw std::runtime_error("cannot write to the pipe");
+        }
+        bytes += written;
+        left -= static_cast<std::size_t>(written);
+    }
+}
+
+std::vector<Arrival> read_all(int pipe_end) {
+    std::string bytes;
+    char buffer[65536];
+    for (ssize_t n = 0; (n = read(pipe_end, buffer, sizeof buffer)) > 0;) {
+        bytes.append(buffer, static_cast<std::size_t>(n));
+    }
+    std::vector<Arrival> arrivals(bytes.size() / sizeof(Arrival));
+    std::copy_n(bytes.data(), arrivals.size() * sizeof(Arrival), reinterpret_cast<char*>(arrivals.data()));
+    return arrivals;
+}
+
+struct Measured {
+    std::vector<Arrival> arrivals;
+    Nanoseconds start;
+    StreamMeters meters;
+};
+
+Measured stream(const Scene& scene, Tap tap, double seconds) {
+    SimulationSource source(scene, false);
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, Pipeline::publisher_options(source.format()));
+    Pipeline pipeline({.about = nlohmann::ordered_json::object(),
+                       .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
+                       .start = StreamStart::with_first_subscriber},
+                      source, publisher, nullptr);
+    int ends[2];
+    if (pipe(ends) != 0) {
+        throw std::runtime_error("no pipe");
+    }
+    const pid_t listener = fork();
+    if (listener == 0) {
+        write_all(ends[1], note_arrivals(publisher.endpoint(), tap));
+        _exit(0);
+    }
+    close(ends[1]);
+    std::vector<Arrival> arrivals;
+    std::thread reading([&] { arrivals = read_all(ends[0]); });
+    const StreamMeters meters = pipeline.run(
+        std::atomic<bool>(false), {.progress = [](const StreamMeters&) {},
+                                   .warn = [](const std::string&) {},
+                                   .summary = [](const StreamMeters&) { return std::string("{}"); }});
+    reading.join();
+    close(ends[0]);
+    waitpid(listener, nullptr, 0);
+    return {std::move(arrivals), pipeline.start_time(), meters};
+}
+
+nlohmann::ordered_json report(const Scene& scene, Tap tap, double seconds) {
+    const Measured measured = stream(scene, tap, seconds);
+    if (measured.arrivals.empty()) {
+        throw std::runtime_error("nothing arrived");
+    }
+    std::vector<double> latency;
+    for (const Arrival& arrival : measured.arrivals) {
+        const double over = static_cast<double>(arrival.end) / scene.output.sample_rate_hz;
+        latency.push_back(static_cast<double>((arrival.time - measured.start).count()) * 1e-9 - over);
+    }
+    std::ranges::sort(latency);
+    const auto quantile = [&](double q) {
+        return latency[static_cast<std::size_t>(q * static_cast<double>(latency.size() - 1))];
+    };
+    const std::string name(names_of(tap).name);
+    std::printf("%-8s %10zu %8lld %10.3f %10.3f %10.3f %10.3f\n", name.c_str(), latency.size(),
+                static_cast<long long>(measured.meters.frames) - static_cast<long long>(latency.size()),
+                quantile(0) * 1e3, quantile(0.5) * 1e3, quantile(0.99) * 1e3, quantile(1) * 1e3);
+    return {{"stream", name},
+            {"frames", latency.size()},
+            {"p50_s", quantile(0.5)},
+            {"p99_s", quantile(0.99)},
+            {"max_s", quantile(1)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const bench::Arguments arguments(argc, argv);
+        const double seconds = arguments.words.empty() ? 10 : std::stod(arguments.words[0]);
+        const Scene scene =
+            resolve(*parse_scene(find_shipped_scene(scene_name)->text, scene_name).scene).scene;
+        std::printf("%-8s %10s %8s %10s %10s %10s %10s\n", "stream", "frames", "missing", "min/ms", "p50/ms",
+                    "p99/ms", "max/ms");
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        for (const Tap tap : {Tap::v_out, Tap::v_chain}) {
+            rows.push_back(report(scene, tap, seconds));
+        }
+        arguments.save(rows);
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_latency: %s\n", error.what());
+        return 1;
+    }
+}

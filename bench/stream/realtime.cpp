@@ -1,0 +1,322 @@
+// Does a real-time stream keep pace, and does a listener that keeps up get every sample?
+//
+//     bench_realtime [SECONDS [CASE...]]        60 s of the cases 1, 4 and 4x3 by default
+//
+// A case is a number of streams, or STREAMSxLISTENERS: that many listeners in processes of their own, each
+// subscribed to all of them. The program streams paper-stream; a single listener has a core of its own. A
+// listener keeps a fingerprint of every frame; when the stream has ended it simulates the same scene itself
+// and compares: every float32 must be what `hertzline run` writes. Each frame that the program sent must have
+// been received, or be known as missing to the listener from what it received: else it is unaccounted for.
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstring>
+#include <iostream>
+#include <map>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <nlohmann/json.hpp>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "core/taps.hpp"
+#include "stream/wire/continuity.hpp"
+#include "stream/wire/frame_codec.hpp"
+#include "stream/wire/subscriber.hpp"
+
+namespace {
+
+using namespace hertzline;
+using namespace hertzline::stream;
+
+constexpr const char* scene_name = "paper-stream";
+constexpr const char* endpoint = "tcp://127.0.0.1:5599";
+
+void stay_on_core(int core) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(core, &set);
+    if (sched_setaffinity(0, sizeof set, &set) != 0) {
+        std::perror("sched_setaffinity");
+    }
+}
+
+/// `hertzline stream` on core 0; its summary comes through the pipe.
+struct Program {
+    pid_t pid = 0;
+    int summary = -1;
+
+    Program(const std::string& seconds, bool alone) {
+        int ends[2];
+        if (pipe(ends) != 0) {
+            throw std::runtime_error("no pipe");
+        }
+        pid = fork();
+        if (pid == 0) {
+            if (alone) {
+                stay_on_core(0);
+            }
+            dup2(ends[1], STDOUT_FILENO);
+            dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+            execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration",
+                  seconds.c_str(), "--wait-for-subscriber", "--json", nullptr);
+            _exit(127);
+        }
+        close(ends[1]);
+        summary = ends[0];
+    }
+
+    std::string result() const {
+        std::string text;
+        char buffer[4096];
+        for (ssize_t n = 0; (n = read(summary, buffer, sizeof buffer)) > 0;) {
+            text.append(buffer, static_cast<std::size_t>(n));
+        }
+        waitpid(pid, nullptr, 0);
+        return text;
+    }
+};
+
+Scene streamed_scene() {
+    return resolve(*parse_scene(find_shipped_scene(scene_name)->text, scene_name).scene).scene;
+}
+
+const std::vector<double>& column(const Samples& samples, Tap tap) {
+    switch (tap) {
+        case Tap::v_out:
+            return samples.v_out;
+        case Tap::v_last:
+            return samples.v_last;
+        case Tap::v_plate:
+            return samples.v_plate;
+        case Tap::v_chain:
+            break;
+    }
+    return samples.chain_v;
+}
+
+/// 64 bits of a frame's bytes; four lanes of multiply and shift, so that listening stays cheap.
+std::uint64_t fingerprint(std::span<const std::byte> bytes) {
+    std::array<std::uint64_t, 4> lanes{1, 2, 3, 4};
+    const auto mix = [](std::uint64_t lane, std::uint64_t word) {
+        lane = (lane ^ word) * 0x9e3779b97f4a7c15U;
+        return lane ^ (lane >> 29U);
+    };
+    std::size_t at = 0;
+    for (; at + 32 <= bytes.size(); at += 32) {
+        std::array<std::uint64_t, 4> words{};
+        std::memcpy(words.data(), bytes.data() + at, 32);
+        for (std::size_t i = 0; i < 4; ++i) {
+            lanes[i] = mix(lanes[i], words[i]);
+        }
+    }
+    for (; at < bytes.size(); ++at) {
+        lanes[0] = mix(lanes[0], static_cast<std::uint64_t>(bytes[at]));
+    }
+    return mix(mix(lanes[0], lanes[1]), mix(lanes[2], lanes[3]));
+}
+
+struct ReceivedFrame {
+    std::uint64_t sample;
+    std::uint64_t fingerprint;
+    std::uint32_t samples;
+    Tap tap;
+};
+
+struct Heard {
+    std::vector<ReceivedFrame> frames;
+    std::map<Tap, ContinuityCheck> checks;
+    bool ended = false;
+    std::uint64_t end_frames = 0;  // of each stream, as the end told
+};
+
+/// Listens until the end of the run, or until nothing has come for a while (the end itself may have been
+/// lost).
+Heard hear(Subscriber& subscriber, std::size_t streams) {
+    std::map<std::string, Tap, std::less<>> taps;
+    for (std::size_t i = 0; i < streams; ++i) {
+        const std::string topic(names_of(all_taps[i]).np_topic);
+        taps[topic] = all_taps[i];
+        subscriber.subscribe(topic);
+    }
+    subscriber.subscribe(end_topic);
+    Heard heard;
+    while (const Message* message = subscriber.receive(std::chrono::seconds(10))) {
+        if (message->topic() == end_topic) {
+            const auto end = nlohmann::json::parse(message->text(0));
+            heard.ended = true;
+            heard.end_frames =
+                end.at("frames").get<std::uint64_t>() + end.at("dropped_frames").get<std::uint64_t>();
+            break;
+        }
+        const Tap tap = taps.find(message->topic())->second;
+        const auto header = decode_header(message->text(0), message->bytes(1).size());
+        if (!header) {
+            throw std::runtime_error("a bad frame: " + header.error());
+        }
+        heard.checks[tap].take(*header);
+        heard.frames.push_back(
+            {header->sample, fingerprint(message->bytes(1)), static_cast<std::uint32_t>(header->n), tap});
+    }
+    return heard;
+}
+
+/// Frames that are not what the simulation gives here.
+std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<ReceivedFrame>& frames,
+                                     Wish wish) {
+    Simulation simulation(scene, wish);
+    Samples samples(simulation.chain(), static_cast<std::size_t>(scene.output.frame_samples), wish);
+    std::vector<float> values;
+    std::vector<ReceivedFrame> wrong;
+    for (const ReceivedFrame& frame : frames) {
+        const auto sample = static_cast<std::int64_t>(frame.sample);
+        if (samples.first != sample || samples.count != frame.samples) {
+            simulation.skip(sample - simulation.next_sample());
+            simulation.advance(samples, frame.samples, wish);
+        }
+        const std::vector<double>& expected = column(samples, frame.tap);
+        const std::size_t width = frame.tap == Tap::v_chain ? samples.spheres : 1;
+        values.assign(expected.begin(),
+                      expected.begin() + static_cast<std::ptrdiff_t>(width * frame.samples));
+        if (fingerprint(std::as_bytes(std::span(values))) != frame.fingerprint) {
+            wrong.push_back(frame);
+        }
+    }
+    return wrong;
+}
+
+/// What a listener tells of one stream.
+struct Account {
+    std::uint64_t samples = 0;
+    std::uint64_t frames = 0;
+    std::uint64_t missing = 0;  ///< frames that the numbers of later ones, or the end, told of
+    std::uint64_t differing = 0;
+    bool ended = false;
+};
+using Accounts = std::array<Account, all_taps.size()>;
+
+/// The program's count of frames for a stream's topic, those that it discarded included.
+std::uint64_t sent(const nlohmann::json& summary, Tap tap) {
+    const std::string name(names_of(tap).name);
+    return summary.at(name + "_np_sent").get<std::uint64_t>() +
+           summary.at(name + "_np_dropped").get<std::uint64_t>();
+}
+
+Accounts listen(std::size_t streams) {
+    Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
+    const Heard heard = hear(subscriber, streams);
+    const bool chain = streams == all_taps.size();
+    const Wish wish{.outputs = true, .chain_velocities = chain, .chain_displacements = false};
+    Accounts accounts;
+    for (const auto& [tap, check] : heard.checks) {
+        Account& account = accounts[static_cast<std::size_t>(tap)];
+        account.samples = check.totals().samples;
+        account.frames = check.totals().frames;
+        account.missing = check.totals().dropped_by_sender + check.totals().lost_on_the_way;
+        account.ended = heard.ended;
+        if (heard.ended && heard.end_frames > account.frames + account.missing) {
+            account.missing = heard.end_frames - account.frames;  // lost before the end
+        }
+    }
+    for (const ReceivedFrame& wrong : differing(streamed_scene(), heard.frames, wish)) {
+        ++accounts[static_cast<std::size_t>(wrong.tap)].differing;
+    }
+    return accounts;
+}
+
+/// A listener in a process of its own.
+struct Listener {
+    pid_t pid = 0;
+    int result = -1;
+
+    Listener(std::size_t streams, bool alone) {
+        int ends[2];
+        if (pipe(ends) != 0) {
+            throw std::runtime_error("no pipe");
+        }
+        pid = fork();
+        if (pid == 0) {
+            if (alone) {
+                stay_on_core(1);
+            }
+            const Accounts accounts = listen(streams);
+            _exit(write(ends[1], &accounts, sizeof accounts) == sizeof accounts ? 0 : 1);
+        }
+        close(ends[1]);
+        result = ends[0];
+    }
+
+    Accounts accounts() const {
+        Accounts accounts;
+        if (read(result, &accounts, sizeof accounts) != sizeof accounts) {
+            throw std::runtime_error("a listener failed");
+        }
+        close(result);
+        waitpid(pid, nullptr, 0);
+        return accounts;
+    }
+};
+
+nlohmann::ordered_json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t streams) {
+    std::uint64_t samples = 0, frames = 0, missing = 0, wrong = 0, unaccounted = 0;
+    bool ended = true;
+    for (std::size_t i = 0; i < streams; ++i) {
+        const Account& account = accounts[i];
+        samples += account.samples;
+        frames += account.frames;
+        missing += account.missing;
+        wrong += account.differing;
+        ended = ended && account.ended;
+        unaccounted += sent(summary, all_taps[i]) - account.frames - account.missing;
+    }
+    return {{"samples_received", samples}, {"frames_received", frames}, {"frames_missing", missing},
+            {"frames_that_differ", wrong}, {"end_heard", ended},        {"frames_unaccounted", unaccounted}};
+}
+
+/// @param words "4" or "4x3"
+void measure(const std::string& seconds, const std::string& words) {
+    const std::size_t streams = std::stoul(words);
+    const std::size_t x = words.find('x');
+    const std::size_t listeners = x == std::string::npos ? 1 : std::stoul(words.substr(x + 1));
+    if (streams < 1 || streams > all_taps.size()) {
+        throw std::runtime_error("found " + words + ", allowed: 1 to 4 streams");
+    }
+    const Program program(seconds, listeners == 1);
+    std::vector<Listener> all;
+    for (std::size_t i = 0; i < listeners; ++i) {
+        all.emplace_back(streams, listeners == 1);
+    }
+    const auto summary = nlohmann::ordered_json::parse(program.result());
+    nlohmann::ordered_json heard = nlohmann::ordered_json::array();
+    for (const Listener& listener : all) {
+        heard.push_back(report(listener.accounts(), summary, streams));
+    }
+    const nlohmann::ordered_json result{{"streams", streams}, {"listeners", heard}, {"program", summary}};
+    std::cout << result.dump(1) << std::endl;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const std::string seconds = argc > 1 ? argv[1] : "60";
+        const std::vector<std::string> cases(argv + std::min(argc, 2), argv + argc);
+        for (const std::string& words : cases.empty() ? std::vector<std::string>{"1", "4", "4x3"} : cases) {
+            measure(seconds, words);
+        }
+        return 0;
+    } catch (const std::exception& error) {
+        std::cerr << "bench_realtime: " << error.what() << '\n';
+        return 1;
+    }
+}

@@ -1,0 +1,173 @@
+// The ring between the two threads of a stream, beside boost::lockfree::spsc_queue.
+//
+//     bench_ring [--json FILE]
+//
+// One thread writes blocks, another reads them and adds them up, each kept on a processor of its own. Both
+// queues get the same work: the writer makes a block, number by number; the reader looks at every number. Our
+// ring is filled in place; Boost's takes a copy of what was made and is read in place (consume_one). Rounds
+// alternate; medians.
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "bench/support/arguments.hpp"
+#include <boost/lockfree/spsc_queue.hpp>
+#include <sched.h>
+
+#include "stream/pipeline/ring_buffer.hpp"
+
+namespace {
+
+using namespace hertzline;
+using namespace hertzline::stream;
+
+constexpr std::size_t capacity = 64;
+constexpr int rounds = 15;
+constexpr double bytes_per_round = 256e6;
+constexpr std::uint64_t max_blocks = 4'000'000;
+
+template <std::size_t N>
+using Numbers = std::array<std::uint64_t, N>;
+
+void stay_on_core(unsigned core) {
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    CPU_SET(core, &set);
+    if (sched_setaffinity(0, sizeof set, &set) != 0) {
+        std::perror("sched_setaffinity");
+    }
+}
+
+template <std::size_t N>
+void make(Numbers<N>& block, std::uint64_t i) {
+    for (std::size_t k = 0; k < N; ++k) {
+        block[k] = i + k;
+    }
+}
+
+template <std::size_t N>
+std::uint64_t sum(const Numbers<N>& block) {
+    std::uint64_t total = 0;
+    for (const std::uint64_t number : block) {
+        total += number;
+    }
+    return total;
+}
+
+template <std::size_t N>
+struct Ours {
+    RingBuffer<Numbers<N>> ring{capacity, Numbers<N>{}};
+
+    bool write(std::uint64_t i) {
+        Numbers<N>* slot = ring.try_claim();
+        if (slot == nullptr) {
+            return false;
+        }
+        make(*slot, i);
+        ring.publish();
+        return true;
+    }
+    bool read(std::uint64_t& total) {
+        const Numbers<N>* slot = ring.try_front();
+        if (slot == nullptr) {
+            return false;
+        }
+        total += sum(*slot);
+        ring.pop();
+        return true;
+    }
+};
+
+template <std::size_t N>
+struct Boost {
+    boost::lockfree::spsc_queue<Numbers<N>, boost::lockfree::capacity<capacity>> queue;
+    Numbers<N> block{};
+    std::uint64_t made = ~std::uint64_t{0};
+
+    bool write(std::uint64_t i) {
+        if (made != i) {  // once, although the queue may be full for a while
+            make(block, i);
+            made = i;
+        }
+        return queue.push(block);
+    }
+    bool read(std::uint64_t& total) {
+        return queue.consume_one([&total](const Numbers<N>& read) { total += sum(read); }) != 0;
+    }
+};
+
+/// Nanoseconds per block. @throws std::runtime_error when the reader did not get what was written.
+template <std::size_t N, class Queue>
+double time_blocks(std::uint64_t blocks) {
+    const auto queue = std::make_unique<Queue>();
+    std::uint64_t total = 0;
+    const auto begin = std::chrono::steady_clock::now();
+    std::thread writer([&] {
+        stay_on_core(0);
+        for (std::uint64_t i = 0; i < blocks;) {
+            i += queue->write(i) ? 1 : 0;
+        }
+    });
+    std::thread reader([&] {
+        stay_on_core(1);
+        for (std::uint64_t i = 0; i < blocks;) {
+            i += queue->read(total) ? 1 : 0;
+        }
+    });
+    writer.join();
+    reader.join();
+    const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begin;
+    if (total != N * (blocks * (blocks - 1) / 2) + blocks * (N * (N - 1) / 2)) {
+        throw std::runtime_error("the reader got something else than was written");
+    }
+    return time.count() / static_cast<double>(blocks);
+}
+
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
+template <std::size_t N>
+nlohmann::ordered_json compare() {
+    constexpr auto blocks =
+        static_cast<std::uint64_t>(std::min(static_cast<double>(max_blocks), bytes_per_round / (8.0 * N)));
+    std::vector<double> ours, theirs, ratios;
+    for (int round = 0; round < rounds; ++round) {
+        ours.push_back(time_blocks<N, Ours<N>>(blocks));
+        theirs.push_back(time_blocks<N, Boost<N>>(blocks));
+        ratios.push_back(theirs.back() / ours.back());
+    }
+    std::printf("%10zu %12.1f %12.1f %10.2f\n", 8 * N, median(ours), median(theirs), median(ratios));
+    return {{"block_bytes", 8 * N},
+            {"ours_ns", median(ours)},
+            {"boost_ns", median(theirs)},
+            {"boost_over_ours", median(ratios)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const bench::Arguments arguments(argc, argv);
+        std::printf("%10s %12s %12s %10s\n", "bytes", "ours/ns", "boost/ns", "boost/ours");
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        rows.push_back(compare<1>());
+        rows.push_back(compare<8>());
+        rows.push_back(compare<128>());
+        rows.push_back(compare<1024>());
+        rows.push_back(compare<8192>());
+        arguments.save(rows);
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_ring: %s\n", error.what());
+        return 1;
+    }
+}

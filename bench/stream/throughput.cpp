@@ -1,0 +1,184 @@
+// How many bytes a second a stream brings to a subscriber, flat out, beside plain ZeroMQ.
+//
+//     bench_throughput [--json FILE] [SECONDS]        2 s for each by default
+//
+// Ours is the whole stream without the physics: a source that costs nothing, ring, float32, header, topic.
+// Plain is zmq_send() of one and the same buffer, of a frame's size, on a PUB socket with the same queue.
+// Both publish over tcp on loopback to a subscriber in another process, which counts the bytes of samples
+// that arrive; what the queue of a subscriber that does not keep up discards is not counted, for neither.
+// Rounds alternate; medians.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/support/arguments.hpp"
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "stream/pipeline/pipeline.hpp"
+#include "stream/wire/subscriber.hpp"
+#include "tests/support/counting_source.hpp"
+
+namespace {
+
+using namespace hertzline;
+using namespace hertzline::stream;
+using Clock = std::chrono::steady_clock;
+
+constexpr int rounds = 5;
+constexpr const char* any_port = "tcp://127.0.0.1:*";
+
+/// Samples that are there already.
+class StillSource : public test::CountingSource {
+public:
+    using CountingSource::CountingSource;
+    bool read(Samples& samples, std::size_t count, TapSet) noexcept override {
+        return CountingSource::read(samples, count, TapSet());
+    }
+};
+
+struct Received {
+    double bytes = 0;
+    double seconds = 0;
+    double rate() const { return bytes / seconds; }
+};
+
+/// Counts the bytes of the last part of every message for that long, from the first one on.
+Received count_bytes(const std::string& endpoint, std::string_view topic, double seconds) {
+    Subscriber subscriber(endpoint, {.receive_high_water_mark = 65536});
+    subscriber.subscribe(topic);
+    Received received;
+    Clock::time_point begin;
+    while (const Message* message = subscriber.receive(std::chrono::seconds(10))) {
+        const Clock::time_point now = Clock::now();
+        if (received.bytes == 0) {
+            begin = now;
+        }
+        received.bytes += static_cast<double>(
+            message->parts() == 0 ? message->topic().size() : message->bytes(message->parts() - 1).size());
+        received.seconds = std::chrono::duration<double>(now - begin).count();
+        if (received.seconds >= seconds) {
+            return received;
+        }
+    }
+    throw std::runtime_error("nothing arrived");
+}
+
+/// Publishes here, by `publish(stop)`, while a child process counts what arrives from the endpoint.
+Received measure(const std::string& endpoint, std::string_view topic, double seconds,
+                 const std::function<void(std::atomic<bool>&)>& publish) {
+    int ends[2];
+    if (pipe(ends) != 0) {
+        throw std::runtime_error("no pipe");
+    }
+    const pid_t listener = fork();  // no thread of ours runs yet but ZeroMQ's, which the child does not touch
+    if (listener == 0) {
+        Received received;
+        try {
+            received = count_bytes(endpoint, topic, seconds);
+        } catch (const std::exception& error) {
+            std::fprintf(stderr, "%s\n", error.what());
+        }
+        _exit(write(ends[1], &received, sizeof received) == sizeof received ? 0 : 1);
+    }
+    close(ends[1]);
+    std::atomic<bool> stop{false};
+    std::thread publishing([&] { publish(stop); });
+    Received received;
+    const bool told = read(ends[0], &received, sizeof received) == sizeof received;
+    stop = true;
+    publishing.join();
+    close(ends[0]);
+    waitpid(listener, nullptr, 0);
+    if (!told || received.seconds == 0) {
+        throw std::runtime_error("the listener heard nothing");
+    }
+    return received;
+}
+
+double ours(std::int64_t frame_samples, std::string_view topic, double seconds) {
+    StillSource source(
+        {.taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples});
+    PublisherOptions options = Pipeline::publisher_options(source.format());
+    options.linger = std::chrono::milliseconds(0);
+    Publisher publisher(any_port, all_topics, options);
+    Pipeline pipeline({.about = nlohmann::ordered_json::object(),
+                       .pace = Pace::flat_out(),
+                       .start = StreamStart::with_first_subscriber},
+                      source, publisher, nullptr);
+    return measure(publisher.endpoint(), topic, seconds,
+                   [&](const std::atomic<bool>& stop) {
+                       pipeline.run(stop, {.progress = [](const StreamMeters&) {},
+                                           .warn = [](const std::string&) {},
+                                           .summary = [](const StreamMeters&) { return std::string("{}"); }});
+                   })
+        .rate();
+}
+
+double plain(std::int64_t frame_samples, double seconds) {
+    const StreamFormat format{
+        .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples};
+    zmq::context_t context;
+    zmq::socket_t socket(context, zmq::socket_type::pub);
+    socket.set(zmq::sockopt::sndhwm, Pipeline::publisher_options(format).send_high_water_mark);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.bind(any_port);
+    const std::vector<float> frame(static_cast<std::size_t>(frame_samples), 1.0F);
+    return measure(socket.get(zmq::sockopt::last_endpoint), "", seconds,
+                   [&](const std::atomic<bool>& stop) {
+                       while (!stop) {
+                           socket.send(zmq::const_buffer(frame.data(), frame.size() * sizeof(float)));
+                       }
+                   })
+        .rate();
+}
+
+double median(std::vector<double> values) {
+    std::ranges::sort(values);
+    return values[values.size() / 2];
+}
+
+nlohmann::ordered_json compare(std::int64_t frame_samples, double seconds) {
+    std::vector<double> raw, np, alone, raw_ratio, np_ratio;
+    for (int round = 0; round < rounds; ++round) {
+        raw.push_back(ours(frame_samples, names_of(Tap::v_out).raw_topic, seconds));
+        np.push_back(ours(frame_samples, names_of(Tap::v_out).np_topic, seconds));
+        alone.push_back(plain(frame_samples, seconds));
+        raw_ratio.push_back(raw.back() / alone.back());
+        np_ratio.push_back(np.back() / alone.back());
+    }
+    std::printf("%10lld %12.0f %12.0f %12.0f %8.2f %8.2f\n", static_cast<long long>(4 * frame_samples),
+                median(raw) / 1e6, median(np) / 1e6, median(alone) / 1e6, median(raw_ratio),
+                median(np_ratio));
+    std::fflush(stdout);
+    return {{"frame_bytes", 4 * frame_samples},    {"raw_bytes_per_s", median(raw)},
+            {"np_bytes_per_s", median(np)},        {"plain_bytes_per_s", median(alone)},
+            {"raw_over_plain", median(raw_ratio)}, {"np_over_plain", median(np_ratio)}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        const bench::Arguments arguments(argc, argv);
+        const double seconds = arguments.words.empty() ? 2 : std::stod(arguments.words[0]);
+        std::printf("%10s %12s %12s %12s %8s %8s\n", "bytes", "raw MB/s", "np MB/s", "plain MB/s", "raw",
+                    "np");
+        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        for (const std::int64_t samples : {64, 256, 1024, 4096, 16384, 65536}) {
+            rows.push_back(compare(samples, seconds));
+        }
+        arguments.save(rows);
+        return 0;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_throughput: %s\n", error.what());
+        return 1;
+    }
+}

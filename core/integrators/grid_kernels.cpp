@@ -1,0 +1,84 @@
+// One copy of the integrators per instruction set; the widest that this processor has is chosen at run time.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/integrators/grid_kernels.cpp"
+#include "core/integrators/simd/simd_targets.hpp"
+// before highway.h
+#include <hwy/foreach_target.h>
+// after foreach_target
+#include <hwy/highway.h>
+
+#include "core/integrators/chin4a/chin4a-inl.hpp"
+#include "core/integrators/leapfrog/leapfrog-inl.hpp"
+#include "core/integrators/leapfrog/leapfrog_sweep-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline::kernels {
+namespace HWY_NAMESPACE {
+
+template <template <std::size_t> class Pick>
+Kernel for_rows(std::size_t rows) {
+    switch (rows) {
+        case 1:
+            return Pick<1>::kernel;
+        case 2:
+            return Pick<2>::kernel;
+        case 4:
+            return Pick<4>::kernel;
+        case 8:
+            return Pick<8>::kernel;
+        default:
+            return Pick<0>::kernel;
+    }
+}
+
+template <std::size_t K>
+struct LeapfrogRows {
+    static constexpr Kernel kernel = advance_leapfrog<K>;
+};
+template <>
+struct LeapfrogRows<0> {
+    static constexpr Kernel kernel = advance_leapfrog_linear;
+};
+template <std::size_t K>
+struct Chin4aRows {
+    static constexpr Kernel kernel = advance_chin4a<K>;
+};
+
+Kernel pick(Integrator integrator, std::size_t rows) {
+    return integrator == Integrator::leapfrog ? for_rows<LeapfrogRows>(rows) : for_rows<Chin4aRows>(rows);
+}
+
+std::size_t lanes() {
+    return hn::Lanes(Doubles());
+}
+
+const char* target() {
+    return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hertzline::kernels {
+
+HWY_EXPORT(pick);
+HWY_EXPORT(lanes);
+HWY_EXPORT(target);
+
+Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
+    return HWY_DYNAMIC_DISPATCH(pick)(integrator, rows);
+}
+
+std::size_t kernel_lanes() noexcept {
+    return HWY_DYNAMIC_DISPATCH(lanes)();
+}
+
+const char* kernel_target() noexcept {
+    return HWY_DYNAMIC_DISPATCH(target)();
+}
+
+}  // namespace hertzline::kernels
+#endif

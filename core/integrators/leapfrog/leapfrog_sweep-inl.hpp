@@ -1,0 +1,372 @@
+// Leapfrog for long chains: the step of leapfrog-inl.hpp as one sweep along the chain, many steps at once.
+//
+// A body after a step depends on two neighbours to either side before it. So a step needs no columns of
+// intermediate results. As row k comes in, its overlaps are worked out, the forces of row k - 1, the
+// velocities at mid-step of row k - 2 and the final motion of row k - 3; what is between them stays in
+// registers:
+//
+//     row k        x, v in; overlap and its square root
+//     row k - 1    forces, dashpots at the velocity at the start
+//     row k - 2    velocity at mid-step; forces, dashpots at that velocity
+//     row k - 3    velocity, displacement out
+//
+// The next step can follow three rows behind. A block of steps goes along the chain like that, a tile of rows
+// at a time, and while it does, the rows lie in the nearest caches: each is fetched from memory once per
+// block instead of once per step. Every row of every step is worked out from the same numbers in the same way
+// however the steps are grouped, so the bits do not depend on it.
+//
+// The chain lies in line (folded_chain.hpp): spheres that the wave has not reached are rows that no sweep
+// gets to. Each step goes two bodies beyond the last row that moves, as far as a step can carry a
+// disturbance, and looks whether they have begun to: a body is at rest when its displacement and velocity are
+// zero, exactly.
+#if defined(HERTZLINE_LEAPFROG_SWEEP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HERTZLINE_LEAPFROG_SWEEP_INL
+#undef HERTZLINE_LEAPFROG_SWEEP_INL
+#else
+#define HERTZLINE_LEAPFROG_SWEEP_INL
+#endif
+
+#include <array>
+
+#include "core/integrators/simd/linear_rows-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline::kernels {
+namespace HWY_NAMESPACE {
+
+/// Rows between the ends of the chain are all alike: equal spheres, equal contacts.
+enum class Rows { alike, any };
+
+template <Tension tension>
+class LeapfrogSweep {
+public:
+    explicit HWY_INLINE LeapfrogSweep(SimdChain& chain)
+        : chain_(&chain),
+          h_(chain.step_s),
+          first_(SimdChain::guard_rows),
+          end_(chain.rows() - SimdChain::guard_rows),
+          alike_from_(first_ + 1),
+          alike_to_(chain.slot(chain.active() - 1) / lanes()),
+          lost_(hn::Load(d_, chain.column(ChainField::lost))),
+          work_(hn::Load(d_, chain.column(ChainField::work))) {}
+
+    /// Takes `count` steps (at most max_steps). `finished` is called after each; the rows near
+    /// the end of the chain are then what that step left.
+    template <class Finished>
+    HWY_INLINE void block(const HornStep* horn, std::size_t count, Finished&& finished) {
+        for (std::size_t s = 0; s < count; ++s) {
+            places_[s] = {first_, at_the_horn(horn[s].middle)};
+        }
+        const std::size_t end = sweep_end();
+        for (std::size_t to = first_ + tile_rows; to + tile_rows < end; to += tile_rows) {
+            for (std::size_t s = 0; s < count && to > first_ + row_delay * s; ++s) {
+                sweep(places_[s], to - row_delay * s, horn[s].middle);
+            }
+        }
+        for (std::size_t s = 0; s < count; ++s) {
+            sweep(places_[s], sweep_end(), horn[s].middle);
+            lost_ = hn::MulAdd(hn::Set(d_, h_), places_[s].carry.loss, lost_);
+            advance_front();
+            finished();
+        }
+    }
+
+    HWY_INLINE void save_ledger() const {
+        hn::Store(lost_, d_, chain_->column(ChainField::lost));
+        hn::Store(work_, d_, chain_->column(ChainField::work));
+    }
+
+    /// Accelerations of the bodies from `body` on, for samples between steps. Not part of the integration.
+    HWY_INLINE void save_accelerations(Eigen::Index body, const HornMotion& horn) const {
+        const std::size_t from = chain_->slot(body) / lanes();
+        Vec x1 = from == first_ ? hn::Set(d_, horn.x) : row(ChainField::x, from - 1);
+        Vec v1 = from == first_ ? hn::Set(d_, horn.v) : row(ChainField::v, from - 1);
+        Vec force1 = hn::Zero(d_);
+        for (std::size_t k = from; k <= end_; ++k) {
+            const Constants c = constants(k);
+            const Vec x = row(ChainField::x, k);
+            const Vec v = row(ChainField::v, k);
+            const Vec overlap = hn::Add(line_.left(x1, x), hn::Sub(c.static_overlap, x));
+            const Vec dashpot = hn::Mul(c.damping, hn::Sub(line_.left(v1, v), v));
+            const Vec pulled = hn::IfThenElseZero(hn::Gt(overlap, hn::Zero(d_)), dashpot);
+            const Vec force =
+                limited(c, hn::Add(elastic(c, overlap, hn::Sqrt(hn::Max(overlap, hn::Zero(d_)))), pulled));
+            if (k > from) {
+                const Constants c1 = constants(k - 1);
+                const Vec net = hn::Add(hn::Sub(force1, line_.right(force1, force)), c1.grounded(x1));
+                hn::Store(hn::Mul(c1.inv_mass, net), d_,
+                          chain_->column(ChainField::total_accel) + (k - 1) * lanes());
+            }
+            x1 = x;
+            v1 = v;
+            force1 = force;
+        }
+    }
+
+    static constexpr std::size_t max_steps = 32;
+
+private:
+    static constexpr std::size_t row_delay = 3;   ///< rows from coming in to being done
+    static constexpr std::size_t tile_rows = 32;  ///< and those of all steps fit into the nearest cache
+
+    /// Per body and its left contact, as in Chain.
+    struct Constants {
+        Vec stiffness, static_overlap, static_force, damping, inv_mass, spring, bias;
+        /// What pulls a body besides its contacts.
+        HWY_INLINE Vec grounded(Vec x) const { return hn::NegMulAdd(spring, x, bias); }
+    };
+
+    /// What a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
+    struct Carry {
+        Vec x1, v1;           ///< at mid-step, at the start
+        Vec overlap1, root1;  ///< its square root, on which nothing in the same turn has to wait
+        Vec x2, v2;
+        Vec shift2, elastic2;   ///< overlap / h; elastic force
+        Vec force2;             ///< at the velocity at the start
+        Vec x3, v3, middle_v3;  ///< and velocity at mid-step
+        Vec total3;             ///< force at the velocity at mid-step
+        Vec loss;               ///< in all rows so far [W]
+    };
+    /// What the loop over rows uses, all rows alike.
+    struct Step {
+        explicit HWY_INLINE Step(const SimdChain& chain)
+            : h(hn::Set(d_, chain.step_s)),
+              half(hn::Set(d_, 0.5 * chain.step_s)),
+              per_step(hn::Set(d_, 1 / chain.step_s)),
+              watched(hn::Set(d_, chain.watched_overlap)),
+              x(chain.column(ChainField::x)),
+              v(chain.column(ChainField::v)),
+              closed(chain.column(ChainField::closed)),
+              peak(chain.column(ChainField::peak_overlap)) {}
+        Vec h, half, per_step, watched;
+        double* x;
+        double* v;
+        double* closed;
+        double* peak;
+    };
+    /// How far a step has come.
+    struct Place {
+        std::size_t next_row;
+        Carry carry;
+    };
+
+    static HWY_INLINE std::size_t lanes() { return hn::Lanes(d_); }
+    HWY_INLINE Vec row(ChainField c, std::size_t k) const {
+        return hn::Load(d_, chain_->column(c) + k * lanes());
+    }
+    HWY_INLINE Constants constants(std::size_t k) const {
+        return {row(ChainField::stiffness, k),    row(ChainField::static_overlap, k),
+                row(ChainField::static_force, k), row(ChainField::damping, k),
+                row(ChainField::inv_mass, k),     row(ChainField::spring, k),
+                row(ChainField::bias, k)};
+    }
+
+    /// The row before the first is the horn, which no force moves.
+    static HWY_INLINE Carry at_the_horn(const HornMotion& horn) {
+        const Vec zero = hn::Zero(d_);
+        const Vec x = hn::Set(d_, horn.x);
+        const Vec v = hn::Set(d_, horn.v);
+        return {x, v, zero, zero, x, v, zero, zero, zero, x, v, v, zero, zero};
+    }
+
+    /// In one step a disturbance travels two bodies; the rows that it may reach are done three rows later.
+    HWY_INLINE std::size_t sweep_end() const {
+        return std::min(chain_->moving_rows + (2 + lanes() - 1) / lanes(), end_) + row_delay;
+    }
+    HWY_INLINE void advance_front() const {
+        const std::size_t done = sweep_end() - row_delay;
+        for (std::size_t k = chain_->moving_rows; k < done; ++k) {
+            const Flags still = hn::And(hn::Eq(row(ChainField::x, k), hn::Zero(d_)),
+                                        hn::Eq(row(ChainField::v, k), hn::Zero(d_)));
+            chain_->moving_rows = hn::AllTrue(d_, still) ? chain_->moving_rows : k + 1;
+        }
+    }
+
+    /// A step takes in the rows before `to`.
+    HWY_INLINE void sweep(Place& place, std::size_t to, const HornMotion& horn) {
+        take_in<Rows::any>(place, std::min(to, alike_from_ + row_delay), horn);
+        take_in<Rows::alike>(place, std::min(to, alike_to_), horn);
+        take_in<Rows::any>(place, to, horn);
+    }
+
+    /// Everything that the loop uses is copied to it first, to be kept in registers.
+    template <Rows rows>
+    HWY_NOINLINE void take_in(Place& place, std::size_t to, const HornMotion& horn) {
+        if (place.next_row >= to) {
+            return;
+        }
+        Carry carry = place.carry;
+        const Step step(*chain_);
+        Constants c = constants(rows == Rows::alike ? alike_from_ : place.next_row);
+        Constants c1 = rows == Rows::alike ? c : constants(place.next_row - 1);
+        Constants c2 = rows == Rows::alike ? c : constants(place.next_row - 2);
+        Constants c3 = rows == Rows::alike ? c : constants(place.next_row - 3);
+        for (std::size_t k = place.next_row; k < to; ++k) {
+            if (rows == Rows::any) {
+                c = constants(k);
+            }
+            row_in<rows>(step, k, c, c1, c2, c3, carry);
+            if (rows == Rows::any) {
+                if (k == first_ + 2) {
+                    book_work(carry.total3, horn.v);
+                }
+                c3 = c2;
+                c2 = c1;
+                c1 = c;
+            }
+        }
+        place = {to, carry};
+    }
+
+    /// Row k comes in, row k - 3 is done. @param c, c1, c2, c3 constants of rows k to k - 3
+    template <Rows rows>
+    HWY_INLINE void row_in(const Step& step, std::size_t k, const Constants& c, const Constants& c1,
+                           const Constants& c2, const Constants& c3, Carry& carry) const {
+        double* const x_in = step.x + k * lanes();
+        double* const v_in = step.v + k * lanes();
+        // row k: drift to mid-step, overlaps there
+        const Vec v = hn::Load(d_, v_in);
+        const Vec x = hn::MulAdd(step.half, v, hn::Load(d_, x_in));
+        const Vec overlap = hn::Add(line_.left(carry.x1, x), hn::Sub(c.static_overlap, x));
+        const Vec root = hn::Sqrt(hn::Max(overlap, hn::Zero(d_)));
+        watch<rows>(step, k, c, overlap);
+        // row k - 1: forces, with the dashpots at the velocity at the start
+        const Vec shift = hn::Mul(carry.overlap1, step.per_step);
+        const Vec pressed = elastic(c1, carry.overlap1, carry.root1);
+        const Vec force = total(c1, pressed, shift, hn::Sub(line_.left(carry.v2, carry.v1), carry.v1));
+        // row k - 2: velocity at mid-step by half a kick, forces with the dashpots at that velocity
+        const Vec middle_v = kicked<rows>(c2, carry.v2, step.half, carry.force2, force, carry.x2);
+        const Vec w = hn::Sub(line_.left(carry.middle_v3, middle_v), middle_v);
+        const Vec total2 = total(c2, carry.elastic2, carry.shift2, w);
+        const Vec loss = hn::MulAdd(hn::Sub(total2, carry.elastic2), w, carry.loss);
+        // row k - 3: the whole kick, drift to the end of the step
+        const Vec end_v = kicked<rows>(c3, carry.v3, step.h, carry.total3, total2, carry.x3);
+        hn::Store(end_v, d_, v_in - row_delay * lanes());
+        hn::Store(hn::MulAdd(step.half, end_v, carry.x3), d_, x_in - row_delay * lanes());
+        // one row on; member by member, or the compiler does it in memory
+        carry.x3 = carry.x2;
+        carry.v3 = carry.v2;
+        carry.middle_v3 = middle_v;
+        carry.total3 = total2;
+        carry.loss = loss;
+        carry.x2 = carry.x1;
+        carry.v2 = carry.v1;
+        carry.shift2 = shift;
+        carry.elastic2 = pressed;
+        carry.force2 = force;
+        carry.x1 = x;
+        carry.v1 = v;
+        carry.overlap1 = overlap;
+        carry.root1 = root;
+    }
+
+    /// Elastic forces, relative to the static ones.
+    static HWY_INLINE Vec elastic(const Constants& c, Vec overlap, Vec root) {
+        const Vec pushed = hn::Max(overlap, hn::Zero(d_));
+        return hn::Sub(hn::Mul(hn::Mul(c.stiffness, pushed), root), c.static_force);
+    }
+    /// Adds the dashpots' forces: lambda w, weighed by the part of the step in contact.
+    static HWY_INLINE Vec total(const Constants& c, Vec pressed, Vec shift, Vec w) {
+        const Vec speed = hn::Abs(w);
+        const Vec in_contact = hn::MulAdd(hn::Set(d_, 0.5), speed, shift);
+        const Vec weighed = LinearRows::at_most(hn::Max(in_contact, hn::Zero(d_)), w);
+        return limited(c, hn::MulAdd(c.damping, weighed, pressed));
+    }
+    /// Clamped: no contact pulls.
+    static HWY_INLINE Vec limited(const Constants& c, Vec force) {
+        return tension == Tension::clamped ? hn::Max(force, hn::Neg(c.static_force)) : force;
+    }
+    /// Velocities after the forces of the contacts to the left, and of those to the right, have acted.
+    template <Rows rows>
+    HWY_INLINE Vec kicked(const Constants& c, Vec v, Vec time, Vec force, Vec next_force, Vec x) const {
+        const Vec net = hn::Sub(force, line_.right(force, next_force));
+        const Vec all = rows == Rows::alike ? net : hn::Add(net, c.grounded(x));
+        return hn::MulAdd(hn::Mul(time, c.inv_mass), all, v);
+    }
+
+    /// Contact events and peak overlaps; none of it feeds back into the motion.
+    template <Rows rows>
+    HWY_INLINE void watch(const Step& step, std::size_t k, const Constants& c, Vec overlap) const {
+        double* const closed = step.closed + k * lanes();
+        double* const peak = step.peak + k * lanes();
+        hn::Store(hn::Max(hn::Load(d_, peak), overlap), d_, peak);
+        const Flags touching = hn::Gt(overlap, hn::Zero(d_));
+        const Flags changed = hn::Xor(touching, hn::Gt(hn::Load(d_, closed), hn::Zero(d_)));
+        Flags within = hn::Le(overlap, step.watched);
+        if (rows == Rows::any) {
+            within = hn::Or(within, hn::Eq(c.stiffness, hn::Zero(d_)));  // what cannot touch
+        }
+        if (HWY_UNLIKELY(!hn::AllFalse(d_, hn::Or(changed, hn::Not(within))))) {
+            chain_->beyond_watched = chain_->beyond_watched || !hn::AllTrue(d_, within);
+            chain_->contact_events += static_cast<std::int64_t>(hn::CountTrue(d_, changed));
+            hn::Store(hn::IfThenElseZero(touching, hn::Set(d_, 1.0)), d_, closed);
+        }
+    }
+
+    HWY_INLINE void book_work(Vec total, double horn_v) {
+        const Vec whole = hn::Add(total, row(ChainField::static_force, first_));
+        const Vec on_first = hn::IfThenElseZero(hn::FirstN(d_, 1), whole);
+        work_ = hn::MulAdd(hn::Mul(hn::Set(d_, h_), on_first), hn::Set(d_, horn_v), work_);
+    }
+
+    static constexpr Doubles d_{};
+    SimdChain* chain_;
+    LinearRows line_;
+    double h_;
+    std::size_t first_, end_;            ///< rows of bodies
+    std::size_t alike_from_, alike_to_;  ///< rows of equal spheres and contacts
+    Vec lost_, work_;
+    std::array<Place, max_steps> places_;
+};
+
+/// How many of the steps from `step` on can be taken as one block: a row of the trace that shows more than
+/// the end of the chain needs all of it at one moment.
+inline std::size_t steps_together(const Trace& trace, std::int64_t step, std::size_t most) {
+    constexpr Eigen::Index at_the_end = 2;
+    const auto room = static_cast<std::int64_t>(trace.capacity - trace.count);
+    auto together = static_cast<std::int64_t>(most);
+    if (trace.between || trace.next != Trace::never) {
+        together = std::min(together, room);
+    }
+    if (trace.bodies - trace.first_body > at_the_end) {
+        together = trace.between                ? 1
+                   : trace.next != Trace::never ? std::min(together, trace.next - step)
+                                                : together;
+    }
+    return static_cast<std::size_t>(std::max<std::int64_t>(together, 1));
+}
+
+template <Tension tension>
+int sweep_leapfrog(SimdChain& chain, const HornStep* horn, std::int64_t first, int count, Trace& trace) {
+    LeapfrogSweep<tension> leapfrog(chain);
+    int taken = 0;
+    while (taken < count && trace.has_room()) {
+        const std::size_t most =
+            std::min(static_cast<std::size_t>(count - taken), LeapfrogSweep<tension>::max_steps);
+        const std::size_t together = steps_together(trace, first + taken, most);
+        leapfrog.block(horn + taken, together, [&]() HWY_ATTR {
+            if (trace.between) {
+                leapfrog.save_accelerations(trace.first_body, horn[taken].end);
+            }
+            ++taken;
+            if (trace.next == first + taken) {
+                record(chain, trace, first + taken, 0);
+            }
+        });
+    }
+    leapfrog.save_ledger();
+    return taken;
+}
+
+inline int advance_leapfrog_linear(SimdChain& chain, const ToneBurst&, const HornStep* horn,
+                                   std::int64_t first, int count, Trace& trace) {
+    return chain.tension == Tension::clamped
+               ? sweep_leapfrog<Tension::clamped>(chain, horn, first, count, trace)
+               : sweep_leapfrog<Tension::allowed>(chain, horn, first, count, trace);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline::kernels
+HWY_AFTER_NAMESPACE();
+
+#endif

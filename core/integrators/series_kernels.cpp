@@ -1,0 +1,134 @@
+// One copy of the Taylor series per instruction set; the widest that this processor has is chosen at run
+// time.
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/integrators/series_kernels.cpp"
+#include "core/integrators/simd/simd_targets.hpp"
+// before highway.h
+#include <hwy/foreach_target.h>
+// after foreach_target
+#include <hwy/highway.h>
+
+#include "core/integrators/taylor/taylor-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline::kernels {
+namespace HWY_NAMESPACE {
+
+/// Values of a body's series, or of its slope, at vectors of samples.
+class BodySeries {
+public:
+    HWY_INLINE BodySeries(const SeriesPiece& piece, std::size_t slot)
+        : degree_(piece.degree()),
+          stride_(piece.displacement(1) - piece.displacement(0)),
+          terms_(piece.displacement(0) + slot),
+          per_unit_(hn::Set(Doubles(), piece.per_unit)) {}
+
+    HWY_INLINE Vec displacement(Vec z) const {
+        Vec sum = term(degree_);
+        for (int n = degree_ - 1; n >= 0; --n) {
+            sum = hn::MulAdd(sum, z, term(n));
+        }
+        return sum;
+    }
+    HWY_INLINE Vec velocity(Vec z) const {
+        Vec sum = hn::Mul(hn::Set(Doubles(), degree_), term(degree_));
+        for (int n = degree_ - 1; n >= 1; --n) {
+            sum = hn::MulAdd(sum, z, hn::Mul(hn::Set(Doubles(), n), term(n)));
+        }
+        return hn::Mul(per_unit_, sum);
+    }
+
+private:
+    HWY_INLINE Vec term(int n) const { return hn::Set(Doubles(), terms_[n * stride_]); }
+
+    int degree_;
+    std::ptrdiff_t stride_;
+    const double* terms_;
+    Vec per_unit_;
+};
+
+HWY_INLINE Vec moments(const SampleTimes& times, std::size_t i) {
+    const Doubles d;
+    const Vec number = hn::Iota(d, times.first_after_base + static_cast<double>(i));
+    return hn::Mul(hn::Sub(number, hn::Set(d, times.fraction)), hn::Set(d, times.per_sample));
+}
+
+/// The first values of a vector, up to `count`, put down `stride` apart.
+HWY_INLINE void put_down(Vec values, double* out, std::size_t count, std::size_t stride) {
+    const Doubles d;
+    if (stride == 1 && count >= hn::Lanes(d)) {
+        hn::StoreU(values, d, out);
+        return;
+    }
+    if (stride == 1) {
+        hn::BlendedStore(values, hn::FirstN(d, count), d, out);
+        return;
+    }
+    HWY_ALIGN std::array<double, hn::MaxLanes(Doubles())> all;
+    hn::Store(values, d, all.data());
+    for (std::size_t j = 0; j < std::min(count, hn::Lanes(d)); ++j) {
+        out[j * stride] = all[j];
+    }
+}
+
+void sample_body(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
+                 std::size_t count, double* out, std::size_t stride) {
+    const BodySeries body(piece, slot);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(Doubles())) {
+        const Vec z = moments(times, i);
+        put_down(velocities ? body.velocity(z) : body.displacement(z), out + i * stride, count - i, stride);
+    }
+}
+
+void sample_outputs(const SeriesPiece& piece, const OutputSlots& slots, SampleTimes times, std::size_t count,
+                    OutputSink out) {
+    const Doubles d;
+    const BodySeries last(piece, slots.last);
+    const BodySeries plate(piece, slots.plate);
+    const Vec transmitted = hn::Set(d, slots.transmitted);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        const Vec z = moments(times, i);
+        const Vec v_last = last.velocity(z);
+        put_down(v_last, out.last + i, count - i, 1);
+        if (out.plate == nullptr) {
+            put_down(v_last, out.out + i, count - i, 1);
+        } else {
+            const Vec v_plate = plate.velocity(z);
+            put_down(v_plate, out.plate + i, count - i, 1);
+            put_down(hn::Add(hn::Mul(transmitted, v_last), v_plate), out.out + i, count - i, 1);
+        }
+    }
+}
+
+template <int Degree>
+SeriesKernels for_rows(std::size_t rows) {
+    switch (rows) {
+        case 1:
+            return {take_piece<1, Degree>, sample_outputs, sample_body};
+        case 2:
+            return {take_piece<2, Degree>, sample_outputs, sample_body};
+        default:
+            return {take_piece<0, Degree>, sample_outputs, sample_body};
+    }
+}
+
+SeriesKernels pick_series(int degree, std::size_t rows) {
+    return degree == 13 ? for_rows<13>(rows) : for_rows<9>(rows);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline::kernels
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace hertzline::kernels {
+
+HWY_EXPORT(pick_series);
+
+SeriesKernels series_kernels(Integrator integrator, std::size_t rows) noexcept {
+    return HWY_DYNAMIC_DISPATCH(pick_series)(series_degree(integrator), rows);
+}
+
+}  // namespace hertzline::kernels
+#endif

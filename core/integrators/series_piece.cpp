@@ -1,0 +1,48 @@
+#include "core/integrators/series_piece.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <numbers>
+
+namespace hertzline::kernels {
+
+namespace {
+constexpr std::align_val_t alignment{64};  // of the widest vector register
+}
+
+void SeriesPiece::Free::operator()(double* p) const noexcept {
+    ::operator delete[](p, alignment);
+}
+
+HornWaves::HornWaves(const std::array<double, 3>& frequency_hz, double unit_s) {
+    constexpr double fastest = 0.8;  // radians a unit: what the series leaves out is below rounding
+    for (std::size_t i = 0; i < frequency_hz.size(); ++i) {
+        const double step = 2 * std::numbers::pi * frequency_hz[i] * unit_s;
+        turns = turns && std::abs(step) <= fastest;
+        reach_of_each[i] = fastest / std::abs(step);
+        double term = 1;
+        for (std::size_t n = 0; n < 2 * pairs; ++n) {
+            const double sign = n % 4 < 2 ? 1 : -1;
+            (n % 2 == 0 ? even : odd)[i][n / 2] = sign * term;
+            (n % 2 == 0 ? even_by_pair : odd_by_pair)[n / 2][i] = sign * term;
+            term *= step / static_cast<double>(n + 1);
+        }
+    }
+}
+
+void SeriesPiece::reset_motion() noexcept {
+    std::fill_n(terms_.get(), slots_ * static_cast<std::size_t>(degree_ + 1), 0.0);
+    onset = false;
+    largest = 0;
+    length = 0;
+}
+
+SeriesPiece::SeriesPiece(std::size_t slots, int degree, const HornWaves& horn_waves)
+    : waves(horn_waves), slots_((slots + 7) / 8 * 8), degree_(degree) {
+    const std::size_t size = slots_ * static_cast<std::size_t>(3 * (degree + 1) + onset_terms);
+    terms_.reset(static_cast<double*>(::operator new[](size * sizeof(double), alignment)));
+    std::fill_n(terms_.get(), size, 0.0);
+}
+
+}  // namespace hertzline::kernels

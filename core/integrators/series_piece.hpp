@@ -1,0 +1,130 @@
+#pragma once
+// What a Taylor-series kernel works on: one smooth piece of the motion as power series in time.
+//
+// Time within a piece is z = (t - start) / unit, so that coefficients are in metres and their decay shows how
+// far the series reaches. The motion between two pieces is smooth; a piece ends where a contact opens or
+// closes, where the horn's motion changes its formula, or where the series has lost its accuracy.
+
+#include <array>
+#include <cstddef>
+#include <memory>
+
+#include "core/integrators/simd_chain.hpp"
+
+namespace hertzline::kernels {
+
+/// Degree of the displacements' series. The velocities' is one less, which makes the method of that order.
+constexpr int series_degree(Integrator integrator) noexcept {
+    return integrator == Integrator::taylor12 ? 13 : 9;
+}
+inline constexpr int highest_series_degree = 13;
+
+/// Terms of the elastic force of a contact that has just closed (SeriesPiece::onset).
+inline constexpr int onset_terms = 5;
+
+/// The horn's motion: up to three sinusoids, carrier and side bands, as sum of their sines. What is kept is
+/// amplitude * sin and amplitude * cos where a piece begins; the kernels turn them on from piece to piece.
+struct HornWaves {
+    HornWaves(const std::array<double, 3>& frequency_hz, double unit_s);
+
+    static constexpr std::size_t count = 4;  ///< the fourth is always zero
+    static constexpr std::size_t pairs = 8;
+    using PerWave = std::array<double, count>;
+    alignas(32) PerWave sine{};    ///< [m]
+    alignas(32) PerWave cosine{};  ///< [m]
+    double displacement = 0;       ///< sum of the sines [m]
+    double slope = 0;              ///< its change in a unit [m]
+    bool silent = true;            ///< all amplitudes are zero
+    bool turns = true;             ///< slow enough for the kernels to turn them on by one unit
+    double reach = 1;              ///< how far the series of those that sound reaches, at most a unit [z]
+    std::array<double, 3> reach_of_each{};
+
+    // coefficients (2 pi f unit)^n/n! of sine and cosine with their signs, even and odd orders
+    std::array<std::array<double, pairs>, count> even{}, odd{};            ///< [wave][pair]
+    alignas(32) std::array<PerWave, pairs> even_by_pair{}, odd_by_pair{};  ///< [pair][wave]
+};
+
+class SeriesPiece {
+public:
+    SeriesPiece(std::size_t slots, int degree, const HornWaves& waves);
+
+    // what the kernel is given
+    double unit_s = 0;         ///< time that z = 1 stands for [s]; no piece is longer
+    double per_unit = 0;       ///< 1/unit_s
+    double tolerance = 0;      ///< error of a piece's velocities times unit_s [m]
+    double negligible = 0;     ///< overlap whose force does not count [m]
+    double reach = 1;          ///< the piece ends there at the latest [z]
+    double response = 1;       ///< how fast the chain answers to a force, in 1/unit
+    bool keeps_ledger = true;  ///< whether work and losses are added up
+    HornWaves waves;
+
+    // what it gives
+    alignas(64) std::array<double, 2 * HornWaves::pairs> horn{};  ///< coefficients of the horn's motion [m]
+    double length = 0;                                            ///< of the piece [z]
+    double largest = 0;  ///< largest last coefficient [m]; not finite: the series has no meaning
+    bool onset = false;  ///< a contact has just closed: its elastic force is in onset_force()
+
+    /// Coefficients of the displacements [m], [order][slot]
+    double* displacement(int order) noexcept {
+        return terms_.get() + static_cast<std::size_t>(order) * slots_;
+    }
+    const double* displacement(int order) const noexcept {
+        return terms_.get() + static_cast<std::size_t>(order) * slots_;
+    }
+    /// Of the overlaps and of the elastic forces; filled only by kernels that work in memory.
+    double* overlap(int order) noexcept { return displacement(degree_ + 1 + order); }
+    double* elastic(int order) noexcept { return displacement(2 * (degree_ + 1) + order); }
+    /// Accelerations times unit_s^2 by contacts that have just closed [m]: coefficients of z^(order + 3/2).
+    double* onset_force(int order) noexcept { return displacement(3 * (degree_ + 1) + order); }
+    const double* onset_force(int order) const noexcept { return displacement(3 * (degree_ + 1) + order); }
+
+    int degree() const noexcept { return degree_; }
+
+    /// Becomes a piece in which nothing moves.
+    void reset_motion() noexcept;
+
+private:
+    struct Free {
+        void operator()(double* p) const noexcept;
+    };
+    std::size_t slots_;
+    int degree_;
+    std::unique_ptr<double[], Free> terms_;
+};
+
+/// Samples of one piece: sample number first + i lies at z = ((first - base) + i - fraction) * per_sample.
+struct SampleTimes {
+    double first_after_base;
+    double fraction;
+    double per_sample;
+};
+
+/// Where the outputs come from, and where they go; no plate: a null pointer.
+struct OutputSlots {
+    std::size_t last;    ///< slot of the last sphere
+    std::size_t plate;   ///< of the plate
+    double transmitted;  ///< part of the last sphere's velocity that goes into the medium directly
+};
+struct OutputSink {
+    double* last;
+    double* plate;
+    double* out;
+};
+
+struct SeriesKernels {
+    /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its
+    /// end.
+    void (*piece)(SimdChain& chain, SeriesPiece& piece);
+    /// The outputs [m/s] at `count` samples. Without the onset force.
+    void (*outputs)(const SeriesPiece& piece, const OutputSlots& slots, SampleTimes times, std::size_t count,
+                    OutputSink out);
+    /// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride`
+    /// doubles apart. Without the onset force.
+    void (*samples)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
+                    std::size_t count, double* out, std::size_t stride);
+};
+
+/// The kernels for an integrator and a number of rows, for the widest SIMD instructions of this processor.
+SeriesKernels series_kernels(Integrator integrator, std::size_t rows) noexcept;
+
+}  // namespace hertzline::kernels

@@ -1,0 +1,102 @@
+#include "core/integrators/simd_chain.hpp"
+
+#include <algorithm>
+#include <new>
+
+namespace hertzline::kernels {
+
+namespace {
+
+constexpr std::size_t alignment = 64;  // of the widest vector register [bytes]
+
+std::size_t rows_for(Eigen::Index bodies, std::size_t lanes) {
+    const std::size_t rows = (static_cast<std::size_t>(bodies) + 1 + lanes - 1) / lanes;  // + 1: the pad
+    std::size_t in_registers = 1;  // kernels exist for 1, 2, 4, 8 rows
+    while (in_registers < rows && in_registers < max_register_rows) {
+        in_registers *= 2;
+    }
+    return std::max(rows, in_registers);
+}
+
+std::size_t linear_rows(Eigen::Index bodies, std::size_t lanes) {
+    return (static_cast<std::size_t>(bodies) + lanes - 1) / lanes + 2 * SimdChain::guard_rows;
+}
+
+Layout layout_for(Eigen::Index bodies, Integrator integrator, std::size_t lanes) {
+    const bool in_memory = rows_for(bodies, lanes) > max_register_rows;
+    return in_memory && integrator == Integrator::leapfrog ? Layout::linear : Layout::striped;
+}
+
+}  // namespace
+
+void SimdChain::Free::operator()(double* p) const noexcept {
+    ::operator delete[](p, std::align_val_t{alignment});
+}
+
+SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes)
+    : tension(chain.tension), layout_(layout_for(chain.bodies(), integrator, lanes)), lanes_(lanes) {
+    const std::size_t per_vector = alignment / sizeof(double);
+    const bool linear = layout_ == Layout::linear;
+    const std::size_t rows = linear ? linear_rows(chain.bodies(), lanes) : rows_for(chain.bodies(), lanes);
+    stride_ = (rows * lanes + per_vector - 1) / per_vector * per_vector;
+    const std::size_t size = stride_ * columns_used();
+    columns_.reset(
+        static_cast<double*>(::operator new[](size * sizeof(double), std::align_val_t{alignment})));
+    std::fill_n(columns_.get(), size, 0.0);
+    slot_of_.resize(static_cast<std::size_t>(chain.bodies()));
+}
+
+void SimdChain::fold(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept {
+    const bool linear = layout_ == Layout::linear;
+    active_ = linear ? chain.bodies() : active;
+    rows_ = linear ? linear_rows(active_, lanes_) : rows_for(active_, lanes_);
+    moving_rows = guard_rows + (static_cast<std::size_t>(active) + lanes_ - 1) / lanes_;
+    beyond_watched = true;
+    rebuild = true;
+    fill_pads();
+    for (std::size_t b = 0; b < static_cast<std::size_t>(active_); ++b) {
+        const std::size_t s = linear ? guard_rows * lanes_ + b : (b % rows_) * lanes_ + b / rows_;
+        slot_of_[b] = static_cast<std::uint32_t>(s);
+    }
+    for (Eigen::Index b = 0; b < active_; ++b) {
+        const std::size_t s = slot(b);
+        column(ChainField::stiffness)[s] = chain.stiffness[b];
+        column(ChainField::static_overlap)[s] = chain.static_overlap[b];
+        column(ChainField::static_force)[s] = chain.static_force[b];
+        column(ChainField::damping)[s] = chain.damping[b];
+        column(ChainField::inv_mass)[s] = chain.inv_mass[b];
+        column(ChainField::spring)[s] = chain.spring[b];
+        column(ChainField::bias)[s] = chain.bias[b];
+        column(ChainField::x)[s] = state.x[b];
+        column(ChainField::v)[s] = state.v[b];
+        column(ChainField::closed)[s] = state.closed[b];
+        column(ChainField::peak_overlap)[s] = state.peak_overlap[b];
+    }
+}
+
+std::size_t SimdChain::columns_used() const noexcept {
+    return layout_ == Layout::linear ? static_cast<std::size_t>(ChainField::last_linear) + 1
+                                     : static_cast<std::size_t>(ChainField::count);
+}
+
+void SimdChain::fill_pads() noexcept {
+    // a pad has no mass, no force and a contact that never opens
+    for (std::size_t c = 0; c < columns_used(); ++c) {
+        const auto id = static_cast<ChainField>(c);
+        const bool one =
+            id == ChainField::static_overlap || id == ChainField::closed || id == ChainField::overlap;
+        std::fill_n(column(id), slots(), one ? 1.0 : 0.0);
+    }
+}
+
+void SimdChain::unfold(ChainState& state) const noexcept {
+    for (Eigen::Index b = 0; b < active_; ++b) {
+        const std::size_t s = slot(b);
+        state.x[b] = column(ChainField::x)[s];
+        state.v[b] = column(ChainField::v)[s];
+        state.closed[b] = column(ChainField::closed)[s];
+        state.peak_overlap[b] = column(ChainField::peak_overlap)[s];
+    }
+}
+
+}  // namespace hertzline::kernels

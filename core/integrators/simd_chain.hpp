@@ -1,0 +1,186 @@
+#pragma once
+// The chain as the SIMD kernels see it: folded over the lanes of a vector register.
+//
+// Lane l holds the contiguous stretch of bodies l*rows .. l*rows + rows - 1, row k of every column is one
+// vector. The left neighbour of row k is then row k - 1, lane for lane; only row 0 needs one rotation of row
+// rows - 1. A chain of six spheres fills one AVX-512 register, a chain of ten thousand is a column of them,
+// and one piece of code serves both.
+//
+//     rows = 2, lanes = 4:   lane   0   1   2   3
+//                    row 0          b0  b2  b4  b6
+//                    row 1          b1  b3  b5  pad     the last slot is always a pad that never moves
+//
+// Only the part of the chain that can have moved is folded: what lies ahead of the wavefront is at rest
+// exactly.
+//
+// Long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which they lie in line
+// instead: row k holds neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard
+// both ends. All of the chain is laid out once; moving_rows tells how far the wavefront has come.
+//
+//     lanes = 4:     row 0 to 2   pads, where the horn would be
+//                    row 3        b0  b1  b2  b3
+//                    row 4        b4  b5  pad pad
+//                    row 5 to 7   pads
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/model/chain.hpp"
+#include "core/model/state.hpp"
+#include "core/model/tone_burst.hpp"
+
+namespace hertzline::kernels {
+
+/// Columns of a SimdChain. The first groups mirror Chain and ChainState, the others belong to the kernels.
+enum class ChainField : std::size_t {
+    // constants (Chain)
+    stiffness,
+    static_overlap,
+    static_force,
+    damping,
+    inv_mass,
+    spring,
+    bias,
+    // motion and contacts (ChainState)
+    x,
+    v,
+    closed,
+    peak_overlap,
+    // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the last
+    // collect() [J]
+    lost,
+    work,
+    total_accel,
+    last_linear = total_accel,  ///< a chain in line has no columns beyond this one
+    // carried from step to step by a kernel, rebuilt by it after a fold
+    overlap,
+    elastic_accel,
+    closed_stiffness,
+    closed_damping,
+    from_left,
+    from_right,
+    from_self,
+    loss_rate,
+    loss_rate_dot,
+    work_rate,
+    work_rate_dot,
+    // scratch of one step
+    t0,
+    t1,
+    t2,
+    t3,
+    t4,
+    t5,
+    t6,
+    t7,
+    t8,
+    t9,
+    t10,
+    t11,
+    t12,
+    t13,
+    t14,
+    t15,
+    count
+};
+
+/// Where a body lies, see above.
+enum class Layout { striped, linear };
+
+class SimdChain {
+public:
+    /// Room for all bodies of the chain. @param lanes doubles in a vector register of the kernels in use.
+    SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes);
+
+    /// Folds bodies [0, active) and takes over the state. In line, all bodies are laid out, and those from
+    /// `active` on must be at rest. No allocation.
+    void fold(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept;
+
+    /// Writes the motion back.
+    void unfold(ChainState& state) const noexcept;
+
+    double* column(ChainField c) const noexcept {
+        return columns_.get() + static_cast<std::size_t>(c) * stride_;
+    }
+    std::size_t slot(Eigen::Index body) const noexcept { return slot_of_[static_cast<std::size_t>(body)]; }
+    std::size_t rows() const noexcept { return rows_; }
+    std::size_t lanes() const noexcept { return lanes_; }
+    std::size_t slots() const noexcept { return rows_ * lanes_; }
+    /// Slots of ChainField::lost and ChainField::work that kernels book to.
+    std::size_t ledger_slots() const noexcept { return layout_ == Layout::striped ? slots() : lanes_; }
+    Eigen::Index active() const noexcept { return active_; }  ///< bodies laid out
+    Layout layout() const noexcept { return layout_; }
+
+    static constexpr std::size_t guard_rows = 3;  ///< at each end of a chain in line
+
+    std::int64_t contact_events = 0;  ///< openings and closings so far
+    std::size_t moving_rows = 0;      ///< in line: rows from here on are at rest, exactly
+    double watched_overlap = 0;       ///< in line: kernels tell by ...
+    bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
+    double step_s = 0;
+    Tension tension = Tension::allowed;
+    bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
+
+private:
+    std::size_t columns_used() const noexcept;
+    void fill_pads() noexcept;
+
+    struct Free {
+        void operator()(double* p) const noexcept;
+    };
+    Layout layout_;
+    std::size_t lanes_;
+    std::size_t rows_ = 0;
+    std::size_t stride_ = 0;  ///< doubles from one column to the next
+    Eigen::Index active_ = 0;
+    std::unique_ptr<double[], Free> columns_;
+    std::vector<std::uint32_t> slot_of_;  ///< a table: divisions are slow
+};
+
+/// The largest number of rows that one step can add to a trace.
+inline constexpr std::size_t max_rows_per_step = 96;
+
+/// Where a kernel writes what was asked to be seen: one row per recorded moment, displacements, velocities
+/// and accelerations of the probed bodies, [x...][v...][a...].
+struct Trace {
+    double* rows = nullptr;         ///< capacity * row_size
+    double* fractions = nullptr;    ///< moment of each row within its step
+    std::int64_t* steps = nullptr;  ///< step that the row's moment follows
+    std::size_t capacity = 0;
+    std::size_t count = 0;
+    Eigen::Index first_body = 0;  ///< bodies [first_body, chain.bodies()) are probed
+    Eigen::Index bodies = 0;
+    std::int64_t next = never;  ///< step after which the next row is due, ...
+    int every = 1;              ///< ... and how many steps later the one after it
+    bool between = false;       ///< record contact events as well, for samples off the grid
+
+    static constexpr std::int64_t never = -1;
+
+    /// Whether the rows of another step fit; contact events add rows only between the samples' grid.
+    bool has_room() const noexcept { return count + (between ? max_rows_per_step : 1) <= capacity; }
+    std::size_t row_size() const noexcept { return 3 * static_cast<std::size_t>(bodies - first_body); }
+};
+
+/// Contact switches that one smooth piece of a step may be split at; two trace rows each.
+inline constexpr int max_switches = 40;
+
+/// Advances the folded chain by up to `count` steps, the first of them being step `first`.
+/// @returns the steps taken: fewer when the trace has no room for another.
+using Kernel = int (*)(SimdChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first,
+                       int count, Trace& trace);
+
+/// The kernel for an integrator and a number of rows, for the widest SIMD instructions of this processor.
+Kernel kernel(Integrator integrator, std::size_t rows) noexcept;
+
+/// Doubles in a vector register of those instructions.
+std::size_t kernel_lanes() noexcept;
+
+/// Their name, e.g. "AVX3".
+const char* kernel_target() noexcept;
+
+/// Rows that the kernels keep in registers; a chain of more rows is worked through in memory.
+inline constexpr std::size_t max_register_rows = 8;
+
+}  // namespace hertzline::kernels

@@ -1,0 +1,113 @@
+#include "core/integrators/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/model/hertz.hpp"
+
+namespace hertzline {
+
+namespace {
+
+/// Gershgorin's bound on the eigenvalues of M^-1/2 K M^-1/2 for a chain of couplings k(c) [N/m or kg/s]; NaN
+/// stays NaN.
+template <class Coupling>
+double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling,
+                      double spring_weight) noexcept {
+    double bound = 0;
+    const Eigen::Index last = bodies - 1;
+    double left = coupling(0);
+    double left_mobility = 0;  // the horn's motion is prescribed
+    double root = std::sqrt(chain.inv_mass[0]);
+    for (Eigen::Index b = 0; b <= last; ++b) {
+        const double right = b < last ? coupling(b + 1) : 0;
+        const double right_mobility = b < last ? std::sqrt(chain.inv_mass[b + 1]) : 0;
+        const double spring = spring_weight * chain.spring[b];
+        const double row =
+            root * ((left + right + spring) * root + left * left_mobility + right * right_mobility);
+        bound = row <= bound || std::isnan(bound) ? bound : row;  // a NaN wins, and stays
+        left = right;
+        left_mobility = root;
+        root = right_mobility;
+    }
+    return bound;
+}
+
+/// @param overlap of a contact [m]
+template <class Overlap>
+double squared_frequency(const Chain& chain, Eigen::Index bodies, Overlap overlap) noexcept {
+    return spectral_bound(
+        chain, bodies,
+        [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlap(c), 0.0)); }, 1);
+}
+
+/// Largest h omega of an oscillation and h gamma of a decay.
+struct StabilityBounds {
+    double oscillation;
+    double decay;
+};
+
+StabilityBounds bounds_of(Integrator integrator) noexcept {
+    switch (integrator) {
+        case Integrator::leapfrog:
+            return {2, 2};
+        case Integrator::chin4a:
+            return {std::sqrt(12.0), 5.57};
+        case Integrator::taylor8:
+            return {3.09, 4.3};
+        case Integrator::taylor12:
+            return {3.66, 5.8};
+    }
+    return {0, 0};
+}
+
+double stable_step(const Chain& chain, Eigen::Index bodies, double omega_squared,
+                   Integrator integrator) noexcept {
+    const double gamma = spectral_bound(
+        chain, bodies, [&](Eigen::Index c) { return chain.damping[c]; }, 0);
+    const StabilityBounds bounds = bounds_of(integrator);
+    const double a = omega_squared / (bounds.oscillation * bounds.oscillation);
+    const double b = gamma / bounds.decay;
+    if (std::isnan(a) || std::isnan(b)) {
+        return 0;
+    }
+    if (a == 0 && b == 0) {
+        return std::numeric_limits<double>::infinity();
+    }
+    return 2 / (b + std::sqrt(b * b + 4 * a));  // root of a h^2 + b h = 1
+}
+
+}  // namespace
+
+Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive) {
+    // an impact: Johnson 1985, eq. 11.2: (15 m u^2 / 16 k')^(2/5), here with k = 4/3 k'
+    const double u = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    Eigen::ArrayXd overlaps = chain.static_overlap;
+    for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
+        if (chain.stiffness[c] > 0) {
+            overlaps[c] += std::pow(1.25 * u * u / (chain.inv_mass[0] * chain.stiffness[c]), 0.4);
+        }
+    }
+    return overlaps;
+}
+
+double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
+    return std::sqrt(squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }));
+}
+
+double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
+                           Integrator integrator) noexcept {
+    const double omega_squared =
+        squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; });
+    return stable_step(chain, overlaps.size(), omega_squared, integrator);
+}
+
+double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept {
+    const double omega_squared =
+        squared_frequency(chain, chain.bodies(), [&](Eigen::Index) { return overlap; });
+    return stable_step(chain, chain.bodies(), omega_squared, integrator);
+}
+
+}  // namespace hertzline

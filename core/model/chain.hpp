@@ -1,0 +1,43 @@
+#pragma once
+// The chain's constants, derived once from a Scene and read-only from then on.
+//
+// Bodies 0..N-1 are the spheres, body N is the end (plate, wall, or nothing). Contact c lies left of body c:
+// contact 0 is horn - sphere 1, contact N is sphere N - end. So a body and its left contact share an index,
+// and bodies() == contacts() == N + 1.
+//
+// Forces are kept relative to the static state: a chain at rest then has forces of exactly zero and stays at
+// rest.
+
+#include <Eigen/Core>
+
+#include "core/scene/scene.hpp"
+
+namespace hertzline {
+
+struct Chain {
+    explicit Chain(const Scene& scene);  ///< the scene must have passed validate()
+
+    Eigen::Index spheres() const noexcept { return stiffness.size() - 1; }
+    Eigen::Index bodies() const noexcept { return stiffness.size(); }
+
+    // per contact
+    Eigen::ArrayXd stiffness;  ///< k [N/m^(3/2)]; 0 where nothing can touch (free end)
+    Eigen::ArrayXd
+        static_overlap;  ///< delta0 [m]; 1 at the contact of a free end, which never opens nor pushes
+    Eigen::ArrayXd static_force;  ///< k delta0^(3/2) [N], rounded as the kernels round it
+    Eigen::ArrayXd damping;       ///< lambda [kg/s]
+
+    // per body
+    Eigen::ArrayXd inv_mass;  ///< [1/kg]; 0 for what cannot move
+    Eigen::ArrayXd spring;    ///< stiffness to ground [N/m]: K_m of a plate, else 0
+    Eigen::ArrayXd bias;      ///< constant force that the static state leaves unbalanced [N]
+
+    EndKind end;
+    Tension tension;
+    double preload_n;  ///< F0 [N]
+    double end_load_n =
+        0;  ///< constant force toward the horn that does work on the end's motion, see energy.hpp [N]
+    double transmission = 1;  ///< sqrt(T_m T_w) of a plate; 1 otherwise
+};
+
+}  // namespace hertzline

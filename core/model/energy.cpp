@@ -1,0 +1,29 @@
+#include "core/model/energy.hpp"
+
+#include "core/model/hertz.hpp"
+
+namespace hertzline {
+
+double kinetic_energy(const Chain& chain, const ChainState& state) noexcept {
+    double twice = 0;
+    for (Eigen::Index b = 0; b < chain.bodies(); ++b) {
+        if (chain.inv_mass[b] > 0) {
+            twice += state.v[b] * state.v[b] / chain.inv_mass[b];
+        }
+    }
+    return twice / 2;
+}
+
+double stored_energy(const Chain& chain, const ChainState& state, double horn_x) noexcept {
+    double energy = 0;
+    double left = horn_x;
+    for (Eigen::Index b = 0; b < chain.bodies(); ++b) {
+        energy += elastic_energy(chain.stiffness[b], chain.static_overlap[b] + (left - state.x[b]));
+        left = state.x[b];
+    }
+    const Eigen::Index n = chain.spheres();
+    energy += chain.spring[n] * state.x[n] * state.x[n] / 2;
+    return energy + chain.end_load_n * state.x[chain.end == EndKind::free ? n - 1 : n];
+}
+
+}  // namespace hertzline

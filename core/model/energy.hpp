@@ -1,0 +1,23 @@
+#pragma once
+// The energy ledger (model, section 8): kinetic + stored - (their value at 0) - work + lost must stay zero.
+
+#include "core/model/chain.hpp"
+#include "core/model/state.hpp"
+
+namespace hertzline {
+
+/// sum m v^2/2 over the spheres and the plate [J].
+double kinetic_energy(const Chain& chain, const ChainState& state) noexcept;
+
+/// sum (2/5) k delta^(5/2) + K_m x_m^2/2 + F0 x_end [J], with the horn displaced by horn_x [m]. x_end is x_m
+/// of a balanced plate, x_N of a free end, else nothing.
+double stored_energy(const Chain& chain, const ChainState& state, double horn_x) noexcept;
+
+/// What went in and out since the start [J], accumulated by the integrators.
+struct Ledger {
+    double work = 0;      ///< of the horn on the chain: integral f_0 x_h' dt
+    double lost = 0;      ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
+    double at_start = 0;  ///< kinetic + stored at step 0
+};
+
+}  // namespace hertzline

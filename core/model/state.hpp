@@ -1,0 +1,40 @@
+#pragma once
+// What moves. Everything else about a run is read-only (Chain) or bookkeeping (Ledger).
+
+#include <cstdint>
+
+#include <Eigen/Core>
+
+#include "core/model/chain.hpp"
+
+namespace hertzline {
+
+struct ChainState {
+    explicit ChainState(const Chain& chain)
+        : x(chain.bodies()), v(chain.bodies()), closed(chain.bodies()), peak_overlap(chain.bodies()) {
+        rest(chain);
+    }
+
+    /// Back to static equilibrium.
+    void rest(const Chain& chain) noexcept {
+        reset_motion(chain);
+        peak_overlap = chain.static_overlap;
+        step = 0;
+    }
+
+    /// The motion of static equilibrium; what was counted on the way stays.
+    void reset_motion(const Chain& chain) noexcept {
+        x.setZero();
+        v.setZero();
+        closed = (chain.static_overlap > 0).cast<double>();
+    }
+
+    Eigen::ArrayXd x;       ///< displacement from static equilibrium [m], bodies()
+    Eigen::ArrayXd v;       ///< velocity [m/s], bodies()
+    Eigen::ArrayXd closed;  ///< 1 while the contact touches, else 0, contacts()
+    Eigen::ArrayXd
+        peak_overlap;  ///< largest overlap so far [m], contacts(); tells whether the step is still stable
+    std::int64_t step = 0;  ///< steps taken; time is step * h, never accumulated
+};
+
+}  // namespace hertzline

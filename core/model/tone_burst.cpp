@@ -1,0 +1,222 @@
+#include "core/model/tone_burst.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace hertzline {
+
+namespace {
+
+constexpr int rise = 0;
+constexpr int top = 1;
+constexpr int fall = 2;
+constexpr int silence = 3;
+constexpr double smallest_piece = 1e-9;  // [steps]: a break closer to a step's end than this is at its end
+
+/// Product of carrier s(t) and envelope e(t) with its derivatives.
+HornMotion product(double amplitude, double omega, double s, double c, double e, double de,
+                   double dde) noexcept {
+    return {amplitude * (e * s), amplitude * (de * s + e * (omega * c)),
+            amplitude * ((dde - omega * omega * e) * s + 2 * de * (omega * c))};
+}
+
+}  // namespace
+
+ToneBurst::ToneBurst(const Drive& drive, double step_s)
+    : step_(step_s),
+      amplitude_(drive.amplitude_m),
+      omega_(2 * std::numbers::pi * drive.frequency_hz),
+      duration_(drive.cycles / drive.frequency_hz),
+      repetition_hz_(drive.repetition_hz),
+      hann_(drive.envelope == Envelope::hann) {
+    if (hann_) {
+        rise_ = duration_;
+        ramp_omega_ = 2 * std::numbers::pi / duration_;
+    } else if (drive.envelope == Envelope::tukey && drive.taper > 0) {
+        rise_ = drive.taper * duration_ / 2;
+        ramp_omega_ = std::numbers::pi / rise_;
+    }
+    constexpr int nodes = 2 * batch_steps + 1;
+    for (int j = 0; j < nodes; ++j) {
+        const double offset = 0.5 * j * step_;
+        carrier_cos_.push_back(std::cos(omega_ * offset));
+        carrier_sin_.push_back(std::sin(omega_ * offset));
+        ramp_cos_.push_back(std::cos(ramp_omega_ * offset));
+        ramp_sin_.push_back(std::sin(ramp_omega_ * offset));
+    }
+}
+
+double ToneBurst::since_burst(std::int64_t step, double fraction, std::int64_t burst) const noexcept {
+    // step * h - burst / repetition_hz, both products in two parts: near-equal large numbers are subtracted
+    const auto n = static_cast<double>(step);
+    const double t = n * step_;
+    const double t_low = std::fma(n, step_, -t);
+    if (burst == 0) {
+        return t + (t_low + fraction * step_);
+    }
+    const auto k = static_cast<double>(burst);
+    const double start = k / repetition_hz_;
+    const double start_low = std::fma(-start, repetition_hz_, k) / repetition_hz_;
+    return (t - start) + ((t_low - start_low) + fraction * step_);
+}
+
+double ToneBurst::piece_end(int piece) const noexcept {
+    switch (piece) {
+        case rise:
+            return rise_;
+        case top:
+            return duration_ - rise_;
+        case fall:
+            return duration_;
+        default:
+            return repetition_hz_ > 0 ? 1 / repetition_hz_ : std::numeric_limits<double>::infinity();
+    }
+}
+
+ToneBurst::Place ToneBurst::place(std::int64_t step, double fraction) const noexcept {
+    std::int64_t burst = 0;
+    if (repetition_hz_ > 0) {
+        const double bursts = (static_cast<double>(step) + fraction) * step_ * repetition_hz_;
+        burst = std::max<std::int64_t>(0, static_cast<std::int64_t>(bursts));
+        // rounding may have put the time on the wrong side of a burst's start
+        if (burst > 0 && since_burst(step, fraction, burst) < 0) {
+            --burst;
+        } else if (since_burst(step, fraction, burst + 1) >= 0) {
+            ++burst;
+        }
+    }
+    const double local = since_burst(step, fraction, burst);
+    int piece = hann_ ? rise : (rise_ > 0 ? rise : top);
+    while (piece < silence && local >= piece_end(piece)) {
+        piece = hann_ ? silence : piece + 1;
+    }
+    return {burst, piece, local};
+}
+
+HornMotion ToneBurst::motion(int piece, double local) const noexcept {
+    if (piece == silence) {
+        return {};
+    }
+    const double s = std::sin(omega_ * local);
+    const double c = std::cos(omega_ * local);
+    if (piece == top) {
+        return product(amplitude_, omega_, s, c, 1, 0, 0);
+    }
+    // (1 - cos)/2 is even: a fall is a rise that starts from minus its length
+    const double ramp = ramp_omega_ * (piece == fall ? local - duration_ : local);
+    const double half = std::sin(ramp / 2);  // (1 - cos)/2 without cancellation
+    return product(amplitude_, omega_, s, c, half * half, 0.5 * ramp_omega_ * std::sin(ramp),
+                   0.5 * ramp_omega_ * ramp_omega_ * std::cos(ramp));
+}
+
+HornMotion ToneBurst::at(std::int64_t step, double fraction, double on_piece) const noexcept {
+    const Place where = place(step, on_piece);
+    return motion(where.piece, since_burst(step, fraction, where.burst));
+}
+
+double ToneBurst::next_break(std::int64_t step, double after) const noexcept {
+    const double begin = after + smallest_piece;
+    const Place where = place(step, begin);
+    const double fraction = begin + (piece_end(where.piece) - where.local) / step_;
+    return fraction < 1 - smallest_piece ? fraction : 1;
+}
+
+std::array<double, 3> ToneBurst::frequencies_hz() const noexcept {
+    const double carrier = omega_ / (2 * std::numbers::pi);
+    const double ramp = ramp_omega_ / (2 * std::numbers::pi);
+    return {carrier, carrier + ramp, carrier - ramp};
+}
+
+SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept {
+    const Place where = place(step, fraction + smallest_piece);
+    SmoothDrive drive;
+    drive.since_burst_s = since_burst(step, fraction, where.burst);
+    drive.left_s = piece_end(where.piece) - drive.since_burst_s;
+    if (where.piece == top) {
+        drive.amplitude_m = {amplitude_, 0, 0};
+    } else if (where.piece != silence) {
+        // (1 - cos r)/2 sin c = sin(c)/2 - sin(c + r)/4 - sin(c - r)/4
+        drive.amplitude_m = {amplitude_ / 2, -amplitude_ / 4, -amplitude_ / 4};
+    }
+    if (where.piece == fall) {
+        const double late = duration_ * ramp_omega_ / (2 * std::numbers::pi);
+        drive.phase_turns = {0, -late, late};
+    }
+    return drive;
+}
+
+double ToneBurst::mean_velocity(std::int64_t step) const noexcept {
+    double travelled = 0;
+    double from = 0;
+    // a step holds few breaks; more than this many would mean a step far too large for the drive
+    for (int piece = 0; piece < 16 && from < 1; ++piece) {
+        const double to = next_break(step, from);
+        const double inside = 0.5 * (from + to);
+        travelled += at(step, to, inside).x - at(step, from, inside).x;
+        from = to;
+    }
+    return travelled / step_;
+}
+
+void ToneBurst::fill_smooth(const Place& start, HornStep* steps, int count) const noexcept {
+    const double sin_carrier = std::sin(omega_ * start.local);
+    const double cos_carrier = std::cos(omega_ * start.local);
+    const bool on_top = start.piece == top;
+    const double ramp = ramp_omega_ * (start.piece == fall ? start.local - duration_ : start.local);
+    const double sin_ramp = on_top ? 0 : std::sin(ramp);
+    const double cos_ramp = on_top ? -1 : std::cos(ramp);
+    const double ramp_omega = on_top ? 0 : ramp_omega_;
+
+    const auto node = [&](int j) {
+        const double s = sin_carrier * carrier_cos_[j] + cos_carrier * carrier_sin_[j];
+        const double c = cos_carrier * carrier_cos_[j] - sin_carrier * carrier_sin_[j];
+        const double rs = on_top ? 0 : sin_ramp * ramp_cos_[j] + cos_ramp * ramp_sin_[j];
+        const double rc = on_top ? -1 : cos_ramp * ramp_cos_[j] - sin_ramp * ramp_sin_[j];
+        return product(amplitude_, omega_, s, c, 0.5 * (1 - rc), 0.5 * ramp_omega * rs,
+                       0.5 * ramp_omega * ramp_omega * rc * (on_top ? 0 : 1));
+    };
+    HornMotion from = node(0);
+    for (int i = 0; i < count; ++i) {
+        steps[i].start = from;
+        steps[i].middle = node(2 * i + 1);
+        from = node(2 * i + 2);
+        steps[i].end = from;
+        steps[i].fresh = false;
+        steps[i].breaks = false;
+    }
+}
+
+void ToneBurst::fill_piecewise(std::int64_t first, HornStep* steps, int count) const noexcept {
+    for (int i = 0; i < count; ++i) {
+        const std::int64_t step = first + i;
+        HornStep& horn = steps[i];
+        horn.start = at(step, 0, 0.5);
+        horn.middle = at(step, 0.5, 0.5);
+        horn.end = at(step, 1, 0.5);
+        horn.breaks = next_break(step, 0) < 1;
+        horn.fresh = horn.breaks || step == 0 || !(place(step, 0.5) == place(step - 1, 0.5));
+        if (horn.breaks) {
+            horn.middle.v = mean_velocity(step);
+        }
+    }
+}
+
+bool ToneBurst::fill(std::int64_t first, HornStep* steps, int count) const noexcept {
+    const Place before = place(first, -0.5);
+    const Place begin = place(first, 0);
+    const Place last = place(first + count - 1, 1);
+    if (first > 0 && before == begin && begin == last) {
+        if (begin.piece == silence) {
+            std::fill_n(steps, count, HornStep{});
+            return true;
+        }
+        fill_smooth(begin, steps, count);
+        return false;
+    }
+    fill_piecewise(first, steps, count);
+    return amplitude_ == 0;
+}
+
+}  // namespace hertzline

@@ -1,0 +1,147 @@
+#include "core/scene/scene.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/scene/scene_fields.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline {
+
+namespace {
+
+using fields::Bounds;
+using fields::Count;
+using fields::MaterialSort;
+using fields::OneOf;
+using fields::Range;
+
+bool is_of(MaterialSort sort, const Material& material) {
+    return std::holds_alternative<Solid>(material) == (sort == MaterialSort::solid);
+}
+
+bool is_material_name(std::string_view name) {
+    constexpr std::size_t longest = 64;
+    return is_bare_key(name) && name.size() <= longest;
+}
+
+// The names of all materials of that sort that the scene can use.
+std::vector<std::string> names_of(const Scene& scene, MaterialSort sort) {
+    std::vector<std::string> names;
+    for (const BuiltInMaterial& built_in : built_in_materials()) {
+        if (is_of(sort, built_in.material) && !scene.materials.contains(std::string(built_in.name))) {
+            names.emplace_back(built_in.name);
+        }
+    }
+    for (const auto& [name, material] : scene.materials) {
+        if (is_of(sort, material) && is_material_name(name)) {
+            names.push_back(name);
+        }
+    }
+    return names;
+}
+
+// The names as a message shows them: a scene may have a thousand materials of its own.
+std::string listed(std::span<const std::string> names) {
+    constexpr std::size_t most = 16;
+    return comma_separated(names.first(std::min(most, names.size()))) + (names.size() > most ? ", ..." : "");
+}
+
+// Visits the fields and notes what is wrong with each value on its own.
+struct FieldCheck {
+    const Scene& scene;
+    std::string section;  // "materials.NAME." where the visited keys lack it
+    std::vector<Fault>& faults;
+
+    template <class Member, class Allowed>
+    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) const {
+        if (member) {
+            (*this)(key, *member, allowed);
+        }
+    }
+    void operator()(std::string_view key, double value, const Range& range) const {
+        const bool inside = range.bounds == Bounds::included ? value >= range.least && value <= range.most
+                                                             : value > range.least && value < range.most;
+        if (!inside) {  // also when the value is not a number
+            note(key, number_text(value), allowed_text(range));
+        }
+    }
+    void operator()(std::string_view key, std::int64_t value, const Count& count) const {
+        if (value < count.least || value > count.most) {
+            note(key, number_text(value), allowed_text(count));
+        }
+    }
+    template <class Choice>
+    void operator()(std::string_view key, Choice value, OneOf<Choice> words) const {
+        if (word(value).empty()) {
+            note(key, number_text(static_cast<std::int64_t>(value)), allowed_text(words));
+        }
+    }
+    void operator()(std::string_view key, const std::string& name, MaterialSort sort) const {
+        const Material* material = find_material(scene, name);
+        if (material != nullptr && is_of(sort, *material)) {
+            return;
+        }
+        const auto names = names_of(scene, sort);
+        const auto other = sort == MaterialSort::solid ? "a fluid" : "a solid";
+        note(key, quoted_briefly(name) + (material == nullptr ? "" : std::string(", ") + other),
+             allowed_text(sort) + ": " + listed(names) + suggestion(name, names));
+    }
+    void note(std::string_view key, std::string found, std::string allowed) const {
+        faults.push_back({section + std::string(key), std::move(found), std::move(allowed)});
+    }
+};
+
+void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
+    const double burst_rate_hz = scene.drive.frequency_hz / scene.drive.cycles;
+    if (burst_rate_hz > 0 &&
+        scene.drive.repetition_hz > burst_rate_hz) {  // else frequency or cycles is at fault
+        faults.push_back({"drive.repetition_hz", number_text(scene.drive.repetition_hz),
+                          "at most frequency_hz / cycles = " + number_text(burst_rate_hz) +
+                              " Hz, so that bursts do not overlap"});
+    }
+    if (scene.numerics.step_s && scene.numerics.accuracy) {
+        faults.push_back({"numerics.accuracy", number_text(*scene.numerics.accuracy) + " beside step_s",
+                          "either step_s or accuracy, not both"});
+    }
+}
+
+void check_materials(const Scene& scene, std::vector<Fault>& faults) {
+    for (const auto& [name, material] : scene.materials) {
+        const std::string section = "materials." + key_part(name);
+        if (!is_material_name(name)) {
+            faults.push_back(
+                {section, quoted_briefly(name), "a name of 1 to 64 letters, digits, '_' and '-'"});
+        }
+        const FieldCheck check{scene, section + '.', faults};
+        if (const auto* solid = std::get_if<Solid>(&material)) {
+            fields::visit_solid(*solid, check);
+        } else {
+            fields::visit_fluid(std::get<Fluid>(material), check);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<Fault> validate(const Scene& scene) {
+    std::vector<Fault> faults;
+    fields::visit_scene(scene, FieldCheck{scene, "", faults});
+    check_combinations(scene, faults);
+    check_materials(scene, faults);
+    return faults;
+}
+
+const Material* find_material(const Scene& scene, std::string_view name) {
+    if (const auto own = scene.materials.find(std::string(name)); own != scene.materials.end()) {
+        return &own->second;
+    }
+    const auto built_in = built_in_materials();
+    const auto found =
+        std::find_if(built_in.begin(), built_in.end(), [&](const auto& m) { return m.name == name; });
+    return found != built_in.end() ? &found->material : nullptr;
+}
+
+}  // namespace hertzline

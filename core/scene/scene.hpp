@@ -1,0 +1,111 @@
+#pragma once
+// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a wish: validate()
+// says what is wrong with it, resolve() (numerics.hpp) fills in what was left open, Chain is derived from
+// it.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/materials.hpp"
+
+namespace hertzline {
+
+enum class Envelope { hann, tukey, rectangular };
+enum class Tension { allowed, clamped };
+enum class EndKind { plate, wall, free };
+enum class PlatePreload { balanced, as_printed };
+enum class Integrator { leapfrog, chin4a, taylor8, taylor12 };
+
+/// Whether numerics.step_s is the longest piece of a power series, not the step of a grid.
+constexpr bool is_series(Integrator integrator) noexcept {
+    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
+}
+
+/// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
+struct Drive {
+    std::string material = "steel";
+    double frequency_hz = 73e3;
+    double cycles = 25;
+    double amplitude_m = 3e-6;
+    Envelope envelope = Envelope::hann;
+    double taper = 0.2;        ///< fraction of a tukey burst spent rising and falling
+    double repetition_hz = 0;  ///< bursts a second; 0: a single burst
+    bool operator==(const Drive&) const = default;
+};
+
+/// N equal spheres, pressed together.
+struct Spheres {
+    std::string material = "aluminium";
+    std::int64_t spheres = 6;
+    double diameter_m = 1e-3;
+    double damping_kg_per_s = 0.32;
+    double preload_n = 0.1;
+    Tension tension = Tension::allowed;
+    bool operator==(const Spheres&) const = default;
+};
+
+/// What the last sphere leans on.
+struct End {
+    EndKind kind = EndKind::plate;
+    std::string material = "vitreous_carbon";
+    double radius_m = 5e-3;
+    double thickness_m = 0.5e-3;
+    std::optional<double> stiffness_n_per_m;  ///< unset: clamped-plate theory
+    PlatePreload preload = PlatePreload::balanced;
+    bool operator==(const End&) const = default;
+};
+
+struct Medium {
+    std::string material = "water";
+    bool operator==(const Medium&) const = default;
+};
+
+/// How to integrate. At most one of step_s and accuracy may be given; unset members are chosen by resolve().
+struct Numerics {
+    std::optional<Integrator> integrator;
+    std::optional<double> step_s;
+    std::optional<double> accuracy;  ///< wanted relative L2 error of the velocities
+    double rest_tolerance =
+        0;  ///< between bursts, motion below this part of the horn's velocity is rest; 0: never
+    bool operator==(const Numerics&) const = default;
+};
+
+struct Output {
+    double sample_rate_hz = 10e6;
+    double duration_s = 500e-6;
+    std::int64_t frame_samples = 1024;
+    bool operator==(const Output&) const = default;
+};
+
+struct Scene {
+    Drive drive;
+    Spheres chain;
+    End end;
+    Medium medium;
+    Numerics numerics;
+    Output output;
+    std::map<std::string, Material> materials;  ///< the scene's own, beside the built-in ones
+    bool operator==(const Scene&) const = default;
+};
+
+/// One thing wrong with a scene.
+struct Fault {
+    std::string key;      ///< "chain.spheres"; empty when the fault is not a key's
+    std::string found;    ///< what stands there, as text
+    std::string allowed;  ///< what may stand there
+};
+
+/// Every fault of the scene's values at once; empty when it can be simulated. Does not know of steps beyond
+/// the stability limit: that needs the dynamics, see numerics.hpp.
+std::vector<Fault> validate(const Scene& scene);
+
+/// The material of that name, the scene's own first; nullptr when there is none.
+const Material* find_material(const Scene& scene, std::string_view name);
+
+/// Largest number of spheres that a scene may ask for; 80 bytes of state and constants each.
+inline constexpr std::int64_t max_spheres = 10'000'000;
+
+}  // namespace hertzline

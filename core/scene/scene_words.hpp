@@ -1,0 +1,75 @@
+#pragma once
+// The words that stand for the choices of a Scene, in scene files and in messages. A new choice is one word
+// here.
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "core/scene/scene.hpp"
+
+namespace hertzline {
+
+template <class Choice>
+struct Word {
+    std::string_view text;
+    Choice choice;
+};
+
+template <class Choice>
+struct Words;  // Words<Envelope>::all and so on
+
+template <>
+struct Words<Envelope> {
+    static constexpr std::array all{Word<Envelope>{"hann", Envelope::hann},
+                                    Word<Envelope>{"tukey", Envelope::tukey},
+                                    Word<Envelope>{"rectangular", Envelope::rectangular}};
+};
+
+template <>
+struct Words<Tension> {
+    static constexpr std::array all{Word<Tension>{"allowed", Tension::allowed},
+                                    Word<Tension>{"clamped", Tension::clamped}};
+};
+
+template <>
+struct Words<EndKind> {
+    static constexpr std::array all{Word<EndKind>{"plate", EndKind::plate},
+                                    Word<EndKind>{"wall", EndKind::wall},
+                                    Word<EndKind>{"free", EndKind::free}};
+};
+
+template <>
+struct Words<PlatePreload> {
+    static constexpr std::array all{Word<PlatePreload>{"balanced", PlatePreload::balanced},
+                                    Word<PlatePreload>{"as_printed", PlatePreload::as_printed}};
+};
+
+template <>
+struct Words<Integrator> {
+    static constexpr std::array all{
+        Word<Integrator>{"leapfrog", Integrator::leapfrog}, Word<Integrator>{"chin4a", Integrator::chin4a},
+        Word<Integrator>{"taylor8", Integrator::taylor8}, Word<Integrator>{"taylor12", Integrator::taylor12}};
+};
+
+/// Every choice, in the order of the words: for what has to hold for each of them.
+template <class Choice>
+inline constexpr auto choices = [] {
+    std::array<Choice, Words<Choice>::all.size()> every{};
+    std::transform(Words<Choice>::all.begin(), Words<Choice>::all.end(), every.begin(),
+                   [](const Word<Choice>& entry) { return entry.choice; });
+    return every;
+}();
+
+/// The word for a choice, word(Envelope::hann) == "hann"; empty for a value that is no choice.
+template <class Choice>
+constexpr std::string_view word(Choice choice) noexcept {
+    for (const auto& entry : Words<Choice>::all) {
+        if (entry.choice == choice) {
+            return entry.text;
+        }
+    }
+    return {};
+}
+
+}  // namespace hertzline

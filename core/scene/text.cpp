@@ -1,0 +1,128 @@
+#include "core/scene/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace hertzline {
+
+namespace {
+
+// Longer texts are cut in messages, and are too long to resemble any name that the program knows.
+constexpr std::size_t longest_shown = 60;
+
+template <class Number>
+std::string shortest(Number value) {
+    std::array<char, 32> buffer{};  // the longest double takes 24 characters
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+    return {buffer.data(), end};
+}
+
+std::string_view last_part(std::string_view key) {
+    return key.substr(key.rfind('.') + 1);  // npos + 1 is 0: a key without a dot is its own last part
+}
+
+// How unlike the two keys are: edits of the last part, plus one for another section.
+std::size_t unlikeness(std::string_view text, std::string_view candidate) {
+    const std::string_view name = last_part(text);
+    const std::string_view other = last_part(candidate);
+    const std::string_view section = text.substr(0, text.size() - name.size());
+    const std::string_view other_section = candidate.substr(0, candidate.size() - other.size());
+    const bool only_the_unit_is_missing = name.size() >= 4 && other.starts_with(name);
+    const std::size_t edits = only_the_unit_is_missing ? 1 : edit_distance(name, other);
+    return edits + std::min<std::size_t>(edit_distance(section, other_section), 1);
+}
+
+}  // namespace
+
+std::string number_text(double value) {
+    return shortest(value);
+}
+
+std::string number_text(std::int64_t value) {
+    return shortest(value);
+}
+
+std::string quoted(std::string_view text) {
+    constexpr std::string_view hex = "0123456789ABCDEF";
+    std::string result = "\"";
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            result += {'\\', c};
+        } else if (byte >= 0x20 && byte < 0x7F) {
+            result += c;
+        } else {
+            result += {'\\', 'u', '0', '0', hex[byte / 16], hex[byte % 16]};
+        }
+    }
+    return result + '"';
+}
+
+std::string quoted_briefly(std::string_view text) {
+    return text.size() <= longest_shown ? quoted(text) : quoted(text.substr(0, longest_shown)) + "...";
+}
+
+std::string printable(std::string_view text, std::size_t longest) {
+    std::string result(text.substr(0, longest));
+    std::replace_if(
+        result.begin(), result.end(), [](char c) { return c < 0x20 || c > 0x7E; }, '?');
+    return text.size() <= longest ? result : result + "...";
+}
+
+bool is_bare_key(std::string_view text) noexcept {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+               c == '-';
+    });
+}
+
+std::string key_part(std::string_view text) {
+    return is_bare_key(text) ? std::string(text) : quoted(text);
+}
+
+std::string comma_separated(std::span<const std::string> words) {
+    std::string result;
+    for (const std::string& word : words) {
+        result += (result.empty() ? "" : ", ") + word;
+    }
+    return result;
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() +
+                                 1);  // row[j]: distance from a's first i characters to b's first j
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, diagonal + 1});
+        }
+    }
+    return row.back();
+}
+
+std::string suggestion(std::string_view text, std::span<const std::string> candidates) {
+    if (text.empty() || text.size() > longest_shown) {
+        return "";
+    }
+    const std::string* nearest = nullptr;
+    std::size_t least = std::numeric_limits<std::size_t>::max();
+    for (const std::string& candidate : candidates) {
+        if (const std::size_t distance = unlikeness(text, candidate); distance < least) {
+            least = distance;
+            nearest = &candidate;
+        }
+    }
+    // One edit in three characters still looks like a slip of the fingers; more looks like another word.
+    const std::size_t tolerated = std::max<std::size_t>(2, last_part(text).size() / 3);
+    return nearest != nullptr && least <= tolerated ? "; did you mean '" + *nearest + "'?" : "";
+}
+
+}  // namespace hertzline

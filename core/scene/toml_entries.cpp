@@ -1,0 +1,169 @@
+// Scene text comes from anywhere, and toml++ 3.3.0 has crashes of its own, so nothing reaches it that a scene
+// does not need. It aborts on NUL and has undefined behaviour on some non-ASCII text: only printable ASCII,
+// tabs and line ends pass, 64 KiB at most. It recurses once per part of a dotted key, and 32 000 parts
+// overflow the stack: a line may hold 32 single dots. (It limits the depth of brackets and braces itself, to
+// 256.)
+
+#include "core/scene/toml_entries.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+// Where toml++ is compiled here instead of linked: its assertions abort on "[+a]", which it reports as an
+// error anyway.
+#define TOML_ASSERT(condition) static_assert(true)
+#include <toml++/toml.h>
+
+#include "core/scene/text.hpp"
+
+namespace hertzline {
+
+namespace {
+
+constexpr std::size_t largest_text = 65536;
+constexpr int max_dots = 32;
+
+bool passes(char c) {
+    return (c >= 0x20 && c <= 0x7E) || c == '\t' || c == '\n' || c == '\r';
+}
+
+TomlRefusal refused_byte(char c, int line, std::size_t column) {
+    constexpr std::string_view hex = "0123456789ABCDEF";
+    const auto byte = static_cast<unsigned char>(c);
+    return {line,
+            std::string("byte 0x") + hex[byte / 16] + hex[byte % 16] + " in column " + std::to_string(column),
+            "printable ASCII, tabs and line ends"};
+}
+
+std::optional<TomlRefusal> refusal(std::string_view text) {
+    if (text.size() > largest_text) {
+        return TomlRefusal{0, std::to_string(text.size()) + " bytes", "at most 65536 bytes"};
+    }
+    int line = 1;
+    std::size_t line_start = 0;
+    int dots = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (!passes(text[i])) {
+            return refused_byte(text[i], line, i - line_start + 1);
+        }
+        // "..." is no dotted key, and welcome in a comment.
+        const bool single_dot = text[i] == '.' && !text.substr(i + 1).starts_with('.');
+        if (single_dot && ++dots > max_dots) {
+            return TomlRefusal{line, "more than 32 dots in a line", "section.key, and decimal points"};
+        }
+        if (text[i] == '\n') {
+            ++line;
+            line_start = i + 1;
+            dots = 0;
+        }
+    }
+    return std::nullopt;
+}
+
+TomlValue value_of(const toml::node& node) {
+    if (const auto* integer = node.as_integer()) {
+        return integer->get();
+    }
+    if (const auto* number = node.as_floating_point()) {
+        return number->get();
+    }
+    if (const auto* text = node.as_string()) {
+        return text->get();
+    }
+    if (const auto* truth = node.as_boolean()) {
+        return TomlOther{truth->get() ? "true" : "false"};
+    }
+    if (node.is_table()) {
+        return TomlTable{};
+    }
+    return TomlOther{node.is_array() ? "an array" : "a date or time"};
+}
+
+void append_entries(const toml::table& table, const std::vector<std::string>& parents,
+                    std::vector<TomlEntry>& entries) {
+    constexpr std::size_t deepest = 3;  // materials.NAME.key
+    for (const auto& [key, node] : table) {
+        auto path = parents;
+        path.emplace_back(key.str());
+        entries.push_back({path, value_of(node), static_cast<int>(key.source().begin.line)});
+        if (node.is_table() && path.size() < deepest) {
+            append_entries(*node.as_table(), path, entries);
+        }
+    }
+}
+
+TomlRefusal syntax_error(const toml::parse_error& error) {
+    constexpr std::string_view preamble = "Error while parsing ";
+    std::string_view what = error.description();
+    what.remove_prefix(what.starts_with(preamble) ? preamble.size() : 0);
+    // printable(): the description quotes the text with its escapes undone.
+    return {static_cast<int>(error.source().begin.line), "a syntax error in " + printable(what),
+            "TOML, see https://toml.io"};
+}
+
+// toml++ as Debian builds it reports by throwing; nothing but this function sees that.
+std::variant<toml::table, TomlRefusal> parsed(std::string_view text) {
+    if (auto refused = refusal(text)) {
+        return *std::move(refused);
+    }
+    try {
+        return toml::parse(text);
+    } catch (const toml::parse_error& error) {
+        return syntax_error(error);
+    }
+}
+
+// For TOML these words are values by themselves.
+bool is_toml_word(std::string_view text) {
+    constexpr std::array<std::string_view, 4> words{"true", "false", "inf", "nan"};
+    return std::find(words.begin(), words.end(), text) != words.end();
+}
+
+}  // namespace
+
+TomlEntries toml_entries(std::string_view text) {
+    auto result = parsed(text);
+    if (auto* refused = std::get_if<TomlRefusal>(&result)) {
+        return std::move(*refused);
+    }
+    std::vector<TomlEntry> entries;
+    append_entries(std::get<toml::table>(result), {}, entries);
+    return entries;
+}
+
+std::variant<TomlValue, TomlRefusal> toml_value(std::string_view text) {
+    const bool starts_like_a_word = !text.empty() && text[0] != '-' && !(text[0] >= '0' && text[0] <= '9');
+    if (starts_like_a_word && is_bare_key(text) && !is_toml_word(text)) {
+        return TomlValue{std::string(text)};
+    }
+    // A line end would begin further keys. A comment would be harmless but is never meant: no value needs a
+    // '#'.
+    if (text.find_first_of("\r\n#") != std::string_view::npos) {
+        return TomlRefusal{0, quoted_briefly(text), "one TOML value"};
+    }
+    auto result = parsed("value = " + std::string(text));
+    if (auto* refused = std::get_if<TomlRefusal>(&result)) {
+        return TomlRefusal{0, refused->found, refused->allowed};
+    }
+    return value_of(*std::get<toml::table>(result).get("value"));
+}
+
+std::string value_text(const TomlValue& value) {
+    struct Text {
+        std::string operator()(std::int64_t number) const { return number_text(number); }
+        std::string operator()(double number) const {
+            // 6.0 is shown as 6.0: where an integer is wanted, the point is what is wrong.
+            const bool integral = std::isfinite(number) && number == std::trunc(number);
+            const std::string text = number_text(number);
+            return integral && text.find('e') == std::string::npos ? text + ".0" : text;
+        }
+        std::string operator()(const std::string& text) const { return quoted_briefly(text); }
+        std::string operator()(const TomlTable& /*table*/) const { return "a table"; }
+        std::string operator()(const TomlOther& other) const { return other.description; }
+    };
+    return std::visit(Text{}, value);
+}
+
+}  // namespace hertzline

@@ -1,0 +1,342 @@
+#include "core/solvers/series_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "core/integrators/stability.hpp"
+#include "core/model/hertz.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline {
+
+namespace {
+
+// Error of a piece relative to the drive's velocity, and the longest piece that goes with it, as the phase of
+// the chain's fastest oscillation: tolerance = at_one * phase^exponent. It falls faster than the series'
+// order, so that pieces where contacts switch and those where nothing happens stay in proportion.
+constexpr double at_one = 1e-10;
+constexpr double exponent = 15;
+constexpr double rounding = 1e-15;
+constexpr double coarsest = 3e-3;
+
+/// Velocity of the order of those that the scene will show [m/s].
+double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
+    const double horn = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    const double kick = (chain.bias * chain.inv_mass).abs().maxCoeff() / omega;
+    return std::max(horn, std::isfinite(kick) ? kick : 0);
+}
+
+constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
+// Pieces within the time of the longest: more mean that the motion stands still.
+constexpr std::int64_t max_pieces = 65536;
+
+double difference(StepPosition a, StepPosition b) noexcept {
+    const auto steps = static_cast<double>(a.step - b.step);
+    return steps + (a.fraction() - b.fraction());
+}
+
+/// Overlap [m] whose elastic force changes a velocity by less than the tolerance [m/s] in a step. Below it a
+/// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
+/// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
+double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
+    constexpr double hardly = 1e-3;
+    const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
+    const double overlap = std::pow(hardly * tolerance / (stiffest * step), 2.0 / 3);
+    return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
+}
+
+}  // namespace
+
+double SeriesSolver::phase_for(double tolerance) noexcept {
+    return std::pow(tolerance / at_one, 1 / exponent);
+}
+
+SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
+    : chain_(chain),
+      sample_period_s_(1 / scene.output.sample_rate_hz),
+      burst_(scene.drive, sample_period_s_),
+      frequencies_hz_(burst_.frequencies_hz()),
+      state_(chain),
+      folded_(chain, *scene.numerics.integrator, kernels::kernel_lanes()),
+      piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()),
+             kernels::series_degree(*scene.numerics.integrator),
+             kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
+      kernels_(kernels::series_kernels(*scene.numerics.integrator, folded_.rows())) {
+    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+    const double unit = *scene.numerics.step_s;
+    folded_.step_s = unit;
+    piece_.unit_s = unit;
+    piece_.per_unit = 1 / unit;
+    piece_.tolerance =
+        std::max(1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) *
+                             velocity_scale(chain, scene.drive, omega) * unit);
+    piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
+    piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
+    samples_per_unit_ = unit / sample_period_s_;
+    piece_.keeps_ledger = most.ledger;
+    const double rest_velocity = scene.numerics.rest_tolerance * velocity_scale(chain, scene.drive, omega);
+    const bool rests_at_zero = chain.preload_n > 0 && (chain.bias == 0).all();
+    rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
+    reset();
+}
+
+void SeriesSolver::reset() noexcept {
+    state_.rest(chain_);
+    folded_.fold(chain_, state_, chain_.bodies());
+    folded_.contact_events = 0;
+    begin_ = end_ = smooth_from_ = looked_at_ = {};
+    smooth_ = burst_.smooth(0, 0);
+    next_sample_ = 0;
+    ledger_ = {};
+    ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
+    set_horn(0);
+    meet_horn(0);
+}
+
+const ChainState& SeriesSolver::state() noexcept {
+    folded_.unfold(state_);
+    return state_;
+}
+
+Ledger SeriesSolver::ledger() noexcept {
+    Ledger now = ledger_;
+    for (std::size_t s = 0; s < folded_.slots(); ++s) {
+        now.lost += folded_.column(kernels::ChainField::lost)[s];
+    }
+    now.work += folded_.column(kernels::ChainField::work)[0];
+    return now;
+}
+
+/// The horn's waves as they are some time [s] after the smooth piece was looked up, to the last digit.
+void SeriesSolver::set_horn(double since_look_up) noexcept {
+    kernels::HornWaves& waves = piece_.waves;
+    const double local = smooth_.since_burst_s + since_look_up;
+    waves.silent = smooth_.amplitude_m[0] == 0;
+    waves.displacement = waves.slope = 0;
+    if (waves.silent) {
+        piece_.horn.fill(0);
+    }
+    waves.reach = 1;
+    for (std::size_t i = 0; i < frequencies_hz_.size(); ++i) {
+        const double turns = frequencies_hz_[i] * local + smooth_.phase_turns[i];
+        const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
+        waves.sine[i] = smooth_.amplitude_m[i] * std::sin(angle);
+        waves.cosine[i] = smooth_.amplitude_m[i] * std::cos(angle);
+        if (smooth_.amplitude_m[i] != 0) {
+            waves.reach = std::min(waves.reach, waves.reach_of_each[i]);
+        }
+        waves.displacement += waves.sine[i];
+        waves.slope += waves.cosine[i] * waves.odd[i][0];
+    }
+}
+
+/// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
+void SeriesSolver::meet_horn(double before_m) noexcept {
+    const double horn = piece_.waves.displacement;
+    const double x = folded_.column(kernels::ChainField::x)[folded_.slot(0)];
+    const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (before_m - x));
+    const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
+    ledger_.work += after - before;
+}
+
+double SeriesSolver::horn_displacement() const noexcept {
+    if (piece_.waves.turns) {
+        return piece_.waves.displacement;  // the kernels have moved it on to the piece's end
+    }
+    double horn = 0;
+    for (std::size_t n = piece_.horn.size(); n-- > 0;) {
+        horn = horn * piece_.length + piece_.horn[n];
+    }
+    return horn;
+}
+
+void SeriesSolver::next_piece() noexcept {
+    begin_ = end_;
+    double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
+    constexpr double sliver = 1e-9;  // [samples]
+    if (smooth_.left_s - since_look_up < sliver * sample_period_s_) {
+        const double before = horn_displacement();
+        smooth_ = burst_.smooth(begin_.step, begin_.fraction());
+        smooth_from_ = begin_;
+        since_look_up = 0;
+        set_horn(0);
+        meet_horn(before);
+    } else if (!piece_.waves.turns || state_.step % turned_pieces == 0) {
+        set_horn(since_look_up);
+    }
+    const double left_s = smooth_.left_s - since_look_up;
+    ++state_.step;
+    if (rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_) {
+        sleep();
+        constexpr double longest = 1e15;  // [samples]: for good
+        end_.advance(StepPosition::of(std::min(longest, left_s / sample_period_s_)));
+        return;
+    }
+    piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
+    kernels_.piece(folded_, piece_);
+    end_.advance(StepPosition::of(piece_.length * samples_per_unit_));
+}
+
+/// Whether the pieces have become so short that time hardly goes on: looked into once in max_pieces.
+bool SeriesSolver::stands_still() noexcept {
+    if (state_.step % max_pieces != 0) {
+        return false;
+    }
+    const bool still = difference(end_, looked_at_) < samples_per_unit_;
+    looked_at_ = end_;
+    return still;
+}
+
+double SeriesSolver::energy_above_rest() noexcept {
+    const ChainState& now = state();
+    return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start;
+}
+
+/// To exact rest; what motion is left counts as lost.
+void SeriesSolver::sleep() noexcept {
+    const double left = energy_above_rest();
+    ledger_ = ledger();
+    ledger_.lost += left;
+    state_.reset_motion(chain_);
+    folded_.fold(chain_, state_, chain_.bodies());
+    std::copy_n(folded_.column(kernels::ChainField::closed), folded_.slots(),
+                folded_.column(kernels::ChainField::overlap));
+    piece_.reset_motion();
+}
+
+bool SeriesSolver::finite() const noexcept {
+    double sum = piece_.largest;
+    for (std::size_t s = 0; s < folded_.slots(); ++s) {
+        sum += std::abs(folded_.column(kernels::ChainField::v)[s]) +
+               std::abs(folded_.column(kernels::ChainField::x)[s]);
+    }
+    return sum < 1e300;
+}
+
+Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
+    const std::int64_t end = next_sample_ + count;
+    while (next_sample_ < end) {
+        // samples k with begin <= k < end lie in the present piece
+        const std::int64_t beyond = std::min(end, end_.step + (end_.part > 0 ? 1 : 0));
+        if (next_sample_ < beyond) {
+            if (samples != nullptr) {
+                emit(*samples, beyond - next_sample_);
+            }
+            next_sample_ = beyond;
+        } else {
+            next_piece();
+            if (!(piece_.largest < 1e300) || stands_still()) {
+                return Status::unstable;
+            }
+        }
+    }
+    return finite() ? Status::running : Status::unstable;
+}
+
+kernels::SampleTimes SeriesSolver::times() const noexcept {
+    return {static_cast<double>(next_sample_ - begin_.step), begin_.fraction(),
+            sample_period_s_ / piece_.unit_s};
+}
+
+/// What contacts that have just closed add, which is no power series.
+void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                             std::size_t stride) const noexcept {
+    const kernels::SampleTimes when = times();
+    const std::size_t slot = folded_.slot(body);
+    for (std::int64_t i = 0; i < count; ++i) {
+        const double z = ((when.first_after_base + static_cast<double>(i)) - when.fraction) * when.per_sample;
+        double power = z * z * std::sqrt(z) * piece_.per_unit;
+        for (int n = 0; n < kernels::onset_terms; ++n, power *= z) {
+            const double term = piece_.onset_force(n)[slot] * power / (n + 2.5);
+            out[static_cast<std::size_t>(i) * stride] +=
+                quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
+        }
+    }
+}
+
+void SeriesSolver::put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                       std::size_t stride) const noexcept {
+    kernels_.samples(piece_, folded_.slot(body), quantity == Quantity::velocity, times(),
+                     static_cast<std::size_t>(count), out, stride);
+    if (piece_.onset) {
+        add_onset(body, quantity, count, out, stride);
+    }
+}
+
+void SeriesSolver::put_outputs(Samples& samples, std::int64_t count) const noexcept {
+    const Eigen::Index end = chain_.spheres();
+    const bool has_plate = chain_.end == EndKind::plate;
+    const bool touches = folded_.column(kernels::ChainField::overlap)[folded_.slot(end)] > 0;
+    const kernels::OutputSlots slots{folded_.slot(end - 1), folded_.slot(end),
+                                     touches ? chain_.transmission : 0};
+    const kernels::OutputSink out{samples.v_last.data() + samples.count,
+                                  has_plate ? samples.v_plate.data() + samples.count : nullptr,
+                                  samples.v_out.data() + samples.count};
+    kernels_.outputs(piece_, slots, times(), static_cast<std::size_t>(count), out);
+    if (piece_.onset) {
+        add_onset(end - 1, Quantity::velocity, count, out.last, 1);
+        std::copy_n(out.last, count, out.out);
+        if (has_plate) {
+            add_onset(end, Quantity::velocity, count, out.plate, 1);
+            for (std::int64_t i = 0; i < count; ++i) {
+                out.out[i] = slots.transmitted * out.last[i] + out.plate[i];
+            }
+        }
+    }
+}
+
+void SeriesSolver::emit(Samples& samples, std::int64_t count) const noexcept {
+    if (samples.holds.outputs) {
+        put_outputs(samples, count);
+    }
+    for (Eigen::Index s = 0; s < chain_.spheres() && samples.holds.chain(); ++s) {
+        const std::size_t from = samples.count * samples.spheres + static_cast<std::size_t>(s);
+        if (samples.holds.chain_velocities) {
+            put(s, Quantity::velocity, count, samples.chain_v.data() + from, samples.spheres);
+        }
+        if (samples.holds.chain_displacements) {
+            put(s, Quantity::displacement, count, samples.chain_x.data() + from, samples.spheres);
+        }
+    }
+    samples.count += static_cast<std::size_t>(count);
+}
+
+double SeriesSolver::time_s() const noexcept {
+    return (static_cast<double>(end_.step) + end_.fraction()) * sample_period_s_;
+}
+
+std::string SeriesSolver::failure() const {
+    const bool still = finite() && piece_.largest < 1e300;
+    Eigen::Index contact = 0;
+    const double* const overlap = folded_.column(kernels::ChainField::peak_overlap);
+    for (Eigen::Index c = 1; c < chain_.bodies(); ++c) {
+        // what is no number wins
+        if (!(overlap[folded_.slot(c)] <= overlap[folded_.slot(contact)]) && chain_.stiffness[c] > 0) {
+            contact = c;
+        }
+    }
+    const double pressed = overlap[folded_.slot(contact)];
+    const std::string by =
+        std::isfinite(pressed) ? "pressed to " + number_text(pressed) + " m" : "out of all numbers";
+    std::array<char, 320> text{};
+    std::snprintf(
+        text.data(), text.size(),
+        "with a step of at most %.4g s the motion's series %s after %lld pieces, t = %.6g s (contact "
+        "%lld, %s)",
+        piece_.unit_s, still ? "hardly goes on any more" : "has no meaning any more",
+        static_cast<long long>(state_.step),
+        (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
+        static_cast<long long>(contact), by.c_str());
+    return text.data();
+}
+
+double SeriesSolver::memory_bytes(double bodies) noexcept {
+    const double slots = bodies + 64;
+    return slots * 8 *
+           (static_cast<double>(kernels::ChainField::count) + 3 * (kernels::highest_series_degree + 1) +
+            kernels::onset_terms);
+}
+
+}  // namespace hertzline

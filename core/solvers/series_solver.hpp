@@ -1,0 +1,70 @@
+#pragma once
+// Integrates piece by piece, each a power series of the motion in time (integrators/taylor-inl.hpp). Pieces
+// have no grid: their moments are fixed-point numbers in units of the sample period, and samples are values
+// of the series.
+
+#include <array>
+
+#include "core/integrators/series_piece.hpp"
+#include "core/model/tone_burst.hpp"
+#include "core/solvers/solver.hpp"
+
+namespace hertzline {
+
+class SeriesSolver final : public Solver {
+public:
+    SeriesSolver(const Scene& scene, const Chain& chain, Wish most);
+
+    void reset() noexcept override;
+    Status produce(Samples* samples, std::int64_t count) noexcept override;
+    std::int64_t next_sample() const noexcept override { return next_sample_; }
+    std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
+    const ChainState& state() noexcept override;
+    double time_s() const noexcept override;
+    double horn_displacement() const noexcept override;
+    Ledger ledger() noexcept override;
+    std::string failure() const override;
+
+    static double memory_bytes(double bodies) noexcept;
+
+    /// Longest piece, as phase of the chain's fastest oscillation, at which a piece's relative error is
+    /// allowed to be `tolerance`.
+    static double phase_for(double tolerance) noexcept;
+
+private:
+    enum class Quantity { displacement, velocity };
+
+    void next_piece() noexcept;
+    void set_horn(double since_look_up) noexcept;
+    void meet_horn(double before) noexcept;
+    double energy_above_rest() noexcept;
+    void sleep() noexcept;
+    bool stands_still() noexcept;
+    bool finite() const noexcept;
+    void emit(Samples& samples, std::int64_t count) const noexcept;
+    void put_outputs(Samples& samples, std::int64_t count) const noexcept;
+    void add_onset(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+                   std::size_t stride) const noexcept;
+    void put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
+             std::size_t stride) const noexcept;
+    kernels::SampleTimes times() const noexcept;
+
+    const Chain& chain_;
+    double sample_period_s_;
+    double samples_per_unit_ = 1;
+    ToneBurst burst_;
+    std::array<double, 3> frequencies_hz_;
+    ChainState state_;
+    kernels::SimdChain folded_;
+    kernels::SeriesPiece piece_;
+    kernels::SeriesKernels kernels_{};
+    StepPosition begin_, end_;  ///< of the present piece [samples]
+    StepPosition looked_at_;    ///< when it was last seen that time goes on [samples]
+    StepPosition smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
+    SmoothDrive smooth_;
+    double rest_energy_ = 0;  ///< below it the chain is at rest while the horn is; 0: never [J]
+    std::int64_t next_sample_ = 0;
+    Ledger ledger_;
+};
+
+}  // namespace hertzline

@@ -1,0 +1,53 @@
+#pragma once
+// What integrates a chain for a Simulation: step by step on a grid (stepped_solver.hpp), or piece by piece as
+// power series (series_solver.hpp).
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/model/energy.hpp"
+#include "core/model/state.hpp"
+#include "core/samples.hpp"
+#include "core/scene/scene.hpp"
+
+namespace hertzline {
+
+/// Whether the integration still stands.
+enum class Status { running, unstable };
+
+/// Whether spheres ahead of the wavefront are left out. With leapfrog the samples are the same, to the last bit.
+enum class WavefrontTracking {
+    on,
+    off,  ///< every sphere is worked on from the start: for tests and benchmarks
+};
+
+class Solver {
+public:
+    virtual ~Solver() = default;
+
+    /// Back to sample 0, at static equilibrium.
+    virtual void reset() noexcept = 0;
+
+    /// Appends the next `count` samples; without a sink they are passed over. Allocates nothing.
+    virtual Status produce(Samples* samples, std::int64_t count) noexcept = 0;
+
+    virtual std::int64_t next_sample() const noexcept = 0;
+    virtual std::int64_t contact_events() const noexcept = 0;
+
+    /// State at the end of the last step, its time [s], and where the horn is then [m].
+    virtual const ChainState& state() noexcept = 0;
+    virtual double time_s() const noexcept = 0;
+    virtual double horn_displacement() const noexcept = 0;
+    virtual Ledger ledger() noexcept = 0;
+
+    /// What went wrong, for a human.
+    virtual std::string failure() const = 0;
+};
+
+/// The solver for a resolved scene. @throws std::invalid_argument if integrator or step are not set;
+/// std::bad_alloc
+std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most,
+                                    WavefrontTracking tracking);
+
+}  // namespace hertzline

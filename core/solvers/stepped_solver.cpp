@@ -1,0 +1,201 @@
+#include "core/solvers/stepped_solver.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "core/integrators/stability.hpp"
+
+namespace hertzline {
+
+SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, Wish most, WavefrontTracking tracking)
+    : chain_(chain),
+      integrator_(*scene.numerics.integrator),
+      step_s_(exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz)),
+      tracking_(tracking),
+      limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
+      burst_(scene.drive, step_s_),
+      state_(chain_),
+      folded_(chain_, integrator_, kernels::kernel_lanes()),
+      horn_(ToneBurst::batch_steps),
+      sampler_(chain_, scene.output.sample_rate_hz, step_s_, most) {
+    folded_.step_s = step_s_;
+    reset();
+}
+
+void SteppedSolver::reset() noexcept {
+    state_.rest(chain_);
+    folded_.contact_events = 0;
+    ledger_ = {};
+    ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
+    status_ = Status::running;
+    horn_first_ = -1;
+    front_ = tracking_ == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
+    folded_.fold(chain_, state_, front_);
+    kernel_ = kernels::kernel(integrator_, folded_.rows());
+    sampler_.reset(chain_);
+    begin_batch();
+}
+
+const ChainState& SteppedSolver::state() noexcept {
+    folded_.unfold(state_);
+    return state_;
+}
+
+/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on
+/// block sizes.
+void SteppedSolver::begin_batch() noexcept {
+    collect_ledger();
+    fold_active();
+    burst_.fill(state_.step, horn_.data(), ToneBurst::batch_steps);
+    horn_first_ = state_.step;
+}
+
+void SteppedSolver::fold_active() noexcept {
+    const Eigen::Index bodies = chain_.bodies();
+    if (folded_.active() == bodies) {
+        return;
+    }
+    folded_.unfold(state_);
+    front_ = std::max(front_, folded_.active());
+    while (front_ > 0 && front_ < bodies && state_.x[front_ - 1] == 0 && state_.v[front_ - 1] == 0) {
+        --front_;
+    }
+    // In one step a disturbance travels a bounded number of bodies: two with leapfrog (two looks at the
+    // dashpots), twelve with Chin 4A (eight powers of the drift, two forces, one gradient), doubled for a
+    // step that is split. What a step of many splits carries further has fallen by a hundred orders of
+    // magnitude on its way.
+    const Eigen::Index reach = integrator_ == Integrator::leapfrog ? 2 : 24;
+    const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
+    folded_.fold(chain_, state_, active);
+    kernel_ = kernels::kernel(integrator_, folded_.rows());
+}
+
+void SteppedSolver::collect_ledger() noexcept {
+    double* lost = folded_.column(kernels::ChainField::lost);
+    double* work = folded_.column(kernels::ChainField::work);
+    for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
+        ledger_.lost += lost[s];
+        lost[s] = 0;
+    }
+    for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
+        ledger_.work += work[lane];
+        work[lane] = 0;
+    }
+}
+
+Ledger SteppedSolver::ledger() noexcept {
+    // a look must not change how later sums round, so the columns are only read
+    Ledger now = ledger_;
+    for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
+        now.lost += folded_.column(kernels::ChainField::lost)[s];
+    }
+    for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
+        now.work += folded_.column(kernels::ChainField::work)[lane];
+    }
+    return now;
+}
+
+double SteppedSolver::horn_displacement() const noexcept {
+    return burst_.at(state_.step, 0, -1e-6).x;
+}
+
+bool SteppedSolver::stable() noexcept {
+    if (!folded_.beyond_watched) {
+        return true;
+    }
+    // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront
+    // nothing changes
+    for (Eigen::Index b = 0; b < folded_.active(); ++b) {
+        state_.peak_overlap[b] = folded_.column(kernels::ChainField::peak_overlap)[folded_.slot(b)];
+    }
+    const auto peaks = state_.peak_overlap.head(folded_.active());
+    if (folded_.layout() == kernels::Layout::linear) {
+        watch_from(2 * (chain_.stiffness > 0).select(peaks, 0).maxCoeff());
+    }
+    return step_s_ <= std::min(largest_stable_step(chain_, peaks, integrator_), limit_at_rest_);
+}
+
+/// As long as the step would be stable with all contacts pressed to `overlap` [m], the kernel watches for one
+/// that is pressed further, instead of a look at each of them.
+void SteppedSolver::watch_from(double overlap) noexcept {
+    if (step_s_ <= largest_stable_step(chain_, overlap, integrator_)) {
+        folded_.watched_overlap = overlap;
+        folded_.beyond_watched = false;
+    }
+}
+
+std::string SteppedSolver::failure() const {
+    const double time_s = static_cast<double>(state_.step) * step_s_;
+    std::array<char, 256> text{};
+    for (Eigen::Index c = 0; c < chain_.bodies(); ++c) {
+        if (!std::isfinite(state_.peak_overlap[c])) {
+            std::snprintf(
+                text.data(), text.size(),
+                "the step of %.4g s lies beyond the stability limit: the overlap of contact %lld had "
+                "grown beyond all numbers by t = %.6g s",
+                step_s_, static_cast<long long>(c), time_s);
+            return text.data();
+        }
+    }
+    Eigen::Index contact = 0;
+    (chain_.stiffness.square() * state_.peak_overlap).maxCoeff(&contact);
+    std::snprintf(text.data(), text.size(),
+                  "the step of %.4g s lies beyond the stability limit of %.4g s that the contacts reached by "
+                  "t = %.6g s "
+                  "(stiffest: contact %lld, overlap %.3g m)",
+                  step_s_, largest_stable_step(chain_, state_.peak_overlap, integrator_), time_s,
+                  static_cast<long long>(contact), state_.peak_overlap[contact]);
+    return text.data();
+}
+
+/// Takes steps until `step` is reached or the trace is full.
+void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept {
+    while (state_.step < step && status_ == Status::running) {
+        const std::int64_t in_batch = state_.step - horn_first_;
+        const std::int64_t left_in_batch = ToneBurst::batch_steps - in_batch;
+        const int count = static_cast<int>(std::min(left_in_batch, step - state_.step));
+        const int taken = kernel_(folded_, burst_, horn_.data() + in_batch, state_.step, count, trace);
+        state_.step += taken;
+        if (!stable()) {
+            status_ = Status::unstable;
+            return;
+        }
+        if (state_.step == horn_first_ + ToneBurst::batch_steps) {
+            begin_batch();
+        }
+        if (taken < count) {
+            return;
+        }
+    }
+}
+
+Status SteppedSolver::produce(Samples* samples, std::int64_t count) noexcept {
+    if (count <= 0 || status_ != Status::running) {
+        return status_;
+    }
+    const std::int64_t end = next_sample() + count;
+    const std::int64_t last_step = sampler_.step_needed(end);
+    if (samples == nullptr && sampler_.pass_over()) {
+        run_until(last_step, sampler_.trace());
+        if (status_ == Status::running) {
+            sampler_.passed_over(end);
+        }
+        return status_;
+    }
+    for (;;) {
+        sampler_.emit(samples, end);
+        if (next_sample() == end || status_ != Status::running) {
+            return status_;
+        }
+        run_until(last_step, sampler_.wanted_from(state_.step));
+    }
+}
+
+double SteppedSolver::memory_bytes(double bodies, Wish most) noexcept {
+    const double folded = (bodies + 64) * 8 * static_cast<double>(kernels::ChainField::count);
+    return folded + Sampler::bytes(bodies, most);
+}
+
+}  // namespace hertzline

@@ -1,0 +1,55 @@
+#pragma once
+// Integrates on a grid of equal steps, with the kernels of leapfrog and chin4a. Only the part of the chain
+// that the wave has reached is worked on.
+
+#include <vector>
+
+#include "core/integrators/simd_chain.hpp"
+#include "core/model/tone_burst.hpp"
+#include "core/solvers/sampler.hpp"
+#include "core/solvers/solver.hpp"
+
+namespace hertzline {
+
+class SteppedSolver final : public Solver {
+public:
+    SteppedSolver(const Scene& scene, const Chain& chain, Wish most, WavefrontTracking tracking);
+
+    void reset() noexcept override;
+    Status produce(Samples* samples, std::int64_t count) noexcept override;
+    std::int64_t next_sample() const noexcept override { return sampler_.next_sample(); }
+    std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
+    const ChainState& state() noexcept override;
+    double time_s() const noexcept override { return static_cast<double>(state_.step) * step_s_; }
+    double horn_displacement() const noexcept override;
+    Ledger ledger() noexcept override;
+    std::string failure() const override;
+
+    static double memory_bytes(double bodies, Wish most) noexcept;
+
+private:
+    void run_until(std::int64_t step, kernels::Trace& trace) noexcept;
+    void begin_batch() noexcept;
+    void fold_active() noexcept;
+    void collect_ledger() noexcept;
+    bool stable() noexcept;
+    void watch_from(double overlap) noexcept;
+
+    const Chain& chain_;
+    Integrator integrator_;
+    double step_s_;
+    WavefrontTracking tracking_;
+    double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
+    ToneBurst burst_;
+    ChainState state_;
+    kernels::SimdChain folded_;
+    kernels::Kernel kernel_ = nullptr;
+    std::vector<HornStep> horn_;
+    std::int64_t horn_first_ = -1;
+    Eigen::Index front_ = 0;  ///< bodies from here on are still at rest, exactly
+    Sampler sampler_;
+    Ledger ledger_;
+    Status status_ = Status::running;
+};
+
+}  // namespace hertzline

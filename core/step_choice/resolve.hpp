@@ -1,0 +1,61 @@
+#pragma once
+// Choosing integrator and step: what a scene leaves open is settled here, by measuring instead of guessing.
+//
+// A pilot runs the scene over its first burst. One is flown as exactly as can be had, as a reference
+// (reference_pilot.hpp); how far another one is from it is the error of its step. Steps on a grid are chosen
+// without it: there a pilot is compared with one of half the step, and halving goes on until the difference,
+// extrapolated with the method's order, is below the wanted accuracy. Pilots together cost about as much as
+// simulating a few milliseconds. The contacts' largest overlaps in them tell the largest stable step.
+
+#include <optional>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "core/step_choice/step_advice.hpp"
+
+namespace hertzline {
+
+/// Why a scene gets its integrator.
+enum class IntegratorReason {
+    set_by_scene,
+    short_chain,    ///< fits into registers: a series, which has the lowest error for its time
+    high_accuracy,  ///< the same, but below high_accuracy: a series of order 12
+    long_chain,     ///< somewhere a contact switches in almost every step: locating each would cost more than
+                    ///< it gains, so leapfrog
+};
+
+/// Longest chain that gets a series.
+inline constexpr std::int64_t short_chain_spheres = 30;  // four AVX-512 registers
+/// A wanted error below this gets order 12.
+inline constexpr double high_accuracy = 1e-6;
+
+struct IntegratorChoice {
+    Integrator integrator;
+    IntegratorReason reason;
+};
+IntegratorChoice integrator_choice(const Scene& scene) noexcept;
+
+/// The scene with its integrator set.
+Scene with_integrator(Scene scene);
+
+/// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.
+/// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
+StepAdvice advise_step(const Scene& scene);
+
+/// A valid scene with integrator and step settled and what is to be expected of them, or what is wrong with
+/// its step.
+struct ResolvedScene {
+    Scene scene;  ///< numerics.integrator and step_s set, accuracy unset
+    IntegratorReason integrator_reason = IntegratorReason::set_by_scene;
+    bool step_set_by_scene = false;
+    StepAdvice advice;
+    int pilots = 0;  ///< all that were flown: the reference, those of the advice, that of the step in use
+    /// Of the step in use, relative L2 of the worst velocity: what a pilot at that step differs from the
+    /// reference. Of a long chain the first 128 spheres are looked at. None if the pilot would take too long.
+    std::optional<double> estimated_error;
+    double steps_per_burst = 0;  ///< to be expected: steps, or pieces of a series
+    std::vector<Fault> faults;   ///< step beyond the stability limit
+};
+ResolvedScene resolve(const Scene& scene);
+
+}  // namespace hertzline

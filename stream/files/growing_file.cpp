@@ -1,0 +1,64 @@
+#include "stream/files/growing_file.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <utility>
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace hertzline::stream {
+
+GrowingFile::GrowingFile(std::filesystem::path path, std::size_t record_bytes)
+    : file_(std::move(path), StagedFile::Devices::refused), record_bytes_(record_bytes) {
+    constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
+    max_buffered_ = std::max(std::size_t{1}, buffer_bytes / record_bytes) * record_bytes;
+    buffer_.reserve(max_buffered_);
+}
+
+void GrowingFile::write(std::span<const std::byte> records) {
+    while (!records.empty()) {
+        const auto part = records.first(std::min(records.size(), max_buffered_ - buffer_.size()));
+        buffer_.insert(buffer_.end(), part.begin(), part.end());
+        records = records.subspan(part.size());
+        if (buffer_.size() == max_buffered_) {
+            flush();
+        }
+    }
+}
+
+void GrowingFile::flush() {
+    file_.require_open();
+    struct stat now {};
+    if (::fstat(file_.descriptor(), &now) == 0 && now.st_nlink == 0) {
+        file_.fail(ENOENT);
+    }
+    std::span<const std::byte> rest = buffer_;
+    while (!rest.empty()) {
+        const ssize_t written = ::write(file_.descriptor(), rest.data(), rest.size());
+        if (written >= 0) {
+            rest = rest.subspan(static_cast<std::size_t>(written));
+        } else if (errno != EINTR) {
+            fail(errno);
+        }
+    }
+    buffer_.clear();
+}
+
+/// The file ends with the last record that is whole.
+void GrowingFile::fail(int reason) {
+    struct stat now {};
+    if (::fstat(file_.descriptor(), &now) == 0) {
+        const auto record = static_cast<off_t>(record_bytes_);
+        // Where even this fails readers pass over the odd bytes.
+        [[maybe_unused]] const int cut = ::ftruncate(file_.descriptor(), now.st_size / record * record);
+    }
+    file_.fail(reason);
+}
+
+void GrowingFile::commit() {
+    flush();
+    file_.commit();
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,46 @@
+#pragma once
+// A file of records that has its name from early on and is whole at any time: for recordings that shall
+// survive the sudden end of the program.
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "stream/files/staged_file.hpp"
+
+namespace hertzline::stream {
+
+/// Buffered. What was flushed stays, in whole records, whatever happens later; errors as of StagedFile.
+class GrowingFile {
+public:
+    /// Refuses what cannot be written, as StagedFile does, and devices. Nothing is replaced yet.
+    GrowingFile(std::filesystem::path path, std::size_t record_bytes);
+
+    /// Takes the file's name from what had it.
+    void appear() { file_.appear(); }
+
+    /// Takes whole records. Flushes by itself only when they do not fit().
+    void write(std::span<const std::byte> records);
+    bool fits(std::size_t bytes) const noexcept { return buffer_.size() + bytes <= max_buffered_; }
+
+    /// Hands the buffer to the system, which keeps it when the program is killed. Fails when the file is
+    /// there no more: the bytes would go nowhere.
+    void flush();
+
+    /// Flushes and closes.
+    void commit();
+
+    /// Closes; what was not flushed is dropped.
+    void keep() noexcept { file_.keep(); }
+
+private:
+    [[noreturn]] void fail(int reason);
+
+    StagedFile file_;
+    std::size_t record_bytes_;
+    std::size_t max_buffered_;  // whole records
+    std::vector<std::byte> buffer_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,74 @@
+#include "stream/files/output_file.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cerrno>
+#include <utility>
+
+#include <unistd.h>
+
+namespace hertzline::stream {
+namespace {
+
+constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
+
+}  // namespace
+
+OutputFile::OutputFile(std::filesystem::path path, StagedFile::Devices devices)
+    : file_(std::move(path), devices) {
+    buffer_.reserve(buffer_bytes);
+}
+
+void OutputFile::write(std::string_view text) {
+    write(std::as_bytes(std::span(text)));
+}
+
+void OutputFile::write(std::span<const std::byte> bytes) {
+    file_.require_open();
+    bytes_ += bytes.size();
+    while (!bytes.empty()) {
+        const auto part = bytes.first(std::min(bytes.size(), buffer_bytes - buffer_.size()));
+        buffer_.insert(buffer_.end(), part.begin(), part.end());
+        bytes = bytes.subspan(part.size());
+        if (buffer_.size() == buffer_bytes) {
+            flush();
+        }
+    }
+}
+
+void OutputFile::rewrite(std::uint64_t offset, std::string_view text) {
+    file_.require_open();
+    assert(offset + text.size() <= bytes_);
+    flush();
+    while (!text.empty()) {
+        const ssize_t written =
+            ::pwrite(file_.descriptor(), text.data(), text.size(), static_cast<off_t>(offset));
+        if (written >= 0) {
+            text.remove_prefix(static_cast<std::size_t>(written));
+            offset += static_cast<std::uint64_t>(written);
+        } else if (errno != EINTR) {
+            file_.fail(errno);
+        }
+    }
+}
+
+void OutputFile::flush() {
+    std::span<const std::byte> rest = buffer_;
+    while (!rest.empty()) {
+        const ssize_t written = ::write(file_.descriptor(), rest.data(), rest.size());
+        if (written >= 0) {
+            rest = rest.subspan(static_cast<std::size_t>(written));
+        } else if (errno != EINTR) {
+            file_.fail(errno);
+        }
+    }
+    buffer_.clear();
+}
+
+void OutputFile::commit() {
+    file_.require_open();  // fails when an earlier write did
+    flush();
+    file_.commit();
+}
+
+}  // namespace hertzline::stream

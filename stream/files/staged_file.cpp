@@ -1,0 +1,206 @@
+#include "stream/files/staged_file.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdio>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace hertzline::stream {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int max_links = 40;                // as the kernel does (path_resolution(7))
+constexpr std::size_t max_stem_bytes = 200;  // leaves room for the ending in a name of 255 bytes
+
+[[noreturn]] void refuse(const fs::path& path, int reason) {
+    throw std::system_error(reason, std::generic_category(), "cannot write " + path.string());
+}
+
+/// The directory that holds path, without links; fails when there is none.
+fs::path directory_of(const fs::path& path, const fs::path& named_by_user) {
+    std::error_code error;
+    const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    fs::path directory = fs::canonical(parent, error);
+    if (error) {
+        throw std::system_error(error,
+                                "cannot write " + named_by_user.string() + ": directory " + parent.string());
+    }
+    return directory;
+}
+
+/// Where a file of that name really lives. Links are followed one by one and not by realpath(), which knows
+/// nothing of a link to a file that does not exist yet, and would follow /dev/stdout into the file behind it.
+fs::path without_links(const fs::path& named_by_user) {
+    fs::path path = named_by_user;
+    for (int followed = 0; followed < max_links; ++followed) {
+        const fs::path directory = directory_of(path, named_by_user);
+        path = directory / path.filename();
+        std::error_code error;
+        if (directory.parent_path().parent_path() == "/proc" || !fs::is_symlink(path, error)) {
+            return path;
+        }
+        const fs::path next = fs::read_symlink(path, error);
+        if (error) {
+            refuse(named_by_user, error.value());
+        }
+        path = directory / next;  // an absolute next replaces the directory
+    }
+    refuse(named_by_user, ELOOP);
+}
+
+/// The number N when path is this process's own open file N (/proc/PID/fd/N, where /dev/stdout leads).
+int own_descriptor(const fs::path& path) {
+    if (path.parent_path() != "/proc/" + std::to_string(::getpid()) + "/fd") {
+        return -1;
+    }
+    const std::string name = path.filename().string();
+    int number = -1;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
+    return error == std::errc() && end == name.data() + name.size() ? number : -1;
+}
+
+std::string random_ending() {
+    std::random_device random;
+    std::array<char, 24> text{};
+    const int length = std::snprintf(text.data(), text.size(), ".partial-%08x", random());
+    return {text.data(), static_cast<std::size_t>(length)};
+}
+
+}  // namespace
+
+StagedFile::StagedFile(fs::path path, Devices devices) : path_(std::move(path)) {
+    if (path_.empty()) {
+        throw std::system_error(ENOENT, std::generic_category(), "cannot write to a file without a name");
+    }
+    if (!path_.has_filename()) {
+        refuse(path_, EISDIR);
+    }
+    target_ = without_links(path_);
+    struct stat existing {};
+    const bool exists = ::stat(target_.c_str(), &existing) == 0;
+    if (!exists && errno != ENOENT) {
+        refuse(path_, errno);
+    }
+    if (exists && S_ISDIR(existing.st_mode)) {
+        refuse(path_, EISDIR);
+    }
+    const bool device = own_descriptor(target_) >= 0 || (exists && !S_ISREG(existing.st_mode));
+    if (!device) {
+        open_temporary();
+    } else if (devices == Devices::allowed) {
+        open_straight();
+    } else {
+        throw std::runtime_error(
+            "cannot write " + path_.string() +
+            ": found a device or pipe, allowed: a file; the format is not written in order");
+    }
+}
+
+void StagedFile::open_straight() {
+    // The program's own stdout is duplicated, not reopened: a file behind it would be reopened at its start,
+    // and everything else that the program prints would overwrite it.
+    const int own = own_descriptor(target_);
+    descriptor_ = own >= 0 ? ::fcntl(own, F_DUPFD_CLOEXEC, 0)
+                           : ::open(target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    if (descriptor_ < 0) {
+        refuse(path_, errno);
+    }
+}
+
+void StagedFile::open_temporary() {
+    struct stat existing {};
+    const bool replaces = ::stat(target_.c_str(), &existing) == 0;
+    // Renaming would replace a read-only file too; whoever made it read-only did not want that.
+    if (replaces && ::access(target_.c_str(), W_OK) != 0) {
+        refuse(path_, errno);
+    }
+    const std::string stem = target_.filename().string().substr(0, max_stem_bytes);
+    // Not mkstemp: its files are private (0600), and the umask cannot be read without changing it for all
+    // threads.
+    for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
+        temporary_ = target_.parent_path() / (stem + random_ending());
+        descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (descriptor_ < 0 && errno != EEXIST) {
+            refuse(path_, errno);
+        }
+    }
+    if (descriptor_ < 0) {
+        refuse(path_, EEXIST);
+    }
+    if (replaces) {
+        // Owner first: changing it clears bits of the mode. Neither is worth losing the data for.
+        [[maybe_unused]] const int owner = ::fchown(descriptor_, existing.st_uid, existing.st_gid);
+        [[maybe_unused]] const int mode = ::fchmod(descriptor_, existing.st_mode & 07777);
+    }
+}
+
+void StagedFile::appear() {
+    require_open();
+    if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
+        fail(errno);
+    }
+    if (!temporary_.empty()) {
+        temporary_ = target_;
+    }
+    appeared_ = true;
+}
+
+void StagedFile::keep() noexcept {
+    if (descriptor_ >= 0) {
+        ::close(std::exchange(descriptor_, -1));
+    }
+}
+
+void StagedFile::abandon() noexcept {
+    if (descriptor_ >= 0) {
+        ::close(descriptor_);
+        descriptor_ = -1;
+        if (!temporary_.empty()) {
+            ::unlink(temporary_.c_str());
+        }
+    }
+}
+
+void StagedFile::fail(int reason) {
+    failure_ = reason;
+    if (appeared_) {
+        keep();
+    } else {
+        abandon();
+    }
+    refuse(path_, reason);
+}
+
+void StagedFile::require_open() const {
+    if (failure_ != 0) {
+        refuse(path_, failure_);
+    }
+    if (descriptor_ < 0) {
+        throw std::logic_error("write to " + path_.string() + " after its commit");
+    }
+}
+
+void StagedFile::commit() {
+    require_open();
+    // Some file systems tell of a full disk or quota only here.
+    const bool closed = ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR;
+    if (closed && (temporary_.empty() || ::rename(temporary_.c_str(), target_.c_str()) == 0)) {
+        return;
+    }
+    failure_ = errno;
+    if (!temporary_.empty() && !appeared_) {
+        ::unlink(temporary_.c_str());
+    }
+    refuse(path_, failure_);
+}
+
+}  // namespace hertzline::stream

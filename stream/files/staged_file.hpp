@@ -1,0 +1,71 @@
+#pragma once
+// A file that gets its name only when it is complete; for those who write its bytes themselves.
+//
+// The bytes go to a temporary beside the target (FILE.partial-...), which commit() renames over it. Without
+// commit the temporary is removed and the target is as it was. What is not a regular file (/dev/null, a FIFO,
+// the program's own /dev/stdout) cannot be replaced by renaming: it is written straight to, or refused.
+
+#include <filesystem>
+
+namespace hertzline::stream {
+
+/// Errors are std::system_error (a std::runtime_error): what() names the path and the system's reason
+/// ("cannot write out.csv: No space left on device").
+class StagedFile {
+public:
+    enum class Devices { allowed, refused };
+
+    /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or
+    /// unwritable directory, a target that is a directory or read-only. A FIFO waits for its reader.
+    /// A symbolic link is followed, not replaced. A new file gets the permissions that any new file would;
+    /// one that replaces another gets its permissions, and its owner where the system lets us.
+    StagedFile(std::filesystem::path path, Devices devices);
+
+    /// Without commit(): removes the temporary.
+    ~StagedFile() { abandon(); }
+    StagedFile(const StagedFile&) = delete;
+    StagedFile& operator=(const StagedFile&) = delete;
+
+    /// As the user named it.
+    const std::filesystem::path& path() const noexcept { return path_; }
+
+    /// Where the bytes go: for libraries that open files by name. Empty for a device.
+    const std::filesystem::path& temporary() const noexcept { return temporary_; }
+
+    /// Open for reading and writing (a device: for writing), or -1 once it is over.
+    int descriptor() const noexcept { return descriptor_; }
+
+    /// Closes and gives the file its name. Does not wait for the disk (no fsync): a power cut may still lose
+    /// the file, a crash of the program may not.
+    void commit();
+
+    /// Gives the file its name now, while it goes on growing; what it replaces is gone. From here on a
+    /// failure leaves what was written under that name; without commit it is removed.
+    void appear();
+
+    /// Closes it where it is: what was written stays, under its name after appear().
+    void keep() noexcept;
+
+    /// Closes and removes the temporary, if it is still there.
+    void abandon() noexcept;
+
+    /// Abandons the file (keeps it after appear()) because of that errno and throws; from then on commit()
+    /// and require_open() throw it again.
+    [[noreturn]] void fail(int reason);
+
+    /// Throws after a failure; after commit, where it is misuse, std::logic_error.
+    void require_open() const;
+
+private:
+    void open_straight();
+    void open_temporary();
+
+    std::filesystem::path path_;
+    std::filesystem::path target_;     // path_ with symbolic links followed
+    std::filesystem::path temporary_;  // empty: written straight; target_ after appear()
+    int descriptor_ = -1;
+    bool appeared_ = false;
+    int failure_ = 0;  // errno of the first error
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,104 @@
+#pragma once
+// The simulating thread: takes blocks from a source and puts them into the ring, ahead of their time, until
+// the ring is full. It allocates nothing, takes no lock, writes no message, and makes no system call but to
+// sleep.
+
+#include <atomic>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "stream/pipeline/pacer.hpp"
+#include "stream/pipeline/ring_buffer.hpp"
+#include "stream/pipeline/thread_options.hpp"
+#include "stream/sources/sample_source.hpp"
+
+namespace hertzline::stream {
+
+/// As the system's tools list it (top -H).
+inline constexpr const char* simulating_thread_name = "simulating";
+
+/// What becomes of a block whose time has passed while the ring is full.
+enum class OnOverrun {
+    drop,  ///< it is discarded and counted, the stream stays in step with the clock
+    wait,  ///< the stream falls behind
+};
+
+/// What subscribers want computed. A new wish has a new number: it tells a block that was made after somebody
+/// came from one that still lay in the ring, from before somebody else left.
+struct TapWish {
+    TapSet taps;
+    std::uint32_t number = 0;
+};
+
+/// What travels through the ring.
+struct Block {
+    Samples samples;
+    TapWish wish;               ///< of the moment when it was made
+    std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
+    std::uint64_t dropped = 0;  ///< of the run, before this one
+    SourceAccount account;
+    double energy_residual = 0;
+};
+
+class Producer {
+public:
+    /// @param pacer says when a sample is due; started before go() @param samples unset: to the source's end
+    Producer(SampleSource& source, const Pacer& pacer, std::size_t slots, std::optional<std::int64_t> samples,
+             OnOverrun on_overrun);
+    ~Producer();
+    Producer(const Producer&) = delete;
+    Producer& operator=(const Producer&) = delete;
+
+    /// Makes the thread, which waits for go(). @returns what of the wishes was refused, for a human.
+    std::vector<std::string> start(const ThreadOptions& wishes);
+    void go() noexcept { going_.store(true, std::memory_order_release); }
+    /// Ends the thread; afterwards the source is the caller's.
+    void stop() noexcept;
+
+    RingBuffer<Block>& ring() noexcept { return ring_; }
+    /// Nothing more will be put into the ring.
+    bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
+
+    /// For one thread. @returns the wish's number, a new one if it changed.
+    std::uint32_t want(TapSet taps) noexcept;
+    /// The next block shall say how the energy ledger stands.
+    void want_residual() noexcept { residual_wanted_.store(true, std::memory_order_relaxed); }
+
+    std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+    /// Time spent on work so far [ns].
+    Nanoseconds busy() const noexcept { return Nanoseconds{busy_ns_.load(std::memory_order_relaxed)}; }
+
+    /// The source's first sample.
+    std::int64_t origin() const noexcept { return origin_; }
+
+private:
+    void produce() noexcept;
+    bool wait_for_go() const noexcept;
+    Block* wait_for_slot(std::int64_t first, std::int64_t count) noexcept;
+    bool fill(Block& block, std::int64_t count) noexcept;
+    bool stopping() const noexcept { return stopping_.load(std::memory_order_relaxed); }
+
+    SampleSource& source_;
+    const Pacer& pacer_;
+    std::int64_t frame_samples_;
+    std::int64_t origin_;
+    std::int64_t end_;
+    OnOverrun on_overrun_;
+    double last_residual_ = 0;
+    RingBuffer<Block> ring_;
+
+    std::atomic<TapWish> wish_{TapWish()};
+    static_assert(std::atomic<TapWish>::is_always_lock_free);
+    std::atomic<bool> residual_wanted_{false};
+    std::atomic<bool> going_{false};
+    std::atomic<bool> stopping_{false};
+    std::atomic<bool> finished_{false};
+    std::atomic<std::uint64_t> dropped_{0};
+    std::atomic<std::int64_t> busy_ns_{0};
+    std::thread thread_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,138 @@
+#pragma once
+// A bounded queue between exactly one writing and one reading thread, without locks. The slots are
+// constructed once and filled and read in place, so that samples are never copied on their way and nothing is
+// allocated.
+//
+//     writer                                  reader
+//     if (Slot* slot = ring.try_claim()) {    if (Slot* slot = ring.try_front()) {
+//         fill(*slot);                            use(*slot);
+//         ring.publish();                         ring.pop();
+//     }                                       }
+//
+// Two counters, each written by one side only: slots published, slots popped. Full is a difference of the
+// capacity, empty a difference of zero, so no slot is sacrificed to tell the two apart. Memory orders:
+//   published   release by publish(), acquire by try_front(): whoever sees the count sees the slot's content.
+//   popped      release by pop(), acquire by try_claim(): the writer may overwrite a slot only after the
+//               reader's last read of it.
+//   a side's own counter is read relaxed: nobody else writes it.
+// Each side remembers the other's counter as last seen and looks again only when that says full or empty:
+// otherwise every call would move the other core's cache line over here.
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
+
+namespace hertzline::stream {
+
+template <class Slot>
+class RingBuffer {
+public:
+    /// A ring of `capacity` >= 1 slots, each made by one call of make_slot(). Throws std::invalid_argument
+    /// for capacity 0.
+    template <std::invocable MakeSlot>
+    RingBuffer(std::size_t capacity, MakeSlot make_slot) {
+        if (capacity == 0) {
+            throw std::invalid_argument("a ring buffer needs at least one slot");
+        }
+        slots_.reserve(capacity);
+        for (std::size_t i = 0; i < capacity; ++i) {
+            slots_.push_back(make_slot());
+        }
+    }
+
+    /// A ring whose slots are copies of a prototype. A copied std::vector keeps its size but not what was
+    /// reserved beyond it: give the prototype its full size.
+    RingBuffer(std::size_t capacity, const Slot& prototype)
+        : RingBuffer(capacity, [&prototype] { return prototype; }) {}
+
+    RingBuffer(const RingBuffer&) = delete;
+    RingBuffer& operator=(const RingBuffer&) = delete;
+
+    /// Writer: the slot to fill next, with whatever it held before; nullptr when the ring is full. Asking
+    /// again before publish() gives the same slot.
+    Slot* try_claim() noexcept {
+        const std::uint64_t published = writer_.published.load(std::memory_order_relaxed);
+        if (published - writer_.popped_seen == slots_.size()) {
+            writer_.popped_seen = reader_.popped.load(std::memory_order_acquire);
+            if (published - writer_.popped_seen == slots_.size()) {
+                return nullptr;
+            }
+        }
+        writer_.claimed = true;
+        return &slots_[writer_.position];
+    }
+
+    /// Writer: hands the claimed slot to the reader. Only after a try_claim() that gave a slot.
+    void publish() noexcept {
+        assert(writer_.claimed && "publish() without a claimed slot");
+        writer_.claimed = false;
+        writer_.position = after(writer_.position);
+        const std::uint64_t published = writer_.published.load(std::memory_order_relaxed);
+        writer_.published.store(published + 1, std::memory_order_release);
+    }
+
+    /// Reader: the oldest published slot; nullptr when the ring is empty. Stays the same until pop().
+    Slot* try_front() noexcept {
+        const std::uint64_t popped = reader_.popped.load(std::memory_order_relaxed);
+        if (popped == reader_.published_seen) {
+            reader_.published_seen = writer_.published.load(std::memory_order_acquire);
+            if (popped == reader_.published_seen) {
+                return nullptr;
+            }
+        }
+        reader_.in_front = true;
+        return &slots_[reader_.position];
+    }
+
+    /// Reader: gives the front slot back to the writer. Only after a try_front() that gave a slot.
+    void pop() noexcept {
+        assert(reader_.in_front && "pop() without a front slot");
+        reader_.in_front = false;
+        reader_.position = after(reader_.position);
+        const std::uint64_t popped = reader_.popped.load(std::memory_order_relaxed);
+        reader_.popped.store(popped + 1, std::memory_order_release);
+    }
+
+    /// Published slots that are not popped yet. From any thread; while the others run it is a snapshot, exact
+    /// only in so far as it lies between 0 and capacity().
+    std::size_t size() const noexcept {
+        // popped first: it can only grow until published is read, so the difference is never negative.
+        const std::uint64_t popped = reader_.popped.load(std::memory_order_acquire);
+        const std::uint64_t published = writer_.published.load(std::memory_order_acquire);
+        return static_cast<std::size_t>(std::min<std::uint64_t>(published - popped, slots_.size()));
+    }
+
+    std::size_t capacity() const noexcept { return slots_.size(); }
+
+private:
+    // Two cache lines: x86 cores fetch lines in pairs, so 64 bytes apart would still be shared.
+    static constexpr std::size_t separation = 128;
+
+    struct alignas(separation) Writer {
+        std::atomic<std::uint64_t> published{0};  // written by the writer, read by both
+        std::uint64_t popped_seen = 0;            // the writer's copy of Reader::popped
+        std::size_t position = 0;                 // published % capacity, without the division
+        bool claimed = false;
+    };
+    struct alignas(separation) Reader {
+        std::atomic<std::uint64_t> popped{0};  // written by the reader, read by both
+        std::uint64_t published_seen = 0;      // the reader's copy of Writer::published
+        std::size_t position = 0;              // popped % capacity
+        bool in_front = false;
+    };
+
+    std::size_t after(std::size_t position) const noexcept {
+        return position + 1 == slots_.size() ? 0 : position + 1;
+    }
+
+    std::vector<Slot> slots_;
+    Writer writer_;
+    Reader reader_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,62 @@
+#include "stream/pipeline/stream_options.hpp"
+
+#include <fmt/format.h>
+
+namespace hertzline::stream {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
+
+std::string meta_json(const StreamOptions& plan, const StreamFormat& format, const std::string& run_id) {
+    Json streams = Json::array();
+    for (const Tap tap : format.taps) {
+        const TapNames names = names_of(tap);
+        streams.push_back({{"name", names.name},
+                           {"topics", {names.raw_topic, names.np_topic}},
+                           {"unit", names.unit},
+                           {"channels", format.channels(tap)},
+                           {"fs", format.sample_rate_hz},
+                           {"dtype", "<f4"}});
+    }
+    Json meta = plan.about;
+    meta.update(Json{{"run", run_id},
+                     {"fs", format.sample_rate_hz},
+                     {"frame_samples", format.frame_samples},
+                     {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
+                     {"streams", streams},
+                     {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}}});
+    return meta.dump();
+}
+
+void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
+    object["simulated_s"] = meters.simulated_s;
+    object["wall_s"] = meters.wall_s;
+    object["real_time_factor"] = meters.real_time_factor();
+    object["load"] = meters.load;
+    object["frames"] = meters.frames;
+    object["late_frames"] = meters.late_frames;
+    object["largest_lateness_s"] = meters.largest_lateness_s;
+    object["ring_high_water"] = meters.ring_high_water;
+    object["energy_residual"] = meters.energy_residual;
+    object["contact_events"] = meters.account.contact_events;
+    for (const Tap tap : taps) {
+        const std::string_view name = names_of(tap).name;
+        object[fmt::format("{}_raw_sent", name)] = meters.raw(tap).sent;
+        object[fmt::format("{}_raw_dropped", name)] = meters.raw(tap).dropped;
+        object[fmt::format("{}_np_sent", name)] = meters.np(tap).sent;
+        object[fmt::format("{}_np_dropped", name)] = meters.np(tap).dropped;
+    }
+}
+
+std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run_id) {
+    Json json{{"run", run_id}};
+    add_stream_members(json, meters, taps);
+    json["dropped"] = meters.dropped_frames;
+    json["ring_fill"] = meters.ring_fill;
+    return json.dump();
+}
+
+}  // namespace hertzline::stream

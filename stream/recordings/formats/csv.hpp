@@ -1,0 +1,33 @@
+#pragma once
+// Samples as comma-separated text: a line of column names, the time t_s first, then a line for each sample. A
+// gap shows in the times.
+//
+// What a CSV cannot say (units, rate, provenance) lies beside it in FILE.csv-metadata.json, as the W3C
+// recommendations for CSV on the Web have it ("Metadata Vocabulary for Tabular Data", 2015, and the place of
+// that file in "Model for Tabular Data and Metadata on the Web", section 5.3); not beside a device or FIFO.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "stream/recordings/recording.hpp"
+
+namespace hertzline::stream {
+
+/// The first column.
+inline constexpr const char* csv_time_column = "t_s";
+
+/// Appends `number` with 17 significant digits, enough to read back the same bits; independent of the locale.
+void append_csv_number(std::string& text, double number);
+
+/// Where the metadata of a CSV lies.
+std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
+
+/// A CSV, under its name once it is complete.
+std::unique_ptr<RecordingWriter> open_csv_writer(const std::filesystem::path& path,
+                                                 const RecordingHead& head);
+
+/// Reads a CSV whose first column is t_s. Without its metadata the rate is taken from the first two times.
+std::unique_ptr<RecordingReader> open_csv_reader(const std::filesystem::path& path);
+
+}  // namespace hertzline::stream

@@ -1,0 +1,183 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "stream/files/staged_file.hpp"
+#include "stream/recordings/checked_writer.hpp"
+#include "stream/recordings/formats/hdf5/hdf5.hpp"
+#include "stream/recordings/formats/hdf5/hdf5_layout.hpp"
+#include "stream/recordings/formats/hdf5/hdf5_library.hpp"
+
+namespace hertzline::stream {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t chunk_bytes = 128 << 10;
+constexpr hsize_t capture_chunk = 1024;
+
+/// Rows and columns of a chunk: whole rows as long as those are not much larger than a chunk is meant to be.
+std::array<hsize_t, 2> chunk_of(std::size_t columns, NumberType numbers) {
+    const std::size_t number = numbers == NumberType::float32 ? sizeof(float) : sizeof(double);
+    const std::size_t row = columns * number;
+    if (row <= 2 * chunk_bytes) {
+        return {std::max<std::size_t>(1, chunk_bytes / row), columns};
+    }
+    const std::size_t pieces = (row + chunk_bytes - 1) / chunk_bytes;
+    return {1, (columns + pieces - 1) / pieces};
+}
+
+void write_text(hid_t object, const char* name, const std::string& text) {
+    const Hdf5Object type = hdf5_text_type();
+    const Hdf5Object space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Hdf5Object attribute(H5Acreate2(object, name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                               H5Aclose);
+    const char* const characters = text.c_str();
+    hdf5(H5Awrite(attribute.id(), type.id(), &characters));
+}
+
+Hdf5Object create_dataset(hid_t file, const std::string& name, hid_t type, int rank, hsize_t columns,
+                          std::array<hsize_t, 2> chunk) {
+    const std::array<hsize_t, 2> none{0, columns};
+    const std::array<hsize_t, 2> most{H5S_UNLIMITED, columns};
+    const Hdf5Object space(H5Screate_simple(rank, none.data(), most.data()), H5Sclose);
+    const Hdf5Object properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    hdf5(H5Pset_chunk(properties.id(), rank, chunk.data()));
+    return {H5Dcreate2(file, name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+            H5Dclose};
+}
+
+void append_rows(hid_t dataset, hid_t type, std::int64_t row, std::int64_t rows, std::size_t columns,
+                 const void* values) {
+    const std::array<hsize_t, 2> size{static_cast<hsize_t>(row + rows), columns};
+    hdf5(H5Dset_extent(dataset, size.data()));
+    const Hdf5Rows part(dataset, row, rows);
+    hdf5(H5Dwrite(dataset, type, part.memory.id(), part.file.id(), H5P_DEFAULT, values));
+}
+
+class Hdf5Writer final : public CheckedWriter {
+public:
+    Hdf5Writer(const std::filesystem::path& path, const RecordingHead& head)
+        : CheckedWriter(path, head),
+          staged_(path, StagedFile::Devices::refused),
+          quantities_(hdf5_quantities(head)) {
+        if (std::ranges::find(quantities_, hdf5_captures, &Hdf5Quantity::name) != quantities_.end()) {
+            throw std::invalid_argument(path.string() + ": a quantity cannot be called captures");
+        }
+        inside_the_library([&] { create(); });
+    }
+
+    ~Hdf5Writer() override {
+        const Hdf5Library library(&failure_);
+        give_up(ECANCELED);
+    }
+
+private:
+    template <class Work>
+    void inside_the_library(Work work) {
+        const Hdf5Library library(&failure_);
+        try {
+            work();
+        } catch (const std::runtime_error& error) {
+            give_up(ECANCELED);
+            staged_.abandon();
+            cannot_write(path(), error.what());
+        }
+        if (failure_ != 0) {
+            give_up(failure_);
+            staged_.fail(failure_);
+        }
+    }
+
+    void create() {
+        const Hdf5Object access = hdf5_access(staged_.temporary());
+        file_ = Hdf5Object(H5Fcreate(staged_.temporary().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()),
+                           H5Fclose);
+        const Json description = describe(head());
+        const Hdf5Object one(H5Screate(H5S_SCALAR), H5Sclose);
+        const Hdf5Object rate(
+            H5Acreate2(file_.id(), "sample_rate_hz", H5T_IEEE_F64LE, one.id(), H5P_DEFAULT, H5P_DEFAULT),
+            H5Aclose);
+        hdf5(H5Awrite(rate.id(), H5T_NATIVE_DOUBLE, &head().sample_rate_hz));
+        write_text(file_.id(), "columns", text_of(description.at("columns")));
+        write_text(file_.id(), "provenance", text_of(description.at("provenance")));
+        captures_ = create_dataset(file_.id(), hdf5_captures, H5T_STD_I64LE, 2, 2, {capture_chunk, 2});
+        for (Hdf5Quantity& quantity : quantities_) {
+            const std::size_t columns = quantity.columns.size();
+            quantity.dataset =
+                create_dataset(file_.id(), quantity.name, hdf5_type(head().numbers),
+                               quantity.of_spheres ? 2 : 1, columns, chunk_of(columns, head().numbers));
+            write_text(quantity.dataset.id(), "units", quantity.unit);
+        }
+    }
+
+    void begin_capture(Capture capture) override {
+        inside_the_library([&] {
+            const std::array<std::int64_t, 2> entry{capture.row, capture.sample};
+            append_rows(captures_.id(), H5T_NATIVE_INT64, captures_written_, 1, 2, entry.data());
+            ++captures_written_;
+        });
+    }
+
+    void append(std::int64_t, std::span<const double> values) override {
+        const std::size_t columns = head().columns.size();
+        inside_the_library([&] {
+            for (const Hdf5Quantity& quantity : quantities_) {
+                part_.clear();
+                for (std::size_t row = 0; row < values.size(); row += columns) {
+                    for (const std::size_t column : quantity.columns) {
+                        part_.push_back(values[row + column]);
+                    }
+                }
+                append_rows(quantity.dataset.id(), H5T_NATIVE_DOUBLE, rows(),
+                            static_cast<std::int64_t>(values.size() / columns), quantity.columns.size(),
+                            part_.data());
+            }
+        });
+    }
+
+    void finish() override {
+        if (rows() == 0) {
+            begin_capture({0, 0});
+        }
+        inside_the_library([&] {
+            hdf5(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL));
+            captures_.close();
+            for (Hdf5Quantity& quantity : quantities_) {
+                quantity.dataset.close();
+            }
+            file_.close();
+        });
+        staged_.commit();
+    }
+
+    /// Closes what is open without writing it.
+    void give_up(int reason) noexcept {
+        failure_ = reason;
+        captures_ = {};
+        quantities_.clear();
+        file_ = {};
+    }
+
+    int failure_ = 0;  // errno of the first error in writing
+    StagedFile staged_;
+    Hdf5Object file_;
+    Hdf5Object captures_;
+    std::vector<Hdf5Quantity> quantities_;
+    std::int64_t captures_written_ = 0;
+    std::vector<double> part_;
+};
+
+}  // namespace
+
+std::unique_ptr<RecordingWriter> open_hdf5_writer(const std::filesystem::path& path,
+                                                  const RecordingHead& head) {
+    return std::make_unique<Hdf5Writer>(path, head);
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,40 @@
+#pragma once
+// Samples as SigMF (github.com/sigmf/SigMF, version 1.2): float32, sample after sample, in x.sigmf-data, and
+// JSON that says what they are in x.sigmf-meta.
+//
+// A capture begins where samples are missing: core:sample_start is its first sample in the file,
+// core:global_index that sample's number in the run, core:datetime the time at which it was written. Columns
+// and provenance have names of the namespace "hertzline".
+//
+// Both files are whole at any time, so that the recording survives the sudden end of the program: data go to
+// the system at least once in half a second, and a capture becomes known before its first sample.
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "stream/recordings/recording.hpp"
+
+namespace hertzline::stream {
+
+inline constexpr std::string_view sigmf_meta_ending = ".sigmf-meta";
+inline constexpr std::string_view sigmf_data_ending = ".sigmf-data";
+
+struct SigmfPaths {
+    std::filesystem::path meta;
+    std::filesystem::path data;
+};
+
+/// Both files of a recording of which one is named.
+SigmfPaths sigmf_paths(const std::filesystem::path& either);
+
+/// Replaces a recording of that name with its first row (or commit). After a failure what was written stays
+/// and is valid; without commit() both files are removed.
+std::unique_ptr<RecordingWriter> open_sigmf_writer(const std::filesystem::path& either,
+                                                   const RecordingHead& head);
+
+/// Reads recordings of one or more channels in rf32_le. Half a sample at the end, which a kill in the midst
+/// of writing may leave, is passed over.
+std::unique_ptr<RecordingReader> open_sigmf_reader(const std::filesystem::path& either);
+
+}  // namespace hertzline::stream

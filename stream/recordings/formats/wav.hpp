@@ -1,0 +1,27 @@
+#pragma once
+// RecordingSet as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice.
+//
+// WAV has no place for most of what a recording's head says. An own chunk, "hzln", before the samples holds
+// it as JSON: columns with units, rate and provenance. Nor has it a place for a gap: samples after one follow
+// those before it, nothing is filled in, and the comment (LIST/INFO, ICMT) at the file's end tells as JSON
+// which row is which sample: {"rows": 2000, "captures": [[0, 0], [1000, 1500]]}.
+
+#include <filesystem>
+#include <memory>
+
+#include "stream/recordings/recording.hpp"
+
+namespace hertzline::stream {
+
+/// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. Throws
+/// std::runtime_error for what a WAV cannot say: rates that are no whole number, more than 1024 columns, more
+/// than 2^31 - 1 bytes a second, a description beyond 48 KiB. A comment has room for some 80 gaps: before one
+/// more the recording is completed, and write() throws.
+std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& path,
+                                                 const RecordingHead& head);
+
+/// Reads what the writer wrote, and WAV and RF64 of others with PCM or floating-point samples: those have
+/// columns channel_1, channel_2... without units, PCM scaled to -1...1.
+std::unique_ptr<RecordingReader> open_wav_reader(const std::filesystem::path& path);
+
+}  // namespace hertzline::stream

@@ -1,0 +1,67 @@
+#pragma once
+// A recording: samples in a file, with all that is needed to know what they are. The file's ending picks the
+// format; every format is written and read through the two classes below.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "stream/expected.hpp"
+
+namespace hertzline::stream {
+
+/// One number of each sample.
+struct Column {
+    std::string name;      ///< with its unit, as in the CSV: "v_out_m_per_s", "x1_m"
+    std::string quantity;  ///< whose column it is: "v_out"; "v_chain" or "x_chain" for those of the spheres
+    std::string unit;      ///< "m/s"
+    bool operator==(const Column&) const = default;
+};
+
+/// How numbers are kept by formats that can do both. The others (SigMF, WAV) hold float32.
+enum class NumberType { float32, float64 };
+
+struct RecordingHead {
+    std::vector<Column> columns;  ///< at least one; the time is not among them
+    double sample_rate_hz = 0;
+    NumberType numbers = NumberType::float64;
+    nlohmann::ordered_json provenance;  ///< where it comes from: an object (stream/provenance)
+};
+
+/// Rows that follow one another without a gap.
+struct RecordedRows {
+    std::int64_t first = 0;      ///< index of the first sample since the run's start
+    std::vector<double> values;  ///< row-major, [sample][column]
+};
+
+/// A recording that is being written. Errors are std::runtime_error that names the path and the reason; after
+/// one the recording is at its end, and what the format promises to keep is kept.
+class RecordingWriter {
+public:
+    virtual ~RecordingWriter() = default;
+    /// Appends rows, row-major [sample][column], the first of which is sample `first` of the run. A `first`
+    /// beyond the sample that was due marks a gap; it never goes back.
+    virtual void write(std::int64_t first, std::span<const double> values) = 0;
+    /// Completes the recording. Without it nothing is left under its name, where the format does not promise
+    /// more.
+    virtual void commit() = 0;
+};
+
+/// A recording that is being read. What it holds comes from outside and is not trusted.
+class RecordingReader {
+public:
+    virtual ~RecordingReader() = default;
+    virtual const RecordingHead& head() const noexcept = 0;
+    /// The next rows, at most `most`, in place of what `rows` held; false at the end. Throws
+    /// std::runtime_error that names the path and the place when the file turns out to be damaged.
+    virtual bool read(RecordedRows& rows, std::size_t most) = 0;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,105 @@
+#include "stream/recordings/recording_formats.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <stdexcept>
+#include <string_view>
+
+#include "stream/files/output_file.hpp"
+#include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/hdf5/hdf5.hpp"
+#include "stream/recordings/formats/npy.hpp"
+#include "stream/recordings/formats/sigmf.hpp"
+#include "stream/recordings/formats/wav.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Format {
+    std::string_view ending;
+    double bytes_per_number;  // from above
+    std::unique_ptr<RecordingWriter> (*write)(const fs::path&, const RecordingHead&);
+    std::unique_ptr<RecordingReader> (*read)(const fs::path&);
+};
+
+constexpr std::array formats{
+    Format{".csv", 24, open_csv_writer, open_csv_reader},  // 17 digits, sign, point, exponent, comma
+    Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
+    Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
+    Format{".h5", 8, open_hdf5_writer, open_hdf5_reader},
+    Format{".wav", 4, open_wav_writer, open_wav_reader},
+    Format{".npy", 8, open_npy_writer, open_npy_reader},
+};
+
+std::string ending_of(const fs::path& path) {
+    std::string ending = path.extension().string();
+    std::ranges::transform(ending, ending.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending;
+}
+
+/// nullptr for an unknown ending.
+const Format* format_of(const fs::path& path) {
+    const std::string ending = ending_of(path);
+    std::error_code unknown;  // a name that cannot be asked about is no device
+    const bool device = fs::is_character_file(path, unknown) || fs::is_fifo(path, unknown);
+    const std::string_view wanted = ending.empty() && device ? ".csv" : std::string_view(ending);
+    const auto* const found = std::ranges::find(formats, wanted, &Format::ending);
+    return found != formats.end() ? found : nullptr;
+}
+
+const Format& format_or_refuse(const fs::path& path) {
+    const Format* format = format_of(path);
+    if (format == nullptr) {
+        throw std::runtime_error(*recording_fault(path));
+    }
+    return *format;
+}
+
+}  // namespace
+
+std::string recording_endings() {
+    std::string endings;
+    for (const Format& format : formats) {
+        endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
+    }
+    return endings;
+}
+
+std::optional<std::string> recording_fault(const fs::path& path) {
+    if (format_of(path) != nullptr) {
+        return std::nullopt;
+    }
+    return path.string() + ": found the ending \"" + ending_of(path) + "\", allowed: " + recording_endings();
+}
+
+fs::path recording_name(const fs::path& path) {
+    return (ending_of(path) == sigmf_data_ending ? sigmf_paths(path).meta : path).lexically_normal();
+}
+
+double recording_bytes(const fs::path& path, double columns, double samples) noexcept {
+    constexpr double time_column = 1;  // of those formats that have one
+    const Format* format = format_of(path);
+    return format != nullptr ? samples * (columns + time_column) * format->bytes_per_number : 0;
+}
+
+void require_writable(const fs::path& path) {
+    std::error_code unknown;
+    if (!fs::exists(path, unknown) || fs::is_regular_file(path, unknown)) {
+        const OutputFile writable(path);
+    }
+}
+
+std::unique_ptr<RecordingWriter> open_recording(const fs::path& path, const RecordingHead& head) {
+    return format_or_refuse(path).write(path, head);
+}
+
+std::unique_ptr<RecordingReader> open_reader(const fs::path& path) {
+    return format_or_refuse(path).read(path);
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,52 @@
+#pragma once
+// RecordingSet of the same samples, side by side. One that fails (a full disk, a file that vanished) is told of
+// and is over; the others go on, and so does whoever feeds them.
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stream/recordings/recording.hpp"
+
+namespace hertzline::stream {
+
+class RecordingSet {
+public:
+    struct Status {
+        std::string file;
+        std::int64_t samples = 0;  ///< taken before it failed, if it did
+        std::string failure;       ///< empty: none
+    };
+
+    /// Begins all of them. Throws std::runtime_error that names the path and the reason when one cannot be.
+    /// @param tell takes a message when a recording fails later on
+    RecordingSet(std::span<const std::string> paths, const RecordingHead& head,
+                 std::function<void(const std::string&)> tell);
+
+    /// Appends rows as RecordingWriter does, but does not throw when a recording cannot be written.
+    void write(std::int64_t first, std::span<const double> values);
+
+    /// Completes those that have not failed. Does not throw either.
+    void commit();
+
+    /// None has failed.
+    bool sound() const noexcept;
+    /// Some is still being written.
+    bool any_left() const noexcept;
+    /// In the order of the paths.
+    const std::vector<Status>& status() const noexcept { return status_; }
+
+private:
+    template <class Action>
+    void each(Action action);
+
+    std::vector<Status> status_;
+    std::vector<std::unique_ptr<RecordingWriter>> writers_;  // one for each; nullptr: it is over
+    std::size_t columns_;
+    std::function<void(const std::string&)> notify_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,126 @@
+#include "stream/sources/replay_source.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+namespace hertzline::stream {
+
+namespace {
+
+std::vector<double>& column_of(Samples& samples, Tap tap) noexcept {
+    switch (tap) {
+        case Tap::v_out:
+            return samples.v_out;
+        case Tap::v_last:
+            return samples.v_last;
+        case Tap::v_plate:
+            return samples.v_plate;
+        case Tap::v_chain:
+            break;
+    }
+    return samples.chain_v;
+}
+
+}  // namespace
+
+ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sample_rate_hz,
+                           std::int64_t frame_samples)
+    : reader_(std::move(reader)), columns_(all_taps.size()) {
+    format_.sample_rate_hz = sample_rate_hz;
+    format_.frame_samples = frame_samples;
+    find_columns();
+    if (!refill()) {
+        throw std::runtime_error(failure_.empty() ? "the recording holds no samples" : failure_);
+    }
+    next_ = rows_.first;
+}
+
+void ReplaySource::find_columns() {
+    const std::vector<Column>& columns = head().columns;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+        if (const auto tap = tap_named(columns[i].quantity)) {
+            columns_[static_cast<std::size_t>(*tap)].push_back(i);
+            format_.taps |= *tap;
+        }
+    }
+    if (format_.taps.empty()) {
+        const Tap tap = columns.size() == 1 ? Tap::v_out : Tap::v_chain;
+        std::vector<std::size_t>& all = columns_[static_cast<std::size_t>(tap)];
+        all.resize(columns.size());
+        std::iota(all.begin(), all.end(), std::size_t{0});
+        format_.taps = tap;
+    }
+    format_.spheres = columns_[static_cast<std::size_t>(Tap::v_chain)].size();
+}
+
+Samples ReplaySource::make_block() const {
+    return {format_.spheres, format_.taps.contains(Tap::v_plate),
+            static_cast<std::size_t>(format_.frame_samples),
+            Wish{.outputs = true, .chain_velocities = true, .chain_displacements = false}};
+}
+
+/// Makes sure that there is a row to hand on. False at the end and after a failure.
+bool ReplaySource::refill() noexcept {
+    if (rows_left() > 0) {
+        return true;
+    }
+    row_ = 0;
+    rows_.values.clear();
+    try {
+        return failure_.empty() && reader_->read(rows_, static_cast<std::size_t>(format_.frame_samples)) &&
+               !rows_.values.empty();
+    } catch (const std::exception& error) {
+        failure_ = error.what();
+        return false;
+    }
+}
+
+std::size_t ReplaySource::rows_left() const noexcept {
+    return rows_.values.size() / head().columns.size() - static_cast<std::size_t>(row_);
+}
+
+/// Goes on by so many rows, and over the gap behind them if there is one.
+void ReplaySource::pass(std::size_t rows) noexcept {
+    row_ += static_cast<std::int64_t>(rows);
+    next_ = rows_.first + row_;
+    if (refill()) {
+        next_ = rows_.first + row_;
+    }
+}
+
+void ReplaySource::put_down(Samples& samples, std::size_t count, TapSet wanted) const noexcept {
+    const std::size_t width = head().columns.size();
+    for (const Tap tap : wanted& format_.taps) {
+        const std::vector<std::size_t>& columns = columns_[static_cast<std::size_t>(tap)];
+        auto out =
+            column_of(samples, tap).begin() + static_cast<std::ptrdiff_t>(samples.count * columns.size());
+        const double* row = rows_.values.data() + static_cast<std::size_t>(row_) * width;
+        for (std::size_t i = 0; i < count; ++i, row += width) {
+            out = std::ranges::transform(columns, out, [row](std::size_t column) { return row[column]; }).out;
+        }
+    }
+}
+
+bool ReplaySource::read(Samples& samples, std::size_t count, TapSet wanted) noexcept {
+    samples.first = next_;
+    samples.count = 0;
+    while (samples.count < count && refill() &&
+           next_ == samples.first + static_cast<std::int64_t>(samples.count)) {
+        const auto taken = std::min(rows_left(), count - samples.count);
+        put_down(samples, taken, wanted);
+        samples.count += taken;
+        pass(taken);
+    }
+    return samples.count > 0;
+}
+
+bool ReplaySource::skip(std::int64_t count) noexcept {
+    const std::int64_t to = next_ + count;
+    while (next_ < to && refill()) {
+        pass(std::min(rows_left(), static_cast<std::size_t>(to - next_)));
+    }
+    return next_ >= to;
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,48 @@
+#pragma once
+// A recording that is streamed again.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "stream/recordings/recording.hpp"
+#include "stream/sources/sample_source.hpp"
+
+namespace hertzline::stream {
+
+/// Sample indices are the recording's: where samples were lost they jump, here too, and a frame ends before.
+/// Unlike a simulation it reads a file, in the simulating thread.
+class ReplaySource : public SampleSource {
+public:
+    /// Columns v_out, v_last, v_plate and v_chain become the streams of that name; others are passed over.
+    /// When there is none of them, a recording of somebody else, one column is streamed as v_out and several
+    /// as v_chain. @throws std::runtime_error when the recording holds no samples or is damaged
+    ReplaySource(std::unique_ptr<RecordingReader> reader, double sample_rate_hz, std::int64_t frame_samples);
+
+    const RecordingHead& head() const noexcept { return reader_->head(); }
+
+    StreamFormat format() const override { return format_; }
+    Samples make_block() const override;
+    bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
+    bool skip(std::int64_t count) noexcept override;
+    std::int64_t next_sample() const noexcept override { return next_; }
+    std::string failure() const override { return failure_; }
+
+private:
+    void find_columns();
+    bool refill() noexcept;
+    std::size_t rows_left() const noexcept;
+    void pass(std::size_t rows) noexcept;
+    void put_down(Samples& samples, std::size_t count, TapSet wanted) const noexcept;
+
+    std::unique_ptr<RecordingReader> reader_;
+    StreamFormat format_;
+    std::vector<std::vector<std::size_t>> columns_;  // of each tap, in the rows
+    RecordedRows rows_;                              // read and not handed on
+    std::size_t row_ = 0;                            // of them, the next one
+    std::int64_t next_ = 0;                          // its index
+    std::string failure_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,58 @@
+#pragma once
+// Where the samples of a stream come from: a simulation, or a recording that is played again.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "core/samples.hpp"
+#include "core/taps.hpp"
+
+namespace hertzline::stream {
+
+/// How far a source has come; all 0 where it knows nothing of steps and energy.
+struct SourceAccount {
+    std::int64_t steps = 0;
+    std::int64_t contact_events = 0;
+};
+
+/// What a stream consists of.
+struct StreamFormat {
+    TapSet taps;              ///< that there are
+    std::size_t spheres = 0;  ///< channels of v_chain
+    double sample_rate_hz = 0;
+    std::int64_t frame_samples = 0;
+
+    std::size_t channels(Tap tap) const noexcept { return tap == Tap::v_chain ? spheres : 1; }
+};
+
+/// Everything but the construction happens in the simulating thread.
+class SampleSource {
+public:
+    virtual ~SampleSource() = default;
+
+    virtual StreamFormat format() const = 0;
+
+    /// Room for a frame of all taps, which read() fills.
+    virtual Samples make_block() const = 0;
+
+    /// The next samples of the wanted taps, at most `count` and fewer only where the source has a gap; their
+    /// index is in samples.first. False when there are no more, at the end or after a failure.
+    virtual bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept = 0;
+
+    /// Passes over `count` samples. False as above.
+    virtual bool skip(std::int64_t count) noexcept = 0;
+
+    /// Index of the sample that comes next.
+    virtual std::int64_t next_sample() const noexcept = 0;
+
+    virtual SourceAccount account() const noexcept { return {}; }
+
+    /// model.md 8, relative to the work done. Not cheap.
+    virtual double energy_residual() noexcept { return 0; }
+
+    /// What went wrong, for a human; empty when nothing did.
+    virtual std::string failure() const { return {}; }
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,37 @@
+#pragma once
+// A scene that is simulated while it is streamed.
+
+#include "core/simulation.hpp"
+#include "stream/sources/sample_source.hpp"
+
+namespace hertzline::stream {
+
+/// read(), skip() and whatever else the simulating thread calls allocate nothing and make no system call.
+class SimulationSource : public SampleSource {
+public:
+    /// @param scene resolved (core/step_choice/resolve.hpp)
+    /// @param outputs_always v_last, v_plate and v_out are made although nobody subscribes to them
+    SimulationSource(const Scene& scene, bool outputs_always);
+
+    StreamFormat format() const override { return format_; }
+    Samples make_block() const override;
+    bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
+    bool skip(std::int64_t count) noexcept override;
+    std::int64_t next_sample() const noexcept override { return simulation_.next_sample(); }
+    SourceAccount account() const noexcept override;
+    double energy_residual() noexcept override { return simulation_.energy_residual(); }
+    std::string failure() const override { return simulation_.failure(); }
+
+    /// The format that a scene's stream has.
+    static StreamFormat format_of(const Scene& scene) noexcept;
+
+    /// Bytes that a source of this scene needs, roughly from above.
+    static double memory_bytes(const Scene& scene) noexcept;
+
+private:
+    StreamFormat format_;
+    bool outputs_always_;
+    Simulation simulation_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,46 @@
+#pragma once
+// Keys in files: the certificates that czmq and pyzmq write and read. NAME.key holds the public key and may
+// be given to anybody; NAME.key_secret holds both and is its owner's alone.
+//
+//     metadata
+//     curve
+//         public-key = "..."
+//         secret-key = "..."
+//
+// The format is ZPL (rfc.zeromq.org/spec/4): sections at the margin, what belongs to them indented, #
+// comments.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "stream/expected.hpp"
+#include "stream/wire/curve.hpp"
+
+namespace hertzline::stream {
+
+/// Larger files are no certificates [bytes].
+inline constexpr std::size_t max_certificate_bytes = 65536;
+
+struct KeyFiles {
+    std::filesystem::path public_file;
+    std::filesystem::path secret_file;
+};
+
+/// Writes NAME.key and NAME.key_secret, the latter readable by its owner alone from its first moment. Never
+/// overwrites: throws std::system_error that names the file when one is there or cannot be written, and
+/// leaves none of its own behind.
+KeyFiles write_key_files(const std::string& name, const KeyPair& pair);
+
+/// The public key of a certificate. A file that holds a secret key is refused: it should not have left its
+/// owner.
+Expected<CurveKey> read_public_key(const std::filesystem::path& file);
+
+/// Both keys of a secret certificate. Refused when anybody but us may read it, or it is another user's.
+Expected<KeyPair> read_key_pair(const std::filesystem::path& file);
+
+/// The public keys of a certificate, or of every *.key in a directory. A failure names every fault, one a
+/// line; a directory without certificates is one.
+Expected<std::vector<CurveKey>> read_public_keys(const std::filesystem::path& file_or_directory);
+
+}  // namespace hertzline::stream

@@ -1,0 +1,30 @@
+#pragma once
+// What a frame says about its samples. How it is written in bytes: frame_codec.
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace hertzline::stream {
+
+/// The header of n consecutive samples of one stream.
+struct FrameHeader {
+    std::string stream;         ///< a tap's name, "v_out"
+    std::string unit = "m/s";   ///< of the samples
+    std::uint64_t seq = 0;      ///< counts the topic's frames, from 0; a discarded frame takes a number too
+    std::uint64_t sample = 0;   ///< index of the first sample since the run's start
+    double fs = 0;              ///< samples a second [Hz], positive
+    std::uint64_t dropped = 0;  ///< frames of this run that the program itself had to discard before this one
+    std::string run;            ///< the run's id, a UUID
+    std::size_t n = 0;          ///< samples in the frame, at least 1
+    std::size_t channels = 1;   ///< numbers per sample, at least 1
+
+    /// Time of the first sample since the run's start [s].
+    double t() const noexcept { return static_cast<double>(sample) / fs; }
+    /// Bytes of the samples as float32.
+    std::size_t payload_bytes() const noexcept { return n * channels * sizeof(float); }
+
+    bool operator==(const FrameHeader&) const = default;
+};
+
+}  // namespace hertzline::stream

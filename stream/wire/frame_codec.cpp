@@ -1,0 +1,212 @@
+#include "stream/wire/frame_codec.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace hertzline::stream {
+
+namespace {
+
+using Json = nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little,
+              "samples go on the wire as they lie in memory; a big-endian machine has to swap them");
+static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4);
+
+constexpr std::uint64_t max_count = std::numeric_limits<std::int64_t>::max();
+
+/// Fit to stand between the quotes of JSON as it is.
+bool is_plain_name(std::string_view name) {
+    const auto plain = [](char c) { return c >= ' ' && c <= '~' && c != '"' && c != '\\'; };
+    return !name.empty() && name.size() <= max_name_length && std::all_of(name.begin(), name.end(), plain);
+}
+
+/// What encode_header() demands of its caller; release builds, without assertions, do not ask.
+[[maybe_unused]] bool is_encodable(const FrameHeader& header) {
+    return is_plain_name(header.stream) && is_plain_name(header.unit) && is_plain_name(header.run) &&
+           std::isfinite(header.fs) && header.fs > 0 && std::isfinite(header.t()) && header.n >= 1 &&
+           header.channels >= 1 && std::max({header.seq, header.sample, header.dropped}) <= max_count;
+}
+
+/// Reads members of one JSON object; remembers the first thing that is wrong.
+class HeaderReader {
+public:
+    explicit HeaderReader(const Json& object) : object_(object) {}
+
+    std::string name(const char* key) {
+        const Json* value = find(key);
+        const auto* text = value != nullptr ? value->get_ptr<const std::string*>() : nullptr;
+        if (text == nullptr || !is_plain_name(*text)) {
+            return fail(key, "a plain text of 1 to 64 characters"), std::string();
+        }
+        return *text;
+    }
+
+    double number(const char* key) {
+        const Json* value = find(key);
+        if (value == nullptr || !value->is_number() || !std::isfinite(value->get<double>())) {
+            return fail(key, "a number"), 0.0;
+        }
+        return value->get<double>();
+    }
+
+    std::uint64_t count(const char* key) { return count_of(find(key), key); }
+
+    /// The two extents of "shape", both at least 1.
+    std::pair<std::size_t, std::size_t> shape() {
+        const Json* value = find("shape");
+        if (value == nullptr || !value->is_array() || value->size() != 2) {
+            return fail("shape", "[samples, channels]"), std::pair<std::size_t, std::size_t>();
+        }
+        const std::uint64_t rows = count_of(&(*value)[0], "shape");
+        const std::uint64_t columns = count_of(&(*value)[1], "shape");
+        if (rows == 0 || columns == 0) {
+            fail("shape", "[samples, channels], each at least 1");
+        }
+        return {rows, columns};
+    }
+
+    void fail(const char* key, const char* allowed) {
+        if (fault_.empty()) {
+            fault_ = fmt::format("frame header: \"{}\" is missing or not {}", key, allowed);
+        }
+    }
+    const std::string& fault() const { return fault_; }
+
+private:
+    const Json* find(const char* key) const {
+        const auto found = object_.find(key);
+        return found != object_.end() ? &*found : nullptr;
+    }
+
+    std::uint64_t count_of(const Json* value, const char* key) {
+        const auto* number = value != nullptr ? value->get_ptr<const Json::number_unsigned_t*>() : nullptr;
+        if (number == nullptr || *number > max_count) {
+            return fail(key, "a whole number from 0 to 2^63 - 1"), std::uint64_t{0};
+        }
+        return *number;
+    }
+
+    const Json& object_;
+    std::string fault_;
+};
+
+/// In absolute value; false for NaN. By its bits: of a comparison of numbers no vector instruction is made.
+bool is_below_largest(float number) {
+    constexpr auto largest = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
+    return (std::bit_cast<std::uint32_t>(number) & 0x7fffffffU) < largest;
+}
+
+/// Slow, for a run that failed: NaN in place of what is beyond the largest float, and how often.
+std::size_t replace_unrepresentable(std::span<const double> samples, std::span<float> out) {
+    constexpr double largest = std::numeric_limits<float>::max();
+    std::size_t unrepresentable = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        if (!(std::abs(samples[i]) <= largest)) {  // or NaN
+            out[i] = std::numeric_limits<float>::quiet_NaN();
+            ++unrepresentable;
+        }
+    }
+    return unrepresentable;
+}
+
+/// n * channels * 4 == payload_bytes, by division: the product of two numbers from outside may overflow.
+bool fills(std::size_t n, std::size_t channels, std::size_t payload_bytes) {
+    const std::size_t numbers = payload_bytes / sizeof(float);
+    return payload_bytes % sizeof(float) == 0 && numbers % channels == 0 && numbers / channels == n;
+}
+
+}  // namespace
+
+void encode_header(const FrameHeader& header, std::string& json) {
+    assert(is_encodable(header) && "a frame header that JSON cannot hold");
+    json.clear();
+    fmt::format_to(
+        std::back_inserter(json),
+        FMT_COMPILE(R"({{"dtype":"<f4","shape":[{},{}],"unit":"{}","stream":"{}","seq":{},"sample":{},)"
+                    R"("fs":{},"t":{},"dropped":{},"run":"{}"}})"),
+        header.n, header.channels, header.unit, header.stream, header.seq, header.sample, header.fs,
+        header.t(), header.dropped, header.run);
+}
+
+Expected<FrameHeader> decode_header(std::string_view json, std::size_t payload_bytes) {
+    if (json.size() > max_header_bytes) {
+        return Failure{fmt::format("frame header: {} bytes, more than the {} that are read", json.size(),
+                                   max_header_bytes)};
+    }
+    const Json object = Json::parse(json, nullptr, /*allow_exceptions=*/false);
+    if (!object.is_object()) {
+        return Failure{"frame header: not a JSON object"};
+    }
+    HeaderReader reader(object);
+    FrameHeader header;
+    if (reader.name("dtype") != "<f4") {
+        reader.fail("dtype", "\"<f4\"");
+    }
+    std::tie(header.n, header.channels) = reader.shape();
+    header.unit = reader.name("unit");
+    header.stream = reader.name("stream");
+    header.seq = reader.count("seq");
+    header.sample = reader.count("sample");
+    header.fs = reader.number("fs");
+    if (header.fs <= 0) {
+        reader.fail("fs", "a positive number");
+    }
+    const double t = reader.number("t");
+    header.dropped = reader.count("dropped");
+    header.run = reader.name("run");
+    if (!reader.fault().empty()) {
+        return Failure{reader.fault()};
+    }
+    if (!std::isfinite(header.t()) || !(std::abs(t - header.t()) <= 1e-9 * header.t())) {
+        return Failure{fmt::format("frame header: t = {} is not sample / fs = {}", t, header.t())};
+    }
+    if (!fills(header.n, header.channels, payload_bytes)) {
+        return Failure{fmt::format("frame header: shape [{}, {}] of float32 does not fill {} bytes", header.n,
+                                   header.channels, payload_bytes)};
+    }
+    return header;
+}
+
+std::size_t to_float32(std::span<const double> samples, std::span<float> out) noexcept {
+    assert(samples.size() == out.size());
+    // Plain loops over plain pointers, of which the compiler makes vector instructions.
+    const double* const from = samples.data();
+    float* const to = out.data();
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        to[i] = static_cast<float>(from[i]);  // infinite beyond the largest float (IEC 559)
+    }
+    std::uint32_t suspicious = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        suspicious |= is_below_largest(to[i]) ? 0U : 1U;
+    }
+    return suspicious == 0 ? 0 : replace_unrepresentable(samples, out);
+}
+
+std::span<const std::byte> wire_bytes(std::span<const float> samples) noexcept {
+    return std::as_bytes(samples);
+}
+
+bool decode_samples(std::span<const std::byte> payload, std::vector<float>& samples) {
+    if (payload.size() % sizeof(float) != 0) {
+        return false;
+    }
+    samples.resize(payload.size() / sizeof(float));
+    if (!samples.empty()) {
+        std::memcpy(samples.data(), payload.data(), payload.size());
+    }
+    return true;
+}
+
+}  // namespace hertzline::stream

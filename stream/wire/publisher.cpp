@@ -1,0 +1,122 @@
+#include "stream/wire/publisher.hpp"
+
+#include <cerrno>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+std::string bind_failure(const std::string& endpoint, const zmq::error_t& error) {
+    switch (error.num()) {
+        case EADDRINUSE:
+            return fmt::format("endpoint \"{}\": address in use, another program listens there", endpoint);
+        case ENODEV:
+        case EADDRNOTAVAIL:
+            return fmt::format(
+                "endpoint \"{}\": this machine has no such address (to bind, the host is one of its "
+                "addresses or interfaces, such as 127.0.0.1, or *)",
+                endpoint);
+        default:
+            return fmt::format("endpoint \"{}\": {}", endpoint, error.what());
+    }
+}
+
+}  // namespace
+
+Publisher::Publisher(const std::string& endpoint, std::span<const std::string_view> topics,
+                     const PublisherOptions& options)
+    : socket_(context_, zmq::socket_type::xpub), subscriptions_(topics) {
+    if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
+        throw std::runtime_error(*fault);
+    }
+    if (const auto fault = occupied_fault(endpoint)) {
+        throw std::runtime_error(*fault);
+    }
+    if (options.curve) {
+        require_curve();
+        gate_.emplace(context_, options.curve->clients);
+        encrypt_as_server(socket_, options.curve->own);
+    }
+    set_options(endpoint, options);
+    try {
+        socket_.bind(bind_address(endpoint));
+    } catch (const zmq::error_t& error) {
+        throw std::runtime_error(bind_failure(endpoint, error));
+    }
+    endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
+}
+
+void Publisher::set_options(const std::string& endpoint, const PublisherOptions& options) {
+    socket_.set(zmq::sockopt::sndhwm, options.send_high_water_mark);
+    socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
+    // Tells of every subscriber, not of a topic's first one only: each has to be sent the meta message.
+    socket_.set(zmq::sockopt::xpub_verbose, true);
+    // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake
+    // of CURVE counts, too: its longest command has 257 bytes and what the peer says of itself.
+    socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options.curve ? 1024 : 256});
+    // A flood of them waits at the peer that sends it. A receiving call takes in all that has arrived and
+    // what arrives meanwhile: with a longer queue it would not return before the flood ends.
+    socket_.set(zmq::sockopt::rcvhwm, 1);
+    socket_.set(zmq::sockopt::rcvbuf, 16 * 1024);
+    socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options.handshake.count()));
+    // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
+    socket_.set(zmq::sockopt::backlog, 128);
+    // A frozen peer is left to the system to notice. ZeroMQ's heartbeats would, too, but (4.3.4) end the
+    // whole program when one is due on a connection that broke while its subscriptions still waited to be
+    // read.
+    socket_.set(zmq::sockopt::tcp_maxrt, static_cast<int>(options.unread.count()));
+    // The same for one that nothing is sent to.
+    socket_.set(zmq::sockopt::tcp_keepalive, 1);
+    socket_.set(zmq::sockopt::tcp_keepalive_idle, 60);
+    socket_.set(zmq::sockopt::tcp_keepalive_intvl, 10);
+    socket_.set(zmq::sockopt::tcp_keepalive_cnt, 3);
+    socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+}
+
+std::size_t Publisher::poll_subscriptions() {
+    constexpr int max_per_call = 1000;
+    std::size_t subscribed = 0;
+    for (int i = 0; i < max_per_call; ++i) {
+        if (zmq_msg_recv(incoming_.handle(), socket_.handle(), ZMQ_DONTWAIT) < 0) {
+            break;  // nothing more, or a signal came: the rest is taken in by the next call
+        }
+        const auto* data = static_cast<const std::byte*>(incoming_.data());
+        switch (subscriptions_.apply({data, incoming_.size()})) {
+            case Subscriptions::Change::subscribed:
+                ++subscribed;
+                break;
+            case Subscriptions::Change::unsubscribed:
+                break;
+            case Subscriptions::Change::foreign:
+                ++foreign_;
+                quota_.charge(incoming_);
+                break;
+            case Subscriptions::Change::malformed:
+                ++malformed_;
+                quota_.charge(incoming_);
+                break;
+        }
+    }
+    return subscribed;
+}
+
+bool Publisher::send_parts(std::span<const std::span<const std::byte>> parts) noexcept {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        const int flags = ZMQ_DONTWAIT | (i + 1 < parts.size() ? ZMQ_SNDMORE : 0);
+        int status = 0;
+        do {
+            status = zmq_send(socket_.handle(), parts[i].data(), parts[i].size(), flags);
+        } while (status < 0 && errno == EINTR);
+        if (status < 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,107 @@
+#pragma once
+// One endpoint that sends topics to whoever subscribed. All of it must be used from one thread: ZeroMQ's
+// sockets are not thread-safe, and sending may take hundreds of microseconds, so never the simulating one.
+//
+// ZeroMQ's send succeeds although frames vanish at a slow subscriber's high-water mark. Only the numbers
+// inside the frames tell a listener what it has missed; nothing here can.
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include <zmq.hpp>
+
+#include "core/taps.hpp"
+#include "stream/wire/curve.hpp"
+#include "stream/wire/peer_quota.hpp"
+#include "stream/wire/subscriptions.hpp"
+#include "stream/wire/zap.hpp"
+
+namespace hertzline::stream {
+
+struct PublisherOptions {
+    /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
+    /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
+    int send_high_water_mark = 4096;
+    /// How long the destructor waits for subscribers to take what was sent last. With all the rest it is to
+    /// stay below the second in which Ctrl-C ends a stream.
+    std::chrono::milliseconds linger{600};
+    /// A tcp subscriber whose machine has taken nothing of what was sent for so long is gone: also how long
+    /// an analyser may pause, once its own buffers are full, without being disconnected.
+    std::chrono::milliseconds unread{15000};
+    /// A peer that has not introduced itself by then is cut off: connections that say nothing cost a
+    /// descriptor each. Three round trips and a little arithmetic fit many times, however busy the peer's
+    /// program is.
+    std::chrono::milliseconds handshake{5000};
+    /// Encrypts, and lets in those who are listed; unset: plain, for whoever can reach the endpoint.
+    std::optional<CurveServer> curve{};
+};
+
+class Publisher {
+public:
+    /// Binds. Throws std::runtime_error that names the endpoint and what is wrong: its text, the address in
+    /// use, no such interface. `topics` are all that will ever be sent.
+    explicit Publisher(const std::string& endpoint, std::span<const std::string_view> topics = all_topics,
+                       const PublisherOptions& options = {});
+
+    /// The endpoint as bound, with a real port in place of *.
+    const std::string& endpoint() const noexcept { return endpoint_; }
+
+    /// Takes in who subscribed and left since the last call, without waiting. Returns how many subscriptions
+    /// to our topics came, repeated ones included: each is somebody who may want the meta message. At most
+    /// 1000 messages a call, so that a peer that floods us cannot hold up the frames. ZeroMQ lets a
+    /// subscription take effect in any call, send() included: call this right before a batch of frames.
+    std::size_t poll_subscriptions();
+
+    /// Whether anybody subscribes to the topic, as of the last poll_subscriptions().
+    bool wanted(std::string_view topic) const noexcept { return subscriptions_.wanted(topic); }
+
+    /// Sends one message: the topic, then each part (any contiguous range of plain values: std::string_view,
+    /// span of float). Never waits. False when ZeroMQ refused it, which no subscriber's behaviour can cause.
+    template <class... Parts>
+    bool send(std::string_view topic, const Parts&... parts) noexcept {
+        const std::array<std::span<const std::byte>, 1 + sizeof...(parts)> message{bytes_of(topic),
+                                                                                   bytes_of(parts)...};
+        return send_parts(message);
+    }
+
+    /// Subscriptions to what we never send, and messages that are no subscriptions.
+    std::uint64_t foreign_subscriptions() const noexcept { return foreign_; }
+    std::uint64_t malformed_subscriptions() const noexcept { return malformed_; }
+    /// Peers that were sent away because they made too many of those.
+    std::uint64_t peers_cut_off() const noexcept { return quota_.cut_off(); }
+
+    Security security() const noexcept { return gate_ ? Security::curve : Security::none; }
+
+    /// Who asked to come in with a key that is not listed. (A wrong server key or none ends the handshake
+    /// before that and is not counted.)
+    std::uint64_t refused_clients() const noexcept { return gate_ ? gate_->refused() : 0; }
+
+private:
+    template <class Part>
+    static std::span<const std::byte> bytes_of(const Part& part) noexcept {
+        static_assert(!std::is_array_v<Part>, "a literal has a NUL at its end: pass a std::string_view");
+        return std::as_bytes(std::span(part));
+    }
+    bool send_parts(std::span<const std::span<const std::byte>> parts) noexcept;
+
+    void set_options(const std::string& endpoint, const PublisherOptions& options);
+
+    zmq::context_t context_;
+    std::optional<ZapHandler> gate_;  // before the socket, which nobody may reach without it
+    zmq::socket_t socket_;
+    Subscriptions subscriptions_;
+    PeerQuota quota_{100};  // far more than any client has use for
+    std::string endpoint_;
+    zmq::message_t incoming_;
+    std::uint64_t foreign_ = 0;
+    std::uint64_t malformed_ = 0;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,159 @@
+#include "stream/wire/subscriber.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+constexpr std::size_t max_parts = 8;
+constexpr std::chrono::hours longest{24};  // milliseconds::max() would overflow the clock
+
+/// What a monitor's event of a failed handshake means for the user.
+Refusal refusal_of(int event, std::uint32_t value) {
+    if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
+        return {"the publisher does not let us in: our key is not on its list", true};
+    }
+    if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL && value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {
+        return {"either the publisher or we encrypt, but not both", true};
+    }
+    if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
+        return {"what answers there is no publisher as we know it", true};
+    }
+    return {
+        "what answers there hung up during the handshake: one side may encrypt alone, or the server's key "
+        "be another's",
+        false};
+}
+
+}  // namespace
+
+std::string_view Message::text(std::size_t i) const noexcept {
+    assert(i < parts());
+    return text_of(parts_[i + 1]);
+}
+
+std::span<const std::byte> Message::bytes(std::size_t i) const noexcept {
+    return std::as_bytes(std::span(text(i)));
+}
+
+Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& options)
+    : socket_(context_, zmq::socket_type::sub), handshakes_(context_, zmq::socket_type::pair) {
+    if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
+        throw std::runtime_error(*fault);
+    }
+    if (options.curve) {
+        encrypt_as_client(socket_, *options.curve);
+    }
+    set_options(endpoint, options);
+    watch_handshakes();
+    try {
+        socket_.connect(endpoint);
+    } catch (const zmq::error_t& error) {
+        throw std::runtime_error(fmt::format("endpoint \"{}\": {}", endpoint, error.what()));
+    }
+}
+
+void Subscriber::set_options(const std::string& endpoint, const SubscriberOptions& options) {
+    const auto handshake = static_cast<int>(options.handshake.count());
+    socket_.set(zmq::sockopt::rcvhwm, options.receive_high_water_mark);
+    socket_.set(zmq::sockopt::linger, 0);  // nothing that we send is worth waiting for
+    socket_.set(zmq::sockopt::maxmsgsize, options.max_part_bytes);
+    // A publisher whose machine is gone is connected anew after a quarter of a minute. No heartbeats: see
+    // publisher.cpp.
+    socket_.set(zmq::sockopt::tcp_keepalive, 1);
+    socket_.set(zmq::sockopt::tcp_keepalive_idle, 5);
+    socket_.set(zmq::sockopt::tcp_keepalive_intvl, 5);
+    socket_.set(zmq::sockopt::tcp_keepalive_cnt, 2);
+    socket_.set(zmq::sockopt::handshake_ivl, handshake);
+    socket_.set(zmq::sockopt::connect_timeout, handshake);
+    socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+}
+
+void Subscriber::watch_handshakes() {
+    constexpr const char* address = "inproc://handshakes";
+    constexpr int failures = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                             ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+    handshakes_.set(zmq::sockopt::linger, 0);
+    handshakes_.set(zmq::sockopt::rcvhwm, 0);  // at a limit ZeroMQ's own thread would wait for us to read
+    if (zmq_socket_monitor(socket_.handle(), address, failures) != 0) {
+        throw zmq::error_t();
+    }
+    handshakes_.connect(address);
+}
+
+std::optional<Refusal> Subscriber::refusal() {
+    std::optional<Refusal> last;
+    zmq::message_t part;
+    while (zmq_msg_recv(part.handle(), handshakes_.handle(), ZMQ_DONTWAIT) >= 0) {
+        // A first part with the event's number and value, a second one with the address.
+        std::uint16_t event = 0;
+        std::uint32_t value = 0;
+        if (part.more() && part.size() == sizeof event + sizeof value) {
+            std::memcpy(&event, part.data(), sizeof event);
+            std::memcpy(&value, static_cast<const char*>(part.data()) + sizeof event, sizeof value);
+            last = refusal_of(event, value);
+        }
+    }
+    return last;
+}
+
+void Subscriber::subscribe(std::string_view prefix) {
+    socket_.set(zmq::sockopt::subscribe, zmq::const_buffer(prefix.data(), prefix.size()));
+}
+
+void Subscriber::unsubscribe(std::string_view prefix) {
+    socket_.set(zmq::sockopt::unsubscribe, zmq::const_buffer(prefix.data(), prefix.size()));
+}
+
+const Message* Subscriber::receive(std::chrono::milliseconds timeout) {
+    using Clock = std::chrono::steady_clock;
+    const Clock::time_point deadline = Clock::now() + std::min<std::chrono::milliseconds>(timeout, longest);
+    while (true) {
+        const Received received = receive_parts();
+        if (received == Received::message) {
+            return &message_;
+        }
+        if (received == Received::unusable) {
+            continue;
+        }
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
+        zmq_pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
+        if (left.count() <= 0 || zmq_poll(&item, 1, static_cast<long>(left.count())) <= 0) {
+            return nullptr;
+        }
+    }
+}
+
+Subscriber::Received Subscriber::receive_parts() {
+    std::size_t count = 0;
+    bool more = true;
+    while (more) {
+        if (count >= message_.parts_.size() && count < max_parts) {
+            message_.parts_.emplace_back();
+        }
+        // What is beyond the limit is received over the last part: the message must be read to its end.
+        zmq::message_t& part = message_.parts_[count < max_parts ? count : max_parts - 1];
+        int status = 0;
+        do {
+            status = zmq_msg_recv(part.handle(), socket_.handle(), ZMQ_DONTWAIT);
+        } while (status < 0 && errno == EINTR);  // or the message's rest would pass for the next one
+        if (status < 0) {
+            return Received::nothing;  // before the first part only: ZeroMQ delivers messages whole
+        }
+        more = part.more();
+        ++count;
+    }
+    message_.size_ = count;
+    return count <= max_parts ? Received::message : Received::unusable;
+}
+
+}  // namespace hertzline::stream

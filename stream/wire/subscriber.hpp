@@ -1,0 +1,86 @@
+#pragma once
+// The listening end: connects, subscribes, receives whole messages. For one thread.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <zmq.hpp>
+
+#include "stream/wire/curve.hpp"
+
+namespace hertzline::stream {
+
+struct SubscriberOptions {
+    /// Messages that wait for us before the publisher's queue for us begins to fill.
+    int receive_high_water_mark = 4096;
+    /// Larger parts end the connection [bytes].
+    std::int64_t max_part_bytes = std::int64_t{1} << 30;
+    /// A publisher that has not answered or introduced itself by then is tried anew: one whose machine drops
+    /// our packets would be waited for for minutes, and be missed when it comes up.
+    std::chrono::milliseconds handshake{5000};
+    /// Encrypts, and listens to the owner of this key only; unset: plain.
+    std::optional<CurveClient> curve{};
+};
+
+/// A publisher was there, but would not or could not talk to us.
+struct Refusal {
+    std::string reason;
+    bool final = false;  ///< ZeroMQ does not try again: nothing will ever arrive
+};
+
+/// A received message: the topic and what follows it.
+class Message {
+public:
+    std::string_view topic() const noexcept { return text_of(parts_[0]); }
+    /// Parts after the topic.
+    std::size_t parts() const noexcept { return size_ - 1; }
+    /// Part i < parts(), as bytes or as text.
+    std::span<const std::byte> bytes(std::size_t i) const noexcept;
+    std::string_view text(std::size_t i) const noexcept;
+
+private:
+    friend class Subscriber;
+    static std::string_view text_of(const zmq::message_t& part) noexcept {
+        return {static_cast<const char*>(part.data()), part.size()};
+    }
+    std::vector<zmq::message_t> parts_{4};  // kept from message to message; size_ of them are in use
+    std::size_t size_ = 0;
+};
+
+class Subscriber {
+public:
+    /// Connects; whether anybody is there shows only when messages arrive. Throws std::runtime_error that
+    /// names the endpoint and what is wrong with it.
+    explicit Subscriber(const std::string& endpoint, const SubscriberOptions& options = {});
+
+    /// Every topic that begins with `prefix` is received from now on.
+    void subscribe(std::string_view prefix);
+    void unsubscribe(std::string_view prefix);
+
+    /// The next message; it stays valid until the next call. nullptr when none came in time (of at most a
+    /// day), or a signal did.
+    /// Messages of more parts than any of ours (8) are passed over.
+    const Message* receive(std::chrono::milliseconds timeout);
+
+    /// The last handshake that failed since this was asked before.
+    std::optional<Refusal> refusal();
+
+private:
+    void set_options(const std::string& endpoint, const SubscriberOptions& options);
+    void watch_handshakes();
+    enum class Received { message, nothing, unusable };
+    Received receive_parts();
+
+    zmq::context_t context_;
+    zmq::socket_t socket_;
+    zmq::socket_t handshakes_;  // tells of those that fail
+    Message message_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,252 @@
+// Every SIMD target and every layout of the chain against a textbook implementation, and against each other.
+
+#include <cmath>
+#include <random>
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include "core/integrators/simd_chain.hpp"
+#include "tests/support/bare_chain.hpp"
+#include "tests/support/integrators.hpp"
+#include "tests/support/runs.hpp"
+#include "tests/support/textbook.hpp"
+
+namespace hertzline::test {
+namespace {
+
+constexpr double step_s = 50e-9;
+constexpr std::size_t steps = 700;  // a burst of 27 us and what rings on
+constexpr std::int64_t lengths[] = {1, 2, 5, 6, 7, 13, 14, 15, 16, 29, 30, 31, 61, 62, 63, 64, 100, 300};
+
+/// While it lives, only this target's kernels are used.
+class OnlyTarget {
+public:
+    explicit OnlyTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
+    ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
+    OnlyTarget(const OnlyTarget&) = delete;
+    OnlyTarget& operator=(const OnlyTarget&) = delete;
+};
+
+/// The targets for which there are kernels and which this machine can run.
+std::vector<std::int64_t> targets() {
+    const std::int64_t supported = hwy::SupportedTargets();
+    std::vector<std::int64_t> found;
+    std::set<std::string> names;
+    for (int bit = 0; bit < 63; ++bit) {
+        const std::int64_t target = std::int64_t{1} << bit;
+        if ((supported & target) != 0) {
+            const OnlyTarget only(target);  // those without kernels of their own use the baseline's
+            if (names.insert(kernels::kernel_target()).second) {
+                found.push_back(target);
+            }
+        }
+    }
+    return found;
+}
+
+Scene short_burst(Integrator integrator, std::int64_t spheres) {
+    Scene scene = with_step(Scene{}, integrator, step_s);
+    scene.drive.cycles = 2;
+    scene.chain.spheres = spheres;
+    scene.output.sample_rate_hz = 1 / step_s;
+    return scene;
+}
+
+struct Variant {
+    std::string name;
+    Scene scene;
+};
+
+std::vector<Variant> variants(Integrator integrator, std::int64_t spheres) {
+    const Scene scene = short_burst(integrator, spheres);
+    std::vector<Variant> variants{{"plate", scene},      {"wall", scene},    {"free end", scene},
+                                  {"as printed", scene}, {"clamped", scene}, {"no preload", scene}};
+    variants[1].scene.end.kind = EndKind::wall;
+    variants[2].scene.end.kind = EndKind::free;
+    variants[3].scene.end.preload = PlatePreload::as_printed;
+    variants[4].scene.chain.tension = Tension::clamped;
+    variants[5].scene.chain.preload_n = 0;
+    return variants;
+}
+
+/// Largest difference of any velocity, of the largest velocity.
+double difference(const std::vector<double>& a, const std::vector<double>& b) {
+    double largest = 0;
+    double scale = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const double d = std::abs(a[i] - b[i]);
+        largest = d <= largest ? largest : d;  // a NaN stays
+        scale = std::max(scale, std::abs(b[i]));
+    }
+    return largest / scale;
+}
+
+/// Velocities of all spheres, [sample][sphere].
+std::vector<double> textbook_velocities(const Scene& scene) {
+    Textbook textbook(scene, step_s);
+    const auto spheres = static_cast<std::ptrdiff_t>(scene.chain.spheres);
+    std::vector<double> velocities;
+    for (std::size_t i = 0; i <= steps; ++i) {
+        velocities.insert(velocities.end(), textbook.v.begin(), textbook.v.begin() + spheres);
+        textbook.step();
+    }
+    return velocities;
+}
+
+TEST(Kernels, LeapfrogDoesWhatTheTextbookSaysOnEveryTargetForEveryLayout) {
+    for (const std::int64_t spheres : lengths) {
+        for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
+            const std::vector<double> expected = textbook_velocities(scene);
+            for (const std::int64_t target : targets()) {
+                const OnlyTarget only(target);
+                EXPECT_LE(difference(recorded(scene, steps + 1).chain_v, expected), 5e-14)
+                    << kernels::kernel_target() << ", " << spheres << " spheres, " << variant;
+            }
+        }
+    }
+}
+
+class LocatingKernels : public ::testing::TestWithParam<Integrator> {};
+INSTANTIATE_TEST_SUITE_P(Integrators, LocatingKernels, ::testing::ValuesIn(locating_integrators()),
+                         integrator_name);
+
+TEST_P(LocatingKernels, DoTheSameOnEveryTargetForEveryLayout) {
+    for (const std::int64_t spheres : lengths) {
+        for (const auto& [variant, scene] : variants(GetParam(), spheres)) {
+            const std::vector<double> expected = recorded(scene, steps + 1).chain_v;
+            // without preload all contacts ahead of the wave just touch, and which of them rounding opens
+            // differs
+            const double bound = variant == "no preload" ? 5e-8 : 5e-14;
+            for (const std::int64_t target : targets()) {
+                const OnlyTarget only(target);
+                EXPECT_LE(difference(recorded(scene, steps + 1).chain_v, expected), bound)
+                    << kernels::kernel_target() << ", " << spheres << " spheres, " << variant;
+            }
+        }
+    }
+}
+
+TEST_P(LocatingKernels, ComeToWhatTheTextbookConvergesTo) {
+    for (const std::int64_t spheres : {1, 6, 20, 80}) {
+        for (const auto& [variant, scene] : variants(GetParam(), spheres)) {
+            constexpr int finer = 64;
+            Textbook textbook(scene, step_s / finer);
+            std::vector<double> expected;
+            for (std::size_t i = 0; i <= steps; ++i) {
+                expected.insert(expected.end(), textbook.v.begin(), textbook.v.begin() + spheres);
+                for (int k = 0; k < finer; ++k) {
+                    textbook.step();
+                }
+            }
+            EXPECT_LE(difference(recorded(scene, steps + 1).chain_v, expected), 2e-5)
+                << spheres << " spheres, " << variant;
+        }
+    }
+}
+
+TEST(Kernels, OneMoreBodyThanARegisterHoldsChangesNothingForTheOthers) {
+    // long before the end is reached, chains of any length move alike; layouts of 1, 2, 4, 8 and more rows
+    for (const Integrator integrator : choices<Integrator>) {
+        const auto first_sphere = [&](std::int64_t spheres) {
+            const Record record = recorded(short_burst(integrator, spheres), 60);
+            std::vector<double> velocities;
+            for (std::size_t i = 0; i < 60; ++i) {
+                velocities.push_back(record.chain_v[i * static_cast<std::size_t>(spheres)]);
+            }
+            return velocities;
+        };
+        const std::vector<double> expected = first_sphere(3000);
+        for (const std::int64_t spheres : {29, 30, 31, 61, 62, 63, 64, 100, 300}) {
+            EXPECT_LE(difference(first_sphere(spheres), expected), 1e-13) << spheres;
+        }
+    }
+}
+
+TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
+    // 600 spheres are folded by and by, as the wave advances; the textbook works on all of them from the
+    // start
+    for (const Integrator integrator : choices<Integrator>) {
+        Scene scene = short_burst(integrator, 600);
+        scene.chain.damping_kg_per_s = 0.01;
+        scene.chain.preload_n = 10;
+        scene.drive.amplitude_m = 1e-7;
+        constexpr int finer = 16;
+        const bool same_method = integrator == Integrator::leapfrog;
+        Textbook textbook(scene, same_method ? step_s : step_s / finer);
+        std::vector<double> expected;
+        for (std::size_t i = 0; i < 3000; ++i) {
+            expected.insert(expected.end(), textbook.v.begin(), textbook.v.begin() + 600);
+            for (int k = 0; k < (same_method ? 1 : finer); ++k) {
+                textbook.step();
+            }
+        }
+        EXPECT_LE(difference(recorded(scene, 3000).chain_v, expected), same_method ? 2e-12 : 1e-4);
+    }
+}
+
+TEST(Kernels, AMovingChainOfManyTilesComesToTheSameBitsHoweverItsStepsAreGrouped) {
+    const Scene scene = short_burst(Integrator::leapfrog, 3000);
+    for (const std::int64_t target : targets()) {
+        const OnlyTarget only(target);
+        BareChain together(scene);
+        std::mt19937 random(1);
+        for (double& v : together.state.v.head(together.chain.spheres())) {
+            v = std::uniform_real_distribution<double>(-0.5, 0.5)(random);
+        }
+        BareChain one_by_one(scene);
+        one_by_one.state = together.state;
+        together.advance(100);
+        for (int step = 0; step < 100; ++step) {
+            one_by_one.advance(1);
+        }
+        EXPECT_TRUE((together.state.x == one_by_one.state.x).all()) << kernels::kernel_target();
+        EXPECT_TRUE((together.state.v == one_by_one.state.v).all()) << kernels::kernel_target();
+        EXPECT_TRUE((together.state.peak_overlap == one_by_one.state.peak_overlap).all())
+            << kernels::kernel_target();
+        EXPECT_NEAR(together.lost / one_by_one.lost, 1, 1e-12) << kernels::kernel_target();
+    }
+}
+
+TEST(Kernels, SkippingSpheresAtRestChangesNoBitOnAnyTarget) {
+    for (const std::int64_t spheres : {16, 33, 64, 700}) {
+        for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
+            for (const std::int64_t target : targets()) {
+                const OnlyTarget only(target);
+                Simulation skipping(scene, everything, WavefrontTracking::on);
+                Simulation working(scene, everything, WavefrontTracking::off);
+                const auto what = [&, &variant = variant] {
+                    return std::string(kernels::kernel_target()) + ", " + std::to_string(spheres) +
+                           " spheres, " + variant;
+                };
+                EXPECT_EQ(recorded(skipping, 500, 100), recorded(working, 500, 100)) << what();
+                EXPECT_EQ(skipping.contact_events(), working.contact_events()) << what();
+                EXPECT_EQ(skipping.energy_residual(), working.energy_residual()) << what();
+            }
+        }
+    }
+}
+
+TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
+    // An unbalanced plate has the whole chain worked on from the start; before a wall it is folded by and by.
+    // Bodies that neither end can have reached from the other agree to the last bit, down to the faintest
+    // forerunner of the wave.
+    for (const Integrator integrator : choices<Integrator>) {
+        Scene scene = short_burst(integrator, 10'000);
+        scene.end.kind = EndKind::wall;
+        Simulation by_and_by(scene, {});
+        scene.end.kind = EndKind::plate;
+        scene.end.preload = PlatePreload::as_printed;
+        Simulation at_once(scene, {});
+        by_and_by.skip(200);
+        at_once.skip(200);
+        const Eigen::ArrayXd expected = at_once.state().v.head(3000);
+        EXPECT_GT((expected != 0).count(), 100);
+        EXPECT_TRUE((by_and_by.state().v.head(3000) == expected).all());
+    }
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,79 @@
+// The order of the Taylor series: pieces of one length, whatever their error, while all contacts stay closed.
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/integrators/series_piece.hpp"
+#include "core/scene/scene_words.hpp"
+
+namespace hertzline::test {
+namespace {
+
+constexpr double duration_s = 24e-6;
+
+/// Velocities of a damped, driven chain of a few spheres after `pieces` pieces of equal length [m/s].
+Eigen::ArrayXd velocities(Integrator integrator, int pieces) {
+    Scene scene;
+    scene.chain.spheres = 4;
+    const Chain chain(scene);
+    ChainState state(chain);
+    state.v = 1e-3 * Eigen::ArrayXd::LinSpaced(chain.bodies(), -1, 1).cube();
+    kernels::SimdChain folded(chain, integrator, kernels::kernel_lanes());
+    folded.fold(chain, state, chain.bodies());
+    const double unit = duration_s / pieces;
+    kernels::SeriesPiece piece(folded.slots(), kernels::series_degree(integrator),
+                               kernels::HornWaves({73e3, 75.92e3, 70.08e3}, unit));
+    piece.unit_s = unit;
+    piece.per_unit = 1 / unit;
+    piece.tolerance = std::numeric_limits<double>::max();
+    kernels::HornWaves& waves = piece.waves;
+    waves.silent = false;
+    waves.cosine = {2e-9, -1e-9, -1e-9, 0};
+    for (std::size_t i = 0; i < 3; ++i) {
+        waves.slope += waves.cosine[i] * waves.odd[i][0];
+    }
+    const kernels::SeriesKernels kernels = kernels::series_kernels(integrator, folded.rows());
+    for (int i = 0; i < pieces; ++i) {
+        kernels.piece(folded, piece);
+        EXPECT_EQ(piece.length, 1);
+    }
+    EXPECT_EQ(folded.contact_events, 0);
+    folded.unfold(state);
+    return state.v;
+}
+
+/// Observed orders between successive numbers of pieces.
+std::vector<double> orders(Integrator integrator, const std::vector<int>& pieces) {
+    const Eigen::ArrayXd exact = velocities(Integrator::taylor12, 200);
+    std::vector<double> result;
+    double before = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const double error = (velocities(integrator, pieces[i]) - exact).matrix().norm();
+        if (i > 0) {
+            result.push_back(std::log(before / error) /
+                             std::log(static_cast<double>(pieces[i]) / pieces[i - 1]));
+        }
+        before = error;
+    }
+    return result;
+}
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::Ge;
+using ::testing::Le;
+
+TEST(SeriesOrder, Taylor8IsEighthOrderWithDampingPlateAndDrive) {
+    EXPECT_THAT(orders(Integrator::taylor8, {80, 104, 132}), Each(AllOf(Ge(7.7), Le(8.3))));
+}
+
+TEST(SeriesOrder, Taylor12IsTwelfthOrderWithDampingPlateAndDrive) {
+    EXPECT_THAT(orders(Integrator::taylor12, {24, 28, 32}), Each(AllOf(Ge(11.3), Le(12.7))));
+}
+
+}  // namespace
+}  // namespace hertzline::test

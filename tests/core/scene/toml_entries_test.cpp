@@ -1,0 +1,202 @@
+// What must never get as far as the TOML library, --set options, and what a fuzzer would try.
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/shipped_scenes.hpp"
+#include "tests/support/scene_texts.hpp"
+
+namespace hertzline::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::StartsWith;
+
+using namespace std::string_literals;
+
+std::string repeated(std::string_view text, int times) {
+    std::string result;
+    for (int i = 0; i < times; ++i) {
+        result += text;
+    }
+    return result;
+}
+
+TEST(SceneTextGuard, OnlyPrintableAsciiTabsAndLineEndsPass) {
+    for (int byte = 0; byte < 256; ++byte) {
+        const char c = static_cast<char>(byte);
+        const bool passes = byte == 9 || byte == 10 || byte == 13 || (byte >= 0x20 && byte <= 0x7E);
+        const auto found = messages("# \n# "s + c + "\n");
+        const bool refused = !found.empty() && found[0].find("found byte 0x") != std::string::npos;
+        EXPECT_EQ(refused, !passes) << byte;
+    }
+}
+
+TEST(SceneTextGuard, ARefusedByteIsNamedWithLineAndColumn) {
+    EXPECT_THAT(messages("[\0"s),
+                ElementsAre("scene.toml:1: found byte 0x00 in column 2, allowed: printable ASCII, "
+                            "tabs and line ends"));
+    EXPECT_THAT(messages("\xEF\xBB\xBF[drive]\n"),
+                ElementsAre(HasSubstr("scene.toml:1: found byte 0xEF in column 1")));
+    EXPECT_THAT(messages("\n\xEF\xBB\xBF"),
+                ElementsAre(HasSubstr("scene.toml:2: found byte 0xEF in column 1")));
+    EXPECT_THAT(messages("[drive]\n# caf\xC3\xA9\n"),
+                ElementsAre(HasSubstr(":2: found byte 0xC3 in column 6")));
+}
+
+TEST(SceneTextGuard, ATextMayHave64KiB) {
+    EXPECT_THAT(messages(std::string(65536, '\n')), IsEmpty());
+    EXPECT_THAT(messages(std::string(65537, '\n')),
+                ElementsAre("scene.toml: found 65537 bytes, allowed: at most 65536 bytes"));
+    EXPECT_EQ(messages(repeated("[", 5'000'000)).size(), 1);
+}
+
+// toml++ recurses over dotted keys and brackets alike.
+TEST(SceneTextGuard, DeepNestingIsAProblemAndNoCrash) {
+    EXPECT_THAT(messages(repeated("a.", 32'000) + "a = 1"),
+                ElementsAre(HasSubstr("more than 32 dots in a line")));
+    EXPECT_THAT(messages('[' + repeated("a . ", 10'000) + "a]"), ElementsAre(HasSubstr("more than 32 dots")));
+    EXPECT_EQ(messages("[drive]\ncycles = " + repeated("[", 60'000)).size(), 1);
+    EXPECT_EQ(messages("[drive]\ncycles = " + repeated("{a=", 20'000)).size(), 1);
+    EXPECT_EQ(
+        messages("a = " + repeated('{' + repeated("a.", 31) + "a = [\n", 127) + repeated("]}\n", 127)).size(),
+        1);
+    EXPECT_EQ(messages("", {"drive.cycles=" + repeated("[", 60'000)}).size(), 1);
+    EXPECT_EQ(messages("", {repeated("a.", 60'000) + "a=1"}).size(), 1);
+}
+
+TEST(SceneTextGuard, DotsInCommentsAreNoNesting) {
+    EXPECT_THAT(messages("# " + std::string(500, '.') + "\n" + repeated("# 0.5\n", 100)), IsEmpty());
+}
+
+TEST(SceneTextGuard, ThousandsOfProblemsAreAllListed) {
+    std::string text = "[chain]\n";
+    for (int i = 0; i < 5000; ++i) {
+        text += "x" + std::to_string(i) + "=1\n";
+    }
+    EXPECT_EQ(messages(text).size(), 5000);
+}
+
+TEST(SetOption, ReplacesWhatTheFileSays) {
+    const Scene scene =
+        scene_of("[chain]\nspheres=7\npreload_n=1", {"chain.spheres=9", "drive.frequency_hz=50e3"});
+    EXPECT_EQ(scene.chain.spheres, 9);
+    EXPECT_EQ(scene.chain.preload_n, 1);
+    EXPECT_EQ(scene.drive.frequency_hz, 50e3);
+    EXPECT_EQ(scene_of("[chain]\nspheres='six'", {"chain.spheres=2"}).chain.spheres, 2);
+}
+
+TEST(SetOption, TheLastOneOfAKeyWins) {
+    EXPECT_EQ(scene_of("", {"chain.spheres=9", "chain.spheres=3"}).chain.spheres, 3);
+}
+
+TEST(SetOption, ABareWordIsAString) {
+    EXPECT_EQ(scene_of("", {"end.kind=wall"}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {"end.kind=\"wall\""}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {"end.kind='wall'"}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {" end.kind = wall "}).end.kind, EndKind::wall);
+    EXPECT_EQ(scene_of("", {"end.material=silicone_rubber"}).end.material, "silicone_rubber");
+    EXPECT_THAT(messages("", {"end.kind=true"}), ElementsAre(HasSubstr("found true")));
+    EXPECT_THAT(messages("", {"drive.cycles=nan"}), ElementsAre(HasSubstr("found nan, allowed: a number")));
+    EXPECT_THAT(messages("", {"end.kind=-wall"}), ElementsAre(HasSubstr("found a syntax error")));
+}
+
+TEST(SetOption, CanDefineAMaterial) {
+    const Scene scene =
+        scene_of("", {"materials.oil.density=900", "medium.material=oil",
+                      "materials.oil.sound_speed_m_per_s=1400", "materials.oil.density_kg_per_m3=910"});
+    EXPECT_EQ(scene.materials.at("oil"), Material(Fluid{910, 1400}));
+    EXPECT_THAT(messages("", {"materials.oil.density=900"}),
+                ElementsAre(StartsWith("--set materials.oil.density=900: materials.oil: found no material")));
+}
+
+TEST(SetOption, CanChangeAMaterialOfTheFile) {
+    const std::string text = "[materials.oil]\ndensity=900\nsound_speed_m_per_s=1400\n";
+    EXPECT_EQ(scene_of(text, {"materials.oil.density=800"}).materials.at("oil"), Material(Fluid{800, 1400}));
+    EXPECT_THAT(
+        messages(text, {"materials.oil.density=-1"}),
+        ElementsAre(StartsWith("--set materials.oil.density=-1: materials.oil.density_kg_per_m3: found -1")));
+}
+
+TEST(SetOption, BadSyntaxIsAProblem) {
+    for (const char* option : {"", "=", "chain", "chain.spheres", "=5", "chain=5", ".=5", "chain.=5",
+                               ".spheres=5", "chain.spheres.x=5", "chain. spheres=5", R"("chain".spheres=5)",
+                               "materials.oil=5", "materials.oil.density.x=5", "chain.spheres\n=5"}) {
+        EXPECT_THAT(messages("", {option}), ElementsAre(HasSubstr("allowed: section.key=value"))) << option;
+    }
+    for (const char* option :
+         {"chain.spheres=", "chain.spheres= ", "chain.spheres=1 2", "chain.spheres=a b", "chain.spheres==5",
+          "chain.spheres=\"", "chain.spheres=[", "chain.spheres=\x01", "chain.spheres=caf\xC3\xA9"}) {
+        EXPECT_THAT(messages("", {option}), ElementsAre(StartsWith("--set chain.spheres="))) << option;
+    }
+    EXPECT_THAT(messages("", {"chain.sphere=1 2"}).size(), 2);  // the key and the value
+}
+
+TEST(SetOption, CannotSmuggleInOtherKeys) {
+    for (const char* value :
+         {"1\n[end]\nkind='wall'", "1\npreload_n=5", "1\rpreload_n=5", "1 # comment", "1, preload_n=5", "1]",
+          "[1] #", "{a=1}", "\"\"\"\n\"\"\"", "1}", "'''", "1;preload_n=5"}) {
+        EXPECT_EQ(messages("", {"chain.spheres="s + value}).size(), 1) << value;
+    }
+    EXPECT_EQ(messages("", {"chain.spheres=1\0"s}).size(), 1);
+    EXPECT_EQ(messages("", {"chain.spheres=" + std::string(70'000, '1')}).size(), 1);
+}
+
+// Damages the shipped scenes in the ways that find bugs in parsers. Whatever comes out must be a scene or a
+// list of problems; the sanitizers watch.
+TEST(SceneTextFuzz, NoMutationOfAShippedSceneCrashes) {
+    const std::string marks = "[]{}=.\"'#\n\r,-_\\\0\xEF"s;
+    const std::vector<std::string> words{R"(""")",     "'''",    "1e9", "inf",       "nan",
+                                         "[[",         "]]",     "0x",  R"(\u0000)", "1979-05-27T07:32:00Z",
+                                         "materials.", "[end]\n"};
+    std::mt19937_64 bits(20190206);
+    const auto below = [&](std::size_t bound) { return bits() % bound; };
+    int accepted = 0;
+    int refused = 0;
+    for (int round = 0; round < 6000; ++round) {
+        const auto scenes = shipped_scenes();
+        std::string text = round % 2 == 0 ? std::string(scenes[below(scenes.size())].text) : to_toml(Scene{});
+        for (std::size_t damage = 1 + below(6); damage > 0 && !text.empty(); --damage) {
+            const std::size_t at = below(text.size());
+            const auto length = std::min(text.size() - at, below(12));
+            switch (below(5)) {
+                case 0:
+                    text[at] = static_cast<char>(below(round % 3 == 0 ? 256 : 127));
+                    break;
+                case 1:
+                    text.erase(at, length);
+                    break;
+                case 2:
+                    text.insert(at, text.substr(below(text.size()), length));
+                    break;
+                case 3:
+                    text.insert(at, 1, marks[below(marks.size())]);
+                    break;
+                default:
+                    text.insert(at, words[below(words.size())]);
+                    break;
+            }
+        }
+        const std::string option = text.substr(below(text.size() + 1), below(40));
+        const SceneResult result = parse_scene(text, "fuzz", std::vector{"chain." + option});
+        ASSERT_EQ(result.scene.has_value(), result.problems.empty()) << text;
+        const SceneResult without = parse_scene(text, "fuzz");
+        ++(without ? accepted : refused);
+        if (without) {
+            ASSERT_TRUE(validate(*without.scene).empty()) << text;
+            ASSERT_EQ(parse_scene(to_toml(*without.scene), "fuzz").scene, without.scene) << text;
+        }
+    }
+    // Both kinds must occur often, or the damage is too light or too heavy to find anything.
+    EXPECT_GT(accepted, 500);
+    EXPECT_GT(refused, 500);
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,224 @@
+// The stream as a whole: what goes in at the simulating end comes out of the socket, counted.
+
+#include "stream/pipeline/pipeline.hpp"
+
+#include <map>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "core/step_choice/resolve.hpp"
+#include "stream/sources/simulation_source.hpp"
+#include "stream/wire/continuity.hpp"
+#include "stream/wire/frame_codec.hpp"
+#include "stream/wire/subscriber.hpp"
+#include "tests/support/allocation_count.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+namespace {
+
+constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = false};
+
+Scene repeated_bursts() {
+    Scene scene;
+    scene.drive.repetition_hz = 1000;
+    return resolve(scene).scene;
+}
+
+StreamOptions plan(Pace pace, std::int64_t samples, StreamStart start) {
+    return {.about = {{"version", "test"}}, .pace = pace, .samples = samples, .start = start};
+}
+
+/// Listens to a tap of a publisher in a thread of its own, until the end of the run.
+class Listener {
+public:
+    Listener(const std::string& endpoint, std::vector<Tap> taps)
+        : taps_(std::move(taps)), thread_([this, endpoint] { run(endpoint); }) {}
+    void join() { thread_.join(); }
+
+    std::map<Tap, std::vector<float>> samples;
+    std::map<Tap, ContinuityCheck> checks;
+
+private:
+    void run(const std::string& endpoint) {
+        Subscriber subscriber(endpoint, {.receive_high_water_mark = 100'000});
+        std::map<std::string, Tap, std::less<>> topics;
+        for (const Tap tap : taps_) {
+            topics[std::string(names_of(tap).np_topic)] = tap;
+            subscriber.subscribe(names_of(tap).np_topic);
+        }
+        subscriber.subscribe(end_topic);
+        std::vector<float> part;
+        while (const Message* message = subscriber.receive(std::chrono::seconds(30))) {
+            if (message->topic() == end_topic) {
+                return;
+            }
+            const Tap tap = topics.find(message->topic())->second;
+            const auto header = decode_header(message->text(0), message->bytes(1).size());
+            ASSERT_TRUE(header) << header.error();
+            checks[tap].take(*header);
+            ASSERT_TRUE(decode_samples(message->bytes(1), part));
+            samples[tap].insert(samples[tap].end(), part.begin(), part.end());
+        }
+        ADD_FAILURE() << "no end came";
+    }
+
+    std::vector<Tap> taps_;
+    std::thread thread_;
+};
+
+struct Stream {
+    explicit Stream(StreamOptions with)
+        : source(scene, false),
+          publisher("tcp://127.0.0.1:*"),
+          pipeline(std::move(with), source, publisher, nullptr) {}
+
+    StreamMeters run(const std::function<void(const StreamMeters&)>& progress = [](const StreamMeters&) {}) {
+        return pipeline.run(stop, {.progress = progress,
+                                   .warn = [](const std::string&) {},
+                                   .summary = [](const StreamMeters&) { return std::string("{}"); }});
+    }
+
+    Scene scene = repeated_bursts();
+    SimulationSource source;
+    Publisher publisher;
+    Pipeline pipeline;
+    std::atomic<bool> stop{false};
+};
+
+TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
+    constexpr std::int64_t samples = 20'500;  // the last frame is a short one
+    Stream stream(plan(Pace::flat_out(), samples, StreamStart::with_first_subscriber));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out, Tap::v_last, Tap::v_plate, Tap::v_chain});
+    const StreamMeters meters = stream.run();
+    listener.join();
+    EXPECT_EQ(meters.samples, samples);
+    EXPECT_EQ(meters.dropped_frames, 0);
+
+    Simulation simulation(stream.scene, everything);
+    Samples expected(simulation.chain(), samples, everything);
+    simulation.advance(expected, samples, everything);
+    const std::map<Tap, const std::vector<double>*> columns{{Tap::v_out, &expected.v_out},
+                                                            {Tap::v_last, &expected.v_last},
+                                                            {Tap::v_plate, &expected.v_plate},
+                                                            {Tap::v_chain, &expected.chain_v}};
+    for (const auto& [tap, column] : columns) {
+        EXPECT_TRUE(listener.checks[tap].unbroken());
+        EXPECT_EQ(listener.samples[tap], std::vector<float>(column->begin(), column->end()))
+            << names_of(tap).name;
+    }
+    EXPECT_EQ(meters.account.steps, simulation.steps());
+    EXPECT_EQ(meters.account.contact_events, simulation.contact_events());
+}
+
+TEST(Pipeline, TheSimulatingThreadAllocatesNothing) {
+    if (HERTZLINE_ALLOCATIONS_ARE_COUNTED == 0) {
+        GTEST_SKIP() << "sanitizers bring an allocator of their own";
+    }
+    Stream stream(plan(Pace::flat_out(), 300'000, StreamStart::with_first_subscriber));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out, Tap::v_chain});
+    const AllocationsOfThread simulating(simulating_thread_name);
+    EXPECT_EQ(stream.run().samples, 300'000);
+    listener.join();
+    EXPECT_EQ(simulating.so_far(), 0U);
+}
+
+TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
+    // ten times slower than real time, so that this machine's load does not matter; the sender sleeps longer
+    // than the ring lasts
+    Stream stream(plan(Pace::factor(0.1), 2'000'000, StreamStart::with_first_subscriber));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out});
+    bool stalled = false;
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) {
+        if (!stalled && now.frames > 0 && now.frames < 1000) {
+            stalled = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        }
+    });
+    listener.join();
+    const ContinuityTotals& totals = listener.checks[Tap::v_out].totals();
+    EXPECT_GT(meters.dropped_frames, 0);
+    EXPECT_GT(meters.late_frames, 0);
+    EXPECT_EQ(totals.lost_on_the_way, 0U);
+    EXPECT_GT(totals.dropped_by_sender, 0U);
+    EXPECT_LE(totals.dropped_by_sender, static_cast<std::uint64_t>(meters.dropped_frames));
+    EXPECT_EQ(totals.inconsistent, 0U);
+    // each frame of the topic is accounted for
+    const TopicCount& count = meters.np(Tap::v_out);
+    EXPECT_EQ(count.sent, static_cast<std::int64_t>(totals.frames));
+    EXPECT_EQ(count.dropped, meters.dropped_frames);
+    EXPECT_EQ(count.sent + count.dropped, meters.frames + meters.dropped_frames);
+    EXPECT_EQ(meters.raw(Tap::v_out).sent, 0);
+    EXPECT_GT(meters.largest_lateness_s, 0.5);
+}
+
+TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
+    StreamOptions patient = plan(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
+    patient.on_overrun = OnOverrun::wait;
+    Stream stream(std::move(patient));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out});
+    bool stalled = false;
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) {
+        if (!stalled && now.frames > 0) {
+            stalled = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        }
+    });
+    listener.join();
+    EXPECT_TRUE(listener.checks[Tap::v_out].unbroken());
+    EXPECT_EQ(listener.samples[Tap::v_out].size(), 500'000U);
+    EXPECT_EQ(meters.dropped_frames, 0);
+    EXPECT_GT(meters.late_frames, 0);
+}
+
+/// Hears `frames` frames of v_last as a new subscriber, and leaves.
+std::uint64_t lost_by_a_visitor(const std::string& endpoint, std::uint64_t frames) {
+    Subscriber visitor(endpoint);
+    visitor.subscribe("v_last/np");
+    ContinuityCheck check;
+    while (check.totals().frames < frames) {
+        const Message* message = visitor.receive(std::chrono::seconds(30));
+        if (message == nullptr) {
+            ADD_FAILURE() << "no frame came";
+            break;
+        }
+        check.take(*decode_header(message->text(0), message->bytes(1).size()));
+    }
+    return check.totals().lost_on_the_way;
+}
+
+TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
+    // Slow enough for this machine's load not to matter. The ring lasts 50 ms: 50 frames.
+    Stream stream(plan(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once));
+    std::thread visitors([&] {
+        for (int visit = 0; visit < 5; ++visit) {
+            EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 3), 0U);
+            std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 100), 0U);
+        }
+        stream.stop = true;
+    });
+    stream.run();
+    visitors.join();
+}
+
+TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
+    Stream stream(plan(Pace::flat_out(), 10'000, StreamStart::at_once));
+    const StreamMeters meters = stream.run();
+    EXPECT_EQ(meters.samples, 10'000);
+    Simulation simulation(stream.scene, {});
+    simulation.skip(10'000);
+    EXPECT_EQ(meters.account.steps, simulation.steps());
+}
+
+TEST(Pipeline, StopsWhenAsked) {
+    Stream stream(plan(Pace::realtime(), std::int64_t{1} << 50, StreamStart::at_once));
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) { stream.stop = now.frames > 0; });
+    EXPECT_GT(meters.frames, 0);
+    EXPECT_LT(meters.samples, std::int64_t{1} << 40);
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,141 @@
+// The simulating thread's half of a stream, with a source that costs nothing.
+
+#include "stream/pipeline/producer.hpp"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/counting_source.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+namespace {
+
+constexpr std::size_t slots = 4;
+constexpr StreamFormat format{
+    .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e6, .frame_samples = 10};
+
+/// A clock that has run for a day: whatever is produced comes too late.
+Pacer long_ago() {
+    Pacer pacer(format.sample_rate_hz, Pace::realtime());
+    pacer.start(MonotonicClock::now() - std::chrono::hours(24));
+    return pacer;
+}
+
+void wait_for(const Producer& producer) {
+    while (!producer.finished()) {
+        MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(1));
+    }
+}
+
+/// Takes all blocks there will be.
+std::vector<Block> drained(Producer& producer) {
+    std::vector<Block> blocks;
+    while (true) {
+        const bool finished = producer.finished();
+        if (const Block* block = producer.ring().try_front()) {
+            blocks.push_back(*block);
+            producer.ring().pop();
+        } else if (finished) {
+            return blocks;
+        }
+    }
+}
+
+TEST(Producer, DiscardsAndCountsWhatIsLateWhileTheRingIsFull) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, slots, 1000, OnOverrun::drop);
+    producer.want(format.taps);
+    producer.start({});
+    producer.go();
+    wait_for(producer);  // nobody reads
+    EXPECT_EQ(producer.dropped(), 100 - slots);
+    EXPECT_EQ(drained(producer).size(), slots);
+    EXPECT_EQ(source.next_sample(), 1000);
+}
+
+TEST(Producer, NumbersGoOnPastWhatWasDiscarded) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, slots, 1'000'000, OnOverrun::drop);
+    producer.want(format.taps);
+    producer.start({});
+    producer.go();
+    while (producer.dropped() < 10) {
+        MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::microseconds(100));
+    }
+    const std::vector<Block> blocks = drained(producer);
+    ASSERT_GT(blocks.size(), slots);
+    EXPECT_GE(blocks[slots].dropped, 10U);
+    for (const Block& block : blocks) {
+        EXPECT_EQ(block.samples.first, static_cast<std::int64_t>(block.seq) * format.frame_samples);
+        EXPECT_EQ(block.samples.v_out[0], static_cast<double>(block.samples.first));
+    }
+    EXPECT_EQ(blocks.size() + producer.dropped(), 100'000U);
+}
+
+TEST(Producer, WaitsRatherThanDiscardWhenToldSo) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, slots, 1000, OnOverrun::wait);
+    producer.start({});
+    producer.go();
+    MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(20));
+    EXPECT_EQ(producer.ring().size(), slots);
+    EXPECT_FALSE(producer.finished());
+    EXPECT_EQ(drained(producer).size(), 100U);
+    EXPECT_EQ(producer.dropped(), 0U);
+}
+
+TEST(Producer, EndsWithTheSource) {
+    CountingSource source(format, 55);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, slots, std::nullopt, OnOverrun::wait);
+    producer.start({});
+    producer.go();
+    const std::vector<Block> blocks = drained(producer);
+    ASSERT_EQ(blocks.size(), 6U);
+    EXPECT_EQ(blocks.back().samples.count, 5U);
+}
+
+TEST(Producer, StopsWhileItWaitsForASlotAndBeforeItBegan) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer waiting(source, pacer, slots, std::nullopt, OnOverrun::wait);
+    waiting.start({});
+    waiting.stop();
+    EXPECT_EQ(source.next_sample(), 0);
+    Producer full(source, pacer, slots, std::nullopt, OnOverrun::wait);
+    full.start({});
+    full.go();
+    while (full.ring().size() < slots) {
+        MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(1));
+    }
+    full.stop();
+    EXPECT_TRUE(full.finished());
+}
+
+TEST(ThreadOptions, AProcessorThatDoesNotExistIsNamedWithThoseThatDo) {
+    EXPECT_FALSE(cpu_fault(0));
+    ASSERT_TRUE(cpu_fault(-1));
+    EXPECT_EQ(cpu_fault(100'000)->rfind("found 100000, allowed: 0 to ", 0), 0U) << *cpu_fault(100'000);
+}
+
+TEST(ThreadOptions, WhatTheSystemRefusesIsToldAndTheStreamGoesOn) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, slots, 1000, OnOverrun::wait);
+    producer.want(format.taps);
+    // granted or not, by whoever runs the tests
+    for (const std::string& refused : producer.start({.realtime_priority = true, .cpu = 0})) {
+        EXPECT_GT(refused.size(), 20U);
+    }
+    producer.go();
+    EXPECT_EQ(drained(producer).size(), 100U);
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,317 @@
+// What every format promises; what is a format's own is in the test of its name.
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <ostream>
+#include <random>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "stream/recordings/formats/hdf5/hdf5.hpp"
+#include "stream/recordings/formats/npy.hpp"
+#include "stream/recordings/formats/wav.hpp"
+#include "tests/support/recordings.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline {
+
+using namespace stream;
+namespace {
+namespace fs = std::filesystem;
+using test::recorded_rows;
+using test::recording_head;
+using test::TemporaryFolder;
+using testing::HasSubstr;
+
+struct Format {
+    const char* ending;
+    NumberType numbers;
+    decltype(&open_npy_writer) open_writer;
+    decltype(&open_npy_reader) open_reader;
+    friend void PrintTo(const Format& format, std::ostream* out) { *out << format.ending; }
+};
+
+class RecordingFormat : public testing::TestWithParam<Format> {
+protected:
+    TemporaryFolder folder;
+    std::string file = folder.file(std::string("recording.") + GetParam().ending);
+
+    RecordingHead head(int spheres = 0) const { return recording_head(GetParam().numbers, spheres); }
+
+    void record(const RecordingHead& as, const std::vector<RecordedRows>& rows) const {
+        const auto writer = GetParam().open_writer(file, as);
+        test::write_rows(*writer, rows);
+        writer->commit();
+    }
+
+    std::vector<std::string> listing() const {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(fs::path(file).parent_path())) {
+            names.push_back(entry.path().filename());
+        }
+        return names;
+    }
+
+    /// Why the file cannot be read; empty when it can, to its end.
+    std::string refusal() const {
+        try {
+            const auto reader = GetParam().open_reader(file);
+            test::read_rows(*reader);
+            return {};
+        } catch (const std::runtime_error& error) {
+            return error.what();
+        }
+    }
+};
+
+std::string why(const std::function<void()>& work) {
+    try {
+        work();
+        return "nothing was thrown";
+    } catch (const std::exception& error) {
+        return error.what();
+    }
+}
+
+void expect_same(const std::vector<RecordedRows>& read, const std::vector<RecordedRows>& written) {
+    ASSERT_EQ(read.size(), written.size());
+    for (std::size_t i = 0; i < read.size(); ++i) {
+        EXPECT_EQ(read[i].first, written[i].first);
+        EXPECT_TRUE(read[i].values == written[i].values) << "stretch " << i;
+    }
+}
+
+TEST_P(RecordingFormat, ComesBackBitForBitWithItsHeadAndItsGaps) {
+    const RecordingHead written = head(3);
+    const std::vector<RecordedRows> rows{recorded_rows(written, 700, 1), recorded_rows(written, 1000, 2500),
+                                         recorded_rows(written, 9'000'000'000, 12)};
+    record(written, rows);
+    const auto reader = GetParam().open_reader(file);
+    EXPECT_EQ(reader->head().columns, written.columns);
+    EXPECT_EQ(reader->head().sample_rate_hz, written.sample_rate_hz);
+    EXPECT_EQ(reader->head().numbers, written.numbers);
+    EXPECT_EQ(reader->head().provenance, written.provenance);
+    expect_same(test::read_rows(*reader), rows);
+}
+
+TEST_P(RecordingFormat, PortionsOfWritingAndReadingDoNotMatter) {
+    const RecordingHead written = head(1);
+    const RecordedRows rows = recorded_rows(written, 5, 40'000);
+    const std::size_t columns = written.columns.size();
+    const auto writer = GetParam().open_writer(file, written);
+    for (std::size_t at = 0, portion = 1; at < 40'000; at += portion, portion = portion * 2 + 1) {
+        portion = std::min(portion, 40'000 - at);
+        writer->write(5 + static_cast<std::int64_t>(at),
+                      std::span(rows.values).subspan(at * columns, portion * columns));
+    }
+    writer->write(5 + 40'000, {});
+    writer->commit();
+    for (const std::size_t most : {std::size_t{7}, std::size_t{4096}, std::size_t{1} << 60}) {
+        expect_same(test::read_rows(*GetParam().open_reader(file), most), {rows});
+    }
+}
+
+TEST_P(RecordingFormat, RowsOfAPortionFollowOneAnother) {
+    const RecordingHead written = head();
+    record(written, {recorded_rows(written, 0, 10), recorded_rows(written, 20, 10)});
+    const auto reader = GetParam().open_reader(file);
+    RecordedRows rows;
+    EXPECT_TRUE(reader->read(rows, 15));
+    EXPECT_EQ(rows.values.size(), 20);  // not across the gap
+    EXPECT_TRUE(reader->read(rows, 15));
+    EXPECT_EQ(rows.first, 20);
+    EXPECT_FALSE(reader->read(rows, 15));
+    EXPECT_FALSE(reader->read(rows, 15));
+}
+
+TEST_P(RecordingFormat, EmptyRecordingIsWhole) {
+    record(head(2), {});
+    const auto reader = GetParam().open_reader(file);
+    EXPECT_EQ(reader->head().columns, head(2).columns);
+    expect_same(test::read_rows(*reader), {});
+}
+
+TEST_P(RecordingFormat, AppearsUnderItsNameOnlyAtCommit) {
+    const RecordingHead written = head();
+    {
+        const auto abandoned = GetParam().open_writer(file, written);
+        test::write_rows(*abandoned, {recorded_rows(written, 0, 100'000)});
+        EXPECT_THAT(listing(), testing::ElementsAre(testing::StartsWith(
+                                   "recording." + std::string(GetParam().ending) + ".partial-")));
+    }
+    EXPECT_THAT(listing(), testing::IsEmpty());
+    record(written, {});
+    EXPECT_THAT(listing(), testing::ElementsAre(fs::path(file).filename()));
+}
+
+TEST_P(RecordingFormat, KilledWriterLeavesOnlyTheTemporary) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const auto writer = GetParam().open_writer(file, head());
+        test::write_rows(*writer, {recorded_rows(head(), 0, 100'000)});
+        ::raise(SIGKILL);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+    EXPECT_THAT(listing(), testing::ElementsAre(HasSubstr(".partial-")));
+}
+
+/// Writes under a limit of the file's size, as on a disk that gets full; the status says what happened.
+int write_with_limit(const Format& format, const std::string& file, rlim_t limit, const RecordedRows& rows,
+                     const RecordingHead& head) {
+    constexpr int as_promised = 0, committed = 1, wrong_message = 2, survived = 3, left_behind = 4;
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit size{limit, limit};
+    ::setrlimit(RLIMIT_FSIZE, &size);
+    try {
+        const auto writer = format.open_writer(file, head);
+        const auto fails = [&](const std::function<void()>& work) {
+            try {
+                work();
+                return false;
+            } catch (const std::runtime_error& error) {
+                const bool told = std::string(error.what()) == "cannot write " + file + ": File too large";
+                if (!told) {
+                    ::_exit(wrong_message);
+                }
+                return true;
+            }
+        };
+        bool failed = false;
+        const std::size_t columns = head.columns.size();
+        for (std::size_t at = 0; at < rows.values.size() && !failed; at += 1000 * columns) {
+            const auto part = std::span(rows.values).subspan(at, 1000 * columns);
+            failed = fails([&] { writer->write(static_cast<std::int64_t>(at / columns), part); });
+        }
+        if (!failed && !fails([&] { writer->commit(); })) {
+            return committed;
+        }
+        if (!fails([&] { writer->commit(); })) {
+            return survived;
+        }
+        return fs::is_empty(fs::path(file).parent_path()) ? as_promised : left_behind;
+    } catch (const std::runtime_error& error) {
+        return std::string(error.what()) == "cannot write " + file + ": File too large" ? as_promised
+                                                                                        : wrong_message;
+    }
+}
+
+TEST_P(RecordingFormat, FullDiskIsOneClearErrorAndNothingIsLeft) {
+    const RecordingHead written = head(2);
+    const RecordedRows rows = recorded_rows(written, 0, 60'000);
+    record(written, {rows});
+    const auto whole = static_cast<double>(fs::file_size(file));
+    fs::remove(file);
+    for (const double share : {0.0, 0.0003, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1.0}) {
+        const auto limit = static_cast<rlim_t>(share * whole);
+        testing::internal::CaptureStderr();
+        const pid_t child = ::fork();
+        if (child == 0) {
+            std::exit(write_with_limit(GetParam(), file, limit, rows, written));  // the libraries end, too
+        }
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        EXPECT_TRUE(WIFEXITED(status)) << "killed at " << limit << " of " << whole << " bytes";
+        EXPECT_EQ(WEXITSTATUS(status), share < 1 ? 0 : 1) << limit << " of " << whole << " bytes";
+        EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+        EXPECT_EQ(fs::exists(file), share >= 1);
+    }
+}
+
+TEST_P(RecordingFormat, UnwritablePlaceIsToldAtOnce) {
+    file = folder.file("missing/recording");
+    EXPECT_THAT(why([&] { GetParam().open_writer(file, head()); }), HasSubstr("cannot write " + file));
+    EXPECT_THAT(why([&] { GetParam().open_writer("/dev/null", head()); }), HasSubstr("device or pipe"));
+}
+
+TEST_P(RecordingFormat, NumberThatIsNoneEndsTheRecording) {
+    const auto writer = GetParam().open_writer(file, head());
+    const std::vector<double> rows{1, 2, 3, std::nan("")};
+    EXPECT_THAT(why([&] { writer->write(10, rows); }), HasSubstr("v_out_m_per_s of sample 11 is nan"));
+    EXPECT_THROW(writer->write(12, std::vector<double>{1, 2}), std::runtime_error);
+    EXPECT_THROW(writer->commit(), std::runtime_error);
+    if (GetParam().numbers == NumberType::float32) {
+        const auto another = GetParam().open_writer(file, head());
+        EXPECT_THAT(why([&] { another->write(0, std::vector<double>{1e39, 0}); }), HasSubstr("float32"));
+    }
+}
+
+TEST_P(RecordingFormat, MisuseIsRefused) {
+    const auto writer = GetParam().open_writer(file, head());
+    writer->write(10, std::vector<double>{1, 2});
+    EXPECT_THROW(writer->write(10, std::vector<double>{1, 2}), std::invalid_argument);     // goes back
+    EXPECT_THROW(writer->write(11, std::vector<double>{1, 2, 3}), std::invalid_argument);  // no whole row
+    const auto open = [&](const std::function<void(RecordingHead&)>& change) {
+        RecordingHead changed = head();
+        change(changed);
+        GetParam().open_writer(folder.file("misuse"), changed);
+    };
+    EXPECT_THROW(open([](RecordingHead& h) { h.columns.clear(); }), std::invalid_argument);
+    EXPECT_THROW(open([](RecordingHead& h) { h.columns[1].name = h.columns[0].name; }),
+                 std::invalid_argument);
+    EXPECT_THROW(open([](RecordingHead& h) { h.columns[0].name = "t_s"; }), std::invalid_argument);
+    EXPECT_THROW(open([](RecordingHead& h) { h.columns[0].quantity = "../v"; }), std::invalid_argument);
+    EXPECT_THROW(open([](RecordingHead& h) { h.sample_rate_hz = 0; }), std::invalid_argument);
+}
+
+TEST_P(RecordingFormat, FileCutShortAnywhereIsRefused) {
+    const RecordingHead written = head(1);
+    record(written, {recorded_rows(written, 0, 5000), recorded_rows(written, 6000, 5000)});
+    const auto whole = fs::file_size(file);
+    for (const double share : {0.999, 0.99, 0.9, 0.6, 0.3, 0.01, 0.001, 0.0}) {
+        fs::resize_file(file, static_cast<std::uintmax_t>(share * static_cast<double>(whole)));
+        EXPECT_THAT(refusal(), testing::StartsWith("cannot read " + file + ": ")) << share;
+    }
+}
+
+TEST_P(RecordingFormat, ForeignBytesAreRefused) {
+    EXPECT_THAT(refusal(), HasSubstr("No such file"));
+    std::ofstream(file) << std::string(10'000, 'x');
+    EXPECT_THAT(refusal(), testing::StartsWith("cannot read " + file + ": "));
+    file = fs::path(file).parent_path();
+    EXPECT_THAT(refusal(), HasSubstr("not a regular file"));
+}
+
+/// Bytes changed at random: read as something, or refused. What matters is what sanitizers say.
+TEST_P(RecordingFormat, DamageIsNoCrash) {
+    if (GetParam().open_reader == &open_hdf5_reader) {
+        GTEST_SKIP() << "HDF5 1.10 itself does not stand it";
+    }
+    const RecordingHead written = head(1);
+    record(written, {recorded_rows(written, 0, 20), recorded_rows(written, 40, 20)});
+    std::ifstream in(file, std::ios::binary);
+    const std::string good((std::istreambuf_iterator<char>(in)), {});
+    std::mt19937 random(3);
+    int refused = 0;
+    for (int i = 0; i < 3000; ++i) {
+        std::string bad = good;
+        for (int k = 0; k < 3; ++k) {
+            bad[random() % (k == 0 ? bad.size() : 400)] = static_cast<char>(random());
+        }
+        std::ofstream(file, std::ios::binary) << bad;
+        refused += refusal().empty() ? 0 : 1;
+    }
+    EXPECT_GT(refused, 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, RecordingFormat,
+    testing::Values(Format{"npy", NumberType::float64, open_npy_writer, open_npy_reader},
+                    Format{"npy", NumberType::float32, open_npy_writer, open_npy_reader},
+                    Format{"h5", NumberType::float64, open_hdf5_writer, open_hdf5_reader},
+                    Format{"h5", NumberType::float32, open_hdf5_writer, open_hdf5_reader},
+                    Format{"wav", NumberType::float32, open_wav_writer, open_wav_reader}),
+    [](const auto& format) {
+        return std::string(format.param.ending) +
+               (format.param.numbers == NumberType::float32 ? "_f4" : "_f8");
+    });
+
+}  // namespace
+}  // namespace hertzline

@@ -1,0 +1,277 @@
+// Encryption, and who is let in: the handler by itself, and publishers and subscribers over real sockets.
+
+#include "stream/wire/curve.hpp"
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <zmq.hpp>
+
+#include "stream/wire/publisher.hpp"
+#include "stream/wire/subscriber.hpp"
+#include "stream/wire/zap.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline {
+
+using namespace stream;
+namespace {
+
+using namespace std::chrono_literals;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+template <class Condition>
+bool eventually(Condition condition) {
+    const auto end = std::chrono::steady_clock::now() + 20s;
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > end) {
+            return false;
+        }
+        std::this_thread::sleep_for(1ms);
+    }
+    return true;
+}
+
+TEST(Curve, KeysAreForthAndBackAndNeverTheSame) {
+    const KeyPair pair = make_key_pair();
+    EXPECT_NE(pair.public_key, make_key_pair().public_key);
+    EXPECT_TRUE(belong_together(pair));
+    EXPECT_FALSE(belong_together({make_key_pair().public_key, pair.secret_key}));
+    EXPECT_EQ(z85(pair.public_key).size(), 40U);
+    EXPECT_EQ(key_from_z85(z85(pair.public_key)), pair.public_key);
+}
+
+TEST(Curve, WhatIsNoKeyIsNone) {
+    const std::string good = z85(make_key_pair().public_key);
+    for (const std::string& text : {std::string(), good.substr(1), good + "0", good.substr(5), good + "00000",
+                                    '~' + good.substr(1), '"' + good.substr(1), ' ' + good.substr(1),
+                                    '\xff' + good.substr(1), std::string(1, '\0') + good.substr(1),
+                                    "%nSc1" + good.substr(5)}) {  // 2^32: more than four bytes hold
+        EXPECT_EQ(key_from_z85(text), std::nullopt) << text;
+    }
+}
+
+/// Asks a handler as ZeroMQ does.
+class Questions {
+public:
+    explicit Questions(zmq::context_t& context) : socket_(context, zmq::socket_type::req) {
+        socket_.set(zmq::sockopt::linger, 0);
+        socket_.set(zmq::sockopt::rcvtimeo, 20'000);
+        socket_.connect("inproc://zeromq.zap.01");
+    }
+    /// The answer's parts.
+    std::vector<std::string> ask(const std::vector<std::string>& parts) {
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            socket_.send(zmq::buffer(parts[i]),
+                         i + 1 < parts.size() ? zmq::send_flags::sndmore : zmq::send_flags::none);
+        }
+        std::vector<std::string> answer;
+        zmq::message_t part;
+        do {
+            if (!socket_.recv(part)) {
+                return {"no answer"};
+            }
+            answer.push_back(part.to_string());
+        } while (part.more());
+        return answer;
+    }
+
+private:
+    zmq::socket_t socket_;
+};
+
+std::string bytes_of(const CurveKey& key) {
+    return {key.begin(), key.end()};
+}
+
+TEST(ZapHandler, LetsInListedKeysAndNobodyElse) {
+    zmq::context_t context;
+    const CurveKey alice = make_key_pair().public_key;
+    const CurveKey bob = make_key_pair().public_key;
+    const std::string eve = bytes_of(make_key_pair().public_key);
+    const ZapHandler handler(context, {alice, bob});
+    Questions questions(context);
+    const auto answer = [&](const std::string& mechanism, const std::string& key) {
+        return questions.ask({"1.0", "17", "hertzline", "192.0.2.1", "", mechanism, key});
+    };
+    const auto yes = ElementsAre("1.0", "17", "200", "", "", "");
+    const auto no = ElementsAre("1.0", "17", "400", "", "", "");
+    EXPECT_THAT(answer("CURVE", bytes_of(alice)), yes);
+    EXPECT_THAT(answer("CURVE", bytes_of(bob)), yes);
+    EXPECT_EQ(handler.refused(), 0U);
+    EXPECT_THAT(answer("CURVE", eve), no);
+    EXPECT_THAT(answer("NULL", bytes_of(alice)), no);
+    EXPECT_THAT(answer("", bytes_of(alice)), no);
+    EXPECT_THAT(answer("CURVE", ""), no);
+    EXPECT_THAT(answer("CURVE", bytes_of(alice).substr(1)), no);
+    EXPECT_THAT(answer("CURVE", bytes_of(alice) + "x"), no);
+    EXPECT_THAT(answer("CURVE", z85(alice)), no);
+    EXPECT_EQ(handler.refused(), 7U);
+    EXPECT_THAT(answer("CURVE", bytes_of(alice)), yes);
+}
+
+TEST(ZapHandler, AnEmptyListIsNobody) {
+    zmq::context_t context;
+    const ZapHandler handler(context, {});
+    Questions questions(context);
+    EXPECT_EQ(questions.ask({"1.0", "1", "", "", "", "CURVE", std::string(32, '\0')})[2], "400");
+}
+
+TEST(ZapHandler, MalformedRequestsLetNobodyInAndChangeNothing) {
+    zmq::context_t context;
+    const CurveKey listed = make_key_pair().public_key;
+    const std::string alice = bytes_of(listed);
+    const ZapHandler handler(context, {listed});
+    Questions questions(context);
+    const std::vector<std::vector<std::string>> malformed{
+        {""},
+        {"1.0"},
+        {"1.0", "1", "", "", "", "CURVE"},
+        {"1.0", "1", "", "", "", "PLAIN", "user", "password"},
+        {"1.0", "1", "", "", "", "CURVE", alice, alice},
+        {"1.1", "1", "", "", "", "CURVE", alice},
+        {"", "", "", "", "", "", ""},
+        std::vector<std::string>(1000, std::string(1000, 'x')),
+    };
+    for (const auto& request : malformed) {
+        const auto answer = questions.ask(request);
+        ASSERT_EQ(answer.size(), 6U) << request.size();
+        EXPECT_EQ(answer[2], "500") << request.size();
+    }
+    EXPECT_EQ(questions.ask({"1.0", "2", "", "", "", "CURVE", alice})[2], "200");
+}
+
+TEST(ZapHandler, ThereIsOneOnly) {
+    zmq::context_t context;
+    const ZapHandler handler(context, {});
+    EXPECT_THROW(ZapHandler(context, {}), zmq::error_t);
+}
+
+class EncryptedStream : public testing::Test {
+protected:
+    static constexpr std::string_view topic = "meta";
+
+    SubscriberOptions with_key(const KeyPair& own, const CurveKey& server) const {
+        return {.curve = CurveClient{.own = own, .server = server}};
+    }
+    PublisherOptions lets_in(std::vector<CurveKey> clients) const {
+        return {.curve = CurveServer{.own = server_, .clients = std::move(clients)}};
+    }
+    /// Subscribes, and receives a message whole.
+    static void expect_served(Publisher& publisher, const SubscriberOptions& options) {
+        Subscriber subscriber(publisher.endpoint(), options);
+        subscriber.subscribe(topic);
+        ASSERT_TRUE(eventually([&] { return publisher.poll_subscriptions(), publisher.wanted(topic); }));
+        const std::string text(100'000, 'x');
+        publisher.send(topic, text);
+        const Message* message = subscriber.receive(20s);
+        ASSERT_NE(message, nullptr);
+        EXPECT_EQ(message->text(0), text);
+        EXPECT_FALSE(subscriber.refusal());
+    }
+    /// Subscribes, is told why not, and is not heard of.
+    static Refusal refusal_of(Publisher& publisher, const SubscriberOptions& options) {
+        Subscriber subscriber(publisher.endpoint(), options);
+        subscriber.subscribe(topic);
+        std::optional<Refusal> refusal;
+        EXPECT_TRUE(eventually([&] { return (refusal = subscriber.refusal()).has_value(); }));
+        publisher.poll_subscriptions();
+        EXPECT_FALSE(publisher.wanted(topic));
+        return refusal.value_or(Refusal{});
+    }
+
+    KeyPair server_ = make_key_pair();
+    KeyPair alice_ = make_key_pair();
+    KeyPair eve_ = make_key_pair();
+};
+
+TEST_F(EncryptedStream, ServesWhoIsListedOverEachTransport) {
+    const test::TemporaryFolder folder;
+    for (const std::string& endpoint : {std::string("tcp://127.0.0.1:*"), "ipc://" + folder.file("s")}) {
+        Publisher publisher(endpoint, all_topics, lets_in({eve_.public_key, alice_.public_key}));
+        EXPECT_EQ(publisher.security(), Security::curve);
+        expect_served(publisher, with_key(alice_, server_.public_key));
+    }
+}
+
+TEST_F(EncryptedStream, TurnsAwayWhoIsNotListed) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, lets_in({alice_.public_key}));
+    const Refusal refusal = refusal_of(publisher, with_key(eve_, server_.public_key));
+    EXPECT_TRUE(refusal.final);
+    EXPECT_THAT(refusal.reason, HasSubstr("not on its list"));
+    EXPECT_EQ(publisher.refused_clients(), 1U);
+    expect_served(publisher, with_key(alice_, server_.public_key));
+}
+
+TEST_F(EncryptedStream, AListedKeyWithAnotherSecretIsOfNoUse) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, lets_in({alice_.public_key}));
+    refusal_of(publisher, with_key({alice_.public_key, eve_.secret_key}, server_.public_key));
+    expect_served(publisher, with_key(alice_, server_.public_key));
+}
+
+TEST_F(EncryptedStream, DoesNotTalkToWhoWantsAnotherServer) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, lets_in({alice_.public_key}));
+    const Refusal refusal = refusal_of(publisher, with_key(alice_, eve_.public_key));
+    EXPECT_FALSE(refusal.final);  // it hangs up without a word, and so does a publisher that ends
+    EXPECT_THAT(refusal.reason, HasSubstr("hung up during the handshake"));
+    expect_served(publisher, with_key(alice_, server_.public_key));
+}
+
+/// The last word on a connection that only one side encrypts. ZeroMQ may try a few times before it sees why.
+Refusal last_refusal(Publisher& publisher, const SubscriberOptions& options) {
+    Subscriber subscriber(publisher.endpoint(), options);
+    subscriber.subscribe("");
+    Refusal last;
+    EXPECT_TRUE(eventually([&] { return (last = subscriber.refusal().value_or(last)).final; }));
+    EXPECT_EQ(publisher.poll_subscriptions(), 0U);
+    return last;
+}
+
+TEST_F(EncryptedStream, IsNotForPlainSubscribers) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, lets_in({alice_.public_key}));
+    EXPECT_THAT(last_refusal(publisher, {}).reason, HasSubstr("not both"));
+    EXPECT_EQ(publisher.refused_clients(), 0U);
+    expect_served(publisher, with_key(alice_, server_.public_key));
+}
+
+TEST_F(EncryptedStream, IsNotSoughtAtAPlainPublisher) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    EXPECT_EQ(publisher.security(), Security::none);
+    EXPECT_THAT(last_refusal(publisher, with_key(alice_, server_.public_key)).reason, HasSubstr("not both"));
+    expect_served(publisher, {});
+}
+
+/// A publisher's socket by itself, so that its handler can be taken away.
+TEST_F(EncryptedStream, WithoutItsHandlerLetsNobodyIn) {
+    zmq::context_t context;
+    std::optional<ZapHandler> handler(std::in_place, context, std::vector{alice_.public_key});
+    zmq::socket_t socket(context, zmq::socket_type::xpub);
+    socket.set(zmq::sockopt::linger, 0);
+    encrypt_as_server(socket, server_);
+    socket.bind("tcp://127.0.0.1:*");
+    const std::string endpoint = socket.get(zmq::sockopt::last_endpoint);
+    zmq::message_t subscription;
+
+    Subscriber first(endpoint, with_key(alice_, server_.public_key));
+    first.subscribe("a");
+    socket.set(zmq::sockopt::rcvtimeo, 20'000);
+    ASSERT_TRUE(socket.recv(subscription));
+    EXPECT_EQ(subscription.to_string(), "\1a");
+
+    handler.reset();
+    Subscriber second(endpoint, with_key(alice_, server_.public_key));
+    second.subscribe("b");
+    int refusals = 0;
+    EXPECT_TRUE(eventually([&] { return (refusals += second.refusal().has_value() ? 1 : 0) == 3; }));
+    EXPECT_FALSE(socket.recv(subscription, zmq::recv_flags::dontwait));
+}
+
+}  // namespace
+}  // namespace hertzline

@@ -1,0 +1,407 @@
+// Publisher and Subscriber over real sockets. Waiting is bounded and generous: it decides only how long a
+// failing test takes.
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <unistd.h>
+#include <zmq.hpp>
+
+#include "stream/wire/continuity.hpp"
+#include "stream/wire/endpoint.hpp"
+#include "stream/wire/frame_codec.hpp"
+#include "stream/wire/publisher.hpp"
+#include "stream/wire/subscriber.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline {
+
+using namespace stream;
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+constexpr auto patience = 20s;
+
+template <class Condition>
+bool eventually(Condition condition) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > end) {
+            return false;
+        }
+        std::this_thread::sleep_for(1ms);
+    }
+    return true;
+}
+
+/// Waits until the topic is wanted; the subscriptions that came.
+std::size_t subscriptions_until_wanted(Publisher& publisher, std::string_view topic) {
+    std::size_t count = 0;
+    EXPECT_TRUE(eventually([&] {
+        count += publisher.poll_subscriptions();
+        return publisher.wanted(topic);
+    }));
+    return count;
+}
+
+template <class Make>
+std::string error_of(Make make) {
+    try {
+        make();
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+class OverEachTransport : public testing::TestWithParam<const char*> {
+protected:
+    std::string endpoint() const {
+        return std::string(GetParam()) == "ipc" ? "ipc://" + folder_.file("s") : "tcp://127.0.0.1:*";
+    }
+    test::TemporaryFolder folder_;
+};
+INSTANTIATE_TEST_SUITE_P(PublishSubscribe, OverEachTransport, testing::Values("tcp", "ipc"));
+
+TEST_P(OverEachTransport, AMessageArrivesWholeAndUnchanged) {
+    Publisher publisher(endpoint());
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("v_out/np");
+    EXPECT_EQ(subscriptions_until_wanted(publisher, "v_out/np"), 1u);
+    EXPECT_FALSE(publisher.wanted("v_out/raw"));
+
+    const std::vector<float> samples{1.0F, -2.0F, 3.5F};
+    EXPECT_TRUE(publisher.send("v_out/raw", samples));  // not subscribed: must not arrive
+    EXPECT_TRUE(publisher.send("v_out/np", std::string_view("{\"n\":3}"), samples));
+    const Message* message = subscriber.receive(patience);
+    ASSERT_NE(message, nullptr);
+    EXPECT_EQ(message->topic(), "v_out/np");
+    ASSERT_EQ(message->parts(), 2u);
+    EXPECT_EQ(message->text(0), "{\"n\":3}");
+    std::vector<float> received;
+    EXPECT_TRUE(decode_samples(message->bytes(1), received));
+    EXPECT_EQ(received, samples);
+    EXPECT_EQ(subscriber.receive(0ms), nullptr);
+}
+
+TEST_P(OverEachTransport, EverySubscriberIsReportedAndTheLastOneLeaving) {
+    Publisher publisher(endpoint());
+    std::size_t reported = 0;
+    const auto poll = [&] { return reported += publisher.poll_subscriptions(); };
+    {
+        Subscriber first(publisher.endpoint());
+        first.subscribe("meta");
+        EXPECT_TRUE(eventually([&] { return poll() == 1; }));
+        {
+            Subscriber second(publisher.endpoint());
+            second.subscribe("meta");
+            EXPECT_TRUE(eventually([&] { return poll() == 2; }));
+        }
+        first.subscribe("end");
+        EXPECT_TRUE(eventually([&] { return poll() == 3; }));
+        EXPECT_TRUE(publisher.wanted("meta"));
+        first.unsubscribe("end");
+        EXPECT_TRUE(eventually([&] { return poll(), !publisher.wanted("end"); }));
+    }
+    EXPECT_TRUE(eventually([&] { return poll(), !publisher.wanted("meta"); }));
+    EXPECT_EQ(reported, 3u);
+}
+
+TEST_P(OverEachTransport, ASecondPublisherIsRefusedAndTheFirstLivesOn) {
+    Publisher publisher(endpoint());
+    EXPECT_THAT(error_of([&] { Publisher(publisher.endpoint()); }), HasSubstr("address in use"));
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("end");
+    subscriptions_until_wanted(publisher, "end");
+    publisher.send("end", std::string_view("{}"));
+    EXPECT_NE(subscriber.receive(patience), nullptr);
+}
+
+TEST_P(OverEachTransport, EveryFrameThatASlowSubscriberLosesIsAccountedFor) {
+    Publisher publisher(endpoint(), all_topics, {.send_high_water_mark = 10});
+    Subscriber subscriber(publisher.endpoint(), {.receive_high_water_mark = 10});
+    subscriber.subscribe("v_out/np");
+    subscriptions_until_wanted(publisher, "v_out/np");
+
+    FrameHeader header{.stream = "v_out", .fs = 1e7, .run = "run", .n = 4096};
+    const std::vector<float> samples(header.n);
+    std::string json;
+    constexpr std::uint64_t sent = 5000;
+    const auto send = [&](std::uint64_t seq) {
+        header.seq = seq;
+        header.sample = seq * header.n;
+        encode_header(header, json);
+        EXPECT_TRUE(publisher.send("v_out/np", json, samples));
+    };
+    ContinuityCheck check;
+    std::uint64_t last = 0;
+    const auto take = [&](const Message& message) {
+        const auto frame = decode_header(message.text(0), message.bytes(1).size());
+        ASSERT_TRUE(frame) << frame.error();
+        check.take(*frame);
+        last = frame->seq;
+    };
+    send(0);
+    const Message* first = subscriber.receive(patience);
+    ASSERT_NE(first, nullptr);
+    take(*first);
+    for (std::uint64_t seq = 1; seq < sent; ++seq) {  // nobody reads: queues fill, frames vanish
+        send(seq);
+    }
+    std::uint64_t seq = sent;
+    EXPECT_TRUE(eventually([&] {  // reads what is left, and sends on until a later frame has come through
+        send(seq++);
+        while (const Message* message = subscriber.receive(0ms)) {
+            take(*message);
+        }
+        return last >= sent;
+    }));
+    EXPECT_GT(check.totals().lost_on_the_way, 0u);
+    EXPECT_EQ(check.totals().frames + check.totals().lost_on_the_way, last + 1);
+    EXPECT_EQ(check.totals().samples + check.totals().missing_samples, (last + 1) * header.n);
+    EXPECT_EQ(check.totals().dropped_by_sender + check.totals().inconsistent, 0u);
+}
+
+TEST(Publisher, AnyFreePortIsResolved) {
+    const Publisher publisher("tcp://127.0.0.1:*");
+    EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);
+    EXPECT_EQ(publisher.endpoint().find('*'), std::string::npos);
+}
+
+TEST(Publisher, LocalhostAndPortZeroAreBound) {
+    const Publisher publisher("tcp://localhost:0");
+    EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);
+    EXPECT_EQ(endpoint_fault(publisher.endpoint(), EndpointUse::connect), std::nullopt);
+}
+
+TEST(Publisher, BindFailuresNameTheEndpointAndTheReason) {
+    EXPECT_THAT(error_of([] { Publisher("tcp://127.0.0.1:99999"); }), HasSubstr("1 to 65535"));
+    EXPECT_THAT(error_of([] { Publisher("tcp://no-such-interface:*"); }), HasSubstr("no such address"));
+    EXPECT_THAT(error_of([] { Publisher("ipc:///no/such/folder/s"); }), HasSubstr("ipc:///no/such/folder/s"));
+}
+
+TEST(Publisher, NeverDeletesAFileToBindThere) {
+    const test::TemporaryFolder folder;
+    const std::string path = folder.file("thesis.txt");
+    std::ofstream(path) << "years of work";
+    EXPECT_THAT(error_of([&] { Publisher("ipc://" + path); }), HasSubstr("no socket"));
+    EXPECT_EQ(std::filesystem::file_size(path), 13u);
+}
+
+TEST(Publisher, SendingWithoutSubscribersSucceeds) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    for (int i = 0; i < 1000; ++i) {
+        EXPECT_TRUE(publisher.send("meters", std::string_view("{}")));
+    }
+    EXPECT_TRUE(publisher.send("end"));
+}
+
+/// A peer that sends what no subscriber would.
+class Rogue {
+public:
+    explicit Rogue(const std::string& endpoint) : socket_(context_, zmq::socket_type::xsub) {
+        socket_.set(zmq::sockopt::linger, 0);
+        socket_.set(zmq::sockopt::sndhwm, 0);
+        socket_.set(zmq::sockopt::rcvhwm, 1);
+        socket_.connect(endpoint);
+    }
+    void send(std::string_view bytes, zmq::send_flags flags = zmq::send_flags::none) {
+        socket_.send(zmq::const_buffer(bytes.data(), bytes.size()), flags);
+    }
+
+private:
+    zmq::context_t context_;
+    zmq::socket_t socket_;
+};
+
+TEST(Publisher, MalformedSubscriptionsAreCountedAndHarmless) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    Rogue rogue(publisher.endpoint());
+    rogue.send("");
+    rogue.send("\2nonsense");
+    rogue.send("more", zmq::send_flags::sndmore);
+    rogue.send("nonsense");
+    rogue.send(std::string_view("\1\0\xff", 3));
+    rogue.send("\1end");
+    subscriptions_until_wanted(publisher, "end");
+    EXPECT_EQ(publisher.malformed_subscriptions(), 4u);
+    EXPECT_EQ(publisher.foreign_subscriptions(), 1u);
+}
+
+TEST(Publisher, ForgetsAPeerThatTakesNothing) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, {.unread = 100ms});
+    Rogue reads_nothing(publisher.endpoint());  // a queue of one message; then the system's buffers fill
+    reads_nothing.send("\1end");
+    subscriptions_until_wanted(publisher, "end");
+    const std::string text(1 << 20, ' ');
+    for (int i = 0; i < 40; ++i) {
+        publisher.send("end", text);
+    }
+    EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), !publisher.wanted("end"); }));
+}
+
+// libzmq 4.3.4 with heartbeats ends the program: "Assertion failed: !_io_error".
+TEST(Publisher, AFloodThatBreaksOffHarmsNobodyHoweverLateItIsRead) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    {
+        Rogue rogue(publisher.endpoint());
+        for (int i = 0; i < 20'000; ++i) {
+            rogue.send("\1meta");
+        }
+        subscriptions_until_wanted(publisher, "meta");
+    }
+    std::this_thread::sleep_for(std::chrono::seconds(6));  // longer than a heartbeat, if there were any
+    EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions() == 0 && !publisher.wanted("meta"); }));
+}
+
+TEST(Publisher, AnOversizedSubscriptionCostsItsSenderTheConnectionAndNobodyElse) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("meta");
+    subscriptions_until_wanted(publisher, "meta");
+    Rogue rogue(publisher.endpoint());
+    rogue.send("\1end");
+    subscriptions_until_wanted(publisher, "end");
+    rogue.send("\1" + std::string(100'000, 'x'));
+    EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), !publisher.wanted("end"); }));
+    publisher.send("meta", std::string_view("{}"));
+    EXPECT_NE(subscriber.receive(patience), nullptr);
+}
+
+TEST(Publisher, AConnectionThatNeverIntroducesItselfIsCutOff) {
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, {.handshake = 50ms});
+    const int silent = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    const std::string& endpoint = publisher.endpoint();
+    address.sin_port = htons(static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1))));
+    const timeval at_most{.tv_sec = 20, .tv_usec = 0};
+    ASSERT_EQ(::setsockopt(silent, SOL_SOCKET, SO_RCVTIMEO, &at_most, sizeof at_most), 0);
+    ASSERT_EQ(::connect(silent, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    std::array<char, 256> greeting{};
+    ssize_t got = 0;
+    while ((got = ::read(silent, greeting.data(), greeting.size())) > 0) {
+    }
+    EXPECT_EQ(got, 0) << "still connected after 20 s";
+    ::close(silent);
+}
+
+TEST(Publisher, AFloodOfSubscriptionsHidesNoRealOneAndIsCutOff) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    Rogue rogue(publisher.endpoint());
+    for (int i = 0; i < 20'000; ++i) {
+        rogue.send("\1flood" + std::to_string(i));
+    }
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("v_last/raw");
+    EXPECT_EQ(subscriptions_until_wanted(publisher, "v_last/raw"), 1u);
+    EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), publisher.peers_cut_off() > 0; }));
+}
+
+TEST(Publisher, OneWhoSubscribesAFewTimesInVainStays) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    for (int connection = 0; connection < 20; ++connection) {  // one after the other: they share a descriptor
+        Rogue mistaken(publisher.endpoint());
+        for (int i = 0; i < 90; ++i) {
+            mistaken.send("\1nothing" + std::to_string(i));
+        }
+        mistaken.send("\1end");
+        subscriptions_until_wanted(publisher, "end");
+        mistaken.send(std::string_view("\0end", 4));
+        EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions(), !publisher.wanted("end"); }));
+    }
+    EXPECT_EQ(publisher.peers_cut_off(), 0u);
+}
+
+// Ends within the test's time limit only because LINGER, endless by default, is not.
+TEST(Publisher, GoesAwayAlthoughASubscriberDoesNotRead) {
+    std::optional<Publisher> publisher;
+    publisher.emplace("tcp://127.0.0.1:*", all_topics, PublisherOptions{.linger = 10ms, .unread = 600s});
+    const std::string endpoint = publisher->endpoint();
+    Rogue reads_nothing(endpoint);
+    reads_nothing.send("\1v_out/raw");
+    subscriptions_until_wanted(*publisher, "v_out/raw");
+    const std::vector<float> samples(100'000);
+    for (int i = 0; i < 50; ++i) {  // 20 MB: more than the system's buffers take
+        publisher->send("v_out/raw", samples);
+    }
+    publisher.reset();
+    EXPECT_EQ(Publisher(endpoint).endpoint(), endpoint);  // and its address is free again
+}
+
+TEST(Subscriber, RefusesEndpointsToWhichNobodyConnects) {
+    EXPECT_THAT(error_of([] { Subscriber("tcp://*:5573"); }), HasSubstr("host \"*\""));
+    EXPECT_THAT(error_of([] { Subscriber("tcp://127.0.0.1:*"); }), HasSubstr("port \"*\""));
+}
+
+TEST(Subscriber, MayConnectBeforeThePublisherBinds) {
+    const test::TemporaryFolder folder;
+    const std::string endpoint = "ipc://" + folder.file("s");
+    Subscriber subscriber(endpoint);
+    subscriber.subscribe("");
+    EXPECT_EQ(subscriber.receive(0ms), nullptr);
+    Publisher publisher(endpoint);
+    subscriptions_until_wanted(publisher, "end");
+    publisher.send("end", std::string_view("{}"));
+    EXPECT_NE(subscriber.receive(patience), nullptr);
+}
+
+TEST(Subscriber, PassesOverMessagesOfTooManyParts) {
+    zmq::context_t context;
+    zmq::socket_t publisher(context, zmq::socket_type::xpub);
+    publisher.set(zmq::sockopt::linger, 0);
+    publisher.bind("tcp://127.0.0.1:*");
+    Subscriber subscriber(publisher.get(zmq::sockopt::last_endpoint));
+    subscriber.subscribe("");
+    zmq::message_t subscription;
+    ASSERT_TRUE(publisher.recv(subscription));
+    const auto send = [&](int parts) {
+        for (int i = 1; i <= parts; ++i) {
+            publisher.send(zmq::str_buffer("part"),
+                           i < parts ? zmq::send_flags::sndmore : zmq::send_flags::none);
+        }
+    };
+    send(9);
+    send(100);
+    send(8);
+    send(1);
+    const Message* message = subscriber.receive(patience);
+    ASSERT_NE(message, nullptr);
+    EXPECT_EQ(message->parts(), 7u);
+    EXPECT_EQ(message->text(6), "part");
+    message = subscriber.receive(patience);
+    ASSERT_NE(message, nullptr);
+    EXPECT_EQ(message->parts(), 0u);
+    EXPECT_EQ(message->topic(), "part");
+}
+
+TEST(Subscriber, WaitsNoLongerThanAskedAndLongIsNotForEver) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("end");
+    EXPECT_EQ(subscriber.receive(-1ms), nullptr);
+    EXPECT_EQ(subscriber.receive(1ms), nullptr);
+    subscriptions_until_wanted(publisher, "end");
+    publisher.send("end", std::string_view("{}"));
+    EXPECT_NE(subscriber.receive(std::chrono::milliseconds::max()), nullptr);
+}
+
+}  // namespace
+}  // namespace hertzline
