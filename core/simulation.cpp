@@ -3,29 +3,53 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "core/model/energy.hpp"
 #include "core/solvers/sampler.hpp"
-#include "core/solvers/series_solver.hpp"
-#include "core/solvers/stepped_solver.hpp"
+#include "core/step_choice/resolve.hpp"
 
 namespace hertzline {
 
-std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most,
-                                    WavefrontTracking tracking) {
-    if (!scene.numerics.integrator || !scene.numerics.step_s) {
-        throw std::invalid_argument("Simulation: the scene's integrator and step are not resolved");
+namespace {
+
+/// The scene as it can be simulated: what it leaves open is chosen.
+Scene simulable(const Scene& scene) {
+    std::vector<Fault> faults = validate(scene);
+    if (faults.empty() && scene.numerics.integrator && scene.numerics.step_s) {
+        return scene;
     }
-    if (is_series(*scene.numerics.integrator)) {
-        return std::make_unique<SeriesSolver>(scene, chain, most);
+    if (faults.empty()) {
+        ResolvedScene resolved = resolve(scene);
+        if (resolved.faults.empty()) {
+            return std::move(resolved.scene);
+        }
+        faults = std::move(resolved.faults);
     }
-    return std::make_unique<SteppedSolver>(scene, chain, most, tracking);
+    std::string all = "the scene cannot be simulated";
+    for (const Fault& fault : faults) {
+        all += "\n" + fault.key + ": found " + fault.found + ", allowed: " + fault.allowed;
+    }
+    throw std::invalid_argument(all);
 }
 
-Simulation::Simulation(const Scene& scene, Wish most, WavefrontTracking tracking)
-    : chain_(std::make_unique<const Chain>(scene)),
-      step_s_(exact_step(scene.numerics.step_s.value_or(0), scene.output.sample_rate_hz)),
-      solver_(make_solver(scene, *chain_, most, tracking)) {}
+SimulationOptions possible(SimulationOptions options, EndKind end) noexcept {
+    options.taps &= taps_of(end);
+    return options;
+}
+
+}  // namespace
+
+Simulation::Simulation(const Scene& scene, const SimulationOptions& options)
+    : scene_(simulable(scene)),
+      options_(possible(options, scene.end.kind)),
+      chain_(std::make_unique<const Chain>(scene_)),
+      step_s_(exact_step(*scene_.numerics.step_s, scene_.output.sample_rate_hz)),
+      solver_(make_solver(scene_, *chain_, options_)) {}
+
+Samples Simulation::make_samples(std::size_t capacity) const {
+    return {options_.taps, static_cast<std::size_t>(chain_->spheres()), capacity};
+}
 
 void Simulation::reset() noexcept {
     solver_->reset();
@@ -33,35 +57,26 @@ void Simulation::reset() noexcept {
 }
 
 double Simulation::energy_residual() noexcept {
-    const Ledger books = solver_->ledger();
-    const double scale = std::max(std::abs(books.work), books.lost);
+    const Ledger ledger = solver_->ledger();
+    const double scale = std::max(std::abs(ledger.work), ledger.lost);
     if (scale == 0) {
         return 0;
     }
     const ChainState& now = solver_->state();
     const double held =
         kinetic_energy(*chain_, now) + stored_energy(*chain_, now, solver_->horn_displacement());
-    return std::abs(held - books.at_start - books.work + books.lost) / scale;
+    return std::abs(held - ledger.at_start - ledger.work + ledger.lost) / scale;
 }
 
 std::string Simulation::failure() const {
     return status_ == Status::running ? std::string{} : solver_->failure();
 }
 
-Status Simulation::advance(Samples& samples, std::size_t count, Wish wish) noexcept {
-    samples.first = next_sample();
-    samples.count = 0;
-    samples.holds = wish;
-    const auto block = static_cast<std::int64_t>(std::min(count, samples.capacity));
-    if (!wish.outputs && !wish.chain()) {
-        const Status status = skip(block);
-        samples.count = static_cast<std::size_t>(next_sample() - samples.first);
-        return status;
-    }
+Status Simulation::advance(Samples& samples, std::size_t count, TapSet wanted) noexcept {
     if (status_ == Status::running) {
-        status_ = solver_->produce(&samples, block);
-    }
-    if (status_ != Status::running) {
+        status_ = solver_->fill(samples, count, wanted);
+    } else {
+        samples.first = next_sample();
         samples.count = 0;
     }
     return status_;
@@ -74,12 +89,10 @@ Status Simulation::skip(std::int64_t count) noexcept {
     return status_;
 }
 
-double Simulation::memory_bytes(const Scene& scene, Wish most) noexcept {
-    const auto bodies = static_cast<double>(scene.chain.spheres) + 1;
-    const double state_and_constants = bodies * 8 * 11;
-    const bool series = scene.numerics.integrator && is_series(*scene.numerics.integrator);
-    return state_and_constants +
-           (series ? SeriesSolver::memory_bytes(bodies) : SteppedSolver::memory_bytes(bodies, most));
+double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
+    constexpr double columns = 11;  // of Chain and ChainState, a double for each body
+    const double bodies = static_cast<double>(scene.chain.spheres) + 1;
+    return bodies * columns * sizeof(double) + solver_bytes(scene, taps & taps_of(scene.end.kind));
 }
 
 }  // namespace hertzline

@@ -12,23 +12,32 @@
 
 namespace hertzline {
 
+/// A scene in motion. Owns all that it needs; not for several threads at once.
 class Simulation {
 public:
-    /// @param scene validated and resolved (numerics.hpp): integrator and step_s are set. @param most the
-    /// largest wish that advance() will get. @throws std::invalid_argument if the scene is not resolved;
-    /// std::bad_alloc
-    Simulation(const Scene& scene, Wish most, WavefrontTracking tracking = WavefrontTracking::on);
+    /// @param scene what it leaves open (integrator, step) is chosen by resolve(), which takes the time of some bursts.
+    /// @throws std::invalid_argument with every fault of the scene, a line each; std::bad_alloc
+    explicit Simulation(const Scene& scene, const SimulationOptions& options = {});
+
+    /// A block for advance(), with room for all taps of the options. @throws std::bad_alloc
+    Samples make_samples(std::size_t capacity) const;
 
     /// Back to sample 0, at static equilibrium.
     void reset() noexcept;
 
-    /// The next `count` samples (at most samples.capacity). Allocates nothing. If the step turns out to lie
-    /// beyond the stability limit the block comes back empty, and failure() tells where and when.
-    Status advance(Samples& samples, std::size_t count, Wish wish) noexcept;
+    /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room. Allocates nothing. If
+    /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() tells where and when.
+    Status advance(Samples& samples, std::size_t count, TapSet wanted) noexcept;
+    /// The same for all taps of the block.
+    Status advance(Samples& samples, std::size_t count) noexcept {
+        return advance(samples, count, samples.taps());
+    }
 
     /// Passes over the next `count` samples: the motion goes on, nothing is put down.
     Status skip(std::int64_t count) noexcept;
 
+    const Scene& scene() const noexcept { return scene_; }  ///< with integrator and step
+    TapSet taps() const noexcept { return options_.taps; }
     const Chain& chain() const noexcept { return *chain_; }
     /// Step of a grid, or the longest piece of a series [s].
     double step_s() const noexcept { return step_s_; }
@@ -49,9 +58,11 @@ public:
     std::string failure() const;
 
     /// Bytes that a simulation of this scene needs, roughly from above.
-    static double memory_bytes(const Scene& scene, Wish most) noexcept;
+    static double memory_bytes(const Scene& scene, TapSet taps) noexcept;
 
 private:
+    Scene scene_;
+    SimulationOptions options_;
     std::unique_ptr<const Chain> chain_;
     double step_s_;
     std::unique_ptr<Solver> solver_;

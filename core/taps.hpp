@@ -1,5 +1,6 @@
 #pragma once
-// The quantities that can be listened to: their names on the wire, units, and which of them a scene has.
+// Taps: the outputs of a simulation. One row says all that the rest of the program must know of one: its name, unit, channels,
+// columns in files, and whether it is streamed. How it is computed stands in core/solvers/end_taps.cpp.
 
 #include <array>
 #include <bit>
@@ -11,64 +12,105 @@
 
 namespace hertzline {
 
-/// A velocity of the model, sampled at the scene's sample rate.
+/// A quantity of the model, sampled at the scene's sample rate. Streams are listed in this order.
 enum class Tap : unsigned {
     v_out,    ///< transmitted into the medium [m/s]; without a plate the same as v_last
     v_last,   ///< of the last sphere [m/s]
     v_plate,  ///< of the plate [m/s]
     v_chain,  ///< of all spheres [m/s], row-major [sample][sphere], horn side first
+    x_chain,  ///< displacements of all spheres from static equilibrium [m], as v_chain
 };
 
-inline constexpr std::array all_taps{Tap::v_out, Tap::v_last, Tap::v_plate, Tap::v_chain};
+/// How many channels a tap has.
+enum class Extent { one, per_sphere };
 
-struct TapNames {
-    std::string_view name;       ///< the stream's name
-    std::string_view raw_topic;  ///< samples only
-    std::string_view np_topic;   ///< JSON header, then samples
+/// What a scene must have for a tap to exist.
+enum class Requires { nothing, plate };
+
+/// What a recording of a run holds unless told otherwise.
+enum class Recorded { always, with_plate, on_request };
+
+struct TapRow {
+    Tap tap;
+    std::string_view name;  ///< in topics, options and metadata
     std::string_view unit;
+    Extent extent;
+    Requires required;
+    Recorded recorded;
+    bool streamed;
+    std::string_view column;  ///< name in a file, with its unit; '#' stands for the sphere's number
 };
 
-constexpr TapNames names_of(Tap tap) noexcept {
-    constexpr std::array<TapNames, all_taps.size()> table{{
-        {"v_out", "v_out/raw", "v_out/np", "m/s"},
-        {"v_last", "v_last/raw", "v_last/np", "m/s"},
-        {"v_plate", "v_plate/raw", "v_plate/np", "m/s"},
-        {"v_chain", "v_chain/raw", "v_chain/np", "m/s"},
-    }};
-    return table[static_cast<unsigned>(tap)];
+/// All taps, in the order of a recording's columns.
+inline constexpr std::array tap_rows{
+    TapRow{.tap = Tap::v_last,
+           .name = "v_last",
+           .unit = "m/s",
+           .extent = Extent::one,
+           .required = Requires::nothing,
+           .recorded = Recorded::always,
+           .streamed = true,
+           .column = "v_last_m_per_s"},
+    TapRow{.tap = Tap::v_plate,
+           .name = "v_plate",
+           .unit = "m/s",
+           .extent = Extent::one,
+           .required = Requires::plate,
+           .recorded = Recorded::with_plate,
+           .streamed = true,
+           .column = "v_plate_m_per_s"},
+    TapRow{.tap = Tap::v_out,
+           .name = "v_out",
+           .unit = "m/s",
+           .extent = Extent::one,
+           .required = Requires::nothing,
+           .recorded = Recorded::with_plate,
+           .streamed = true,
+           .column = "v_out_m_per_s"},
+    TapRow{.tap = Tap::x_chain,
+           .name = "x_chain",
+           .unit = "m",
+           .extent = Extent::per_sphere,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = false,
+           .column = "x#_m"},
+    TapRow{.tap = Tap::v_chain,
+           .name = "v_chain",
+           .unit = "m/s",
+           .extent = Extent::per_sphere,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "v#_m_per_s"},
+};
+inline constexpr std::size_t tap_count = tap_rows.size();
+
+constexpr const TapRow& row_of(Tap tap) noexcept {
+    for (const TapRow& row : tap_rows) {
+        if (row.tap == tap) {
+            return row;
+        }
+    }
+    return tap_rows.front();  // a value that is no tap
 }
 
-/// The tap of that stream name; nothing when there is none.
+/// The tap of that name; nothing when there is none.
 constexpr std::optional<Tap> tap_named(std::string_view name) noexcept {
-    for (const Tap tap : all_taps) {
-        if (names_of(tap).name == name) {
-            return tap;
+    for (const TapRow& row : tap_rows) {
+        if (row.name == name) {
+            return row.tap;
         }
     }
     return std::nullopt;
 }
 
-/// Topics that are not a tap's.
-inline constexpr std::string_view meta_topic = "meta";
-inline constexpr std::string_view meters_topic = "meters";
-inline constexpr std::string_view end_topic = "end";
+/// Numbers in one sample of the tap.
+constexpr std::size_t channels_of(Tap tap, std::size_t spheres) noexcept {
+    return row_of(tap).extent == Extent::per_sphere ? spheres : 1;
+}
 
-/// Every topic that a stream can have.
-inline constexpr auto all_topics = [] {
-    std::array<std::string_view, 2 * all_taps.size() + 3> topics;
-    std::size_t count = 0;
-    for (const Tap tap : all_taps) {
-        topics[count++] = names_of(tap).raw_topic;
-        topics[count++] = names_of(tap).np_topic;
-    }
-    topics[count++] = meta_topic;
-    topics[count++] = meters_topic;
-    topics[count++] = end_topic;
-    return topics;
-}();
-
-/// A set of taps; a value of four bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of
-/// the enumeration.
+/// A set of taps; a value of 32 bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of the enumeration.
 class TapSet {
 public:
     constexpr TapSet() noexcept = default;
@@ -106,16 +148,46 @@ private:
     constexpr explicit TapSet(unsigned bits) noexcept : bits_(bits) {}
     unsigned bits_ = 0;
 };
+static_assert(tap_count <= 32, "a TapSet has 32 bits");
 
-/// The taps that a scene with this end has: v_plate needs a plate.
-constexpr TapSet taps_of(EndKind end) noexcept {
-    const TapSet always = TapSet(Tap::v_out) | Tap::v_last | Tap::v_chain;
-    return end == EndKind::plate ? always | Tap::v_plate : always;
+/// Numbers in one sample of all of them together; counted in double, so that an absurd number of spheres is a number, too.
+constexpr double channels_of(TapSet taps, double spheres) noexcept {
+    double sum = 0;
+    for (const Tap tap : taps) {
+        sum += row_of(tap).extent == Extent::per_sphere ? spheres : 1;
+    }
+    return sum;
 }
 
-/// Numbers in one sample of the tap.
-constexpr std::size_t channels_of(Tap tap, const Spheres& chain) noexcept {
-    return tap == Tap::v_chain ? static_cast<std::size_t>(chain.spheres) : 1;
+/// The taps for which `keep` holds of their row.
+template <class Keep>
+constexpr TapSet taps_where(Keep keep) noexcept {
+    TapSet taps;
+    for (const TapRow& row : tap_rows) {
+        taps |= keep(row) ? TapSet(row.tap) : TapSet();
+    }
+    return taps;
+}
+
+inline constexpr TapSet all_taps = taps_where([](const TapRow& /*row*/) { return true; });
+
+/// The taps that a scene with this end has.
+constexpr TapSet taps_of(EndKind end) noexcept {
+    return taps_where(
+        [end](const TapRow& row) { return row.required == Requires::nothing || end == EndKind::plate; });
+}
+
+/// Those of them that can be streamed.
+constexpr TapSet streamed_taps(EndKind end) noexcept {
+    return taps_of(end) & taps_where([](const TapRow& row) { return row.streamed; });
+}
+
+/// Those of them that a recording of a run holds unless told otherwise.
+constexpr TapSet recorded_taps(EndKind end) noexcept {
+    return taps_of(end) & taps_where([end](const TapRow& row) {
+               return row.recorded == Recorded::always ||
+                      (row.recorded == Recorded::with_plate && end == EndKind::plate);
+           });
 }
 
 }  // namespace hertzline

@@ -20,6 +20,7 @@
 #include "core/scene/text.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/wire/endpoint.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
 
@@ -49,9 +50,8 @@ Tap tap_of(const ListenOptions& options) {
         return *tap;
     }
     std::vector<std::string> names;
-    names.reserve(all_taps.size());
-    for (const Tap tap : all_taps) {
-        names.emplace_back(names_of(tap).name);
+    for (const Tap tap : streamed_taps(EndKind::plate)) {
+        names.emplace_back(row_of(tap).name);
     }
     throw WrongUse(fmt::format("--stream: found {}, allowed: {}{}", quoted_briefly(options.stream),
                                comma_separated(names), suggestion(options.stream, names)));
@@ -143,8 +143,8 @@ Exit listen(const ListenOptions& options) {
         spdlog::warn(text);
     });
     stream::Subscriber subscriber(options.endpoint, subscriber_options);
-    subscriber.subscribe(meta_topic);
-    subscriber.subscribe(end_topic);
+    subscriber.subscribe(stream::meta_topic);
+    subscriber.subscribe(stream::end_topic);
     listen_to_the_end(subscriber, listening, line, options);
     line.clear();
 

@@ -63,9 +63,9 @@ Listening::Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::s
 void Listening::take(const stream::Message& message) {
     if (message.topic() == topic()) {
         take_frame(message);
-    } else if (message.topic() == meta_topic) {
+    } else if (message.topic() == stream::meta_topic) {
         take_meta(message);
-    } else if (message.topic() == end_topic) {
+    } else if (message.topic() == stream::end_topic) {
         take_end(message);
     }
 }
@@ -101,9 +101,9 @@ void Listening::take_meta(const stream::Message& message) {
     for (const Json& stream : meta["streams"]) {
         names.push_back(printable(text_in(stream, "name")));
     }
-    if (std::ranges::find(names, names_of(tap_).name) == names.end()) {
+    if (std::ranges::find(names, row_of(tap_).name) == names.end()) {
         notify_(
-            fmt::format("this run has no stream {}, it has {}", names_of(tap_).name, comma_separated(names)));
+            fmt::format("this run has no stream {}, it has {}", row_of(tap_).name, comma_separated(names)));
         end(Ending::no_such_stream);
     }
 }
@@ -134,7 +134,7 @@ void Listening::begin(const stream::FrameHeader& header) {
     fs_ = header.fs;
     channels_ = header.channels;
     first_sample_ = header.sample;
-    const stream::RecordingHead head{.columns = stream::tap_columns(tap_, channels_),
+    const stream::RecordingHead head{.columns = stream::recorded_columns(tap_, channels_),
                                      .sample_rate_hz = fs_,
                                      .numbers = stream::NumberType::float32,
                                      .provenance = provenance_};
@@ -241,7 +241,7 @@ std::string Listening::text() const {
 Json Listening::summary() const {
     const stream::ContinuityTotals& totals = check_.totals();
     Json summary;
-    summary["stream"] = names_of(tap_).name;
+    summary["stream"] = row_of(tap_).name;
     summary["run"] = run_;
     summary["fs"] = fs_;
     summary["channels"] = channels_;

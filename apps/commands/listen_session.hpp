@@ -13,6 +13,7 @@
 #include "stream/recordings/recording_set.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
 
@@ -58,7 +59,7 @@ public:
     /// The stream has said what it is.
     bool knows_the_run() const noexcept { return knows_the_run_; }
     /// Of the frames that are listened to.
-    std::string_view topic() const noexcept { return names_of(tap_).np_topic; }
+    std::string_view topic() const noexcept { return stream::topics_of(tap_).np; }
 
     bool heard_samples() const noexcept { return check_.totals().frames > 0; }
     double simulated_s() const noexcept { return fs_ > 0 ? static_cast<double>(samples_) / fs_ : 0; }

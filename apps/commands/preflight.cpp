@@ -23,10 +23,8 @@ constexpr double max_rows = 268'435'456;   // 2^28, the longest record that a sp
 constexpr double block_numbers = 1 << 18;  // of --all in a block: 2 MiB
 constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
 
-double block_bytes(const Scene& scene, stream::RecordedBodies bodies) noexcept {
-    const double all =
-        bodies == stream::RecordedBodies::all ? 2 * static_cast<double>(scene.chain.spheres) : 0;
-    return static_cast<double>(block_of_run(scene, bodies)) * sizeof(double) * (3 + all);
+double numbers_of(const Scene& scene, TapSet taps) noexcept {
+    return channels_of(taps, static_cast<double>(scene.chain.spheres));
 }
 
 }  // namespace
@@ -39,45 +37,44 @@ double rows_of_run(const Scene& scene) noexcept {
     return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
 }
 
-Wish wish_for(stream::RecordedBodies bodies) noexcept {
-    const bool all = bodies == stream::RecordedBodies::all;
-    return {.outputs = true, .chain_velocities = all, .chain_displacements = all};
+std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
+    return static_cast<std::size_t>(std::clamp(block_numbers / numbers_of(scene, taps), 1.0, longest_block));
 }
 
-std::size_t block_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept {
-    const double numbers =
-        bodies == stream::RecordedBodies::all ? 2 * static_cast<double>(scene.chain.spheres) : 0;
-    return static_cast<std::size_t>(std::clamp(block_numbers / (3 + numbers), 1.0, longest_block));
-}
-
-double memory_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept {
+double memory_of_run(const Scene& scene, TapSet taps) noexcept {
     const double rows = rows_of_run(scene);
-    return Simulation::memory_bytes(scene, wish_for(bodies)) + block_bytes(scene, bodies) +
-           rows * sizeof(double) + stream::SpectrumAnalyser::bytes_needed(rows);
+    const double block_bytes =
+        static_cast<double>(block_of_run(scene, taps)) * sizeof(double) * numbers_of(scene, taps);
+    return Simulation::memory_bytes(scene, taps) + block_bytes + rows * sizeof(double) +
+           stream::SpectrumAnalyser::bytes_needed(rows);
+}
+
+double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps) {
+    return stream::recording_bytes(file, numbers_of(scene, taps), samples);
 }
 
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
-                           stream::RecordedBodies bodies) {
+                           TapSet taps) {
     for (const std::string& file : files) {
-        const double bytes = stream::recording_bytes(file, stream::recorded_numbers(scene, bodies), samples);
+        const double bytes = file_bytes(scene, samples, file, taps);
         if (const auto shortage = stream::disk_shortage(file, bytes)) {
             throw std::runtime_error(*shortage);
         }
     }
 }
 
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, stream::RecordedBodies bodies) {
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet taps) {
     const double rows = rows_of_run(scene);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
-    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, bodies))) {
+    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, taps))) {
         throw std::runtime_error(*shortage);
     }
     if (rows > max_rows) {
         throw std::runtime_error(
             fmt::format("{} is too long: the spectrum takes at most {} rows", run, number_text(max_rows)));
     }
-    refuse_disk_shortages(scene, rows, files, bodies);
+    refuse_disk_shortages(scene, rows, files, taps);
 }
 
 void refuse_wrong_files(std::span<const std::string> files) {

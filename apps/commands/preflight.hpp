@@ -1,5 +1,5 @@
 #pragma once
-// What a run takes, in rows and bytes; counted in double, so that an absurd wish is a number too.
+// What a run takes, in rows and bytes; counted in double, so that an absurd request is a number, too.
 
 #include <filesystem>
 #include <span>
@@ -7,7 +7,6 @@
 
 #include "core/scene/scene.hpp"
 #include "core/simulation.hpp"
-#include "stream/recordings/row_builder.hpp"
 
 namespace hertzline::app {
 
@@ -15,21 +14,21 @@ namespace hertzline::app {
 /// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
 double rows_of_run(const Scene& scene) noexcept;
 
-/// What a block of a run shall hold.
-Wish wish_for(stream::RecordedBodies bodies) noexcept;
-
 /// Samples that are simulated, then written, at a time.
-std::size_t block_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept;
+std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 
 /// The simulation, its blocks, the record of v_out and its spectrum.
-double memory_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept;
+double memory_of_run(const Scene& scene, TapSet taps) noexcept;
+
+/// Bytes of a recording of the taps in the format of that file, at most.
+double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps);
 
 /// Throws std::runtime_error when there is not enough disk for one of the files with so many samples.
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
-                           stream::RecordedBodies bodies);
+                           TapSet taps);
 
 /// Throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, stream::RecordedBodies bodies);
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet taps);
 
 /// Throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
 /// recording.

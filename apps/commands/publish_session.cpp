@@ -42,7 +42,7 @@ std::string local_endpoint(std::string endpoint) {
 void announce(const stream::Publisher& publisher, const stream::Pipeline& pipeline) {
     std::vector<std::string_view> streams;
     for (const Tap tap : pipeline.format().taps) {
-        streams.push_back(names_of(tap).name);
+        streams.push_back(row_of(tap).name);
     }
     spdlog::info("endpoint {}", publisher.endpoint());
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),

@@ -12,6 +12,7 @@
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/resources.hpp"
 #include "stream/sources/replay_source.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
 
@@ -88,7 +89,7 @@ Exit replay(const ReplayOptions& options) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();
-    stream::Publisher publisher(options.streaming.endpoint, all_topics,
+    stream::Publisher publisher(options.streaming.endpoint, stream::all_topics,
                                 publisher_options(source.format(), curve));
     ProgressLine line;
     stream::Pipeline pipeline(plan, source, publisher, nullptr);

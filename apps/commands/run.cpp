@@ -17,6 +17,7 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
@@ -38,7 +39,8 @@ constexpr const char* examples =
 struct RunOptions {
     SceneRequest scene;
     std::vector<std::string> files;
-    stream::RecordedBodies bodies = stream::RecordedBodies::outputs;
+    std::vector<std::string> taps;  ///< to be recorded beside the usual ones
+    bool all_bodies = false;
     Format format = Format::text;
 };
 
@@ -54,20 +56,49 @@ struct RunRecord {
 };
 
 void keep(const Samples& block, RunRecord& record) {
-    for (std::size_t i = 0; i < block.count; ++i) {
-        record.peak_v_last = std::max(record.peak_v_last, std::abs(block.v_last[i]));
-        record.peak_v_out = std::max(record.peak_v_out, std::abs(block.v_out[i]));
-    }
-    record.v_out.insert(record.v_out.end(), block.v_out.data(), block.v_out.data() + block.count);
+    const auto peak_of = [&block](Tap tap, double peak) {
+        for (const double value : block[tap]) {
+            peak = std::max(peak, std::abs(value));
+        }
+        return peak;
+    };
+    record.peak_v_last = peak_of(Tap::v_last, record.peak_v_last);
+    record.peak_v_out = peak_of(Tap::v_out, record.peak_v_out);
+    record.v_out.insert(record.v_out.end(), block[Tap::v_out].begin(), block[Tap::v_out].end());
 }
 
-RunRecord simulate(Simulation& simulation, const Scene& scene, stream::RecordedBodies bodies,
-                   stream::RecordingSet& recordings) {
-    stream::RowBuilder recorder(recordings, bodies);
+/// The taps that the recordings hold. @throws WrongUse for a name that is no tap of the scene
+TapSet asked_taps(const RunOptions& options, EndKind end) {
+    TapSet taps = recorded_taps(end);
+    if (options.all_bodies) {
+        taps |= TapSet(Tap::v_chain) | Tap::x_chain;
+    }
+    std::vector<std::string> names;
+    for (const Tap tap : taps_of(end)) {
+        names.emplace_back(row_of(tap).name);
+    }
+    for (const std::string& name : options.taps) {
+        const auto tap = tap_named(name);
+        if (!tap || !taps_of(end).contains(*tap)) {
+            throw WrongUse(fmt::format("--tap: found {}, allowed: {}{}", quoted_briefly(name),
+                                       comma_separated(names), suggestion(name, names)));
+        }
+        taps |= *tap;
+    }
+    return taps;
+}
+
+/// Those and what the summary is made of.
+TapSet needed_taps(TapSet recorded) noexcept {
+    return recorded | Tap::v_last | Tap::v_out;
+}
+
+RunRecord simulate(Simulation& simulation, TapSet recorded, stream::RecordingSet& recordings) {
+    const Scene& scene = simulation.scene();
+    stream::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
-    const Wish wish = wish_for(bodies);
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
-    Samples block(simulation.chain(), block_of_run(scene, bodies), wish);
+    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
     RunRecord record;
     record.v_out.reserve(rows);
     ProgressLine line;
@@ -80,14 +111,14 @@ RunRecord simulate(Simulation& simulation, const Scene& scene, stream::RecordedB
         }
         const stream::Nanoseconds before = stream::MonotonicClock::now();
         const Status status =
-            simulation.advance(block, std::min(block.capacity, rows - record.v_out.size()), wish);
+            simulation.advance(block, std::min(block.capacity(), rows - record.v_out.size()));
         const stream::Nanoseconds after = stream::MonotonicClock::now();
         record.busy += after - before;
         if (status != Status::running) {
             throw std::runtime_error(simulation.failure());
         }
         keep(block, record);
-        recorder.write(block);
+        row_builder.write(block);
         if (wants_files && !recordings.any_left()) {
             throw std::runtime_error("no recording is left, the run was ended");
         }
@@ -150,17 +181,19 @@ Exit run(const RunOptions& options) {
     refuse_wrong_files(options.files);
     const ResolvedScene resolved = resolved_scene(options.scene);
     const Scene& scene = resolved.scene;
-    refuse_shortages(scene, options.files, options.bodies);
+    const TapSet recorded = asked_taps(options, scene.end.kind);
+    refuse_shortages(scene, options.files, needed_taps(recorded));
     stop_asked();  // from here on there are files to be cleaned up
-    Simulation simulation(scene, wish_for(options.bodies));
-    const stream::RecordingHead head{.columns = stream::recorded_columns(scene, options.bodies),
-                                     .sample_rate_hz = scene.output.sample_rate_hz,
-                                     .provenance = stream::provenance_json(
-                                         {scene, resolved.estimated_error,
-                                          stream::utc_text(std::chrono::system_clock::now()), std::nullopt})};
+    Simulation simulation(scene, {.taps = needed_taps(recorded)});
+    const stream::RecordingHead head{
+        .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
+        .sample_rate_hz = scene.output.sample_rate_hz,
+        .provenance =
+            stream::provenance_json({scene, resolved.estimated_error,
+                                     stream::utc_text(std::chrono::system_clock::now()), std::nullopt})};
     stream::RecordingSet recordings(options.files, head,
                                     [](const std::string& text) { spdlog::error(text); });
-    const RunRecord record = simulate(simulation, scene, options.bodies, recordings);
+    const RunRecord record = simulate(simulation, recorded, recordings);
     if (record.stopped) {
         spdlog::error("stopped before the end, nothing was saved");
         return Exit::failed;
@@ -181,9 +214,10 @@ Command run_command(CLI::App& program) {
         *command, "-o,--output", options->files,
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
         ->type_name("FILE");
-    command->add_flag_callback(
-        "--all", [options] { options->bodies = stream::RecordedBodies::all; },
-        "save every sphere's displacement and velocity too");
+    command->add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
+    add_repeatable_option(*command, "--tap", options->taps,
+                          "save this tap too; repeatable (its name, as in hertzline stream)")
+        ->type_name("NAME");
     add_format_option(*command, options->format, "print the summary as one JSON object");
     command->footer(examples);
     return {command, [options] { return run(*options); }};

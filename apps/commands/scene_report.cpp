@@ -83,7 +83,7 @@ void add_end(Values& values, const Scene& scene, const Chain& chain) {
     values.push_back({"plate", "frequency, alone", "plate_frequency_hz", "Hz",
                       if_any(plate, std::sqrt(stiffness / (mass / 4)) / two_pi)});
     values.push_back(
-        {"plate", "transmission sqrt(Tm Tw)", "transmission", "", if_any(plate, chain.transmission)});
+        {"plate", "transmission sqrt(Tm Tw)", "transmission", "", if_any(plate, chain.end.transmission)});
 }
 
 /// The fastest mode over the first burst and half as long again; nothing when that takes too many steps.
@@ -95,7 +95,7 @@ Value fastest_in_motion(const Scene& scene) {
     if (body_steps > max_body_steps) {
         return {};
     }
-    Simulation simulation(scene, wish_for(stream::RecordedBodies::outputs));
+    Simulation simulation(scene);
     const double samples = std::max(1.0, watched * scene.output.sample_rate_hz);
     if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
         return {};
@@ -161,16 +161,13 @@ void add_step(Values& values, const ResolvedScene& resolved) {
 
 void add_costs(Values& values, const Scene& scene) {
     const double rows = rows_of_run(scene);
+    const TapSet recorded = recorded_taps(scene.end.kind);
     values.push_back({"run", "rows", "rows", "", rows});
-    values.push_back({"run", "memory, at most", "run_memory_bytes", "bytes",
-                      memory_of_run(scene, stream::RecordedBodies::outputs)});
-    const auto csv_bytes = [&](stream::RecordedBodies bodies) {
-        return stream::recording_bytes("run.csv", stream::recorded_numbers(scene, bodies), rows);
-    };
-    values.push_back(
-        {"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(stream::RecordedBodies::outputs)});
-    values.push_back(
-        {"run", "CSV of --all, at most", "csv_all_bytes", "bytes", csv_bytes(stream::RecordedBodies::all)});
+    values.push_back({"run", "memory, at most", "run_memory_bytes", "bytes", memory_of_run(scene, recorded)});
+    const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
+    values.push_back({"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
+    values.push_back({"run", "CSV of --all, at most", "csv_all_bytes", "bytes",
+                      csv_bytes(recorded | Tap::v_chain | Tap::x_chain)});
     values.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
                       stream::SimulationSource::memory_bytes(scene) +
                           stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene))});

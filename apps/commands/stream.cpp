@@ -19,6 +19,7 @@
 #include "stream/recordings/row_builder.hpp"
 #include "stream/resources.hpp"
 #include "stream/sources/simulation_source.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
 
@@ -46,7 +47,7 @@ void refuse_shortages(const StreamArguments& options, const Scene& scene, const 
     }
     if (plan.samples) {
         refuse_disk_shortages(scene, static_cast<double>(*plan.samples), options.recordings,
-                              stream::RecordedBodies::outputs);
+                              recorded_taps(scene.end.kind));
     }
 }
 
@@ -68,21 +69,22 @@ Exit stream(const StreamArguments& options) {
     plan.about = about(resolved, plan.run);
     refuse_shortages(options, scene, plan);
     stop_asked();  // from here on there are files to be cleaned up
-    stream::SimulationSource source(scene, !options.recordings.empty());
-    stream::Publisher publisher(options.streaming.endpoint, all_topics,
+    const TapSet recorded = recorded_taps(scene.end.kind);
+    stream::SimulationSource source(scene, options.recordings.empty() ? TapSet() : recorded);
+    stream::Publisher publisher(options.streaming.endpoint, stream::all_topics,
                                 publisher_options(source.format(), curve));
     ProgressLine line;
     stream::RecordingSet recordings(
         options.recordings,
-        {.columns = stream::recorded_columns(scene, stream::RecordedBodies::outputs),
+        {.columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
          .provenance = plan.about},
         [&line](const std::string& text) {
             line.clear();
             spdlog::error("{}; the stream goes on", text);
         });
-    stream::RowBuilder recorder(recordings, stream::RecordedBodies::outputs);
-    stream::Pipeline pipeline(plan, source, publisher, recordings.any_left() ? &recorder : nullptr);
+    stream::RowBuilder row_builder(recordings, recorded);
+    stream::Pipeline pipeline(plan, source, publisher, recordings.any_left() ? &row_builder : nullptr);
     stream_to_the_end(pipeline, publisher, line, options.streaming.format,
                       [&](Json& summary, const stream::StreamMeters& meters) {
                           // Before subscribers hear of the end recordings are complete, or known not to be.

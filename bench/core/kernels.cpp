@@ -22,17 +22,17 @@ Scene moving(std::int64_t spheres, Integrator integrator) {
 
 void step(benchmark::State& state, Integrator integrator) {
     const Scene scene = moving(state.range(0), integrator);
-    Simulation simulation(scene, {});
-    Samples part(simulation.chain(), 16, {});
+    Simulation simulation(scene);
+    Samples part = simulation.make_samples(16);
     simulation.skip(20);
     std::int64_t steps = 0;
     for (auto _ : state) {
         const std::int64_t before = simulation.steps();
-        if (simulation.advance(part, 16, {}) != Status::running) {
+        if (simulation.advance(part, 16) != Status::running) {
             state.SkipWithError("unstable");
             break;
         }
-        benchmark::DoNotOptimize(part.v_out.data());
+        benchmark::DoNotOptimize(part[Tap::v_out].data());
         steps += simulation.steps() - before;
         if (simulation.next_sample() > 5000) {
             state.PauseTiming();

@@ -20,10 +20,10 @@ namespace {
 
 using namespace hertzline;
 
-/// Something to be run over and over: a scene, what is wished for, and how long.
+/// Something to be run over and over: a scene, what is asked for, and how long.
 struct Job {
     Scene scene;
-    Wish wish;
+    SimulationOptions options;
     double simulated_s;
 };
 
@@ -49,9 +49,9 @@ std::vector<Comparison> comparisons() {
         change(scene);
         return scene;
     };
-    const Wish outputs{.ledger = false};
-    const Wish nothing{.outputs = false, .ledger = false};
-    const Wish all{.outputs = true, .chain_velocities = true, .chain_displacements = true, .ledger = false};
+    const SimulationOptions outputs{.ledger = LedgerKeeping::off};
+    const SimulationOptions nothing{.taps = {}, .ledger = LedgerKeeping::off};
+    const SimulationOptions all{.taps = all_taps, .ledger = LedgerKeeping::off};
     const auto rests = [](Scene& s) { s.numerics.rest_tolerance = 1e-3; };
     const auto clamped = [](Scene& s) { s.chain.tension = Tension::clamped; };
     const auto wall = [](Scene& s) { s.end.kind = EndKind::wall; };
@@ -72,7 +72,7 @@ std::vector<Comparison> comparisons() {
 class Run {
 public:
     explicit Run(const Job& job)
-        : job_(job), simulation_(job.scene, job.wish), block_(simulation_.chain(), 1000, job.wish) {}
+        : job_(job), simulation_(job.scene, job.options), block_(simulation_.make_samples(1000)) {}
 
     /// Wall time of a run from rest [s].
     double operator()() {
@@ -81,7 +81,7 @@ public:
         simulation_.reset();
         const auto begin = Clock::now();
         while (simulation_.next_sample() < samples) {
-            if (simulation_.advance(block_, 1000, job_.wish) != Status::running) {
+            if (simulation_.advance(block_, 1000) != Status::running) {
                 std::fprintf(stderr, "bench_skipping: %s\n", simulation_.failure().c_str());
                 return 0;
             }

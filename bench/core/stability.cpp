@@ -153,7 +153,7 @@ SeriesRun run_series(Scene scene, Integrator integrator, double step) {
     const double looks = 500;
     const double end = simulated_s(scene, 0);
     scene.output.sample_rate_hz = looks / end;
-    Simulation simulation(scene, {});
+    Simulation simulation(scene);
     SeriesRun run{0, 0, 0};
     for (int i = 0; i < static_cast<int>(looks); ++i) {
         if (simulation.skip(1) != Status::running) {

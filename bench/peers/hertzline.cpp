@@ -43,26 +43,25 @@ std::string setting_text(const Numerics& numerics) {
 class Run {
 public:
     explicit Run(const Scene& scene)
-        : simulation_(scene, outputs), block_(simulation_.chain(), block, outputs) {}
+        : simulation_(scene, {.ledger = LedgerKeeping::off}),  // the peers keep none, either
+          block_(simulation_.make_samples(block)) {}
 
     void operator()(Trace& trace) {
         simulation_.reset();
         for (std::size_t from = 0; from < trace.v_last.size(); from += block_.count) {
-            if (simulation_.advance(block_, std::min(block, trace.v_last.size() - from), outputs) !=
-                Status::running) {
+            if (simulation_.advance(block_, std::min(block, trace.v_last.size() - from)) != Status::running) {
                 throw std::runtime_error(simulation_.failure());
             }
-            std::copy_n(block_.v_last.begin(), block_.count, trace.v_last.begin() + from);
+            std::ranges::copy(block_[Tap::v_last], trace.v_last.begin() + from);
             if (!trace.v_plate.empty()) {
-                std::copy_n(block_.v_plate.begin(), block_.count, trace.v_plate.begin() + from);
-                std::copy_n(block_.v_out.begin(), block_.count, trace.v_out.begin() + from);
+                std::ranges::copy(block_[Tap::v_plate], trace.v_plate.begin() + from);
+                std::ranges::copy(block_[Tap::v_out], trace.v_out.begin() + from);
             }
         }
     }
 
 private:
     static constexpr std::size_t block = 1024;
-    static constexpr Wish outputs{.ledger = false};  // the peers keep no books, either
     Simulation simulation_;
     Samples block_;
 };
@@ -73,9 +72,9 @@ std::vector<Contender> hertzline_contenders(const Scene& scene) {
     std::vector<Contender> list;
     for (const auto& integrator : Words<Integrator>::all) {
         for (const Numerics& numerics : ladder(integrator.choice)) {
-            Scene wish = scene;
-            wish.numerics = numerics;
-            const ResolvedScene settled = resolve(wish);
+            Scene asked = scene;
+            asked.numerics = numerics;
+            const ResolvedScene settled = resolve(asked);
             if (settled.faults.empty()) {  // else the step is beyond the stability limit
                 list.push_back(
                     {Kind::ours, "hertzline " + std::string(integrator.text), setting_text(numerics),

@@ -32,7 +32,7 @@ Problem problem(const Scene& scene, std::size_t samples) {
     const Chain chain(scene);
     const double length = scene.drive.amplitude_m;
     const double force = length / (time_unit * time_unit);  // with masses in kg
-    const bool plate = chain.end == EndKind::plate;
+    const bool plate = chain.end.has_plate;
     const auto spheres = static_cast<std::size_t>(chain.spheres());
     const std::size_t bodies = spheres + (plate ? 1 : 0);
     Problem p{
@@ -52,10 +52,10 @@ Problem problem(const Scene& scene, std::size_t samples) {
         .sample_period = 1 / scene.output.sample_rate_hz / time_unit,
         .samples = samples,
         .velocity_unit = length / time_unit,
-        .transmission = chain.transmission,
+        .transmission = chain.end.transmission,
     };
-    if (chain.end != EndKind::wall) {
-        p.load.back() = chain.end_load_n / force;  // the plate's, or the last sphere's at a free end
+    if (chain.end.loaded != EndLoad::none) {
+        p.load.back() = chain.preload_n / force;  // the plate's, or the last sphere's at a free end
     }
     return p;
 }

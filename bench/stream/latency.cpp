@@ -25,6 +25,7 @@
 #include "stream/sources/simulation_source.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace {
 
@@ -42,7 +43,7 @@ struct Arrival {
 std::vector<Arrival> note_arrivals(const std::string& endpoint, Tap tap) {
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
     subscriber.subscribe(end_topic);
-    subscriber.subscribe(names_of(tap).np_topic);
+    subscriber.subscribe(topics_of(tap).np);
     std::vector<Arrival> arrivals;
     while (const Message* message = subscriber.receive(std::chrono::seconds(10))) {
         const Nanoseconds now = MonotonicClock::now();
@@ -90,7 +91,7 @@ struct Measured {
 };
 
 Measured stream(const Scene& scene, Tap tap, double seconds) {
-    SimulationSource source(scene, false);
+    SimulationSource source(scene, TapSet());
     Publisher publisher("tcp://127.0.0.1:*", all_topics, Pipeline::publisher_options(source.format()));
     Pipeline pipeline({.about = nlohmann::ordered_json::object(),
                        .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
@@ -132,7 +133,7 @@ nlohmann::ordered_json report(const Scene& scene, Tap tap, double seconds) {
     const auto quantile = [&](double q) {
         return latency[static_cast<std::size_t>(q * static_cast<double>(latency.size() - 1))];
     };
-    const std::string name(names_of(tap).name);
+    const std::string name(row_of(tap).name);
     std::printf("%-8s %10zu %8lld %10.3f %10.3f %10.3f %10.3f\n", name.c_str(), latency.size(),
                 static_cast<long long>(measured.meters.frames) - static_cast<long long>(latency.size()),
                 quantile(0) * 1e3, quantile(0.5) * 1e3, quantile(0.99) * 1e3, quantile(1) * 1e3);

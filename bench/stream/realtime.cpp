@@ -33,6 +33,7 @@
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace {
 
@@ -91,19 +92,8 @@ Scene streamed_scene() {
     return resolve(*parse_scene(find_shipped_scene(scene_name)->text, scene_name).scene).scene;
 }
 
-const std::vector<double>& column(const Samples& samples, Tap tap) {
-    switch (tap) {
-        case Tap::v_out:
-            return samples.v_out;
-        case Tap::v_last:
-            return samples.v_last;
-        case Tap::v_plate:
-            return samples.v_plate;
-        case Tap::v_chain:
-            break;
-    }
-    return samples.chain_v;
-}
+/// What is subscribed to, in this order.
+constexpr std::array offered{Tap::v_out, Tap::v_last, Tap::v_plate, Tap::v_chain};
 
 /// 64 bits of a frame's bytes; four lanes of multiply and shift, so that listening stays cheap.
 std::uint64_t fingerprint(std::span<const std::byte> bytes) {
@@ -145,8 +135,8 @@ struct Heard {
 Heard hear(Subscriber& subscriber, std::size_t streams) {
     std::map<std::string, Tap, std::less<>> taps;
     for (std::size_t i = 0; i < streams; ++i) {
-        const std::string topic(names_of(all_taps[i]).np_topic);
-        taps[topic] = all_taps[i];
+        const std::string topic{std::string_view(topics_of(offered[i]).np)};
+        taps[topic] = offered[i];
         subscriber.subscribe(topic);
     }
     subscriber.subscribe(end_topic);
@@ -172,22 +162,19 @@ Heard hear(Subscriber& subscriber, std::size_t streams) {
 }
 
 /// Frames that are not what the simulation gives here.
-std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<ReceivedFrame>& frames,
-                                     Wish wish) {
-    Simulation simulation(scene, wish);
-    Samples samples(simulation.chain(), static_cast<std::size_t>(scene.output.frame_samples), wish);
+std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<ReceivedFrame>& frames) {
+    Simulation simulation(scene, {.taps = streamed_taps(scene.end.kind)});
+    Samples samples = simulation.make_samples(static_cast<std::size_t>(scene.output.frame_samples));
     std::vector<float> values;
     std::vector<ReceivedFrame> wrong;
     for (const ReceivedFrame& frame : frames) {
         const auto sample = static_cast<std::int64_t>(frame.sample);
         if (samples.first != sample || samples.count != frame.samples) {
             simulation.skip(sample - simulation.next_sample());
-            simulation.advance(samples, frame.samples, wish);
+            simulation.advance(samples, frame.samples);
         }
-        const std::vector<double>& expected = column(samples, frame.tap);
-        const std::size_t width = frame.tap == Tap::v_chain ? samples.spheres : 1;
-        values.assign(expected.begin(),
-                      expected.begin() + static_cast<std::ptrdiff_t>(width * frame.samples));
+        const std::span<const double> expected = samples[frame.tap];
+        values.assign(expected.begin(), expected.end());
         if (fingerprint(std::as_bytes(std::span(values))) != frame.fingerprint) {
             wrong.push_back(frame);
         }
@@ -203,11 +190,11 @@ struct Account {
     std::uint64_t differing = 0;
     bool ended = false;
 };
-using Accounts = std::array<Account, all_taps.size()>;
+using Accounts = std::array<Account, offered.size()>;
 
 /// The program's count of frames for a stream's topic, those that it discarded included.
 std::uint64_t sent(const nlohmann::json& summary, Tap tap) {
-    const std::string name(names_of(tap).name);
+    const std::string name(row_of(tap).name);
     return summary.at(name + "_np_sent").get<std::uint64_t>() +
            summary.at(name + "_np_dropped").get<std::uint64_t>();
 }
@@ -215,8 +202,6 @@ std::uint64_t sent(const nlohmann::json& summary, Tap tap) {
 Accounts listen(std::size_t streams) {
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
     const Heard heard = hear(subscriber, streams);
-    const bool chain = streams == all_taps.size();
-    const Wish wish{.outputs = true, .chain_velocities = chain, .chain_displacements = false};
     Accounts accounts;
     for (const auto& [tap, check] : heard.checks) {
         Account& account = accounts[static_cast<std::size_t>(tap)];
@@ -228,7 +213,7 @@ Accounts listen(std::size_t streams) {
             account.missing = heard.end_frames - account.frames;  // lost before the end
         }
     }
-    for (const ReceivedFrame& wrong : differing(streamed_scene(), heard.frames, wish)) {
+    for (const ReceivedFrame& wrong : differing(streamed_scene(), heard.frames)) {
         ++accounts[static_cast<std::size_t>(wrong.tap)].differing;
     }
     return accounts;
@@ -277,7 +262,7 @@ nlohmann::ordered_json report(const Accounts& accounts, const nlohmann::json& su
         missing += account.missing;
         wrong += account.differing;
         ended = ended && account.ended;
-        unaccounted += sent(summary, all_taps[i]) - account.frames - account.missing;
+        unaccounted += sent(summary, offered[i]) - account.frames - account.missing;
     }
     return {{"samples_received", samples}, {"frames_received", frames}, {"frames_missing", missing},
             {"frames_that_differ", wrong}, {"end_heard", ended},        {"frames_unaccounted", unaccounted}};
@@ -288,7 +273,7 @@ void measure(const std::string& seconds, const std::string& words) {
     const std::size_t streams = std::stoul(words);
     const std::size_t x = words.find('x');
     const std::size_t listeners = x == std::string::npos ? 1 : std::stoul(words.substr(x + 1));
-    if (streams < 1 || streams > all_taps.size()) {
+    if (streams < 1 || streams > offered.size()) {
         throw std::runtime_error("found " + words + ", allowed: 1 to 4 streams");
     }
     const Program program(seconds, listeners == 1);

@@ -24,6 +24,7 @@
 
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 #include "tests/support/counting_source.hpp"
 
 namespace {
@@ -148,8 +149,8 @@ double median(std::vector<double> values) {
 nlohmann::ordered_json compare(std::int64_t frame_samples, double seconds) {
     std::vector<double> raw, np, alone, raw_ratio, np_ratio;
     for (int round = 0; round < rounds; ++round) {
-        raw.push_back(ours(frame_samples, names_of(Tap::v_out).raw_topic, seconds));
-        np.push_back(ours(frame_samples, names_of(Tap::v_out).np_topic, seconds));
+        raw.push_back(ours(frame_samples, topics_of(Tap::v_out).raw, seconds));
+        np.push_back(ours(frame_samples, topics_of(Tap::v_out).np, seconds));
         alone.push_back(plain(frame_samples, seconds));
         raw_ratio.push_back(raw.back() / alone.back());
         np_ratio.push_back(np.back() / alone.back());

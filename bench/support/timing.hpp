@@ -19,15 +19,15 @@ struct Timing {
 inline Timing time_run(const Scene& resolved, std::int64_t samples, int repetitions = 9) {
     using Clock = std::chrono::steady_clock;
     constexpr std::size_t block = 1024;
-    Simulation simulation(resolved, {});
-    Samples part(simulation.chain(), block, {});
+    Simulation simulation(resolved);
+    Samples part = simulation.make_samples(block);
     std::vector<double> times;
     for (int run = 0; run <= repetitions; ++run) {
         simulation.reset();
         const auto begin = Clock::now();
         while (simulation.next_sample() < samples) {
             const std::int64_t left = samples - simulation.next_sample();
-            if (simulation.advance(part, static_cast<std::size_t>(std::min<std::int64_t>(block, left)), {}) !=
+            if (simulation.advance(part, static_cast<std::size_t>(std::min<std::int64_t>(block, left))) !=
                 Status::running) {
                 return {};
             }

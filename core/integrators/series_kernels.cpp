@@ -81,35 +81,15 @@ void sample_body(const SeriesPiece& piece, std::size_t slot, bool velocities, Sa
     }
 }
 
-void sample_outputs(const SeriesPiece& piece, const OutputSlots& slots, SampleTimes times, std::size_t count,
-                    OutputSink out) {
-    const Doubles d;
-    const BodySeries last(piece, slots.last);
-    const BodySeries plate(piece, slots.plate);
-    const Vec transmitted = hn::Set(d, slots.transmitted);
-    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-        const Vec z = moments(times, i);
-        const Vec v_last = last.velocity(z);
-        put_down(v_last, out.last + i, count - i, 1);
-        if (out.plate == nullptr) {
-            put_down(v_last, out.out + i, count - i, 1);
-        } else {
-            const Vec v_plate = plate.velocity(z);
-            put_down(v_plate, out.plate + i, count - i, 1);
-            put_down(hn::Add(hn::Mul(transmitted, v_last), v_plate), out.out + i, count - i, 1);
-        }
-    }
-}
-
 template <int Degree>
 SeriesKernels for_rows(std::size_t rows) {
     switch (rows) {
         case 1:
-            return {take_piece<1, Degree>, sample_outputs, sample_body};
+            return {take_piece<1, Degree>, sample_body};
         case 2:
-            return {take_piece<2, Degree>, sample_outputs, sample_body};
+            return {take_piece<2, Degree>, sample_body};
         default:
-            return {take_piece<0, Degree>, sample_outputs, sample_body};
+            return {take_piece<0, Degree>, sample_body};
     }
 }
 

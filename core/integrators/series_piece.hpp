@@ -99,25 +99,10 @@ struct SampleTimes {
     double per_sample;
 };
 
-/// Where the outputs come from, and where they go; no plate: a null pointer.
-struct OutputSlots {
-    std::size_t last;    ///< slot of the last sphere
-    std::size_t plate;   ///< of the plate
-    double transmitted;  ///< part of the last sphere's velocity that goes into the medium directly
-};
-struct OutputSink {
-    double* last;
-    double* plate;
-    double* out;
-};
-
 struct SeriesKernels {
     /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its
     /// end.
     void (*piece)(SimdChain& chain, SeriesPiece& piece);
-    /// The outputs [m/s] at `count` samples. Without the onset force.
-    void (*outputs)(const SeriesPiece& piece, const OutputSlots& slots, SampleTimes times, std::size_t count,
-                    OutputSink out);
     /// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride`
     /// doubles apart. Without the onset force.
     void (*samples)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,

@@ -1,8 +1,8 @@
 #include "core/model/chain.hpp"
 
+#include <cassert>
 #include <numbers>
 
-#include "core/model/coupling.hpp"
 #include "core/model/hertz.hpp"
 
 namespace hertzline {
@@ -20,7 +20,7 @@ double sphere_mass(const Solid& material, double radius_m) {
 }  // namespace
 
 Chain::Chain(const Scene& scene)
-    : end(scene.end.kind),
+    : end(end_model(scene)),
       // without dashpots nothing pulls: then there is nothing to clamp, and no grazing force to decide about
       tension(scene.chain.damping_kg_per_s > 0 ? scene.chain.tension : Tension::allowed),
       preload_n(scene.chain.preload_n) {
@@ -31,31 +31,17 @@ Chain::Chain(const Scene& scene)
 
     stiffness.setConstant(n + 1, sphere_sphere_stiffness(sphere, radius));
     stiffness[0] = flat_sphere_stiffness(horn, sphere, radius);
+    stiffness[n] = end.contact_stiffness;
     damping.setConstant(n + 1, scene.chain.damping_kg_per_s);
+    damping[n] = end.contact_damping;
     inv_mass.setConstant(n + 1, 1 / sphere_mass(sphere, radius));
     spring.setZero(n + 1);
     bias.setZero(n + 1);
-
-    if (end == EndKind::free) {
-        stiffness[n] = 0;
-        damping[n] = 0;
-        inv_mass[n] = 0;
-        end_load_n = preload_n;
-    } else {
-        const Solid& disc = solid(scene, scene.end.material);
-        stiffness[n] = flat_sphere_stiffness(disc, sphere, radius);
-        inv_mass[n] = 0;
-        if (end == EndKind::plate) {
-            inv_mass[n] = 4 / plate_mass(disc, scene.end);
-            spring[n] = plate_stiffness(disc, scene.end);
-            transmission = output_transmission(scene);
-            if (scene.end.preload == PlatePreload::as_printed) {
-                bias[n] = preload_n;
-            } else {
-                end_load_n = preload_n;
-            }
-        }
-    }
+    assert(end.modes.size() <= 1 && "the chain carries one mode of the end");
+    const EndMode mode = end.modes.empty() ? EndMode{} : end.modes.front();
+    inv_mass[n] = mode.inv_mass;
+    spring[n] = mode.spring;
+    bias[n] = mode.load;
 
     static_overlap = stiffness.unaryExpr(
         [this](double k) { return k > 0 ? hertzline::static_overlap(k, preload_n) : 1.0; });

@@ -10,20 +10,22 @@
 
 #include <Eigen/Core>
 
+#include "core/model/end.hpp"
 #include "core/scene/scene.hpp"
 
 namespace hertzline {
 
 struct Chain {
-    explicit Chain(const Scene& scene);  ///< the scene must have passed validate()
+    /// @param scene has passed validate(). @throws std::bad_alloc
+    explicit Chain(const Scene& scene);
 
     Eigen::Index spheres() const noexcept { return stiffness.size() - 1; }
     Eigen::Index bodies() const noexcept { return stiffness.size(); }
 
     // per contact
     Eigen::ArrayXd stiffness;  ///< k [N/m^(3/2)]; 0 where nothing can touch (free end)
-    Eigen::ArrayXd
-        static_overlap;  ///< delta0 [m]; 1 at the contact of a free end, which never opens nor pushes
+    /// delta0 [m]; 1 at the contact of a free end, which never opens nor pushes
+    Eigen::ArrayXd static_overlap;
     Eigen::ArrayXd static_force;  ///< k delta0^(3/2) [N], rounded as the kernels round it
     Eigen::ArrayXd damping;       ///< lambda [kg/s]
 
@@ -32,12 +34,9 @@ struct Chain {
     Eigen::ArrayXd spring;    ///< stiffness to ground [N/m]: K_m of a plate, else 0
     Eigen::ArrayXd bias;      ///< constant force that the static state leaves unbalanced [N]
 
-    EndKind end;
+    EndModel end;
     Tension tension;
     double preload_n;  ///< F0 [N]
-    double end_load_n =
-        0;  ///< constant force toward the horn that does work on the end's motion, see energy.hpp [N]
-    double transmission = 1;  ///< sqrt(T_m T_w) of a plate; 1 otherwise
 };
 
 }  // namespace hertzline

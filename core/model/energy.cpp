@@ -23,7 +23,15 @@ double stored_energy(const Chain& chain, const ChainState& state, double horn_x)
     }
     const Eigen::Index n = chain.spheres();
     energy += chain.spring[n] * state.x[n] * state.x[n] / 2;
-    return energy + chain.end_load_n * state.x[chain.end == EndKind::free ? n - 1 : n];
+    switch (chain.end.loaded) {
+        case EndLoad::none:
+            return energy;
+        case EndLoad::last_sphere:
+            return energy + chain.preload_n * state.x[n - 1];
+        case EndLoad::end:
+            return energy + chain.preload_n * state.x[n];
+    }
+    return energy;
 }
 
 }  // namespace hertzline

@@ -12,11 +12,11 @@ namespace hertzline {
 struct ChainState {
     explicit ChainState(const Chain& chain)
         : x(chain.bodies()), v(chain.bodies()), closed(chain.bodies()), peak_overlap(chain.bodies()) {
-        rest(chain);
+        reset(chain);
     }
 
     /// Back to static equilibrium.
-    void rest(const Chain& chain) noexcept {
+    void reset(const Chain& chain) noexcept {
         reset_motion(chain);
         peak_overlap = chain.static_overlap;
         step = 0;
@@ -32,8 +32,8 @@ struct ChainState {
     Eigen::ArrayXd x;       ///< displacement from static equilibrium [m], bodies()
     Eigen::ArrayXd v;       ///< velocity [m/s], bodies()
     Eigen::ArrayXd closed;  ///< 1 while the contact touches, else 0, contacts()
-    Eigen::ArrayXd
-        peak_overlap;  ///< largest overlap so far [m], contacts(); tells whether the step is still stable
+    /// Largest overlap so far [m], contacts(); tells whether the step is still stable.
+    Eigen::ArrayXd peak_overlap;
     std::int64_t step = 0;  ///< steps taken; time is step * h, never accumulated
 };
 

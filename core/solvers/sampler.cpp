@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 namespace hertzline {
 
@@ -65,105 +66,103 @@ struct Exactly {
     double velocity(std::size_t body) const noexcept { return row.v[body]; }
 };
 
-/// Where samples go: plain pointers, so that writing one does not make the compiler look up the others again.
-struct Sink {
-    explicit Sink(Samples& samples) noexcept
-        : spheres(samples.spheres),
-          last(samples.holds.outputs ? samples.v_last.data() : nullptr),
-          plate(samples.v_plate.data()),
-          out(samples.v_out.data()),
-          chain_v(samples.holds.chain_velocities ? samples.chain_v.data() : nullptr),
-          chain_x(samples.holds.chain_displacements ? samples.chain_x.data() : nullptr) {}
-    std::size_t spheres;
-    double* last;
-    double* plate;
-    double* out;
-    double* chain_v;
-    double* chain_x;
-};
-
-struct Ending {
-    bool plate;
-    double transmission;
-    double overlap;
-    std::size_t body;  ///< the end's place in a row
-};
-
-template <class Moment>
-void put(const Sink& sink, std::size_t i, const Ending& end, const Moment& moment) noexcept {
-    if (sink.last != nullptr) {
-        const double v_last = moment.velocity(end.body - 1);
-        double v_out = v_last;
-        if (end.plate) {
-            const double v_plate = moment.velocity(end.body);
-            const double overlap =
-                end.overlap + (moment.displacement(end.body - 1) - moment.displacement(end.body));
-            v_out = (overlap > 0 ? end.transmission * v_last : 0) + v_plate;
-            sink.plate[i] = v_plate;
-        }
-        sink.last[i] = v_last;
-        sink.out[i] = v_out;
-    }
-    if (sink.chain_v != nullptr) {
-        double* const v = sink.chain_v + i * sink.spheres;
-        for (std::size_t s = 0; s < sink.spheres; ++s) {
-            v[s] = moment.velocity(s);
-        }
-    }
-    if (sink.chain_x != nullptr) {
-        double* const x = sink.chain_x + i * sink.spheres;
-        for (std::size_t s = 0; s < sink.spheres; ++s) {
-            x[s] = moment.displacement(s);
-        }
-    }
+/// Whether the taps show more of the chain than its far end.
+bool of_all_bodies(TapSet taps) noexcept {
+    return taps.contains(Tap::v_chain) || taps.contains(Tap::x_chain);
 }
 
 }  // namespace
 
-StepPosition StepPosition::of(double steps) noexcept {
-    const auto whole = static_cast<std::int64_t>(steps);  // not negative: the same as floor, but quicker
-    return {whole, static_cast<std::uint64_t>((steps - static_cast<double>(whole)) * 0x1p64)};
-}
+/// Puts moments down as samples.
+class Sampler::Writer {
+public:
+    /// @param bodies in a row of the trace; the last is the end
+    Writer(Samples& samples, EndTaps& end_taps, const Chain& chain, std::size_t bodies) noexcept
+        : samples_(samples),
+          end_taps_(end_taps),
+          v_chain_(column(Tap::v_chain)),
+          x_chain_(column(Tap::x_chain)),
+          motion_(end_taps.columns(samples)),
+          shows_end_(EndTaps::any_of(samples.holds)),
+          end_overlap_(chain.static_overlap[chain.spheres()]),
+          end_(bodies - 1) {}
+    Writer(const Writer&) = delete;
+    Writer& operator=(const Writer&) = delete;
+    ~Writer() { fill(); }
 
-StepPosition StepPosition::times(std::int64_t n) const noexcept {
-    // schoolbook multiplication of the 64-bit fraction, in halves
-    const auto count = static_cast<std::uint64_t>(n);
-    const std::uint64_t mask = 0xffffffffU;
-    const std::uint64_t low = (part & mask) * (count & mask);
-    const std::uint64_t middle = (part >> 32U) * (count & mask) + (low >> 32U);
-    const std::uint64_t other = (part & mask) * (count >> 32U) + (middle & mask);
-    const std::uint64_t carry = (part >> 32U) * (count >> 32U) + (middle >> 32U) + (other >> 32U);
-    return {step * n + static_cast<std::int64_t>(carry), part * count};
-}
-
-Samples::Samples(const Chain& chain, std::size_t capacity_, Wish most)
-    : Samples(static_cast<std::size_t>(chain.spheres()), chain.end == EndKind::plate, capacity_, most) {}
-
-Samples::Samples(std::size_t spheres_, bool plate, std::size_t capacity_, Wish most)
-    : capacity(capacity_), spheres(spheres_) {
-    if (most.outputs) {
-        v_last.resize(capacity);
-        v_out.resize(capacity);
-        v_plate.resize(plate ? capacity : 0);
+    template <class Moment>
+    void put(const Moment& moment) noexcept {
+        put_chain(moment);
+        if (shows_end_) {
+            put_end(moment);
+        }
+        if (++motion_.count == EndTaps::max_count) {
+            fill();
+        }
     }
-    chain_v.resize(most.chain_velocities ? capacity * spheres : 0);
-    chain_x.resize(most.chain_displacements ? capacity * spheres : 0);
-}
+
+private:
+    double* column(Tap tap) const noexcept {
+        return samples_.holds.contains(tap) ? samples_.room(tap).data() : nullptr;
+    }
+
+    template <class Moment>
+    void put_chain(const Moment& moment) const noexcept {
+        const std::size_t spheres = samples_.spheres();
+        const std::size_t at = (samples_.count + motion_.count) * spheres;
+        for (std::size_t s = 0; v_chain_ != nullptr && s < spheres; ++s) {
+            v_chain_[at + s] = moment.velocity(s);
+        }
+        for (std::size_t s = 0; x_chain_ != nullptr && s < spheres; ++s) {
+            x_chain_[at + s] = moment.displacement(s);
+        }
+    }
+
+    template <class Moment>
+    void put_end(const Moment& moment) const noexcept {
+        const std::size_t i = motion_.count;
+        const double x_last = moment.displacement(end_ - 1);
+        const double x_end = moment.displacement(end_);
+        motion_.v_last[i] = moment.velocity(end_ - 1);
+        motion_.v_end[i] = moment.velocity(end_);
+        motion_.closed[i] = end_overlap_ + (x_last - x_end) > 0;
+        if (motion_.x_last != nullptr) {
+            motion_.x_last[i] = x_last;
+            motion_.x_end[i] = x_end;
+        }
+    }
+
+    /// The taps of what was put down so far.
+    void fill() noexcept {
+        end_taps_.fill(samples_, motion_);
+        samples_.count += motion_.count;
+        motion_ = end_taps_.columns(samples_);
+    }
+
+    Samples& samples_;
+    EndTaps& end_taps_;
+    double* v_chain_;
+    double* x_chain_;
+    EndMotion motion_;
+    bool shows_end_;
+    double end_overlap_;
+    std::size_t end_;
+};
 
 double exact_step(double step_s, double sample_rate_hz) noexcept {
     const int grid = steps_on_grid(1 / (sample_rate_hz * step_s));
     return grid > 0 ? 1 / (sample_rate_hz * grid) : step_s;
 }
 
-Sampler::Sampler(const Chain& chain, double sample_rate_hz, double step_s, Wish most)
-    : grid_(steps_on_grid(1 / (sample_rate_hz * step_s))),
-      sample_period_(grid_ > 0 ? StepPosition{grid_, 0} : StepPosition::of(1 / (sample_rate_hz * step_s))),
+Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps)
+    : chain_(chain),
+      grid_(steps_on_grid(1 / (scene.output.sample_rate_hz * step_s))),
+      sample_period_(grid_ > 0 ? FixedTime{grid_, 0}
+                               : FixedTime::of(1 / (scene.output.sample_rate_hz * step_s))),
       step_s_(step_s),
-      plate_(chain.end == EndKind::plate),
-      transmission_(chain.transmission),
-      end_overlap_(chain.static_overlap[chain.spheres()]) {
+      end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     trace_.bodies = chain.bodies();
-    trace_.first_body = most.chain() ? 0 : chain.spheres() - 1;
+    trace_.first_body = of_all_bodies(taps) ? 0 : chain.spheres() - 1;
     trace_.between = grid_ == 0;
     trace_.every = std::max(grid_, 1);
     trace_.capacity = trace_rows(static_cast<double>(trace_.row_size()) * sizeof(double), trace_.between);
@@ -175,21 +174,21 @@ Sampler::Sampler(const Chain& chain, double sample_rate_hz, double step_s, Wish 
     trace_.steps = steps_.data();
 }
 
-void Sampler::reset(const Chain& chain) noexcept {
+void Sampler::reset() noexcept {
     next_sample_ = 0;
     next_position_ = {};
     std::fill_n(trace_.rows, trace_.row_size(), 0.0);
-    const Eigen::Index end = chain.spheres();
-    trace_.rows[trace_.row_size() - 1] = chain.bias[end] * chain.inv_mass[end];
+    const Eigen::Index end = chain_.spheres();
+    trace_.rows[trace_.row_size() - 1] = chain_.bias[end] * chain_.inv_mass[end];
     trace_.steps[0] = 0;
     trace_.fractions[0] = 0;
     trace_.count = 1;
 }
 
 std::int64_t Sampler::step_needed(std::int64_t end) const noexcept {
-    StepPosition last = next_position_;
+    FixedTime last = next_position_;
     last.advance(sample_period_.times(end - 1 - next_sample_));
-    return last.step + (last.part > 0 ? 1 : 0);
+    return last.rounded_up();
 }
 
 kernels::Trace& Sampler::wanted_from(std::int64_t step) noexcept {
@@ -212,22 +211,24 @@ void Sampler::passed_over(std::int64_t end) noexcept {
 }
 
 void Sampler::emit(Samples* samples, std::int64_t end) noexcept {
+    std::optional<Writer> writer;
+    if (samples != nullptr) {
+        writer.emplace(*samples, end_taps_, chain_, trace_.row_size() / 3);
+    }
     if (grid_ > 0) {
-        emit_rows(samples, end);
+        emit_rows(writer ? &*writer : nullptr, end);
     } else {
-        emit_between(samples, end);
+        emit_between(writer ? &*writer : nullptr, end);
     }
 }
 
 /// On the grid each row is a sample.
-void Sampler::emit_rows(Samples* samples, std::int64_t end) noexcept {
+void Sampler::emit_rows(Writer* writer, std::int64_t end) noexcept {
     const std::size_t bodies = trace_.row_size() / 3;
-    const Ending ending{plate_, transmission_, end_overlap_, bodies - 1};
     std::size_t row = 0;
     for (; row < trace_.count && next_sample_ < end; ++row, ++next_sample_) {
-        if (samples != nullptr) {
-            const Row at(trace_.rows + row * trace_.row_size(), bodies);
-            put(Sink(*samples), samples->count++, ending, Exactly{at});
+        if (writer != nullptr) {
+            writer->put(Exactly{Row(trace_.rows + row * trace_.row_size(), bodies)});
         }
         next_position_.advance(sample_period_);
     }
@@ -235,10 +236,9 @@ void Sampler::emit_rows(Samples* samples, std::int64_t end) noexcept {
 }
 
 /// Off the grid a sample lies between two rows, which enclose a smooth piece of the motion.
-void Sampler::emit_between(Samples* samples, std::int64_t end) noexcept {
+void Sampler::emit_between(Writer* writer, std::int64_t end) noexcept {
     const std::size_t bodies = trace_.row_size() / 3;
-    const Ending ending{plate_, transmission_, end_overlap_, bodies - 1};
-    StepPosition at = next_position_;
+    FixedTime at = next_position_;
     std::size_t row = 0;
     for (; row + 1 < trace_.count && next_sample_ < end; ++row) {
         const std::int64_t base = trace_.steps[row];
@@ -247,11 +247,11 @@ void Sampler::emit_between(Samples* samples, std::int64_t end) noexcept {
         const Row from(trace_.rows + row * trace_.row_size(), bodies);
         const Row to(trace_.rows + (row + 1) * trace_.row_size(), bodies);
         const double per_span = close > begin ? 1 / (close - begin) : 0;
-        const auto moment = [&] { return static_cast<double>(at.step - base) + at.fraction(); };
+        const auto moment = [&] { return static_cast<double>(at.whole - base) + at.fraction(); };
         for (double when = moment(); when < close && next_sample_ < end; when = moment()) {
-            if (samples != nullptr) {
+            if (writer != nullptr) {
                 const Hermite weights((close - begin) * step_s_, (when - begin) * per_span);
-                put(Sink(*samples), samples->count++, ending, Between{from, to, weights});
+                writer->put(Between{from, to, weights});
             }
             ++next_sample_;
             at.advance(sample_period_);
@@ -261,12 +261,11 @@ void Sampler::emit_between(Samples* samples, std::int64_t end) noexcept {
         }
     }
     // the last sample asked for may coincide with the last row
-    const bool on_last = next_sample_ < end && row + 1 == trace_.count && trace_.steps[row] == at.step &&
+    const bool on_last = next_sample_ < end && row + 1 == trace_.count && trace_.steps[row] == at.whole &&
                          trace_.fractions[row] == at.fraction();
     if (on_last) {
-        if (samples != nullptr) {
-            const Row last(trace_.rows + row * trace_.row_size(), bodies);
-            put(Sink(*samples), samples->count++, ending, Exactly{last});
+        if (writer != nullptr) {
+            writer->put(Exactly{Row(trace_.rows + row * trace_.row_size(), bodies)});
         }
         ++next_sample_;
         at.advance(sample_period_);
@@ -284,8 +283,8 @@ void Sampler::drop_rows_before(std::size_t row) noexcept {
     trace_.count = kept;
 }
 
-double Sampler::bytes(double bodies, Wish most) noexcept {
-    const double row = 24 * (most.chain() ? bodies : 2);
+double Sampler::bytes(double bodies, TapSet taps) noexcept {
+    const double row = 24 * (of_all_bodies(taps) ? bodies : 2);
     return row * static_cast<double>(trace_rows(row, true));
 }
 

@@ -8,16 +8,19 @@
 
 #include "core/integrators/simd_chain.hpp"
 #include "core/samples.hpp"
+#include "core/solvers/end_taps.hpp"
+#include "core/solvers/fixed_time.hpp"
 
 namespace hertzline {
 
+/// Turns the rows that a kernel records into samples.
 class Sampler {
 public:
-    /// @param most the largest wish that samples will be made for
-    Sampler(const Chain& chain, double sample_rate_hz, double step_s, Wish most);
+    /// @param chain outlives the sampler @param taps all that samples will be made of
+    Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps);
 
     /// Back to sample 0, the static equilibrium.
-    void reset(const Chain& chain) noexcept;
+    void reset() noexcept;
 
     std::int64_t next_sample() const noexcept { return next_sample_; }
 
@@ -36,27 +39,28 @@ public:
 
     kernels::Trace& trace() noexcept { return trace_; }
 
-    static double bytes(double bodies, Wish most) noexcept;
+    static double bytes(double bodies, TapSet taps) noexcept;
 
 private:
-    void emit_rows(Samples* samples, std::int64_t end) noexcept;
-    void emit_between(Samples* samples, std::int64_t end) noexcept;
+    class Writer;
+
+    void emit_rows(Writer* writer, std::int64_t end) noexcept;
+    void emit_between(Writer* writer, std::int64_t end) noexcept;
     void drop_rows_before(std::size_t row) noexcept;
 
-    int grid_;  ///< steps per sample when that is a whole number; 0: samples lie between steps
-    StepPosition sample_period_;  ///< in steps
+    const Chain& chain_;
+    int grid_;                 ///< steps per sample when that is a whole number; 0: samples lie between steps
+    FixedTime sample_period_;  ///< in steps
     double step_s_;
-    bool plate_;
-    double transmission_;
-    double end_overlap_;  ///< static, of the last contact [m]
+    EndTaps end_taps_;
     std::vector<double> rows_, fractions_;
     std::vector<std::int64_t> steps_;
     kernels::Trace trace_;
     std::int64_t next_sample_ = 0;
-    StepPosition next_position_;  ///< of that sample
+    FixedTime next_position_;  ///< of that sample, in steps
 };
 
-/// The step that is used for a wish of `step_s`: one that divides the sample period but for rounding is taken
+/// The step that is used when `step_s` is asked for: one that divides the sample period but for rounding is taken
 /// to divide it.
 double exact_step(double step_s, double sample_rate_hz) noexcept;
 

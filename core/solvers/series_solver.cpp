@@ -32,11 +32,6 @@ constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are comput
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
 
-double difference(StepPosition a, StepPosition b) noexcept {
-    const auto steps = static_cast<double>(a.step - b.step);
-    return steps + (a.fraction() - b.fraction());
-}
-
 /// Overlap [m] whose elastic force changes a velocity by less than the tolerance [m/s] in a step. Below it a
 /// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
 /// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
@@ -53,7 +48,7 @@ double SeriesSolver::phase_for(double tolerance) noexcept {
     return std::pow(tolerance / at_one, 1 / exponent);
 }
 
-SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
+SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
     : chain_(chain),
       sample_period_s_(1 / scene.output.sample_rate_hz),
       burst_(scene.drive, sample_period_s_),
@@ -63,7 +58,8 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
       piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()),
              kernels::series_degree(*scene.numerics.integrator),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
-      kernels_(kernels::series_kernels(*scene.numerics.integrator, folded_.rows())) {
+      kernels_(kernels::series_kernels(*scene.numerics.integrator, folded_.rows())),
+      end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
     folded_.step_s = unit;
@@ -75,7 +71,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
     piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
-    piece_.keeps_ledger = most.ledger;
+    piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
     const double rest_velocity = scene.numerics.rest_tolerance * velocity_scale(chain, scene.drive, omega);
     const bool rests_at_zero = chain.preload_n > 0 && (chain.bias == 0).all();
     rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
@@ -83,7 +79,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
 }
 
 void SeriesSolver::reset() noexcept {
-    state_.rest(chain_);
+    state_.reset(chain_);
     folded_.fold(chain_, state_, chain_.bodies());
     folded_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
@@ -158,7 +154,7 @@ void SeriesSolver::next_piece() noexcept {
     constexpr double sliver = 1e-9;  // [samples]
     if (smooth_.left_s - since_look_up < sliver * sample_period_s_) {
         const double before = horn_displacement();
-        smooth_ = burst_.smooth(begin_.step, begin_.fraction());
+        smooth_ = burst_.smooth(begin_.whole, begin_.fraction());
         smooth_from_ = begin_;
         since_look_up = 0;
         set_horn(0);
@@ -171,12 +167,12 @@ void SeriesSolver::next_piece() noexcept {
     if (rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_) {
         sleep();
         constexpr double longest = 1e15;  // [samples]: for good
-        end_.advance(StepPosition::of(std::min(longest, left_s / sample_period_s_)));
+        end_.advance(FixedTime::of(std::min(longest, left_s / sample_period_s_)));
         return;
     }
     piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
     kernels_.piece(folded_, piece_);
-    end_.advance(StepPosition::of(piece_.length * samples_per_unit_));
+    end_.advance(FixedTime::of(piece_.length * samples_per_unit_));
 }
 
 /// Whether the pieces have become so short that time hardly goes on: looked into once in max_pieces.
@@ -219,7 +215,7 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
     const std::int64_t end = next_sample_ + count;
     while (next_sample_ < end) {
         // samples k with begin <= k < end lie in the present piece
-        const std::int64_t beyond = std::min(end, end_.step + (end_.part > 0 ? 1 : 0));
+        const std::int64_t beyond = std::min(end, end_.rounded_up());
         if (next_sample_ < beyond) {
             if (samples != nullptr) {
                 emit(*samples, beyond - next_sample_);
@@ -235,76 +231,77 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
     return finite() ? Status::running : Status::unstable;
 }
 
-kernels::SampleTimes SeriesSolver::times() const noexcept {
-    return {static_cast<double>(next_sample_ - begin_.step), begin_.fraction(),
-            sample_period_s_ / piece_.unit_s};
+/// Times in the present piece, from that sample on.
+kernels::SampleTimes SeriesSolver::times_from(std::int64_t sample) const noexcept {
+    return {static_cast<double>(sample - begin_.whole), begin_.fraction(), sample_period_s_ / piece_.unit_s};
 }
 
-/// What contacts that have just closed add, which is no power series.
-void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
-                             std::size_t stride) const noexcept {
-    const kernels::SampleTimes when = times();
+/// Adds what the contacts that have just closed do, which is no power series.
+void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
+                             std::size_t count, double* out, std::size_t stride) const noexcept {
     const std::size_t slot = folded_.slot(body);
-    for (std::int64_t i = 0; i < count; ++i) {
-        const double z = ((when.first_after_base + static_cast<double>(i)) - when.fraction) * when.per_sample;
+    for (std::size_t i = 0; i < count; ++i) {
+        const double z =
+            ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
         double power = z * z * std::sqrt(z) * piece_.per_unit;
         for (int n = 0; n < kernels::onset_terms; ++n, power *= z) {
             const double term = piece_.onset_force(n)[slot] * power / (n + 2.5);
-            out[static_cast<std::size_t>(i) * stride] +=
-                quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
+            out[i * stride] += quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
         }
     }
 }
 
-void SeriesSolver::put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
-                       std::size_t stride) const noexcept {
-    kernels_.samples(piece_, folded_.slot(body), quantity == Quantity::velocity, times(),
-                     static_cast<std::size_t>(count), out, stride);
+void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
+                       std::size_t count, double* out, std::size_t stride) const noexcept {
+    kernels_.samples(piece_, folded_.slot(body), quantity == Quantity::velocity, times, count, out, stride);
     if (piece_.onset) {
-        add_onset(body, quantity, count, out, stride);
+        add_onset(body, quantity, times, count, out, stride);
     }
 }
 
-void SeriesSolver::put_outputs(Samples& samples, std::int64_t count) const noexcept {
+/// The taps of the chain's far end, at samples of the present piece.
+void SeriesSolver::emit_end(Samples& samples, std::int64_t count) noexcept {
     const Eigen::Index end = chain_.spheres();
-    const bool has_plate = chain_.end == EndKind::plate;
-    const bool touches = folded_.column(kernels::ChainField::overlap)[folded_.slot(end)] > 0;
-    const kernels::OutputSlots slots{folded_.slot(end - 1), folded_.slot(end),
-                                     touches ? chain_.transmission : 0};
-    const kernels::OutputSink out{samples.v_last.data() + samples.count,
-                                  has_plate ? samples.v_plate.data() + samples.count : nullptr,
-                                  samples.v_out.data() + samples.count};
-    kernels_.outputs(piece_, slots, times(), static_cast<std::size_t>(count), out);
-    if (piece_.onset) {
-        add_onset(end - 1, Quantity::velocity, count, out.last, 1);
-        std::copy_n(out.last, count, out.out);
-        if (has_plate) {
-            add_onset(end, Quantity::velocity, count, out.plate, 1);
-            for (std::int64_t i = 0; i < count; ++i) {
-                out.out[i] = slots.transmitted * out.last[i] + out.plate[i];
-            }
+    const bool closed = folded_.column(kernels::ChainField::overlap)[folded_.slot(end)] > 0;
+    for (std::int64_t done = 0; done < count;) {
+        EndMotion motion = end_taps_.columns(samples);
+        motion.count = std::min(static_cast<std::size_t>(count - done), EndTaps::max_count);
+        const kernels::SampleTimes times = times_from(next_sample_ + done);
+        put(end - 1, Quantity::velocity, times, motion.count, motion.v_last, 1);
+        if (chain_.end.has_plate || motion.x_last != nullptr) {
+            put(end, Quantity::velocity, times, motion.count, motion.v_end, 1);
         }
+        if (motion.x_last != nullptr) {
+            put(end - 1, Quantity::displacement, times, motion.count, motion.x_last, 1);
+            put(end, Quantity::displacement, times, motion.count, motion.x_end, 1);
+        }
+        std::fill_n(motion.closed, motion.count, closed);
+        end_taps_.fill(samples, motion);
+        samples.count += motion.count;
+        done += static_cast<std::int64_t>(motion.count);
     }
 }
 
-void SeriesSolver::emit(Samples& samples, std::int64_t count) const noexcept {
-    if (samples.holds.outputs) {
-        put_outputs(samples, count);
-    }
-    for (Eigen::Index s = 0; s < chain_.spheres() && samples.holds.chain(); ++s) {
-        const std::size_t from = samples.count * samples.spheres + static_cast<std::size_t>(s);
-        if (samples.holds.chain_velocities) {
-            put(s, Quantity::velocity, count, samples.chain_v.data() + from, samples.spheres);
+void SeriesSolver::emit(Samples& samples, std::int64_t count) noexcept {
+    const std::size_t spheres = samples.spheres();
+    const auto put_chain = [&](Tap tap, Quantity quantity) {
+        double* const out = samples.room(tap).data() + samples.count * spheres;
+        for (std::size_t s = 0; samples.holds.contains(tap) && s < spheres; ++s) {
+            put(static_cast<Eigen::Index>(s), quantity, times_from(next_sample_),
+                static_cast<std::size_t>(count), out + s, spheres);
         }
-        if (samples.holds.chain_displacements) {
-            put(s, Quantity::displacement, count, samples.chain_x.data() + from, samples.spheres);
-        }
+    };
+    put_chain(Tap::v_chain, Quantity::velocity);
+    put_chain(Tap::x_chain, Quantity::displacement);
+    if (EndTaps::any_of(samples.holds)) {
+        emit_end(samples, count);
+    } else {
+        samples.count += static_cast<std::size_t>(count);
     }
-    samples.count += static_cast<std::size_t>(count);
 }
 
 double SeriesSolver::time_s() const noexcept {
-    return (static_cast<double>(end_.step) + end_.fraction()) * sample_period_s_;
+    return (static_cast<double>(end_.whole) + end_.fraction()) * sample_period_s_;
 }
 
 std::string SeriesSolver::failure() const {
@@ -327,7 +324,7 @@ std::string SeriesSolver::failure() const {
         "%lld, %s)",
         piece_.unit_s, still ? "hardly goes on any more" : "has no meaning any more",
         static_cast<long long>(state_.step),
-        (static_cast<double>(begin_.step) + begin_.fraction()) * sample_period_s_,
+        (static_cast<double>(begin_.whole) + begin_.fraction()) * sample_period_s_,
         static_cast<long long>(contact), by.c_str());
     return text.data();
 }

@@ -7,13 +7,15 @@
 
 #include "core/integrators/series_piece.hpp"
 #include "core/model/tone_burst.hpp"
+#include "core/solvers/end_taps.hpp"
+#include "core/solvers/fixed_time.hpp"
 #include "core/solvers/solver.hpp"
 
 namespace hertzline {
 
 class SeriesSolver final : public Solver {
 public:
-    SeriesSolver(const Scene& scene, const Chain& chain, Wish most);
+    SeriesSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options);
 
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
@@ -41,13 +43,13 @@ private:
     void sleep() noexcept;
     bool stands_still() noexcept;
     bool finite() const noexcept;
-    void emit(Samples& samples, std::int64_t count) const noexcept;
-    void put_outputs(Samples& samples, std::int64_t count) const noexcept;
-    void add_onset(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
-                   std::size_t stride) const noexcept;
-    void put(Eigen::Index body, Quantity quantity, std::int64_t count, double* out,
-             std::size_t stride) const noexcept;
-    kernels::SampleTimes times() const noexcept;
+    void emit(Samples& samples, std::int64_t count) noexcept;
+    void emit_end(Samples& samples, std::int64_t count) noexcept;
+    void put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times, std::size_t count,
+             double* out, std::size_t stride) const noexcept;
+    void add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times, std::size_t count,
+                   double* out, std::size_t stride) const noexcept;
+    kernels::SampleTimes times_from(std::int64_t sample) const noexcept;
 
     const Chain& chain_;
     double sample_period_s_;
@@ -58,11 +60,12 @@ private:
     kernels::SimdChain folded_;
     kernels::SeriesPiece piece_;
     kernels::SeriesKernels kernels_{};
-    StepPosition begin_, end_;  ///< of the present piece [samples]
-    StepPosition looked_at_;    ///< when it was last seen that time goes on [samples]
-    StepPosition smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
+    FixedTime begin_, end_;  ///< of the present piece [samples]
+    FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
+    FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
     double rest_energy_ = 0;  ///< below it the chain is at rest while the horn is; 0: never [J]
+    EndTaps end_taps_;
     std::int64_t next_sample_ = 0;
     Ledger ledger_;
 };

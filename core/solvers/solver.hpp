@@ -22,6 +22,17 @@ enum class WavefrontTracking {
     off,  ///< every sphere is worked on from the start: for tests and benchmarks
 };
 
+/// Whether work and losses are added up. Solvers on a grid always do: it costs them next to nothing.
+enum class LedgerKeeping { on, off };
+
+/// What a simulation is made for.
+struct SimulationOptions {
+    /// All that will ever be asked for; what the scene lacks is left out.
+    TapSet taps = TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out;
+    LedgerKeeping ledger = LedgerKeeping::on;
+    WavefrontTracking tracking = WavefrontTracking::on;
+};
+
 class Solver {
 public:
     virtual ~Solver() = default;
@@ -31,6 +42,10 @@ public:
 
     /// Appends the next `count` samples; without a sink they are passed over. Allocates nothing.
     virtual Status produce(Samples* samples, std::int64_t count) noexcept = 0;
+
+    /// The next samples of the wanted taps, in place of what the block held; at most its capacity. When the solver fails the block
+    /// comes back empty. Allocates nothing.
+    Status fill(Samples& samples, std::size_t count, TapSet wanted) noexcept;
 
     virtual std::int64_t next_sample() const noexcept = 0;
     virtual std::int64_t contact_events() const noexcept = 0;
@@ -45,9 +60,10 @@ public:
     virtual std::string failure() const = 0;
 };
 
-/// The solver for a resolved scene. @throws std::invalid_argument if integrator or step are not set;
-/// std::bad_alloc
-std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, Wish most,
-                                    WavefrontTracking tracking);
+/// The solver for a resolved scene. @throws std::invalid_argument if integrator or step are not set; std::bad_alloc
+std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, const SimulationOptions& options);
+
+/// Bytes that the solver for a scene needs, roughly from above.
+double solver_bytes(const Scene& scene, TapSet taps) noexcept;
 
 }  // namespace hertzline

@@ -9,23 +9,23 @@
 
 namespace hertzline {
 
-SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, Wish most, WavefrontTracking tracking)
+SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
     : chain_(chain),
       integrator_(*scene.numerics.integrator),
       step_s_(exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz)),
-      tracking_(tracking),
+      tracking_(options.tracking),
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
       burst_(scene.drive, step_s_),
       state_(chain_),
       folded_(chain_, integrator_, kernels::kernel_lanes()),
       horn_(ToneBurst::batch_steps),
-      sampler_(chain_, scene.output.sample_rate_hz, step_s_, most) {
+      sampler_(chain_, scene, step_s_, options.taps) {
     folded_.step_s = step_s_;
     reset();
 }
 
 void SteppedSolver::reset() noexcept {
-    state_.rest(chain_);
+    state_.reset(chain_);
     folded_.contact_events = 0;
     ledger_ = {};
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
@@ -34,7 +34,7 @@ void SteppedSolver::reset() noexcept {
     front_ = tracking_ == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
     folded_.fold(chain_, state_, front_);
     kernel_ = kernels::kernel(integrator_, folded_.rows());
-    sampler_.reset(chain_);
+    sampler_.reset();
     begin_batch();
 }
 
@@ -193,9 +193,9 @@ Status SteppedSolver::produce(Samples* samples, std::int64_t count) noexcept {
     }
 }
 
-double SteppedSolver::memory_bytes(double bodies, Wish most) noexcept {
+double SteppedSolver::memory_bytes(double bodies, TapSet taps) noexcept {
     const double folded = (bodies + 64) * 8 * static_cast<double>(kernels::ChainField::count);
-    return folded + Sampler::bytes(bodies, most);
+    return folded + Sampler::bytes(bodies, taps);
 }
 
 }  // namespace hertzline

@@ -13,7 +13,7 @@ namespace hertzline {
 
 class SteppedSolver final : public Solver {
 public:
-    SteppedSolver(const Scene& scene, const Chain& chain, Wish most, WavefrontTracking tracking);
+    SteppedSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options);
 
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
@@ -25,7 +25,7 @@ public:
     Ledger ledger() noexcept override;
     std::string failure() const override;
 
-    static double memory_bytes(double bodies, Wish most) noexcept;
+    static double memory_bytes(double bodies, TapSet taps) noexcept;
 
 private:
     void run_until(std::int64_t step, kernels::Trace& trace) noexcept;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/simulation.hpp"
+#include "core/solvers/solver.hpp"
 
 namespace hertzline {
 
@@ -13,27 +13,27 @@ Pilot run_pilot(const PilotPlan& plan, Integrator integrator, double step_s) {
     scene.numerics.integrator = integrator;
     scene.numerics.step_s = step_s;
     constexpr std::size_t block = 256;
-    const Wish wish{.outputs = true, .chain_velocities = true, .chain_displacements = false, .ledger = false};
-    Simulation simulation(scene, wish);
-    Samples part(simulation.chain(), block, wish);
-    const bool plate = scene.end.kind == EndKind::plate;
+    const Chain chain(scene);
+    const TapSet outputs = chain.end.has_plate ? TapSet(Tap::v_plate) | Tap::v_out : TapSet();
+    const TapSet taps = outputs | Tap::v_chain;
+    const auto solver = make_solver(scene, chain, {.taps = taps, .ledger = LedgerKeeping::off});
+    Samples part(taps, static_cast<std::size_t>(chain.spheres()), block);
     Pilot result;
-    result.columns = part.spheres + (plate ? 2 : 0);
+    result.columns = static_cast<std::size_t>(channels_of(taps, static_cast<double>(chain.spheres())));
     result.velocities.reserve(plan.samples * result.columns);
     for (std::size_t done = 0; done < plan.samples && result.stable; done += block) {
-        result.stable =
-            simulation.advance(part, std::min(block, plan.samples - done), wish) == Status::running;
+        result.stable = solver->fill(part, std::min(block, plan.samples - done), taps) == Status::running;
         for (std::size_t i = 0; i < part.count; ++i) {
-            const double* row = part.chain_v.data() + i * part.spheres;
-            result.velocities.insert(result.velocities.end(), row, row + part.spheres);
-            if (plate) {
-                result.velocities.push_back(part.v_plate[i]);
-                result.velocities.push_back(part.v_out[i]);
+            const auto row = part[Tap::v_chain].subspan(i * part.spheres(), part.spheres());
+            result.velocities.insert(result.velocities.end(), row.begin(), row.end());
+            if (chain.end.has_plate) {
+                result.velocities.push_back(part[Tap::v_plate][i]);
+                result.velocities.push_back(part[Tap::v_out][i]);
             }
         }
     }
-    result.peak_overlap = simulation.state().peak_overlap;
-    result.steps = simulation.steps();
+    result.peak_overlap = solver->state().peak_overlap;
+    result.steps = solver->state().step;
     return result;
 }
 
@@ -55,10 +55,10 @@ double largest_difference(const Pilot& pilot, const Pilot& better) noexcept {
         }
     };
     over_columns([&](double, double norm) { largest_norm = std::max(largest_norm, norm); });
-    constexpr double hardly = 1e-6;  // of the largest energy
+    constexpr double floor = 1e-6;  // of the largest energy
     double worst = 0;
     over_columns([&](double difference, double norm) {
-        const double scale = std::max(norm, hardly * largest_norm);
+        const double scale = std::max(norm, floor * largest_norm);
         worst = scale > 0 ? std::max(worst, difference / scale) : worst;
     });
     return std::sqrt(worst);

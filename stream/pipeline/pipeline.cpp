@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "stream/wire/frame_codec.hpp"
+#include "stream/wire/topics.hpp"
 
 namespace hertzline::stream {
 
@@ -31,7 +32,8 @@ constexpr double min_slots = 4;
 constexpr double max_slots = 4096;
 
 double slot_bytes(const StreamFormat& format) noexcept {
-    return static_cast<double>(format.frame_samples) * 8 * (3 + static_cast<double>(format.spheres));
+    return static_cast<double>(format.frame_samples) * sizeof(double) *
+           channels_of(format.taps, static_cast<double>(format.spheres));
 }
 
 double slots_for(const StreamFormat& format, Pace pace) noexcept {
@@ -39,20 +41,6 @@ double slots_for(const StreamFormat& format, Pace pace) noexcept {
     const double by_time = pace.is_flat_out() ? max_slots : reserve_s * pace.times() * frame_rate;
     const double by_memory = (pace.is_flat_out() ? cached_ring_bytes : max_ring_bytes) / slot_bytes(format);
     return std::clamp(std::min(by_time, by_memory), min_slots, max_slots);
-}
-
-std::span<const double> values_of(const Samples& samples, Tap tap) noexcept {
-    switch (tap) {
-        case Tap::v_out:
-            return {samples.v_out.data(), samples.count};
-        case Tap::v_last:
-            return {samples.v_last.data(), samples.count};
-        case Tap::v_plate:
-            return {samples.v_plate.data(), samples.count};
-        case Tap::v_chain:
-            break;
-    }
-    return {samples.chain_v.data(), samples.count * samples.spheres};
 }
 
 double seconds(Nanoseconds time) {
@@ -97,9 +85,9 @@ void Pipeline::listen_for_subscriptions() {
     const std::size_t news = publisher_.poll_subscriptions();
     wanted_raw_ = wanted_np_ = TapSet();
     for (const Tap tap : format_.taps) {
-        const TapNames names = names_of(tap);
-        wanted_raw_ |= publisher_.wanted(names.raw_topic) ? TapSet(tap) : TapSet();
-        wanted_np_ |= publisher_.wanted(names.np_topic) ? TapSet(tap) : TapSet();
+        const TapTopics& topics = topics_of(tap);
+        wanted_raw_ |= publisher_.wanted(topics.raw) ? TapSet(tap) : TapSet();
+        wanted_np_ |= publisher_.wanted(topics.np) ? TapSet(tap) : TapSet();
     }
     const TapSet wanted = wanted_raw_ | wanted_np_;
     const std::uint32_t wish = producer_.want(wanted);
@@ -150,31 +138,32 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
 }
 
 void Pipeline::send_tap(const Block& block, Tap tap) {
-    const TapNames names = names_of(tap);
+    const TapRow& row = row_of(tap);
+    const TapTopics& topics = topics_of(tap);
     const bool raw = wanted_raw_.contains(tap);
     const bool np = wanted_np_.contains(tap);
     if (!raw && !np) {
         return;
     }
-    const std::span<const double> values = values_of(block.samples, tap);
+    const std::span<const double> values = block.samples[tap];
     payload_.resize(values.size());
     if (to_float32(values, payload_) != 0) {
-        throw std::runtime_error("a sample of " + std::string(names.name) + " does not fit float32");
+        throw std::runtime_error("a sample of " + std::string(row.name) + " does not fit float32");
     }
     const auto add = [](TopicCount& count, bool sent) { ++(sent ? count.sent : count.dropped); };
     if (raw) {
-        add(meters_.raw(tap), publisher_.send(names.raw_topic, wire_bytes(payload_)));
+        add(meters_.raw(tap), publisher_.send(topics.raw, wire_bytes(payload_)));
     }
     if (np) {
-        frame_.stream = names.name;
-        frame_.unit = names.unit;
+        frame_.stream = row.name;
+        frame_.unit = row.unit;
         frame_.sample = static_cast<std::uint64_t>(block.samples.first);
         frame_.seq = block.seq;
         frame_.dropped = block.dropped;
         frame_.n = block.samples.count;
         frame_.channels = values.size() / block.samples.count;
         encode_header(frame_, header_);
-        add(meters_.np(tap), publisher_.send(names.np_topic, header_, wire_bytes(payload_)));
+        add(meters_.np(tap), publisher_.send(topics.np, header_, wire_bytes(payload_)));
     }
 }
 

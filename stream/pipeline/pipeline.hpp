@@ -82,7 +82,7 @@ private:
     TapSet wanted_raw_;
     TapSet wanted_np_;
     TapSet wanted_;
-    std::array<std::uint32_t, all_taps.size()> wanted_since_{};  // number of the wish that began it
+    std::array<std::uint32_t, tap_count> wanted_since_{};  // number of the wish that began it
     StreamMeters meters_;
     std::uint64_t dropped_counted_ = 0;
     Nanoseconds start_time_{0};

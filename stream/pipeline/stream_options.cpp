@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "stream/wire/topics.hpp"
+
 namespace hertzline::stream {
 
 namespace {
@@ -13,10 +15,11 @@ using Json = nlohmann::ordered_json;
 std::string meta_json(const StreamOptions& plan, const StreamFormat& format, const std::string& run_id) {
     Json streams = Json::array();
     for (const Tap tap : format.taps) {
-        const TapNames names = names_of(tap);
-        streams.push_back({{"name", names.name},
-                           {"topics", {names.raw_topic, names.np_topic}},
-                           {"unit", names.unit},
+        const TapRow& row = row_of(tap);
+        const TapTopics& topics = topics_of(tap);
+        streams.push_back({{"name", row.name},
+                           {"topics", {std::string_view(topics.raw), std::string_view(topics.np)}},
+                           {"unit", row.unit},
                            {"channels", format.channels(tap)},
                            {"fs", format.sample_rate_hz},
                            {"dtype", "<f4"}});
@@ -43,7 +46,7 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
     object["energy_residual"] = meters.energy_residual;
     object["contact_events"] = meters.account.contact_events;
     for (const Tap tap : taps) {
-        const std::string_view name = names_of(tap).name;
+        const std::string_view name = row_of(tap).name;
         object[fmt::format("{}_raw_sent", name)] = meters.raw(tap).sent;
         object[fmt::format("{}_raw_dropped", name)] = meters.raw(tap).dropped;
         object[fmt::format("{}_np_sent", name)] = meters.np(tap).sent;

@@ -52,7 +52,7 @@ struct StreamMeters {
     double ring_high_water = 0;  ///< the largest so far
     double energy_residual = 0;
     SourceAccount account;
-    std::array<TopicCount, 2 * all_taps.size()> topics{};  ///< raw and np of each tap
+    std::array<TopicCount, 2 * tap_count> topics{};  ///< raw and np of each tap
 
     double real_time_factor() const noexcept { return wall_s > 0 ? simulated_s / wall_s : 0; }
 

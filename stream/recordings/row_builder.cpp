@@ -1,92 +1,95 @@
 #include "stream/recordings/row_builder.hpp"
 
-#include <algorithm>
 #include <string_view>
-
-#include <fmt/format.h>
+#include <utility>
 
 namespace hertzline::stream {
 
 namespace {
 
-constexpr std::string_view velocity_ending = "_m_per_s";
-constexpr std::string_view displacement_ending = "_m";
-
-Column velocity_of(std::string_view quantity) {
-    return {fmt::format("{}{}", quantity, velocity_ending), std::string(quantity), "m/s"};
+/// The name of a tap's column in a file. @param sphere counted from 1; for a tap of one channel it does not matter
+std::string column_name(const TapRow& row, std::size_t sphere) {
+    std::string name(row.column);
+    if (const std::size_t place = name.find('#'); place != std::string::npos) {
+        name.replace(place, 1, std::to_string(sphere));
+    }
+    return name;
 }
 
-Column velocity_of_sphere(std::int64_t number) {
-    return {fmt::format("v{}{}", number, velocity_ending), "v_chain", "m/s"};
+Column column_of(const TapRow& row, std::size_t sphere) {
+    return {column_name(row, sphere), std::string(row.name), std::string(row.unit)};
 }
 
-Column displacement_of_sphere(std::int64_t number) {
-    return {fmt::format("x{}{}", number, displacement_ending), "x_chain", "m"};
-}
-
-/// "x12" with the letter x.
-bool is_sphere(std::string_view name, char letter) {
-    return name.size() > 1 && name.front() == letter &&
-           name.find_first_not_of("0123456789", 1) == std::string_view::npos;
+/// Whether `name` is a column of the tap: its name, with digits where the sphere's number stands.
+bool is_column_of(const TapRow& row, std::string_view name) {
+    const std::size_t place = row.column.find('#');
+    if (place == std::string_view::npos) {
+        return name == row.column;
+    }
+    const std::string_view before = row.column.substr(0, place);
+    const std::string_view after = row.column.substr(place + 1);
+    if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after)) {
+        return false;
+    }
+    const std::string_view number = name.substr(before.size(), name.size() - before.size() - after.size());
+    return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 }  // namespace
 
-std::vector<Column> recorded_columns(const Scene& scene, RecordedBodies bodies) {
-    std::vector<Column> columns{velocity_of("v_last")};
-    if (scene.end.kind == EndKind::plate) {
-        columns.push_back(velocity_of("v_plate"));
-        columns.push_back(velocity_of("v_out"));
-    }
-    const std::int64_t spheres = bodies == RecordedBodies::all ? scene.chain.spheres : 0;
-    for (std::int64_t number = 1; number <= spheres; ++number) {
-        columns.push_back(displacement_of_sphere(number));
-        columns.push_back(velocity_of_sphere(number));
-    }
-    return columns;
-}
-
-double recorded_numbers(const Scene& scene, RecordedBodies bodies) noexcept {
-    const double outputs = scene.end.kind == EndKind::plate ? 3 : 1;
-    const double all = bodies == RecordedBodies::all ? 2 * static_cast<double>(scene.chain.spheres) : 0;
-    return outputs + all;
-}
-
-std::vector<Column> tap_columns(Tap tap, std::size_t channels) {
-    if (tap != Tap::v_chain) {
-        return {velocity_of(names_of(tap).name)};
-    }
+std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres) {
     std::vector<Column> columns;
-    for (std::size_t number = 1; number <= channels; ++number) {
-        columns.push_back(velocity_of_sphere(static_cast<std::int64_t>(number)));
+    for (const TapRow& row : tap_rows) {
+        if (taps.contains(row.tap) && row.extent == Extent::one) {
+            columns.push_back(column_of(row, 0));
+        }
+    }
+    for (std::size_t sphere = 1; sphere <= spheres; ++sphere) {
+        for (const TapRow& row : tap_rows) {
+            if (taps.contains(row.tap) && row.extent == Extent::per_sphere) {
+                columns.push_back(column_of(row, sphere));
+            }
+        }
     }
     return columns;
 }
 
 Column column_named(const std::string& name) {
-    const std::string_view text = name;
-    if (text.ends_with(velocity_ending)) {
-        const std::string_view stem = text.substr(0, text.size() - velocity_ending.size());
-        return {name, is_sphere(stem, 'v') ? "v_chain" : std::string(stem), "m/s"};
+    for (const TapRow& row : tap_rows) {
+        if (is_column_of(row, name)) {
+            return {name, std::string(row.name), std::string(row.unit)};
+        }
     }
-    if (text.ends_with(displacement_ending)) {
-        const std::string_view stem = text.substr(0, text.size() - displacement_ending.size());
-        return {name, is_sphere(stem, 'x') ? "x_chain" : std::string(stem), "m"};
+    constexpr std::string_view velocity_ending = "_m_per_s";
+    constexpr std::string_view displacement_ending = "_m";
+    for (const auto& [ending, unit] :
+         {std::pair{velocity_ending, "m/s"}, std::pair{displacement_ending, "m"}}) {
+        if (std::string_view(name).ends_with(ending)) {
+            return {name, name.substr(0, name.size() - ending.size()), unit};
+        }
     }
     return {name, name, ""};
 }
 
+RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings) {
+    for (const TapRow& row : tap_rows) {
+        if (taps.contains(row.tap)) {
+            (row.extent == Extent::one ? single_ : per_sphere_).push_back(row.tap);
+        }
+    }
+}
+
 void RowBuilder::write(const Samples& block) {
     rows_.clear();
+    const std::size_t spheres = per_sphere_.empty() ? 0 : block.spheres();
     for (std::size_t i = 0; i < block.count; ++i) {
-        rows_.push_back(block.v_last[i]);
-        if (!block.v_plate.empty()) {
-            rows_.push_back(block.v_plate[i]);
-            rows_.push_back(block.v_out[i]);
+        for (const Tap tap : single_) {
+            rows_.push_back(block[tap][i]);
         }
-        for (std::size_t s = 0; bodies_ == RecordedBodies::all && s < block.spheres; ++s) {
-            rows_.push_back(block.chain_x[i * block.spheres + s]);
-            rows_.push_back(block.chain_v[i * block.spheres + s]);
+        for (std::size_t s = 0; s < spheres; ++s) {
+            for (const Tap tap : per_sphere_) {
+                rows_.push_back(block[tap][i * spheres + s]);
+            }
         }
     }
     recordings_.write(block.first, rows_);

@@ -12,33 +12,25 @@
 
 namespace hertzline::stream {
 
-/// What a recording of a run holds beside the outputs.
-enum class RecordedBodies { outputs, all };
+/// The columns of a recording of those taps: first those with one channel, then those of the spheres, sphere by sphere.
+std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres);
 
-/// The columns of a run: v_last, for a plate v_plate and v_out; with all bodies x and v of each sphere.
-std::vector<Column> recorded_columns(const Scene& scene, RecordedBodies bodies);
-
-/// How many those are; counted in double, so that an absurd number of spheres is a number too.
-double recorded_numbers(const Scene& scene, RecordedBodies bodies) noexcept;
-
-/// The columns of a stream's samples.
-std::vector<Column> tap_columns(Tap tap, std::size_t channels);
-
-/// The column of that name; one that is none of the above is a quantity of its own, without a unit.
+/// The column of that name; one that is no tap's is a quantity of its own, its unit taken from the name.
 Column column_named(const std::string& name);
 
+/// Turns blocks of samples into the rows of recordings.
 class RowBuilder {
 public:
-    /// @param recordings outlives the recorder; its columns are recorded_columns() of the same bodies
-    RowBuilder(RecordingSet& recordings, RecordedBodies bodies) : recordings_(recordings), bodies_(bodies) {}
+    /// @param recordings outlives the builder; its columns are recorded_columns() of the same taps
+    RowBuilder(RecordingSet& recordings, TapSet taps);
 
-    /// Appends a block that holds the outputs (and for RecordedBodies::all the whole chain). Does not throw
-    /// when a recording cannot be written: `recordings` tells.
+    /// Appends a block that holds the taps. Does not throw when a recording cannot be written: `recordings` tells.
     void write(const Samples& block);
 
 private:
     RecordingSet& recordings_;
-    RecordedBodies bodies_;
+    std::vector<Tap> single_;      ///< taps of one channel
+    std::vector<Tap> per_sphere_;  ///< taps of a channel per sphere
     std::vector<double> rows_;
 };
 

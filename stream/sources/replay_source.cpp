@@ -6,27 +6,9 @@
 
 namespace hertzline::stream {
 
-namespace {
-
-std::vector<double>& column_of(Samples& samples, Tap tap) noexcept {
-    switch (tap) {
-        case Tap::v_out:
-            return samples.v_out;
-        case Tap::v_last:
-            return samples.v_last;
-        case Tap::v_plate:
-            return samples.v_plate;
-        case Tap::v_chain:
-            break;
-    }
-    return samples.chain_v;
-}
-
-}  // namespace
-
 ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sample_rate_hz,
                            std::int64_t frame_samples)
-    : reader_(std::move(reader)), columns_(all_taps.size()) {
+    : reader_(std::move(reader)), columns_(tap_count) {
     format_.sample_rate_hz = sample_rate_hz;
     format_.frame_samples = frame_samples;
     find_columns();
@@ -55,9 +37,7 @@ void ReplaySource::find_columns() {
 }
 
 Samples ReplaySource::make_block() const {
-    return {format_.spheres, format_.taps.contains(Tap::v_plate),
-            static_cast<std::size_t>(format_.frame_samples),
-            Wish{.outputs = true, .chain_velocities = true, .chain_displacements = false}};
+    return {format_.taps, format_.spheres, static_cast<std::size_t>(format_.frame_samples)};
 }
 
 /// Makes sure that there is a row to hand on. False at the end and after a failure.
@@ -89,12 +69,11 @@ void ReplaySource::pass(std::size_t rows) noexcept {
     }
 }
 
-void ReplaySource::put_down(Samples& samples, std::size_t count, TapSet wanted) const noexcept {
+void ReplaySource::put_down(Samples& samples, std::size_t count) const noexcept {
     const std::size_t width = head().columns.size();
-    for (const Tap tap : wanted& format_.taps) {
+    for (const Tap tap : samples.holds) {
         const std::vector<std::size_t>& columns = columns_[static_cast<std::size_t>(tap)];
-        auto out =
-            column_of(samples, tap).begin() + static_cast<std::ptrdiff_t>(samples.count * columns.size());
+        auto out = samples.room(tap).begin() + static_cast<std::ptrdiff_t>(samples.count * columns.size());
         const double* row = rows_.values.data() + static_cast<std::size_t>(row_) * width;
         for (std::size_t i = 0; i < count; ++i, row += width) {
             out = std::ranges::transform(columns, out, [row](std::size_t column) { return row[column]; }).out;
@@ -105,10 +84,11 @@ void ReplaySource::put_down(Samples& samples, std::size_t count, TapSet wanted) 
 bool ReplaySource::read(Samples& samples, std::size_t count, TapSet wanted) noexcept {
     samples.first = next_;
     samples.count = 0;
+    samples.holds = wanted & format_.taps;
     while (samples.count < count && refill() &&
            next_ == samples.first + static_cast<std::int64_t>(samples.count)) {
         const auto taken = std::min(rows_left(), count - samples.count);
-        put_down(samples, taken, wanted);
+        put_down(samples, taken);
         samples.count += taken;
         pass(taken);
     }

@@ -34,7 +34,7 @@ private:
     bool refill() noexcept;
     std::size_t rows_left() const noexcept;
     void pass(std::size_t rows) noexcept;
-    void put_down(Samples& samples, std::size_t count, TapSet wanted) const noexcept;
+    void put_down(Samples& samples, std::size_t count) const noexcept;
 
     std::unique_ptr<RecordingReader> reader_;
     StreamFormat format_;

@@ -19,11 +19,11 @@ struct SourceAccount {
 /// What a stream consists of.
 struct StreamFormat {
     TapSet taps;              ///< that there are
-    std::size_t spheres = 0;  ///< channels of v_chain
+    std::size_t spheres = 0;  ///< channels of the taps with one per sphere
     double sample_rate_hz = 0;
     std::int64_t frame_samples = 0;
 
-    std::size_t channels(Tap tap) const noexcept { return tap == Tap::v_chain ? spheres : 1; }
+    std::size_t channels(Tap tap) const noexcept { return channels_of(tap, spheres); }
 };
 
 /// Everything but the construction happens in the simulating thread.

@@ -2,35 +2,28 @@
 
 namespace hertzline::stream {
 
-namespace {
-
-constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = false};
-
-}  // namespace
-
 StreamFormat SimulationSource::format_of(const Scene& scene) noexcept {
-    return {.taps = taps_of(scene.end.kind),
+    return {.taps = streamed_taps(scene.end.kind),
             .spheres = static_cast<std::size_t>(scene.chain.spheres),
             .sample_rate_hz = scene.output.sample_rate_hz,
             .frame_samples = scene.output.frame_samples};
 }
 
 double SimulationSource::memory_bytes(const Scene& scene) noexcept {
-    return Simulation::memory_bytes(scene, everything);
+    return Simulation::memory_bytes(scene, streamed_taps(scene.end.kind));
 }
 
-SimulationSource::SimulationSource(const Scene& scene, bool outputs_always)
-    : format_(format_of(scene)), outputs_always_(outputs_always), simulation_(scene, everything) {}
+SimulationSource::SimulationSource(const Scene& scene, TapSet always)
+    : format_(format_of(scene)),
+      always_(always & format_.taps),
+      simulation_(scene, SimulationOptions{.taps = format_.taps}) {}
 
 Samples SimulationSource::make_block() const {
-    return {simulation_.chain(), static_cast<std::size_t>(format_.frame_samples), everything};
+    return simulation_.make_samples(static_cast<std::size_t>(format_.frame_samples));
 }
 
 bool SimulationSource::read(Samples& samples, std::size_t count, TapSet wanted) noexcept {
-    const Wish wish{.outputs = outputs_always_ || !(wanted - TapSet(Tap::v_chain)).empty(),
-                    .chain_velocities = wanted.contains(Tap::v_chain),
-                    .chain_displacements = false};
-    return simulation_.advance(samples, count, wish) == Status::running;
+    return simulation_.advance(samples, count, wanted | always_) == Status::running;
 }
 
 bool SimulationSource::skip(std::int64_t count) noexcept {

@@ -10,8 +10,8 @@ namespace hertzline::stream {
 class SimulationSource : public SampleSource {
 public:
     /// @param scene resolved (core/step_choice/resolve.hpp)
-    /// @param outputs_always v_last, v_plate and v_out are made although nobody subscribes to them
-    SimulationSource(const Scene& scene, bool outputs_always);
+    /// @param always taps that are computed although nobody subscribes to them
+    SimulationSource(const Scene& scene, TapSet always);
 
     StreamFormat format() const override { return format_; }
     Samples make_block() const override;
@@ -30,7 +30,7 @@ public:
 
 private:
     StreamFormat format_;
-    bool outputs_always_;
+    TapSet always_;
     Simulation simulation_;
 };
 

@@ -17,7 +17,7 @@
 
 #include <zmq.hpp>
 
-#include "core/taps.hpp"
+#include "stream/wire/topics.hpp"
 #include "stream/wire/curve.hpp"
 #include "stream/wire/peer_quota.hpp"
 #include "stream/wire/subscriptions.hpp"

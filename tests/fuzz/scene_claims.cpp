@@ -64,7 +64,8 @@ void claim_finite_constants(const Scene& scene) {
                                   &chain.damping, &chain.inv_mass, &chain.spring, &chain.bias}) {
         claim(constants->allFinite(), "the chain's constants are finite", to_toml(scene));
     }
-    claim(chain.transmission >= 0 && chain.transmission <= 2, "a transmission coefficient", to_toml(scene));
+    claim(chain.end.transmission >= 0 && chain.end.transmission <= 2, "a transmission coefficient",
+          to_toml(scene));
     const auto overlaps = expected_overlaps(chain, scene.drive);
     claim(!overlaps.isNaN().any(), "overlaps are numbers", to_toml(scene));
     for (const Integrator integrator : {Integrator::leapfrog, Integrator::taylor8}) {

@@ -17,20 +17,16 @@ public:
     stream::StreamFormat format() const override { return format_; }
 
     Samples make_block() const override {
-        return {format_.spheres, format_.taps.contains(Tap::v_plate),
-                static_cast<std::size_t>(format_.frame_samples),
-                Wish{.outputs = true, .chain_velocities = true, .chain_displacements = false}};
+        return {format_.taps, format_.spheres, static_cast<std::size_t>(format_.frame_samples)};
     }
 
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override {
         samples.first = next_;
         samples.count = std::min(count, static_cast<std::size_t>(end_ - next_));
+        samples.holds = wanted & format_.taps;
         next_ += static_cast<std::int64_t>(samples.count);
-        if (wanted.contains(Tap::v_chain)) {
-            number(samples, samples.chain_v, samples.spheres);
-        }
-        if (wanted.contains(Tap::v_out)) {
-            number(samples, samples.v_out, 1);
+        for (const Tap tap : samples.holds) {
+            number(samples, samples.room(tap), format_.channels(tap));
         }
         return samples.count > 0;
     }
@@ -43,7 +39,7 @@ public:
     std::int64_t next_sample() const noexcept override { return next_; }
 
 private:
-    static void number(const Samples& samples, std::vector<double>& values, std::size_t channels) noexcept {
+    static void number(const Samples& samples, std::span<double> values, std::size_t channels) noexcept {
         double* value = values.data();
         for (std::size_t i = 0; i < samples.count; ++i) {
             for (std::size_t channel = 0; channel < channels; ++channel) {

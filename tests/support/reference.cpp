@@ -106,16 +106,16 @@ Comparison compare_with_reference(const Scene& scene, const Reference& reference
     if (!settled.faults.empty()) {
         throw std::runtime_error(settled.faults.front().key + ": " + settled.faults.front().allowed);
     }
-    Simulation simulation(settled.scene, {});
-    Samples samples(simulation.chain(), reference.v_last.size(), {});
-    if (simulation.advance(samples, samples.capacity, {}) != Status::running) {
+    Simulation simulation(settled.scene);
+    Samples samples = simulation.make_samples(reference.v_last.size());
+    if (simulation.advance(samples, samples.capacity()) != Status::running) {
         throw std::runtime_error(simulation.failure());
     }
     Comparison result;
-    result.v_last = relative_l2(samples.v_last, reference.v_last);
+    result.v_last = relative_l2(samples[Tap::v_last], reference.v_last);
     if (!reference.v_plate.empty()) {
-        result.v_plate = relative_l2(samples.v_plate, reference.v_plate);
-        result.v_out = relative_l2(samples.v_out, reference.v_out);
+        result.v_plate = relative_l2(samples[Tap::v_plate], reference.v_plate);
+        result.v_out = relative_l2(samples[Tap::v_out], reference.v_out);
     }
     result.energy_residual = simulation.energy_residual();
     result.step_s = simulation.step_s();

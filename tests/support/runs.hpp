@@ -9,7 +9,7 @@
 
 namespace hertzline::test {
 
-inline constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = true};
+inline constexpr TapSet everything = all_taps;
 
 /// The scene with its step settled. Throws if it cannot be.
 inline Scene settled(const Scene& scene) {
@@ -33,21 +33,21 @@ struct Record {
 };
 
 inline void append(Record& record, const Samples& block) {
-    const auto take = [&](std::vector<double>& to, const std::vector<double>& from, std::size_t width) {
-        to.insert(to.end(), from.begin(), from.begin() + static_cast<std::ptrdiff_t>(width * block.count));
+    const auto take = [&block](std::vector<double>& to, Tap tap) {
+        to.insert(to.end(), block[tap].begin(), block[tap].end());
     };
-    take(record.v_last, block.v_last, 1);
-    take(record.v_plate, block.v_plate, block.v_plate.empty() ? 0 : 1);
-    take(record.v_out, block.v_out, 1);
-    take(record.chain_x, block.chain_x, block.spheres);
-    take(record.chain_v, block.chain_v, block.spheres);
+    take(record.v_last, Tap::v_last);
+    take(record.v_plate, Tap::v_plate);
+    take(record.v_out, Tap::v_out);
+    take(record.chain_x, Tap::x_chain);
+    take(record.chain_v, Tap::v_chain);
 }
 
 inline Record recorded(Simulation& simulation, std::size_t samples, std::size_t block) {
-    Samples part(simulation.chain(), block, everything);
+    Samples part = simulation.make_samples(block);
     Record record;
     for (std::size_t done = 0; done < samples; done += part.count) {
-        if (simulation.advance(part, std::min(block, samples - done), everything) != Status::running) {
+        if (simulation.advance(part, std::min(block, samples - done)) != Status::running) {
             throw std::runtime_error(simulation.failure());
         }
         append(record, part);
@@ -56,7 +56,7 @@ inline Record recorded(Simulation& simulation, std::size_t samples, std::size_t 
 }
 
 inline Record recorded(const Scene& scene, std::size_t samples, std::size_t block = 256) {
-    Simulation simulation(scene, everything);
+    Simulation simulation(scene, {.taps = everything});
     return recorded(simulation, samples, block);
 }
 

@@ -74,7 +74,7 @@ private:
                 force_[c] = std::max(force_[c], 0.0);
             }
         }
-        if (chain_.end == EndKind::free) {
+        if (chain_.end.loaded == EndLoad::last_sphere) {
             force_[size() - 1] = chain_.preload_n;
         }
     }

@@ -13,15 +13,10 @@ namespace hertzline::test {
 
 namespace {
 
-constexpr Wish all{.outputs = true, .chain_velocities = true, .chain_displacements = true};
-
 bool finite(const Samples& block) {
-    const auto fine = [&](const std::vector<double>& values, std::size_t width) {
-        return std::all_of(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(block.count * width),
-                           [](double v) { return std::isfinite(v); });
-    };
-    return fine(block.v_last, 1) && fine(block.v_plate, block.v_plate.empty() ? 0 : 1) &&
-           fine(block.v_out, 1) && fine(block.chain_v, block.spheres) && fine(block.chain_x, block.spheres);
+    return std::all_of(block.holds.begin(), block.holds.end(), [&block](Tap tap) {
+        return std::ranges::all_of(block[tap], [](double v) { return std::isfinite(v); });
+    });
 }
 
 /// Steps that a run calls for: by the rates of what moves in it, by its contact events, and those asked for.
@@ -56,13 +51,13 @@ Trial run(const Scene& scene) {
     constexpr std::size_t block = 64;
     Trial trial;
     trial.integrator = *scene.numerics.integrator;
-    Simulation simulation(scene, all);
-    Samples part(simulation.chain(), block, all);
+    Simulation simulation(scene, {.taps = all_taps});
+    Samples part = simulation.make_samples(block);
     const double samples = std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, 20e3);
     double moved = 0;
     double work = 0;
     while (static_cast<double>(simulation.next_sample()) < samples) {
-        const Status status = simulation.advance(part, block, all);
+        const Status status = simulation.advance(part, block);
         if (!finite(part)) {
             trial.findings.emplace_back("a sample is not finite");
             break;

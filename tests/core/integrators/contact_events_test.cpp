@@ -151,7 +151,7 @@ TEST_P(ContactEvents, ComeInPairsWhateverTheScene) {
                     scene.chain.tension = tension;
                     scene.chain.preload_n = preload;
                     scene.chain.damping_kg_per_s = damping;
-                    Simulation simulation(scene, {});
+                    Simulation simulation(scene);
                     EXPECT_EQ(simulation.skip(5000), Status::running);
                     EXPECT_LE(simulation.energy_residual(), bound(5e-3, 2e-4));
                     EXPECT_GT(simulation.contact_events(), 0);

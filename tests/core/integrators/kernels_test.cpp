@@ -215,8 +215,8 @@ TEST(Kernels, SkippingSpheresAtRestChangesNoBitOnAnyTarget) {
         for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
             for (const std::int64_t target : targets()) {
                 const OnlyTarget only(target);
-                Simulation skipping(scene, everything, WavefrontTracking::on);
-                Simulation working(scene, everything, WavefrontTracking::off);
+                Simulation skipping(scene, {.taps = everything, .tracking = WavefrontTracking::on});
+                Simulation working(scene, {.taps = everything, .tracking = WavefrontTracking::off});
                 const auto what = [&, &variant = variant] {
                     return std::string(kernels::kernel_target()) + ", " + std::to_string(spheres) +
                            " spheres, " + variant;
@@ -236,10 +236,10 @@ TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
     for (const Integrator integrator : choices<Integrator>) {
         Scene scene = short_burst(integrator, 10'000);
         scene.end.kind = EndKind::wall;
-        Simulation by_and_by(scene, {});
+        Simulation by_and_by(scene);
         scene.end.kind = EndKind::plate;
         scene.end.preload = PlatePreload::as_printed;
-        Simulation at_once(scene, {});
+        Simulation at_once(scene);
         by_and_by.skip(200);
         at_once.skip(200);
         const Eigen::ArrayXd expected = at_once.state().v.head(3000);

@@ -22,7 +22,7 @@ const std::vector<std::string>& contact_scenes() {
 }
 
 double residual(const Scene& scene) {
-    Simulation simulation(scene, {});
+    Simulation simulation(scene);
     EXPECT_EQ(simulation.skip(5001), Status::running);
     return simulation.energy_residual();
 }

@@ -105,7 +105,7 @@ TEST(Drive, TheMeanOfTheHornIsZeroSoTheChainComesBack) {
         Scene scene = with_step(Scene{}, integrator, 50e-9);
         scene.end.kind = EndKind::wall;
         scene.chain.damping_kg_per_s = 1;
-        Simulation simulation(scene, {});
+        Simulation simulation(scene);
         simulation.skip(50'000);
         EXPECT_LE(simulation.state().x.abs().maxCoeff(), 1e-22);
         EXPECT_LE(simulation.state().v.abs().maxCoeff(), 1e-20);

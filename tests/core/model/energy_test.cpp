@@ -48,7 +48,7 @@ const std::vector<LedgerCase>& ledger_cases() {
 double residual(Scene scene, const std::function<void(Scene&)>& change, Integrator integrator,
                 double step_s) {
     change(scene);
-    Simulation simulation(with_step(scene, integrator, step_s), {});
+    Simulation simulation(with_step(scene, integrator, step_s));
     EXPECT_EQ(simulation.skip(4001), Status::running);
     EXPECT_GT(simulation.ledger().work, 0);
     return simulation.energy_residual();
@@ -153,16 +153,16 @@ TEST(Energy, IsKeptByAnUndampedChainOnceTheHornRests) {
     scene.chain.damping_kg_per_s = 0;
     scene.drive.cycles = 3;
     scene.drive.frequency_hz = 300e3;
-    Simulation simulation(with_step(scene, Integrator::chin4a, 25e-9), everything);
-    Samples part(simulation.chain(), 1000, everything);
-    simulation.advance(part, 200, everything);
+    Simulation simulation(with_step(scene, Integrator::chin4a, 25e-9), {.taps = everything});
+    Samples part = simulation.make_samples(1000);
+    simulation.advance(part, 200);
     const auto energy = [&] {
         return kinetic_energy(simulation.chain(), simulation.state()) +
                stored_energy(simulation.chain(), simulation.state(), 0);
     };
     const double before = energy();
     for (int i = 0; i < 50; ++i) {
-        simulation.advance(part, 1000, everything);
+        simulation.advance(part, 1000);
     }
     EXPECT_NEAR(energy() / before, 1, 1e-5);
     EXPECT_EQ(simulation.ledger().lost, 0);
@@ -170,10 +170,10 @@ TEST(Energy, IsKeptByAnUndampedChainOnceTheHornRests) {
 
 TEST(Energy, DampingOnlyEverLoses) {
     Simulation simulation(with_step(Scene{}, Integrator::chin4a, 50e-9), everything);
-    Samples part(simulation.chain(), 10, everything);
+    Samples part = simulation.make_samples(10);
     double lost = 0;
     for (int i = 0; i < 500; ++i) {
-        simulation.advance(part, 10, everything);
+        simulation.advance(part, 10);
         EXPECT_GE(simulation.ledger().lost, lost);
         lost = simulation.ledger().lost;
     }

@@ -63,7 +63,7 @@ BareChain collided(Scene scene, std::int64_t steps) {
 }
 
 TEST_P(Impact, SphereStruckByAWallLeavesTwiceAsFastAfterTheTimeThatHertzSays) {
-    Simulation simulation(struck_by_a_wall(GetParam()), {});
+    Simulation simulation(struck_by_a_wall(GetParam()));
     const double mass = 1 / simulation.chain().inv_mass[0];
     const double k = simulation.chain().stiffness[0];
     ASSERT_EQ(simulation.skip(2000), Status::running);
@@ -98,7 +98,7 @@ TEST_P(Impact, ImpactsLastLongerBySpeedToTheMinusOneFifth) {
     const auto duration = [&](double speed) {
         Scene scene = struck_by_a_wall(GetParam());
         scene.drive.amplitude_m *= speed / impact_speed;
-        Simulation simulation(scene, {});
+        Simulation simulation(scene);
         simulation.skip(4000);
         return 2 * simulation.time_s() - simulation.state().x[0] / speed;
     };

@@ -47,10 +47,10 @@ TEST(Promises, AChainAtRestStaysAtRestToTheLastBit) {
 
 TEST(Promises, ResultsDoNotDependOnBlockSize) {
     for (const Scene& scene : every_kind()) {
-        Simulation whole(scene, everything);
+        Simulation whole(scene, {.taps = everything});
         const Record expected = recorded(whole, 700, 700);
         for (const std::size_t block : {1, 7, 64, 333}) {
-            Simulation simulation(scene, everything);
+            Simulation simulation(scene, {.taps = everything});
             ASSERT_EQ(recorded(simulation, 700, block), expected) << block;
             EXPECT_EQ(simulation.contact_events(), whole.contact_events());
             EXPECT_EQ(simulation.steps(), whole.steps());
@@ -66,14 +66,14 @@ TEST(Promises, WhatIsNotWishedForDoesNotChangeWhatIs) {
         without_ledger.ledger = false;
         Simulation unbooked(scene, without_ledger);
         EXPECT_EQ(recorded(unbooked, 900, 900), expected);
-        Simulation simulation(scene, everything);
-        Samples part(simulation.chain(), 300, everything);
+        Simulation simulation(scene, {.taps = everything});
+        Samples part = simulation.make_samples(300);
         simulation.skip(300);
         simulation.advance(part, 300, {.outputs = false});
         EXPECT_EQ(part.count, 300U);
-        simulation.advance(part, 300, {});
+        simulation.advance(part, 300);
         for (std::size_t i = 0; i < 300; ++i) {
-            ASSERT_EQ(part.v_out[i], expected.v_out[600 + i]);
+            ASSERT_EQ(part[Tap::v_out][i], expected.v_out[600 + i]);
         }
     }
 }
@@ -83,13 +83,13 @@ TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
     // sweep
     for (Scene scene : every_kind()) {
         scene.chain.spheres *= 5;
-        Simulation one_by_one(scene, everything);
+        Simulation one_by_one(scene, {.taps = everything});
         const Record expected = recorded(one_by_one, 900, 300);
-        Simulation together(scene, {});
-        Samples part(together.chain(), 900, {});
-        together.advance(part, 900, {});
-        EXPECT_EQ(part.v_out, expected.v_out);
-        EXPECT_EQ(part.v_last, expected.v_last);
+        Simulation together(scene);
+        Samples part = together.make_samples(900);
+        together.advance(part, 900);
+        EXPECT_EQ(part[Tap::v_out], expected.v_out);
+        EXPECT_EQ(part[Tap::v_last], expected.v_last);
         EXPECT_EQ(together.contact_events(), one_by_one.contact_events());
         EXPECT_EQ(together.energy_residual(), one_by_one.energy_residual());
         EXPECT_TRUE((together.state().peak_overlap == one_by_one.state().peak_overlap).all());
@@ -98,7 +98,7 @@ TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
 
 TEST(Promises, EveryRunGivesTheSameBitsAlsoAfterReset) {
     for (const Scene& scene : every_kind()) {
-        Simulation simulation(scene, everything);
+        Simulation simulation(scene, {.taps = everything});
         const Record first = recorded(simulation, 400, 64);
         const double residual = simulation.energy_residual();
         const std::int64_t events = simulation.contact_events();
@@ -114,11 +114,11 @@ TEST(Promises, EveryRunGivesTheSameBitsAlsoAfterReset) {
 
 TEST(Promises, LookingAtStateAndLedgerChangesNothing) {
     for (const Scene& scene : every_kind()) {
-        Simulation looked_at(scene, everything);
-        Samples part(looked_at.chain(), 10, everything);
+        Simulation looked_at(scene, {.taps = everything});
+        Samples part = looked_at.make_samples(10);
         Record record;
         for (int i = 0; i < 40; ++i) {
-            looked_at.advance(part, 10, everything);
+            looked_at.advance(part, 10);
             append(record, part);
             (void)looked_at.energy_residual();
         }
@@ -151,12 +151,12 @@ TEST(Promises, AdvancingAllocatesNothing) {
         GTEST_SKIP() << "sanitizers bring an allocator of their own";
     }
     for (const Scene& scene : every_kind()) {
-        Simulation simulation(scene, everything);
-        Samples part(simulation.chain(), 64, everything);
+        Simulation simulation(scene, {.taps = everything});
+        Samples part = simulation.make_samples(64);
         const std::size_t before = allocations();
         for (int i = 0; i < 20; ++i) {
-            simulation.advance(part, 64, everything);
-            simulation.advance(part, 64, {});
+            simulation.advance(part, 64);
+            simulation.advance(part, 64);
             simulation.skip(64);
         }
         EXPECT_EQ(allocations() - before, 0U);
@@ -167,30 +167,30 @@ TEST(Promises, AnUnstableStepIsReportedAndGivesNoSamples) {
     for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
         const Scene scene =
             with_step(Scene{}, integrator, integrator == Integrator::leapfrog ? 1.3e-6 : 2.5e-6);
-        Simulation simulation(scene, everything);
-        Samples part(simulation.chain(), 64, everything);
+        Simulation simulation(scene, {.taps = everything});
+        Samples part = simulation.make_samples(64);
         Status status = Status::running;
         for (int i = 0; i < 100 && status == Status::running; ++i) {
-            status = simulation.advance(part, 64, everything);
+            status = simulation.advance(part, 64);
             for (std::size_t s = 0; s < part.count; ++s) {
-                ASSERT_LT(std::abs(part.v_out[s]), 10);  // NaN fails, too
+                ASSERT_LT(std::abs(part[Tap::v_out][s]), 10);  // NaN fails, too
             }
         }
         EXPECT_EQ(status, Status::unstable);
         EXPECT_EQ(part.count, 0U);
         EXPECT_NE(simulation.failure().find("stability limit"), std::string::npos);
-        EXPECT_EQ(simulation.advance(part, 64, everything), Status::unstable);
+        EXPECT_EQ(simulation.advance(part, 64), Status::unstable);
     }
 }
 
 TEST(Promises, SeriesShortenTheirPiecesWhereAStepWouldBeTooLong) {
     for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
         Simulation simulation(with_step(Scene{}, integrator, 5e-6), {});
-        Samples part(simulation.chain(), 64, {});
+        Samples part = simulation.make_samples(64);
         for (int i = 0; i < 100; ++i) {
-            ASSERT_EQ(simulation.advance(part, 64, {}), Status::running);
+            ASSERT_EQ(simulation.advance(part, 64), Status::running);
             for (std::size_t s = 0; s < part.count; ++s) {
-                ASSERT_LT(std::abs(part.v_out[s]), 0.5);  // NaN fails, too; the peak is 0.355
+                ASSERT_LT(std::abs(part[Tap::v_out][s]), 0.5);  // NaN fails, too; the peak is 0.355
             }
         }
     }
@@ -236,10 +236,10 @@ TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
             stepped.output.sample_rate_hz = 1 / step;
             // the horn - sphere contact is stiffer than the others and binds one mode: hence not exactly at
             // the bound
-            Simulation simulation(stepped, {});
-            Samples part(simulation.chain(), 1000, {});
+            Simulation simulation(stepped);
+            Samples part = simulation.make_samples(1000);
             for (int i = 0; i < 20; ++i) {
-                if (simulation.advance(part, 1000, {}) != Status::running) {
+                if (simulation.advance(part, 1000) != Status::running) {
                     return std::numeric_limits<double>::infinity();
                 }
             }

@@ -94,15 +94,15 @@ RC_GTEST_PROP(AnyScene, IsValidAndGivesFiniteSamples, ()) {
 RC_GTEST_PROP(AnyScene, GivesTheSameBitsForEveryBlockSize, ()) {
     const Scene scene = with_some_step(any_scene());
     RC_LOG(to_toml(scene));
-    Simulation whole(scene, everything);
-    Simulation cut(scene, everything);
+    Simulation whole(scene, {.taps = everything});
+    Simulation cut(scene, {.taps = everything});
     const Record expected = recorded(whole, 600, 600);
     Record record;
-    Samples part(cut.chain(), 100, everything);
+    Samples part = cut.make_samples(100);
     while (record.v_last.size() < 600) {
         const auto left = static_cast<int>(600 - record.v_last.size());
         const auto count = static_cast<std::size_t>(*rc::gen::inRange(1, std::min(left, 100) + 1));
-        RC_ASSERT(cut.advance(part, count, everything) == Status::running);
+        RC_ASSERT(cut.advance(part, count) == Status::running);
         append(record, part);
     }
     RC_ASSERT(record == expected);
@@ -113,12 +113,12 @@ RC_GTEST_PROP(AnyScene, GivesTheSameBitsForEveryBlockSize, ()) {
 
 /// Energy that no entry of the ledger accounts for, of all that came and went [1].
 double missing(const Scene& scene) {
-    Simulation simulation(scene, {});
-    Samples part(simulation.chain(), 500, {});
+    Simulation simulation(scene);
+    Samples part = simulation.make_samples(500);
     double turned_over = 0;
     double before = 0;
     for (int i = 0; i < 20; ++i) {
-        RC_ASSERT(simulation.advance(part, 100, {}) == Status::running);
+        RC_ASSERT(simulation.advance(part, 100) == Status::running);
         turned_over += std::abs(simulation.ledger().work - before);
         before = simulation.ledger().work;
     }
@@ -151,10 +151,10 @@ RC_GTEST_PROP(AnyScene, BeyondItsStableStepIsReportedAndGivesNoGarbage, ()) {
     scene.numerics.step_s = magnitude_between(20e-9, 100e-6);
     scene.output.sample_rate_hz = 1 / *scene.numerics.step_s;
     RC_LOG(to_toml(scene));
-    Simulation simulation(scene, everything);
-    Samples part(simulation.chain(), 50, everything);
+    Simulation simulation(scene, {.taps = everything});
+    Samples part = simulation.make_samples(50);
     for (int i = 0; i < 20; ++i) {
-        const Status status = simulation.advance(part, 50, everything);
+        const Status status = simulation.advance(part, 50);
         Record record;
         append(record, part);
         RC_ASSERT(finite(record));

@@ -36,9 +36,9 @@ TEST(RandomScenes, DivergedRunsNameStepTimeAndContact) {
     for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
         Scene scene = with_step(Scene{}, integrator, 10e-6);
         scene.output.sample_rate_hz = 1e5;
-        Simulation simulation(scene, everything);
-        Samples part(simulation.chain(), 4000, everything);
-        EXPECT_EQ(simulation.advance(part, 4000, everything), Status::unstable);
+        Simulation simulation(scene, {.taps = everything});
+        Samples part = simulation.make_samples(4000);
+        EXPECT_EQ(simulation.advance(part, 4000), Status::unstable);
         EXPECT_EQ(part.count, 0U);
         const std::string failure = simulation.failure();
         EXPECT_NE(failure.find("the step of 1e-05 s"), std::string::npos) << failure;
@@ -53,15 +53,15 @@ TEST(RandomScenes, ASeriesThatHardlyGoesOnIsStoppedWithAReason) {
     for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
         Scene scene = with_step(Scene{}, integrator, 1e-6);
         scene.chain.damping_kg_per_s = 3e6;
-        Simulation simulation(scene, everything);
-        Samples part(simulation.chain(), 64, everything);
-        EXPECT_EQ(simulation.advance(part, 64, everything), Status::unstable);
+        Simulation simulation(scene, {.taps = everything});
+        Samples part = simulation.make_samples(64);
+        EXPECT_EQ(simulation.advance(part, 64), Status::unstable);
         EXPECT_EQ(part.count, 0U);
         const std::string failure = simulation.failure();
         for (const char* what : {"step of at most 1e-06 s", "t = ", "contact "}) {
             EXPECT_NE(failure.find(what), std::string::npos) << failure;
         }
-        EXPECT_EQ(simulation.advance(part, 64, everything), Status::unstable);
+        EXPECT_EQ(simulation.advance(part, 64), Status::unstable);
     }
 }
 
@@ -99,7 +99,7 @@ TEST(RandomScenes, OverdampedClampedContactsThatGrazeDoNotHoldTimeBack) {
     scene.chain.tension = Tension::clamped;
     scene.end.kind = EndKind::free;
     scene.output.sample_rate_hz = 1e9;
-    Simulation simulation(scene, {});
+    Simulation simulation(scene);
     ASSERT_EQ(simulation.skip(400), Status::running);
     EXPECT_LT(simulation.steps(), 20'000);
 }

@@ -43,8 +43,8 @@ TEST(Rest, EveryBurstThatFindsTheChainAtRestGivesTheSame) {
 }
 
 TEST(Rest, TakesFewerPiecesAndKeepsTheBooks) {
-    Simulation asleep(bursts(1e-3), {});
-    Simulation awake(bursts(0), {});
+    Simulation asleep(bursts(1e-3));
+    Simulation awake(bursts(0));
     ASSERT_EQ(asleep.skip(three_bursts), Status::running);
     ASSERT_EQ(awake.skip(three_bursts), Status::running);
     EXPECT_LT(asleep.steps(), 0.75 * static_cast<double>(awake.steps()));

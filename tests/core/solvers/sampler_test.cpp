@@ -82,13 +82,13 @@ TEST(Sampling, AStepWithinRoundingOfTheGridIsOnIt) {
 TEST(Sampling, TheBeginningIsSampleZero) {
     for (const double step : {50e-9, 70e-9}) {
         Simulation simulation(sampled(Scene{}, 10e6, Integrator::chin4a, step), {});
-        Samples part(simulation.chain(), 8, {});
-        EXPECT_EQ(simulation.advance(part, 8, {}), Status::running);
+        Samples part = simulation.make_samples(8);
+        EXPECT_EQ(simulation.advance(part, 8), Status::running);
         EXPECT_EQ(part.first, 0);
         EXPECT_EQ(part.count, 8U);
-        EXPECT_EQ(part.v_last[0], 0);
-        EXPECT_NE(part.v_last[1], 0);
-        simulation.advance(part, 8, {});
+        EXPECT_EQ(part[Tap::v_last][0], 0);
+        EXPECT_NE(part[Tap::v_last][1], 0);
+        simulation.advance(part, 8);
         EXPECT_EQ(part.first, 8);
     }
 }
@@ -100,15 +100,15 @@ TEST(Sampling, SkippingFarDoesNotShiftTheSamples) {
     scene.drive.cycles = 5;
     scene.chain.damping_kg_per_s = 1;
     for (const double step : {50e-9, 70e-9}) {
-        Simulation simulation(sampled(scene, 10e6, Integrator::chin4a, step), {});
-        Samples early(simulation.chain(), 1000, {});
-        Samples late(simulation.chain(), 1000, {});
+        Simulation simulation(sampled(scene, 10e6, Integrator::chin4a, step));
+        Samples early = simulation.make_samples(1000);
+        Samples late = simulation.make_samples(1000);
         simulation.skip(10'000 * 20);
-        simulation.advance(early, 1000, {});
+        simulation.advance(early, 1000);
         simulation.skip(10'000 * 300 - simulation.next_sample());
-        simulation.advance(late, 1000, {});
+        simulation.advance(late, 1000);
         EXPECT_EQ(late.first, 3'000'000);
-        EXPECT_LE(relative_l2(late.v_out, early.v_out), 1e-10);
+        EXPECT_LE(relative_l2(late[Tap::v_out], early[Tap::v_out]), 1e-10);
     }
 }
 
@@ -118,11 +118,11 @@ TEST(Sampling, VelocitiesOfAVeryLongChainNeedLittleRoom) {
     scene.end.kind = EndKind::wall;
     scene.chain.spheres = 40'000;
     for (const Integrator integrator : choices<Integrator>) {
-        Simulation simulation(with_step(scene, integrator, 50e-9), everything);
-        Samples part(simulation.chain(), 10, everything);
-        EXPECT_EQ(simulation.advance(part, 10, everything), Status::running);
+        Simulation simulation(with_step(scene, integrator, 50e-9), {.taps = everything});
+        Samples part = simulation.make_samples(10);
+        EXPECT_EQ(simulation.advance(part, 10), Status::running);
         EXPECT_EQ(part.count, 10U);
-        EXPECT_GT(part.chain_v[9 * part.spheres], 0);
+        EXPECT_GT(part[Tap::v_chain][9 * part.spheres()], 0);
     }
 }
 

@@ -47,7 +47,7 @@ TEST(Estimate, StepsPerBurstAreThoseThatARunTakes) {
         Scene scene;
         scene.numerics.integrator = integrator;
         const ResolvedScene settled = resolve(scene);
-        Simulation simulation(settled.scene, {});
+        Simulation simulation(settled.scene);
         simulation.skip(static_cast<std::int64_t>(1.5 * 25 / 73e3 * 10e6));
         EXPECT_NEAR(static_cast<double>(simulation.steps()) / (1.5 * settled.steps_per_burst), 1, 0.01);
     }

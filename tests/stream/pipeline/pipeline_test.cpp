@@ -12,6 +12,7 @@
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 #include "tests/support/allocation_count.hpp"
 
 namespace hertzline::test {
@@ -19,7 +20,7 @@ namespace hertzline::test {
 using namespace stream;
 namespace {
 
-constexpr Wish everything{.outputs = true, .chain_velocities = true, .chain_displacements = false};
+constexpr TapSet everything = streamed_taps(EndKind::plate);
 
 Scene repeated_bursts() {
     Scene scene;
@@ -46,8 +47,8 @@ private:
         Subscriber subscriber(endpoint, {.receive_high_water_mark = 100'000});
         std::map<std::string, Tap, std::less<>> topics;
         for (const Tap tap : taps_) {
-            topics[std::string(names_of(tap).np_topic)] = tap;
-            subscriber.subscribe(names_of(tap).np_topic);
+            topics[std::string(std::string_view(topics_of(tap).np))] = tap;
+            subscriber.subscribe(topics_of(tap).np);
         }
         subscriber.subscribe(end_topic);
         std::vector<float> part;
@@ -97,17 +98,13 @@ TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
     EXPECT_EQ(meters.samples, samples);
     EXPECT_EQ(meters.dropped_frames, 0);
 
-    Simulation simulation(stream.scene, everything);
-    Samples expected(simulation.chain(), samples, everything);
-    simulation.advance(expected, samples, everything);
-    const std::map<Tap, const std::vector<double>*> columns{{Tap::v_out, &expected.v_out},
-                                                            {Tap::v_last, &expected.v_last},
-                                                            {Tap::v_plate, &expected.v_plate},
-                                                            {Tap::v_chain, &expected.chain_v}};
+    Simulation simulation(stream.scene, {.taps = everything});
+    Samples expected = simulation.make_samples(samples);
+    simulation.advance(expected, samples);
     for (const auto& [tap, column] : columns) {
         EXPECT_TRUE(listener.checks[tap].unbroken());
         EXPECT_EQ(listener.samples[tap], std::vector<float>(column->begin(), column->end()))
-            << names_of(tap).name;
+            << row_of(tap).name;
     }
     EXPECT_EQ(meters.account.steps, simulation.steps());
     EXPECT_EQ(meters.account.contact_events, simulation.contact_events());
@@ -208,7 +205,7 @@ TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
     Stream stream(plan(Pace::flat_out(), 10'000, StreamStart::at_once));
     const StreamMeters meters = stream.run();
     EXPECT_EQ(meters.samples, 10'000);
-    Simulation simulation(stream.scene, {});
+    Simulation simulation(stream.scene);
     simulation.skip(10'000);
     EXPECT_EQ(meters.account.steps, simulation.steps());
 }

@@ -76,9 +76,9 @@ TEST(ReplaySource, ColumnsBecomeTheStreamsOfTheirName) {
     Samples samples = replay.make_block();
     ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_EQ(samples.count, 10U);
-    EXPECT_EQ(samples.v_last[9], 9.0);
-    EXPECT_EQ(samples.chain_v[2 * 9], 9 + 0.1 * 2);
-    EXPECT_EQ(samples.chain_v[2 * 9 + 1], 9 + 0.1 * 4);
+    EXPECT_EQ(samples[Tap::v_last][9], 9.0);
+    EXPECT_EQ(samples[Tap::v_chain][2 * 9], 9 + 0.1 * 2);
+    EXPECT_EQ(samples[Tap::v_chain][2 * 9 + 1], 9 + 0.1 * 4);
 }
 
 TEST(ReplaySource, FramesAreFullUntilTheEnd) {
@@ -100,7 +100,7 @@ TEST(ReplaySource, AFrameEndsAtAGapAndTheIndicesJump) {
     std::vector<std::pair<std::int64_t, std::size_t>> frames;
     while (replay.read(samples, 10, replay.format().taps)) {
         frames.emplace_back(samples.first, samples.count);
-        EXPECT_EQ(samples.v_last[samples.count - 1],
+        EXPECT_EQ(samples[Tap::v_last][samples.count - 1],
                   static_cast<double>(samples.first) + static_cast<double>(samples.count - 1));
     }
     EXPECT_EQ(frames, (std::vector<std::pair<std::int64_t, std::size_t>>{{100, 10}, {110, 3}, {1000, 4}}));
@@ -114,7 +114,7 @@ TEST(ReplaySource, SkippingGoesByTheIndexGapsIncluded) {
     Samples samples = replay.make_block();
     ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_EQ(samples.first, 55);
-    EXPECT_EQ(samples.v_last[0], 55.0);
+    EXPECT_EQ(samples[Tap::v_last][0], 55.0);
     EXPECT_FALSE(replay.skip(100));
 }
 

@@ -15,6 +15,7 @@
 
 #include "stream/wire/publisher.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 #include "stream/wire/zap.hpp"
 #include "tests/support/temporary_folder.hpp"
 

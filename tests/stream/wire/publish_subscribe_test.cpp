@@ -26,6 +26,7 @@
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/publisher.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/taps.hpp"
+#include "stream/wire/topics.hpp"
 #include "tests/support/allocation_count.hpp"
 
 namespace hertzline {

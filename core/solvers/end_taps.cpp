@@ -1,0 +1,82 @@
+#include "core/solvers/end_taps.hpp"
+
+#include <algorithm>
+
+namespace hertzline {
+
+namespace {
+
+/// What a tap is computed from.
+struct Source {
+    const Chain& chain;
+    const ToneBurst& horn;  ///< its steps are sample periods
+    const EndMotion& motion;
+};
+
+/// docs/model.md, section 6.
+void output_velocity(const Source& source, double* out) noexcept {
+    const EndModel& end = source.chain.end;
+    const EndMotion& at = source.motion;
+    for (std::size_t i = 0; i < at.count; ++i) {
+        out[i] = end.output_velocity(at.v_last[i], at.v_end[i], at.closed[i]);
+    }
+}
+
+/// A tap and how it is computed. v_last and v_plate need no formula: they are the velocities themselves.
+struct Formula {
+    Tap tap;
+    bool needs_displacements;
+    void (*fill)(const Source& source, double* out) noexcept;
+};
+constexpr std::array formulas{
+    Formula{Tap::v_out, false, output_velocity},
+};
+
+constexpr TapSet velocities = TapSet(Tap::v_last) | Tap::v_plate;
+
+constexpr TapSet computed = [] {
+    TapSet taps;
+    for (const Formula& formula : formulas) {
+        taps |= formula.tap;
+    }
+    return taps;
+}();
+
+bool needs_displacements(TapSet taps) noexcept {
+    return std::any_of(formulas.begin(), formulas.end(), [taps](const Formula& formula) {
+        return formula.needs_displacements && taps.contains(formula.tap);
+    });
+}
+
+}  // namespace
+
+EndTaps::EndTaps(const Chain& chain, const Drive& drive, double sample_rate_hz)
+    : chain_(chain), horn_(drive, 1 / sample_rate_hz) {}
+
+bool EndTaps::any_of(TapSet taps) noexcept {
+    return !(taps & (velocities | computed)).empty();
+}
+
+EndMotion EndTaps::columns(Samples& samples) noexcept {
+    const auto own = [&samples](Tap tap, double* scratch) {
+        return samples.holds.contains(tap) ? samples.room(tap).data() + samples.count : scratch;
+    };
+    const bool displacements = needs_displacements(samples.holds);
+    return {.first = samples.first + static_cast<std::int64_t>(samples.count),
+            .count = 0,
+            .v_last = own(Tap::v_last, v_last_.data()),
+            .v_end = own(Tap::v_plate, v_end_.data()),
+            .x_last = displacements ? x_last_.data() : nullptr,
+            .x_end = displacements ? x_end_.data() : nullptr,
+            .closed = closed_.data()};
+}
+
+void EndTaps::fill(Samples& samples, const EndMotion& motion) const noexcept {
+    for (const Formula& formula : formulas) {
+        if (samples.holds.contains(formula.tap)) {
+            formula.fill({chain_, horn_, motion}, samples.room(formula.tap).data() + samples.count);
+        }
+    }
+}
+
+}  // namespace hertzline
