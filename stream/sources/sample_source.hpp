@@ -48,7 +48,7 @@ public:
 
     virtual SourceAccount account() const noexcept { return {}; }
 
-    /// model.md 8, relative to the work done. Not cheap.
+    /// What the energy ledger misses (docs/model.md, section 8), relative to the work done. Not cheap.
     virtual double energy_residual() noexcept { return 0; }
 
     /// What went wrong, for a human; empty when nothing did.

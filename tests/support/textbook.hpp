@@ -40,7 +40,7 @@ private:
     struct Horn {
         double x, v;
     };
-    /// A hann burst (model, section 5).
+    /// A hann burst (docs/model.md, section 5).
     Horn horn(double t) const {
         const double duration = drive_.cycles / drive_.frequency_hz;
         if (t <= 0 || t >= duration) {
@@ -60,7 +60,8 @@ private:
         }
     }
 
-    /// Contact forces f_c (model, section 3), the dashpots weighed by the part of the step in contact.
+    /// Contact forces f_c (docs/model.md, section 3), the dashpots weighed by the part of the step in
+    /// contact.
     void contacts(const std::vector<double>& u, double horn_x, double horn_v) {
         for (std::size_t c = 0; c < size(); ++c) {
             const auto i = static_cast<Eigen::Index>(c);
@@ -79,7 +80,7 @@ private:
         }
     }
 
-    /// Equations of motion (model, section 4).
+    /// Equations of motion (docs/model.md, section 4).
     void kick(std::vector<double>& u, double time) const {
         for (std::size_t b = 0; b < size(); ++b) {
             const auto i = static_cast<Eigen::Index>(b);
