@@ -39,7 +39,7 @@ std::string missing_name(const std::string& value);
 CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
                                    const std::string& description);
 
-/// Throws WrongUse unless the option's value is a positive, finite number.
+/// @throws WrongUse unless the option's value is a positive, finite number.
 void require_positive(const char* option, double value);
 
 }  // namespace hertzline::app

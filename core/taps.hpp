@@ -21,6 +21,7 @@ enum class Tap : unsigned {
 
 inline constexpr std::array all_taps{Tap::v_out, Tap::v_last, Tap::v_plate, Tap::v_chain};
 
+/// The names of a tap on the wire.
 struct TapNames {
     std::string_view name;       ///< the stream's name
     std::string_view raw_topic;  ///< samples only

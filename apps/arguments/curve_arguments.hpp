@@ -15,12 +15,14 @@ namespace hertzline::app {
 /// What other machines may reach.
 enum class Exposure { encrypted, anything };
 
+/// The encryption options of `stream` and `replay`.
 struct CurveServerRequest {
     std::string key;                   // of us; empty: no encryption
     std::vector<std::string> clients;  // certificates, or directories of them
     Exposure exposure = Exposure::encrypted;
 };
 
+/// The encryption options of `listen`.
 struct CurveClientRequest {
     std::string key;     // of us; empty: no encryption
     std::string server;  // the publisher's certificate
@@ -29,7 +31,7 @@ struct CurveClientRequest {
 void add_curve_options(CLI::App& command, CurveServerRequest& request);
 void add_curve_options(CLI::App& command, CurveClientRequest& request);
 
-/// The keys that were asked for; nothing when none were. Throws WrongUse with every fault: one option without
+/// The keys that were asked for; nothing when none were. @throws WrongUse with every fault: one option without
 /// the other, files that are no keys, a secret one that others may read; and none at all for an endpoint that
 /// other machines reach, unless that was allowed.
 std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, const std::string& endpoint);

@@ -11,6 +11,7 @@
 
 namespace hertzline::app {
 
+/// SCENE and --set as the user gave them.
 struct SceneRequest {
     std::string scene;                  ///< a file, or a shipped scene's name
     std::vector<std::string> settings;  ///< "section.key=value"
@@ -20,7 +21,7 @@ struct SceneRequest {
 CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request);
 
 /// The scene with integrator and step settled. Warns where the wanted accuracy is out of reach. Takes as long
-/// as the pilot of core/numerics does. Throws WrongUse that names every fault at once, std::runtime_error
+/// as the pilot of core/numerics does. @throws WrongUse that names every fault at once, std::runtime_error
 /// when the scene does not fit into memory.
 ResolvedScene resolved_scene(const SceneRequest& request);
 

@@ -36,7 +36,7 @@ public:
     /// @param wanted_s simulated seconds; unset: all of the run. @param files where to save
     Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell);
 
-    /// Takes the next message. Afterwards ending() tells whether it was the last one. Throws
+    /// Takes the next message. Afterwards ending() tells whether it was the last one. @throws
     /// std::runtime_error when the first samples come and a recording cannot be begun.
     void take(const stream::Message& message);
 

@@ -24,14 +24,14 @@ std::size_t block_of_run(const Scene& scene, stream::RecordedBodies bodies) noex
 /// The simulation, its blocks, the record of v_out and its spectrum.
 double memory_of_run(const Scene& scene, stream::RecordedBodies bodies) noexcept;
 
-/// Throws std::runtime_error when there is not enough disk for one of the files with so many samples.
+/// @throws std::runtime_error when there is not enough disk for one of the files with so many samples.
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
                            stream::RecordedBodies bodies);
 
-/// Throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
+/// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
 void refuse_shortages(const Scene& scene, std::span<const std::string> files, stream::RecordedBodies bodies);
 
-/// Throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
+/// @throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
 /// recording.
 void refuse_wrong_files(std::span<const std::string> files);
 

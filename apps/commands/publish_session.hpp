@@ -29,7 +29,7 @@ struct StreamingRequest {
 /// Adds all of the above to a subcommand.
 void add_streaming_options(CLI::App& command, StreamingRequest& request);
 
-/// Throws WrongUse that names every fault; reads the keys that are asked for.
+/// @throws WrongUse that names every fault; reads the keys that are asked for.
 std::optional<stream::CurveServer> checked(const StreamingRequest& request);
 
 /// @param by_default what becomes of blocks that are late when the user did not say

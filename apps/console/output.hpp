@@ -18,7 +18,7 @@ enum class Format { text, json };
 /// Adds --json to a subcommand.
 void add_format_option(CLI::App& command, Format& format, const char* description);
 
-/// Writes to stdout and makes sure that it got there. Throws std::runtime_error with the system's reason.
+/// Writes to stdout and makes sure that it got there. @throws std::runtime_error with the system's reason.
 void print(std::string_view text);
 
 /// One object, on one line; bytes that are no UTF-8 (of a file's name) are replaced, they shall not end the

@@ -14,6 +14,7 @@
 
 namespace hertzline {
 
+/// The constants of a chain: what the equations of motion need, in SI units. Read-only once it is made.
 struct Chain {
     explicit Chain(const Scene& scene);  ///< the scene must have passed validate()
 

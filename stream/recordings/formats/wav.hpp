@@ -13,10 +13,10 @@
 
 namespace hertzline::stream {
 
-/// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. Throws
+/// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. @throws
 /// std::runtime_error for what a WAV cannot say: rates that are no whole number, more than 1024 columns, more
 /// than 2^31 - 1 bytes a second, a description beyond 48 KiB. A comment has room for some 80 gaps: before one
-/// more the recording is completed, and write() throws.
+/// more the recording is completed, and write() fails.
 std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
