@@ -1,5 +1,5 @@
 #pragma once
-// Recordings of the same samples, side by side. One that fails (a full disk, a file that vanished) is reported
+// Recordings of the same samples, side by side. One that fails (a full disk, a lost file) is reported
 // and is over; the others go on, and so does whoever feeds them.
 
 #include <cstdint>

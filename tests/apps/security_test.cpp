@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
                              "our key is not on its list", 1},
                     Stranger{"WrongServerKey",
                              [](const Keys& keys) { return keys.of_listener("clients/alice", "eve"); },
-                             "hung up during the handshake", 0},
+                             "closed the connection during the handshake", 0},
                     Stranger{"NoEncryption", [](const Keys&) { return Words{}; }, "not both", 0}),
     [](const auto& stranger) { return std::string(stranger.param.name); });
 

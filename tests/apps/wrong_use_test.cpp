@@ -202,7 +202,7 @@ const Mistake mistakes[] = {
     {"AKeyThatOthersMayRead",
      {"stream", "paper-wall", "--curve-key", "FOLDER/scene.toml", "--allow-clients", "FOLDER/step.toml"},
      2,
-     {"chmod 600 FOLDER/scene.toml", "FOLDER/step.toml is no certificate"}},
+     {"chmod 600 FOLDER/scene.toml", "FOLDER/step.toml is not a certificate"}},
     {"AListenersKeyWithoutTheServers",
      {"listen", "--curve-key", "FOLDER/a.key_secret"},
      2,
