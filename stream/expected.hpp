@@ -15,7 +15,6 @@ struct Failure {
     std::string text;
 };
 
-/// A value, or a Failure.
 template <class T>
 class Expected {
 public:

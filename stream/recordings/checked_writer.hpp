@@ -21,7 +21,7 @@ public:
     void commit() final;
 
 protected:
-    /// @throws std::invalid_argument when the head can be no recording's.
+    /// Throws std::invalid_argument when the head can be no recording's.
     CheckedWriter(std::filesystem::path path, RecordingHead head);
 
     /// Rows without a gap follow; called before their append(), the first time before all others.
@@ -53,21 +53,21 @@ private:
 /// "cannot read x.npy: reason".
 [[noreturn]] void cannot_read(const std::filesystem::path& path, std::string_view reason);
 
-/// @throws std::runtime_error when one of the values is not finite: no recording has such a sample, so the
-/// file is damaged. `values` are row-major and of the file's rows from `row` on.
+/// Throws when one of the values, row-major and of the file's rows from `row` on, is not finite: no recording
+/// has such a sample, so that the file is damaged.
 void require_undamaged(const std::filesystem::path& path, std::int64_t row, std::span<const double> values,
                        std::size_t columns);
 
 /// Columns, rate and provenance: {"sample_rate_hz", "columns": [[name, quantity, unit]...], "provenance"}.
 nlohmann::ordered_json describe(const RecordingHead& head);
 
-/// What describe() made. @throws std::runtime_error that says what is wrong, without the path.
+/// What describe() made. Throws std::runtime_error that says what is wrong, without the path.
 RecordingHead head_of(nlohmann::ordered_json description, NumberType numbers);
 
 /// JSON on one line, in ASCII.
 std::string text_of(const nlohmann::ordered_json& json);
 
-/// JSON from outside. @throws std::runtime_error when it is none, or nested so deep that others would exhaust
+/// JSON from outside. Throws std::runtime_error when it is none, or nested so deep that others would exhaust
 /// the stack over it.
 nlohmann::ordered_json json_from_outside(std::string_view text);
 

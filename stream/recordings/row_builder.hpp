@@ -27,7 +27,6 @@ std::vector<Column> tap_columns(Tap tap, std::size_t channels);
 /// The column of that name; one that is none of the above is a quantity of its own, without a unit.
 Column column_named(const std::string& name);
 
-/// Turns blocks of samples into rows of a RecordingSet.
 class RowBuilder {
 public:
     /// @param recordings outlives the recorder; its columns are recorded_columns() of the same bodies

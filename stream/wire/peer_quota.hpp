@@ -13,7 +13,6 @@
 
 namespace hertzline::stream {
 
-/// Counts the useless messages of each connection and cuts off the peer that sends too many.
 class PeerQuota {
 public:
     /// How many of its messages may be charged to a connection.

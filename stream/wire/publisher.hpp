@@ -25,7 +25,6 @@
 
 namespace hertzline::stream {
 
-/// Limits and keys of a publisher.
 struct PublisherOptions {
     /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
     /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
@@ -44,10 +43,9 @@ struct PublisherOptions {
     std::optional<CurveServer> curve{};
 };
 
-/// An XPUB socket that sends to whoever subscribes. For one thread.
 class Publisher {
 public:
-    /// Binds. @throws std::runtime_error that names the endpoint and what is wrong: its text, the address in
+    /// Binds. Throws std::runtime_error that names the endpoint and what is wrong: its text, the address in
     /// use, no such interface. `topics` are all that will ever be sent.
     explicit Publisher(const std::string& endpoint, std::span<const std::string_view> topics = all_topics,
                        const PublisherOptions& options = {});

@@ -16,7 +16,6 @@
 
 namespace hertzline::stream {
 
-/// Limits and keys of a subscriber.
 struct SubscriberOptions {
     /// Messages that wait for us before the publisher's queue for us begins to fill.
     int receive_high_water_mark = 4096;
@@ -54,10 +53,9 @@ private:
     std::size_t size_ = 0;
 };
 
-/// A SUB socket that receives whole messages. For one thread.
 class Subscriber {
 public:
-    /// Connects; whether anybody is there shows only when messages arrive. @throws std::runtime_error that
+    /// Connects; whether anybody is there shows only when messages arrive. Throws std::runtime_error that
     /// names the endpoint and what is wrong with it.
     explicit Subscriber(const std::string& endpoint, const SubscriberOptions& options = {});
 

@@ -15,11 +15,10 @@
 
 namespace hertzline::stream {
 
-/// Admits the peers whose public keys are on a list.
 class ZapHandler {
 public:
     /// Answers for all sockets of the context, from a thread of its own, until destroyed (which takes at most
-    /// a tenth of a second). To be made before any of them binds. @throws zmq::error_t when the context has a
+    /// a tenth of a second). To be made before any of them binds. Throws zmq::error_t when the context has a
     /// handler already.
     ZapHandler(zmq::context_t& context, std::vector<CurveKey> allowed);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Recordings as NumPy's .npy: two arrays in one file, as numpy.load reads them one after the other.
+// RecordingSet as NumPy's .npy: two arrays in one file, as numpy.load reads them one after the other.
 //
 // The first is structured, a row per sample: t_s as float64 (sample / sample rate, so that a gap shows as a
 // jump) and the columns by their names. The second is text, JSON: columns with units, rate and provenance.

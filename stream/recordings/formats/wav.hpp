@@ -1,5 +1,5 @@
 #pragma once
-// Recordings as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice.
+// RecordingSet as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice.
 //
 // WAV has no place for most of what a recording's head says. An own chunk, "hzln", before the samples holds
 // it as JSON: columns with units, rate and provenance. Nor has it a place for a gap: samples after one follow
@@ -13,10 +13,10 @@
 
 namespace hertzline::stream {
 
-/// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. @throws
+/// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. Throws
 /// std::runtime_error for what a WAV cannot say: rates that are no whole number, more than 1024 columns, more
 /// than 2^31 - 1 bytes a second, a description beyond 48 KiB. A comment has room for some 80 gaps: before one
-/// more the recording is completed, and write() fails.
+/// more the recording is completed, and write() throws.
 std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 

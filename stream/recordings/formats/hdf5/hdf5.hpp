@@ -1,5 +1,5 @@
 #pragma once
-// Recordings as HDF5: a dataset for each quantity.
+// RecordingSet as HDF5: a dataset for each quantity.
 //
 //     /v_last, /v_plate, /v_out   [sample]
 //     /v_chain, /x_chain          [sample][sphere]; each with its "units"
