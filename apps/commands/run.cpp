@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/preflight.hpp"
@@ -28,8 +29,8 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "wall_s and real_time_factor are those of the simulation; choosing the step, formatting files and the\n"
-    "spectrum are not counted.\n"
+    "wall_s and real_time_factor measure the simulation alone: no choice of the step, no files, no "
+    "spectrum.\n"
     "Examples:\n"
     "  hertzline run paper-vitreous-carbon\n"
     "  hertzline run paper-wall -o wall.csv --set chain.spheres=7\n"
@@ -89,7 +90,7 @@ RunRecord simulate(Simulation& simulation, const Scene& scene, stream::RecordedB
         keep(block, record);
         recorder.write(block);
         if (wants_files && !recordings.any_left()) {
-            throw std::runtime_error("no recording is left, the run was ended");
+            throw std::runtime_error("every recording has failed, so the run was stopped");
         }
         if (line.due()) {
             line.show(progress_text({static_cast<double>(record.v_out.size()) / scene.output.sample_rate_hz,
@@ -140,7 +141,7 @@ Json summarise(Simulation& simulation, const RunRecord& record, const ResolvedSc
     summary["peak_v_out_m_per_s"] = record.peak_v_out;
     add_spectrum(summary, record, scene);
     summary["rows"] = record.v_out.size();
-    summary["recordings"] = recordings_json(recordings);
+    summary["recordings"] = stream::recordings_json(recordings);
     summary["scene_hash"] = scene_hash(scene);
     summary["version"] = stream::program_version();
     return summary;
@@ -162,7 +163,7 @@ Exit run(const RunOptions& options) {
                                     [](const std::string& text) { spdlog::error(text); });
     const RunRecord record = simulate(simulation, scene, options.bodies, recordings);
     if (record.stopped) {
-        spdlog::error("stopped before the end, nothing was saved");
+        spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }
     recordings.commit();
@@ -172,21 +173,19 @@ Exit run(const RunOptions& options) {
 
 }  // namespace
 
-Command run_command(CLI::App& program) {
+Run run_command(CLI::App& app) {
     auto options = std::make_shared<RunOptions>();
-    CLI::App* command =
-        program.add_subcommand("run", "simulate a scene as fast as possible, to files and a summary");
-    add_scene_options(*command, options->scene)->required();
+    add_scene_options(app, options->scene)->required();
     add_repeatable_option(
-        *command, "-o,--output", options->files,
+        app, "-o,--output", options->files,
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
         ->type_name("FILE");
-    command->add_flag_callback(
+    app.add_flag_callback(
         "--all", [options] { options->bodies = stream::RecordedBodies::all; },
         "save every sphere's displacement and velocity too");
-    add_format_option(*command, options->format, "print the summary as one JSON object");
-    command->footer(examples);
-    return {command, [options] { return run(*options); }};
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return run(*options); };
 }
 
 }  // namespace hertzline::app
