@@ -44,8 +44,7 @@ std::string bytes(std::uint32_t number, int count) {
 TEST_F(Wav, SaysWhatItCannotHold) {
     RecordingHead head = test::recording_head(NumberType::float32);
     head.sample_rate_hz = 10e6 / 3;
-    EXPECT_THAT(refusal(head),
-                HasSubstr("a sample rate of 3333333.3333333335 Hz, allowed in WAV: integers"));
+    EXPECT_THAT(refusal(head), HasSubstr("a sample rate of 3333333.3333333335 Hz, allowed in WAV: integers"));
     head.sample_rate_hz = 3e9;
     EXPECT_THAT(refusal(head), HasSubstr("up to 2147483647"));
     head = test::recording_head(NumberType::float32, 27);
