@@ -1,10 +1,8 @@
 #pragma once
-// The subcommands. Each adds its words to the command line and says what to do when they were used.
+// The subcommands. hertzline.cpp has a row for each of them.
 
 #include <functional>
 #include <stdexcept>
-#include <string>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -19,27 +17,19 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-struct Command {
-    const CLI::App* words;      ///< tells after parsing whether this one was asked for
-    std::function<Exit()> job;  ///< throws WrongUse, or any other std::exception for exit status 1
-};
+/// Runs a subcommand with the options that were parsed.
+/// @throws WrongUse, or any other std::exception for exit status 1
+using Run = std::function<Exit()>;
 
-Command run_command(CLI::App& program);
-Command stream_command(CLI::App& program);
-Command replay_command(CLI::App& program);
-Command listen_command(CLI::App& program);
-Command scenes_command(CLI::App& program);
-Command check_command(CLI::App& program);
-Command keys_command(CLI::App& program);
+/// Adds a subcommand's options to `app` and returns what to run when the user asks for it.
+using AddCommand = Run(CLI::App& app);
 
-/// For CLI::Option::check(): a file needs a name, and "" would else mean none.
-std::string missing_name(const std::string& value);
-
-/// Adds an option that may be given several times, with one value each time: -o a.csv -o b.csv.
-CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
-                                   const std::string& description);
-
-/// Throws WrongUse unless the option's value is a positive, finite number.
-void require_positive(const char* option, double value);
+AddCommand run_command;
+AddCommand stream_command;
+AddCommand replay_command;
+AddCommand listen_command;
+AddCommand scenes_command;
+AddCommand check_command;
+AddCommand keys_command;
 
 }  // namespace hertzline::app

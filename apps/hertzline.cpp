@@ -2,7 +2,7 @@
 // status.
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <csignal>
 #include <exception>
 #include <iostream>
@@ -25,6 +25,23 @@
 namespace hertzline::app {
 
 namespace {
+
+struct Subcommand {
+    const char* name;
+    const char* description;
+    AddCommand* add;
+};
+
+/// In the order of --help.
+constexpr std::array subcommands{
+    Subcommand{"run", "simulate a scene as fast as possible, to files and a summary", run_command},
+    Subcommand{"stream", "simulate a scene in step with the clock and publish it", stream_command},
+    Subcommand{"replay", "publish a recording as if it were live", replay_command},
+    Subcommand{"listen", "receive a stream, check that nothing is missing, save it", listen_command},
+    Subcommand{"scenes", "list the shipped scenes, or print one with every default resolved", scenes_command},
+    Subcommand{"check", "validate a scene; print derived values and advice on its step", check_command},
+    Subcommand{"keys", "make a key pair for streams that encrypt", keys_command},
+};
 
 constexpr const char* examples =
     "Examples:\n"
@@ -62,14 +79,29 @@ void report(const std::string& faults) {
     }
 }
 
+/// A subcommand that is on the command line: what CLI11 knows of it, and what to run.
+struct Command {
+    const CLI::App* app;
+    Run run;
+};
+
+std::vector<Command> add_subcommands(CLI::App& program) {
+    std::vector<Command> commands;
+    for (const Subcommand& subcommand : subcommands) {
+        CLI::App* app = program.add_subcommand(subcommand.name, subcommand.description);
+        commands.push_back({app, subcommand.add(*app)});
+    }
+    return commands;
+}
+
 /// CLI11 would only say that something was not expected.
-void refuse_unknown_subcommand(const CLI::App& program, int argc, char** argv) {
+void refuse_unknown_subcommand(int argc, char** argv) {
     if (argc < 2 || argv[1][0] == '-') {
         return;
     }
     std::vector<std::string> names;
-    for (const CLI::App* command : program.get_subcommands({})) {
-        names.push_back(command->get_name());
+    for (const Subcommand& subcommand : subcommands) {
+        names.emplace_back(subcommand.name);
     }
     if (std::ranges::find(names, argv[1]) == names.end()) {
         throw WrongUse(fmt::format("found the subcommand {}, allowed: {}{}", quoted_briefly(argv[1]),
@@ -82,22 +114,20 @@ Exit run_program(int argc, char** argv) {
     program.set_version_flag("--version",
                              fmt::format("hertzline {} ({})", stream::program_version(), stream::git_hash()));
     program.footer(examples);
-    const std::vector<Command> commands{
-        run_command(program),    stream_command(program), replay_command(program), listen_command(program),
-        scenes_command(program), check_command(program),  keys_command(program)};
-    refuse_unknown_subcommand(program, argc, argv);
+    const std::vector<Command> commands = add_subcommands(program);
+    refuse_unknown_subcommand(argc, argv);
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return program.exit(error) == 0 ? Exit::done : Exit::wrong_use;
     }
     const auto asked =
-        std::ranges::find_if(commands, [](const Command& command) { return command.words->parsed(); });
+        std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
     if (asked == commands.end()) {
         std::cerr << program.help();
         return Exit::wrong_use;
     }
-    return asked->job();
+    return asked->run();
 }
 
 Exit run_guarded(int argc, char** argv) {
@@ -115,25 +145,6 @@ Exit run_guarded(int argc, char** argv) {
 }
 
 }  // namespace
-
-std::string missing_name(const std::string& value) {
-    return value.empty() ? "found no name, allowed: the name of a file" : "";
-}
-
-CLI::Option* add_repeatable_option(CLI::App& command, const char* names, std::vector<std::string>& values,
-                                   const std::string& description) {
-    return command.add_option(names, values, description)
-        ->expected(1)
-        ->allow_extra_args(false)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-}
-
-void require_positive(const char* option, double value) {
-    if (!(value > 0) || !std::isfinite(value)) {
-        throw WrongUse(
-            fmt::format("{}: found {}, allowed: a finite number above 0", option, number_text(value)));
-    }
-}
 
 }  // namespace hertzline::app
 

@@ -111,14 +111,14 @@ def main():
     parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
     parser.add_argument("--out", type=pathlib.Path, default="docs", help="folder of the picture (%(default)s)")
     parser.add_argument("--csv-dir", type=pathlib.Path, help="draw SCENE.csv files of this folder, run nothing")
-    wish = parser.parse_args()
-    wish.out.mkdir(parents=True, exist_ok=True)
-    png = wish.out / "paper-result.png"
-    if wish.csv_dir:
-        draw_all(lambda scene: wish.csv_dir / f"{scene}.csv", png)
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    png = arguments.out / "paper-result.png"
+    if arguments.csv_dir:
+        draw_all(lambda scene: arguments.csv_dir / f"{scene}.csv", png)
     else:
         with tempfile.TemporaryDirectory() as folder:
-            run_scenes(wish.program, pathlib.Path(folder))
+            run_scenes(arguments.program, pathlib.Path(folder))
             draw_all(lambda scene: pathlib.Path(folder) / f"{scene}.csv", png)
     print(png)
 

@@ -14,7 +14,7 @@ esac
 ./scripts/build.sh fuzz
 
 export UBSAN_OPTIONS=print_stacktrace=1
-most="-timeout=60 -rss_limit_mb=2048"
+limits="-timeout=60 -rss_limit_mb=2048"
 found=0
 for target in "$@"; do
     learnt=build/fuzz/corpus/$target
@@ -25,14 +25,15 @@ for target in "$@"; do
     if [ "$seconds" = keep ]; then
         mkdir -p "$learnt.new"
         # by edges, not by how often each was taken: a hundred inputs instead of thousands
-        build/fuzz/fuzz_"$target" -set_cover_merge=1 -use_counters=0 $most "$learnt.new" "$kept" "$learnt" >"$log" 2>&1
+        build/fuzz/fuzz_"$target" -set_cover_merge=1 -use_counters=0 $limits "$learnt.new" "$kept" "$learnt" >"$log" 2>&1
         rm -rf "$kept" && mv "$learnt.new" "$kept"
         echo "$target: $(ls "$kept" | wc -l) inputs kept"
         continue
     fi
+    dictionary=tests/fuzz/dictionaries/$target.dict
     words=""
-    [ ! -e tests/fuzz/"$target".dict ] || words="-dict=tests/fuzz/$target.dict"
-    build/fuzz/fuzz_"$target" -max_total_time="$seconds" $most $words -print_final_stats=1 -artifact_prefix="$findings/" \
+    [ ! -e "$dictionary" ] || words="-dict=$dictionary"
+    build/fuzz/fuzz_"$target" -max_total_time="$seconds" $limits $words -print_final_stats=1 -artifact_prefix="$findings/" \
         "$learnt" "$kept" >"$log" 2>&1 || found=1
     awk -v target="$target" -v findings="$(ls "$findings" | wc -l)" '
         / cov: / { for (i = 1; i < NF; ++i) if ($i == "cov:") edges = $(i + 1) }

@@ -32,9 +32,9 @@ def draw_results(description, bench, default_png, draw):
     parser = argparse.ArgumentParser(description=description.split("\n", maxsplit=1)[0])
     parser.add_argument("results", type=pathlib.Path, help=f"what {bench} --json wrote")
     parser.add_argument("--out", type=pathlib.Path, default=default_png, help="picture (%(default)s)")
-    wish = parser.parse_args()
+    arguments = parser.parse_args()
     try:
-        draw(json.loads(wish.results.read_text(encoding="utf-8")), wish.out)
-        print(wish.out)
+        draw(json.loads(arguments.results.read_text(encoding="utf-8")), arguments.out)
+        print(arguments.out)
     except (OSError, ValueError) as error:
         sys.exit(f"{pathlib.Path(sys.argv[0]).name}: {error}")

@@ -177,10 +177,10 @@ def until(holds, patience_s):
         time.sleep(0.1)
 
 
-def soak(wish, folder):
+def soak(arguments, folder):
     """Runs it all; what was seen, by name."""
-    stream = Stream(wish.program, wish.scene, folder)
-    steady = subprocess.Popen([wish.program, "listen", "--json", "--connect", stream.endpoint],
+    stream = Stream(arguments.program, arguments.scene, folder)
+    steady = subprocess.Popen([arguments.program, "listen", "--json", "--connect", stream.endpoint],
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     time.sleep(1)  # it is the one that starts the stream
     slow = multiprocessing.Array("q", 2)
@@ -191,11 +191,11 @@ def soak(wish, folder):
     until(lambda: slow[0] > 0, 60)
     before = stream.descriptors()
 
-    visitors = Visitors(wish.program, stream.endpoint, folder)
+    visitors = Visitors(arguments.program, stream.endpoint, folder)
     began = time.monotonic()
     memory = [(0, stream.memory_mib())]
     descriptors = [before]
-    while memory[-1][0] < wish.seconds:
+    while memory[-1][0] < arguments.seconds:
         stream.must_run()
         visitors.come()
         descriptors.append(stream.descriptors())
@@ -261,9 +261,9 @@ def main():
     parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
     parser.add_argument("--seconds", type=float, default=1800, help="how long (%(default)s)")
     parser.add_argument("--scene", default="paper-stream", help="what to stream (%(default)s)")
-    wish = parser.parse_args()
+    arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        figures, faults = account(soak(wish, folder))
+        figures, faults = account(soak(arguments, folder))
     for name, value in figures.items():
         print(f"{name:28} {value}")
     for fault in faults:

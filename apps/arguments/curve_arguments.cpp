@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "stream/wire/certificate.hpp"
 #include "stream/wire/endpoint.hpp"
@@ -26,29 +27,30 @@ void refuse(const std::string& faults) {
     }
 }
 
-void add_key_option(CLI::App& command, std::string& key) {
-    command
-        .add_option("--curve-key", key, "encrypt; our own key, NAME.key_secret as hertzline keys makes it")
+void add_key_option(CLI::App& app, std::string& key) {
+    app.add_option("--curve-key", key,
+                   "encrypt with this secret key, NAME.key_secret (made by hertzline keys)")
         ->check(missing_name)
         ->type_name("FILE");
 }
 
 }  // namespace
 
-void add_curve_options(CLI::App& command, CurveServerRequest& request) {
-    add_key_option(command, request.key);
-    add_repeatable_option(command, "--allow-clients", request.clients,
-                          "with --curve-key: who may subscribe, a public key NAME.key or a folder of them")
+void add_curve_options(CLI::App& app, CurveServerRequest& request) {
+    add_key_option(app, request.key);
+    add_repeatable_option(
+        app, "--allow-clients", request.clients,
+        "with --curve-key: public key of a client that may subscribe, NAME.key, or a folder of them")
         ->check(missing_name)
         ->type_name("FILE|FOLDER");
-    command.add_flag_callback(
+    app.add_flag_callback(
         "--insecure", [&request] { request.exposure = Exposure::anything; },
         "let other machines connect without encryption");
 }
 
-void add_curve_options(CLI::App& command, CurveClientRequest& request) {
-    add_key_option(command, request.key);
-    command.add_option("--server-key", request.server, "with --curve-key: the stream's public key, NAME.key")
+void add_curve_options(CLI::App& app, CurveClientRequest& request) {
+    add_key_option(app, request.key);
+    app.add_option("--server-key", request.server, "with --curve-key: public key of the stream, NAME.key")
         ->check(missing_name)
         ->type_name("FILE");
 }
@@ -57,7 +59,7 @@ std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, c
     if (request.key.empty() && request.clients.empty()) {
         if (!stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
             throw WrongUse(fmt::format(
-                "--bind: {} can be reached from other machines, and anybody there could listen: give "
+                "--bind: {} can be reached from other machines, and anybody there could listen; give "
                 "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
                 endpoint));
         }
@@ -65,11 +67,13 @@ std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, c
     }
     if (request.clients.empty()) {
         throw WrongUse(
-            "--curve-key: found no --allow-clients, allowed: with the public keys of those who may "
-            "subscribe");
+            "--curve-key: found no --allow-clients, allowed: only together; --allow-clients names the public "
+            "keys of those who may subscribe");
     }
     if (request.key.empty()) {
-        throw WrongUse("--allow-clients: found no --curve-key, allowed: with the stream's own key");
+        throw WrongUse(
+            "--allow-clients: found no --curve-key, allowed: only together; --curve-key is the stream's "
+            "secret key");
     }
     std::string faults;
     stream::CurveServer server{
@@ -87,10 +91,14 @@ std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request) {
         return std::nullopt;
     }
     if (request.server.empty()) {
-        throw WrongUse("--curve-key: found no --server-key, allowed: with the public key of the stream");
+        throw WrongUse(
+            "--curve-key: found no --server-key, allowed: only together; --server-key is the stream's public "
+            "key");
     }
     if (request.key.empty()) {
-        throw WrongUse("--server-key: found no --curve-key, allowed: with a key of our own");
+        throw WrongUse(
+            "--server-key: found no --curve-key, allowed: only together; --curve-key is the listener's "
+            "secret key");
     }
     std::string faults;
     stream::CurveClient client{

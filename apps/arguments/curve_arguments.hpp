@@ -1,6 +1,6 @@
 #pragma once
-// --curve-key and what belongs to it: the words that make a stream or a listener encrypt, and the keys that
-// they name.
+// --curve-key and its companions: options that make a stream or a listener encrypt, and the keys that they
+// name.
 
 #include <optional>
 #include <string>
@@ -15,23 +15,25 @@ namespace hertzline::app {
 /// What other machines may reach.
 enum class Exposure { encrypted, anything };
 
+/// The encryption options of `stream` and `replay`.
 struct CurveServerRequest {
-    std::string key;                   // of us; empty: no encryption
+    std::string key;                   // our secret key; empty: no encryption
     std::vector<std::string> clients;  // certificates, or directories of them
     Exposure exposure = Exposure::encrypted;
 };
 
+/// The encryption options of `listen`.
 struct CurveClientRequest {
-    std::string key;     // of us; empty: no encryption
+    std::string key;     // our secret key; empty: no encryption
     std::string server;  // the publisher's certificate
 };
 
-void add_curve_options(CLI::App& command, CurveServerRequest& request);
-void add_curve_options(CLI::App& command, CurveClientRequest& request);
+void add_curve_options(CLI::App& app, CurveServerRequest& request);
+void add_curve_options(CLI::App& app, CurveClientRequest& request);
 
-/// The keys that were asked for; nothing when none were. Throws WrongUse with every fault: one option without
-/// the other, files that are no keys, a secret one that others may read; and none at all for an endpoint that
-/// other machines reach, unless that was allowed.
+/// The keys that were asked for; unset when none were.
+/// @throws WrongUse with every fault: one option without the other, files that are no keys, a secret key that
+/// others may read; and no keys at all for an endpoint that other machines reach, unless that was allowed
 std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, const std::string& endpoint);
 std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request);
 

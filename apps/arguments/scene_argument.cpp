@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t largest_file = 65'536;  // as parse_scene() allows
+constexpr std::size_t max_file_bytes = 65'536;  // as parse_scene() allows
 
 struct SceneText {
     std::string origin;  // as messages call it
@@ -51,14 +52,14 @@ std::string read_text(const std::string& name) {
     if (file == nullptr) {
         refuse_file(name, errno);
     }
-    std::string text(largest_file + 1, '\0');
+    std::string text(max_file_bytes + 1, '\0');
     text.resize(std::fread(text.data(), 1, text.size(), file.get()));
     if (std::ferror(file.get()) != 0) {
         refuse_file(name, errno);
     }
-    if (text.size() > largest_file) {
+    if (text.size() > max_file_bytes) {
         throw WrongUse(fmt::format("{}: found more than {} bytes, allowed: at most {} bytes", printable(name),
-                                   largest_file, largest_file));
+                                   max_file_bytes, max_file_bytes));
     }
     return text;
 }
@@ -93,7 +94,7 @@ void warn_of_missed_accuracy(const std::string& origin, const ResolvedScene& res
     const StepAdvice& advice = resolved.advice;
     if (!advice.accuracy_met && !resolved.step_set_by_scene) {
         spdlog::warn(
-            "{}: no step can be shown to reach the wanted accuracy of {:g} (estimated error: {:.2g}){}",
+            "{}: no step could be shown to reach the requested accuracy of {:g} (estimated error: {:.2g}){}",
             origin, advice.accuracy, advice.estimated_error,
             advice.estimated_error > chaotic_error
                 ? "; the motion is chaotic, so judge it by energy_residual and statistics, not sample "
@@ -104,11 +105,11 @@ void warn_of_missed_accuracy(const std::string& origin, const ResolvedScene& res
 
 }  // namespace
 
-CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request) {
-    add_repeatable_option(command, "--set", request.settings,
+CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
+    add_repeatable_option(app, "--set", request.settings,
                           "override a key of the scene: section.key=value; repeatable")
         ->type_name("KEY=VALUE");
-    return command.add_option("SCENE", request.scene, "a scene file, or the name of a shipped scene")
+    return app.add_option("SCENE", request.scene, "a scene file, or the name of a shipped scene")
         ->type_name("");
 }
 

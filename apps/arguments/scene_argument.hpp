@@ -11,17 +11,18 @@
 
 namespace hertzline::app {
 
+/// SCENE and --set as the user gave them.
 struct SceneRequest {
     std::string scene;                  ///< a file, or a shipped scene's name
     std::vector<std::string> settings;  ///< "section.key=value"
 };
 
 /// Adds SCENE and --set to a subcommand. `request` must outlive the parsing.
-CLI::Option* add_scene_options(CLI::App& command, SceneRequest& request);
+CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request);
 
-/// The scene with integrator and step settled. Warns where the wanted accuracy is out of reach. Takes as long
-/// as the pilot of core/numerics does. Throws WrongUse that names every fault at once, std::runtime_error
-/// when the scene does not fit into memory.
+/// The scene with integrator and step settled. Warns where the requested accuracy is out of reach. Takes as
+/// long as the pilot runs of core/step_choice do.
+/// @throws WrongUse that names every fault at once, std::runtime_error when there is too little memory
 ResolvedScene resolved_scene(const SceneRequest& request);
 
 }  // namespace hertzline::app

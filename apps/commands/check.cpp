@@ -26,7 +26,7 @@ struct CheckOptions {
     Format format = Format::text;
 };
 
-std::string shown(const DerivedValue& derived) {
+std::string shown(const ReportRow& row) {
     struct Shown {
         const std::string& unit;
         std::string operator()(std::monostate) const { return "-"; }
@@ -37,21 +37,21 @@ std::string shown(const DerivedValue& derived) {
                                    : fmt::format("{:.6g}{}{}", number, unit.empty() ? "" : " ", unit);
         }
     };
-    return std::visit(Shown{derived.unit}, derived.value);
+    return std::visit(Shown{row.unit}, row.value);
 }
 
-std::string as_text(const std::vector<DerivedValue>& values) {
+std::string as_text(const std::vector<ReportRow>& report) {
     std::string text;
     std::string group;
-    for (const DerivedValue& derived : values) {
-        const std::string heading = derived.group == group ? "" : derived.group;
-        group = derived.group;
-        text += fmt::format("{:<10}{:<32}{}\n", heading, derived.label, shown(derived));
+    for (const ReportRow& row : report) {
+        const std::string heading = row.group == group ? "" : row.group;
+        group = row.group;
+        text += fmt::format("{:<10}{:<32}{}\n", heading, row.label, shown(row));
     }
     return text;
 }
 
-Json as_json(const std::vector<DerivedValue>& values) {
+Json as_json(const std::vector<ReportRow>& report) {
     struct Converted {
         Json operator()(std::monostate) const { return nullptr; }
         Json operator()(bool yes) const { return yes; }
@@ -59,28 +59,26 @@ Json as_json(const std::vector<DerivedValue>& values) {
         Json operator()(double number) const { return number; }
     };
     Json json;
-    for (const DerivedValue& derived : values) {
-        json[derived.name] = std::visit(Converted{}, derived.value);
+    for (const ReportRow& row : report) {
+        json[row.name] = std::visit(Converted{}, row.value);
     }
     return json;
 }
 
 Exit check(const CheckOptions& options) {
-    const std::vector<DerivedValue> values = derived_values(resolved_scene(options.scene));
-    print(options.format == Format::json ? json_text(as_json(values)) + '\n' : as_text(values));
+    const std::vector<ReportRow> report = scene_report(resolved_scene(options.scene));
+    print(options.format == Format::json ? json_text(as_json(report)) + '\n' : as_text(report));
     return Exit::done;
 }
 
 }  // namespace
 
-Command check_command(CLI::App& program) {
+Run check_command(CLI::App& app) {
     auto options = std::make_shared<CheckOptions>();
-    CLI::App* command = program.add_subcommand(
-        "check", "validate a scene; print what follows from it and advice on its step");
-    add_scene_options(*command, options->scene)->required();
-    add_format_option(*command, options->format, "print one JSON object, names with their units");
-    command->footer(examples);
-    return {command, [options] { return check(*options); }};
+    add_scene_options(app, options->scene)->required();
+    add_format_option(app, options->format, "print one JSON object, names with their units");
+    app.footer(examples);
+    return [options] { return check(*options); };
 }
 
 }  // namespace hertzline::app

@@ -1,4 +1,4 @@
-// hertzline keys: a key pair for a stream that encrypts, or for who listens to it.
+// hertzline keys: a key pair for a stream that encrypts, or for its listener.
 
 #include <memory>
 #include <string>
@@ -13,9 +13,9 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Makes NAME.key, to be given to the other side, and NAME.key_secret, which stays where it is. Neither "
-    "is\n"
-    "overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
+    "Makes NAME.key, for the other side, and NAME.key_secret, which you keep to yourself. Existing files "
+    "are\n"
+    "not overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
     "Examples:\n"
     "  hertzline keys laboratory\n"
     "  hertzline keys alice\n"
@@ -45,13 +45,12 @@ Exit keys(const KeysOptions& options) {
 
 }  // namespace
 
-Command keys_command(CLI::App& program) {
+Run keys_command(CLI::App& app) {
     auto options = std::make_shared<KeysOptions>();
-    CLI::App* command = program.add_subcommand("keys", "make a key pair for streams that encrypt");
-    command->add_option("NAME", options->name, "of the two files, with or without a folder")->required();
-    add_format_option(*command, options->format, "print the summary as one JSON object");
-    command->footer(examples);
-    return {command, [options] { return keys(*options); }};
+    app.add_option("NAME", options->name, "name of the two files, with or without a folder")->required();
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return keys(*options); };
 }
 
 }  // namespace hertzline::app

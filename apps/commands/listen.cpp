@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/curve_arguments.hpp"
+#include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/listen_session.hpp"
 #include "apps/commands/preflight.hpp"
@@ -29,7 +30,7 @@ namespace {
 using std::chrono::steady_clock;
 
 constexpr const char* examples =
-    "Samples that were missed are reported, not filled in; the exit status is 1 when anything was.\n"
+    "Missing samples are reported, not filled in; the exit status is then 1.\n"
     "Examples:\n"
     "  hertzline listen\n"
     "  hertzline listen --stream v_last --duration 1e-3 -o last.csv\n"
@@ -73,14 +74,14 @@ void refuse_wrong_use(const ListenOptions& options) {
 /// How long a silence may last [s]. A stream that runs sends its meta once a second, so one that was heard
 /// and falls silent is gone: it was killed, or its end was lost in a full queue. As long as
 /// stream/subscriber takes to notice that a machine is gone.
-double patience(const Listening& listening, const ListenOptions& options) {
+double patience(const ListenSession& session, const ListenOptions& options) {
     constexpr double for_a_stream_that_was_heard = 15;
     constexpr double for_one_to_come = std::numeric_limits<double>::infinity();
-    return options.timeout_s.value_or(listening.heard_samples() ? for_a_stream_that_was_heard
-                                                                : for_one_to_come);
+    return options.timeout_s.value_or(session.heard_samples() ? for_a_stream_that_was_heard
+                                                              : for_one_to_come);
 }
 
-void listen_to_the_end(stream::Subscriber& subscriber, Listening& listening, ProgressLine& line,
+void listen_to_the_end(stream::Subscriber& subscriber, ListenSession& session, ProgressLine& line,
                        const ListenOptions& options) {
     constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the clock and the stop flag
     const std::atomic<bool>& stop = stop_asked();
@@ -89,43 +90,43 @@ void listen_to_the_end(stream::Subscriber& subscriber, Listening& listening, Pro
     const auto seconds_since = [](steady_clock::time_point then) {
         return std::chrono::duration<double>(steady_clock::now() - then).count();
     };
-    while (listening.ending() == Ending::none) {
+    while (session.end_reason() == EndReason::none) {
         const stream::Message* message = subscriber.receive(nap);
         if (message != nullptr) {
-            const bool knew_the_run = listening.knows_the_run();
-            listening.take(*message);
+            const bool knew_the_run = session.knows_the_run();
+            session.take(*message);
             last_heard = steady_clock::now();
-            if (listening.knows_the_run() && !knew_the_run) {
-                // Only now: the first frame shall find us knowing where it comes from.
-                subscriber.subscribe(listening.topic());
+            if (session.knows_the_run() && !knew_the_run) {
+                // Not before: the first frame needs to know where it comes from.
+                subscriber.subscribe(session.topic());
             }
-        } else if (seconds_since(last_heard) > patience(listening, options)) {
-            listening.end(Ending::silence);
+        } else if (seconds_since(last_heard) > patience(session, options)) {
+            session.end(EndReason::silence);
         }
         if (const auto refusal = subscriber.refusal()) {
-            listening.note_refusal(*refusal);
+            session.note_refusal(*refusal);
         }
-        if (stop && listening.ending() == Ending::none) {
-            listening.end(Ending::stopped);
+        if (stop && session.end_reason() == EndReason::none) {
+            session.end(EndReason::stopped);
         }
         if (line.due()) {
-            line.show(listening.heard_samples()
-                          ? progress_text({listening.simulated_s(), options.duration_s, seconds_since(start)})
+            line.show(session.heard_samples()
+                          ? progress_text({session.simulated_s(), options.duration_s, seconds_since(start)})
                           : "waiting for " + options.stream + " from " + options.endpoint);
         }
     }
 }
 
 /// What was wrong, after everything was saved.
-void complain(const Listening& listening, const ListenOptions& options) {
-    if (listening.ending() == Ending::silence) {
-        spdlog::error("nothing arrived for {} s from {}", number_text(patience(listening, options)),
+void complain(const ListenSession& session, const ListenOptions& options) {
+    if (session.end_reason() == EndReason::silence) {
+        spdlog::error("nothing arrived for {} s from {}", number_text(patience(session, options)),
                       options.endpoint);
     }
-    if (!listening.heard_samples()) {
+    if (!session.heard_samples()) {
         spdlog::error("no samples of {} were received", options.stream);
-    } else if (!listening.sound()) {
-        spdlog::error("the stream is not unbroken: {}", listening.text());
+    } else if (!session.sound()) {
+        spdlog::error("the stream is incomplete: {}", session.text());
     }
 }
 
@@ -138,55 +139,51 @@ Exit listen(const ListenOptions& options) {
         stream::require_writable(file);
     }
     ProgressLine line;
-    Listening listening(tap, options.duration_s, options.files, [&line](const std::string& text) {
+    ListenSession session(tap, options.duration_s, options.files, [&line](const std::string& text) {
         line.clear();
         spdlog::warn(text);
     });
     stream::Subscriber subscriber(options.endpoint, subscriber_options);
     subscriber.subscribe(stream::meta_topic);
     subscriber.subscribe(stream::end_topic);
-    listen_to_the_end(subscriber, listening, line, options);
+    listen_to_the_end(subscriber, session, line, options);
     line.clear();
 
-    listening.save();
-    if (listening.heard_samples() || options.format == Format::json) {
-        Json summary = listening.summary();
+    session.save();
+    if (session.heard_samples() || options.format == Format::json) {
+        Json summary = session.summary();
         summary["endpoint"] = options.endpoint;
         print_summary(summary, options.format);
     }
-    complain(listening, options);
-    return listening.sound() && listening.saved() ? Exit::done : Exit::failed;
+    complain(session, options);
+    return session.sound() && session.saved() ? Exit::done : Exit::failed;
 }
 
 }  // namespace
 
-Command listen_command(CLI::App& program) {
+Run listen_command(CLI::App& app) {
     auto options = std::make_shared<ListenOptions>();
-    CLI::App* command =
-        program.add_subcommand("listen", "receive a stream, check that nothing is missing, save it");
-    command->add_option("--connect", options->endpoint, "where a stream is published")
+    app.add_option("--connect", options->endpoint, "endpoint of a stream")
         ->type_name("ENDPOINT")
         ->capture_default_str();
-    add_curve_options(*command, options->curve);
-    command->add_option("--stream", options->stream, "v_out, v_last, v_plate or v_chain")
+    add_curve_options(app, options->curve);
+    app.add_option("--stream", options->stream, "v_out, v_last, v_plate or v_chain")
         ->type_name("NAME")
         ->capture_default_str();
-    command
-        ->add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")
+    app.add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")
         ->type_name("S");
     add_repeatable_option(
-        *command, "-o,--output", options->files,
+        app, "-o,--output", options->files,
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
-    command
-        ->add_option(
-            "--timeout", options->timeout_s,
-            "give up when nothing arrives for S seconds (default: 15 once samples came, never before)")
+    app.add_option(
+           "--timeout", options->timeout_s,
+           "give up when nothing arrives for S seconds (default: 15 after the first samples, never before)")
         ->type_name("S");
-    add_format_option(*command, options->format, "print the summary as one JSON object");
-    command->footer(examples);
-    return {command, [options] { return listen(*options); }};
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return listen(*options); };
 }
 
 }  // namespace hertzline::app

@@ -33,34 +33,61 @@ std::string text_in(const Json& object, const char* key) {
     return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
-const char* word(Ending ending) {
-    switch (ending) {
-        case Ending::none:
+const char* word(EndReason reason) {
+    switch (reason) {
+        case EndReason::none:
             return "";
-        case Ending::end_of_run:
+        case EndReason::end_of_run:
             return "end of run";
-        case Ending::heard_enough:
+        case EndReason::heard_enough:
             return "duration";
-        case Ending::stopped:
+        case EndReason::stopped:
             return "stopped";
-        case Ending::silence:
+        case EndReason::silence:
             return "timeout";
-        case Ending::run_broke_off:
+        case EndReason::run_broke_off:
             return "run broke off";
-        case Ending::no_such_stream:
+        case EndReason::no_such_stream:
             return "no such stream";
-        case Ending::refused:
+        case EndReason::refused:
             return "refused";
+    }
+    return "";
+}
+
+/// What the user is told about a frame; empty when there is nothing to tell.
+/// @param expected the sample that was due @param before the totals without this frame, `now` with it
+std::string notice(stream::Arrival arrival, const stream::FrameHeader& frame, std::uint64_t expected,
+                   const stream::ContinuityTotals& before, const stream::ContinuityTotals& now) {
+    switch (arrival) {
+        case stream::Arrival::joined:
+        case stream::Arrival::new_run:
+        case stream::Arrival::in_order:
+            return "";
+        case stream::Arrival::gap:
+            return fmt::format(
+                "{} samples are missing before sample {}: {} frames dropped by the sender, {} lost on the "
+                "way",
+                frame.sample - expected, frame.sample, now.dropped_by_sender - before.dropped_by_sender,
+                now.lost_on_the_way - before.lost_on_the_way);
+        case stream::Arrival::repeated:
+            return fmt::format("frame {} arrived twice", frame.seq);
+        case stream::Arrival::out_of_order:
+            return fmt::format("frame {} arrived after a later one", frame.seq);
+        case stream::Arrival::inconsistent:
+            return fmt::format("frame {} is inconsistent: found sample {}, expected {}", frame.seq,
+                               frame.sample, expected);
     }
     return "";
 }
 
 }  // namespace
 
-Listening::Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell)
-    : tap_(tap), wanted_s_(wanted_s), files_(std::move(files)), notify_(std::move(tell)) {}
+ListenSession::ListenSession(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files,
+                             Notify notify)
+    : tap_(tap), wanted_s_(wanted_s), files_(std::move(files)), notify_(std::move(notify)) {}
 
-void Listening::take(const stream::Message& message) {
+void ListenSession::take(const stream::Message& message) {
     if (message.topic() == topic()) {
         take_frame(message);
     } else if (message.topic() == stream::meta_topic) {
@@ -70,29 +97,29 @@ void Listening::take(const stream::Message& message) {
     }
 }
 
-void Listening::note_malformed(const std::string& reason) {
+void ListenSession::note_malformed(const std::string& reason) {
     if (++malformed_ == 1) {  // a peer that sends nonsense sends a lot of it
-        notify_("a message that is none of a stream's: " + reason);
+        notify_("malformed message: " + reason);
     }
 }
 
-void Listening::note_refusal(const stream::Refusal& refusal) {
+void ListenSession::note_refusal(const stream::Refusal& refusal) {
     if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
         notify_(refusal.reason);
         refusal_ = refusal.reason;
     }
     if (refusal.final) {
-        end(Ending::refused);
+        end(EndReason::refused);
     }
 }
 
-void Listening::take_meta(const stream::Message& message) {
+void ListenSession::take_meta(const stream::Message& message) {
     if (heard_samples() || message.parts() != 1) {
         return;
     }
     const Json meta = parsed_object(message.text(0));
     if (!meta.is_object() || !meta.contains("streams") || !meta["streams"].is_array()) {
-        note_malformed("meta without streams");
+        note_malformed("meta has no streams");
         return;
     }
     knows_the_run_ = true;
@@ -103,21 +130,21 @@ void Listening::take_meta(const stream::Message& message) {
     }
     if (std::ranges::find(names, row_of(tap_).name) == names.end()) {
         notify_(
-            fmt::format("this run has no stream {}, it has {}", row_of(tap_).name, comma_separated(names)));
-        end(Ending::no_such_stream);
+            fmt::format("this run has no stream {}; it has {}", row_of(tap_).name, comma_separated(names)));
+        end(EndReason::no_such_stream);
     }
 }
 
-void Listening::take_end(const stream::Message& message) {
+void ListenSession::take_end(const stream::Message& message) {
     const Json summary = message.parts() == 1 ? parsed_object(message.text(0)) : Json(nullptr);
     if (!summary.is_object()) {
-        note_malformed("end without a summary");
+        note_malformed("end has no summary");
         return;
     }
     if (heard_samples() && text_in(summary, "run") != run_) {
         return;
     }
-    // The queue may have been full to the very end: then no later frame tells of the gap.
+    // The queue may have been full to the very end: then no later frame shows the gap.
     const auto sent = summary.find("samples");
     if (heard_samples() && sent != summary.end() && sent->is_number_integer()) {
         const auto total = sent->get<std::int64_t>();
@@ -126,10 +153,10 @@ void Listening::take_end(const stream::Message& message) {
             notify_(fmt::format("{} samples are missing before the end", missing_at_end_));
         }
     }
-    end(Ending::end_of_run);
+    end(EndReason::end_of_run);
 }
 
-void Listening::begin(const stream::FrameHeader& header) {
+void ListenSession::begin(const stream::FrameHeader& header) {
     run_ = header.run;
     fs_ = header.fs;
     channels_ = header.channels;
@@ -144,9 +171,25 @@ void Listening::begin(const stream::FrameHeader& header) {
     }
 }
 
-void Listening::take_frame(const stream::Message& message) {
+bool ListenSession::belongs_to_run(const stream::FrameHeader& header) {
+    if (!heard_samples()) {
+        return true;
+    }
+    if (header.run != run_) {
+        notify_(fmt::format("run {} broke off and another one began", run_));
+        end(EndReason::run_broke_off);
+        return false;
+    }
+    if (header.fs != fs_ || header.channels != channels_) {
+        note_malformed("rate or channels changed within the run");
+        return false;
+    }
+    return true;
+}
+
+void ListenSession::take_frame(const stream::Message& message) {
     if (message.parts() != 2) {
-        note_malformed(fmt::format("{} parts after the topic", message.parts()));
+        note_malformed(fmt::format("found {} parts after the topic, expected 2", message.parts()));
         return;
     }
     const stream::Expected<stream::FrameHeader> header =
@@ -155,62 +198,40 @@ void Listening::take_frame(const stream::Message& message) {
         note_malformed(header.error());
         return;
     }
-    if (heard_samples() && header->run != run_) {
-        notify_(fmt::format("run {} broke off, another one began", run_));
-        end(Ending::run_broke_off);
+    if (!belongs_to_run(*header)) {
         return;
     }
-    if (heard_samples() && (header->fs != fs_ || header->channels != channels_)) {
-        note_malformed("rate or channels changed within the run");
-        return;
-    }
-    const std::uint64_t expected = next_sample_;
     const stream::ContinuityTotals before = check_.totals();
-    switch (check_.take(*header)) {
-        case stream::Arrival::joined:
-        case stream::Arrival::new_run:
-            begin(*header);
-            break;
-        case stream::Arrival::in_order:
-            break;
-        case stream::Arrival::gap: {
-            const stream::ContinuityTotals& now = check_.totals();
-            notify_(fmt::format(
-                "{} samples are missing before sample {}: {} frames dropped by the sender, {} lost on the "
-                "way",
-                header->sample - expected, header->sample, now.dropped_by_sender - before.dropped_by_sender,
-                now.lost_on_the_way - before.lost_on_the_way));
-            break;
-        }
-        case stream::Arrival::repeated:
-            notify_(fmt::format("frame {} came twice", header->seq));
-            return;
-        case stream::Arrival::out_of_order:
-            notify_(fmt::format("frame {} came too late", header->seq));
-            return;
-        case stream::Arrival::inconsistent:
-            notify_(fmt::format("frame {} contradicts itself: sample {} where {} was due", header->seq,
-                                header->sample, expected));
-            next_sample_ = header->sample + header->n;
-            return;
+    const stream::Arrival arrival = check_.take(*header);
+    if (const std::string text = notice(arrival, *header, next_sample_, before, check_.totals());
+        !text.empty()) {
+        notify_(text);
+    }
+    if (arrival == stream::Arrival::repeated || arrival == stream::Arrival::out_of_order) {
+        return;
+    }
+    if (arrival == stream::Arrival::joined || arrival == stream::Arrival::new_run) {
+        begin(*header);
     }
     next_sample_ = header->sample + header->n;
-    take_samples(*header, message.bytes(1));
+    if (arrival != stream::Arrival::inconsistent) {
+        take_samples(*header, message.bytes(1));
+    }
 }
 
-void Listening::take_samples(const stream::FrameHeader& header, std::span<const std::byte> payload) {
+void ListenSession::take_samples(const stream::FrameHeader& header, std::span<const std::byte> payload) {
     std::size_t count = header.n;
     if (wanted_s_) {
         const double wanted = std::max(1.0, std::round(*wanted_s_ * fs_));
         const double left = wanted - static_cast<double>(samples_);
         if (left <= static_cast<double>(count)) {
             count = static_cast<std::size_t>(left);
-            end(Ending::heard_enough);
+            end(EndReason::heard_enough);
         }
     }
     if (recordings_->any_left()) {
         if (!stream::decode_samples(payload, values_)) {
-            note_malformed("a payload of no whole number of samples");
+            note_malformed("the payload does not fill whole samples");
             return;
         }
         const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count * channels_);
@@ -220,25 +241,25 @@ void Listening::take_samples(const stream::FrameHeader& header, std::span<const 
     samples_ += count;
 }
 
-void Listening::save() {
+void ListenSession::save() {
     if (recordings_) {
         recordings_->commit();
     }
 }
 
-bool Listening::sound() const noexcept {
-    const bool whole =
-        ending_ != Ending::silence && ending_ != Ending::run_broke_off && ending_ != Ending::refused;
+bool ListenSession::sound() const noexcept {
+    const bool whole = end_reason_ != EndReason::silence && end_reason_ != EndReason::run_broke_off &&
+                       end_reason_ != EndReason::refused;
     return heard_samples() && check_.unbroken() && missing_at_end_ == 0 && malformed_ == 0 && whole;
 }
 
-std::string Listening::text() const {
+std::string ListenSession::text() const {
     return check_.text() +
            (missing_at_end_ > 0 ? fmt::format(", {} samples missing at the end", missing_at_end_) : "") +
            (malformed_ > 0 ? fmt::format(", {} messages malformed", malformed_) : "");
 }
 
-Json Listening::summary() const {
+Json ListenSession::summary() const {
     const stream::ContinuityTotals& totals = check_.totals();
     Json summary;
     summary["stream"] = row_of(tap_).name;
@@ -256,9 +277,9 @@ Json Listening::summary() const {
     summary["frames_out_of_order"] = totals.out_of_order;
     summary["frames_inconsistent"] = totals.inconsistent;
     summary["messages_malformed"] = malformed_;
-    summary["recordings"] = recordings_ ? recordings_json(*recordings_) : Json::array();
-    summary["unbroken"] = sound();
-    summary["ended_by"] = word(ending_);
+    summary["recordings"] = recordings_ ? stream::recordings_json(*recordings_) : Json::array();
+    summary["gapless"] = sound();
+    summary["ended_by"] = word(end_reason_);
     return summary;
 }
 

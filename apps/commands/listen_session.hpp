@@ -1,6 +1,6 @@
 #pragma once
-// What a listener hears: checks that it is unbroken, saves the samples, knows when it is over. The messages
-// come from outside and are not trusted.
+// What a listener receives: checks that nothing is missing, saves the samples, knows when it is over. The
+// messages come from outside and are not trusted.
 
 #include <cstdint>
 #include <functional>
@@ -18,7 +18,7 @@
 namespace hertzline::app {
 
 /// Why listening ended.
-enum class Ending {
+enum class EndReason {
     none,
     end_of_run,
     heard_enough,
@@ -29,23 +29,24 @@ enum class Ending {
     refused
 };
 
-class Listening {
+/// One run as a listener receives it, from its meta to its end.
+class ListenSession {
 public:
     /// Takes a message for the user, as things happen.
-    using Tell = std::function<void(const std::string&)>;
+    using Notify = std::function<void(const std::string&)>;
 
     /// @param wanted_s simulated seconds; unset: all of the run. @param files where to save
-    Listening(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Tell tell);
+    ListenSession(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Notify notify);
 
-    /// Takes the next message. Afterwards ending() tells whether it was the last one. Throws
-    /// std::runtime_error when the first samples come and a recording cannot be begun.
+    /// Takes the next message. Afterwards end_reason() says whether it was the last one.
+    /// @throws std::runtime_error when the first samples come and a recording cannot be begun
     void take(const stream::Message& message);
 
     /// Takes a failed handshake: the end when there will be no other.
     void note_refusal(const stream::Refusal& refusal);
 
-    void end(Ending ending) noexcept { ending_ = ending; }
-    Ending ending() const noexcept { return ending_; }
+    void end(EndReason reason) noexcept { end_reason_ = reason; }
+    EndReason end_reason() const noexcept { return end_reason_; }
 
     /// Completes the recordings.
     void save();
@@ -58,7 +59,7 @@ public:
 
     /// The stream has said what it is.
     bool knows_the_run() const noexcept { return knows_the_run_; }
-    /// Of the frames that are listened to.
+    /// The topic of the frames that the session takes.
     std::string_view topic() const noexcept { return stream::topics_of(tap_).np; }
 
     bool heard_samples() const noexcept { return check_.totals().frames > 0; }
@@ -72,6 +73,8 @@ private:
     void take_frame(const stream::Message& message);
     void take_meta(const stream::Message& message);
     void take_end(const stream::Message& message);
+    /// The frame is of this run; else says why not.
+    bool belongs_to_run(const stream::FrameHeader& header);
     void take_samples(const stream::FrameHeader& header, std::span<const std::byte> payload);
     void begin(const stream::FrameHeader& header);
     void note_malformed(const std::string& reason);
@@ -79,11 +82,11 @@ private:
     Tap tap_;
     std::optional<double> wanted_s_;
     std::vector<std::string> files_;
-    Tell notify_;
+    Notify notify_;
     stream::ContinuityCheck check_;
     std::optional<stream::RecordingSet> recordings_;  // once the first frame has told what is in them
     Json provenance_ = Json::object();                // as meta says
-    Ending ending_ = Ending::none;
+    EndReason end_reason_ = EndReason::none;
     bool knows_the_run_ = false;
 
     // of the run that is listened to
@@ -96,7 +99,7 @@ private:
     std::uint64_t samples_ = 0;  // kept
     std::uint64_t missing_at_end_ = 0;
     std::uint64_t malformed_ = 0;
-    std::string refusal_;  // as told last
+    std::string refusal_;  // the last one that the user was told
     std::vector<float> values_;
     std::vector<double> rows_;
 };

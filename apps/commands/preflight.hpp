@@ -23,14 +23,14 @@ double memory_of_run(const Scene& scene, TapSet taps) noexcept;
 /// Bytes of a recording of the taps in the format of that file, at most.
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps);
 
-/// Throws std::runtime_error when there is not enough disk for one of the files with so many samples.
+/// @throws std::runtime_error when there is not enough disk for one of the files with so many samples.
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
                            TapSet taps);
 
-/// Throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
+/// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
 void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet taps);
 
-/// Throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
+/// @throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
 /// recording.
 void refuse_wrong_files(std::span<const std::string> files);
 

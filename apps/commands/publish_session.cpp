@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
 #include "stream/wire/endpoint.hpp"
 
@@ -30,7 +31,7 @@ std::optional<std::int64_t> samples_of(std::optional<double> duration_s, double 
     return static_cast<std::int64_t>(std::max(1.0, samples));
 }
 
-/// Where a listener of this machine connects to; everywhere else the host's name comes in place of 127.0.0.1.
+/// Where a listener on this machine connects; on others the host's name takes the place of 127.0.0.1.
 std::string local_endpoint(std::string endpoint) {
     constexpr std::string_view every_interface = "//0.0.0.0:";
     if (const std::size_t at = endpoint.find(every_interface); at != std::string::npos) {
@@ -81,37 +82,35 @@ Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipe
 
 }  // namespace
 
-void add_streaming_options(CLI::App& command, StreamingRequest& request) {
-    command.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
+void add_publish_options(CLI::App& app, PublishRequest& request) {
+    app.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")
         ->type_name("ENDPOINT")
         ->capture_default_str();
-    add_curve_options(command, request.curve);
-    command.add_option("--pace", request.pace, "realtime, flat-out, or simulated seconds per second")
+    add_curve_options(app, request.curve);
+    app.add_option("--pace", request.pace, "realtime, flat-out, or simulated seconds per second")
         ->type_name("PACE")
         ->capture_default_str();
-    command.add_option("--duration", request.duration_s, "simulated seconds (default: until stopped)")
+    app.add_option("--duration", request.duration_s, "simulated seconds (default: until stopped)")
         ->type_name("S");
-    command.add_flag_callback(
+    app.add_flag_callback(
         "--wait-for-subscriber", [&request] { request.start = stream::StreamStart::with_first_subscriber; },
-        "hold sample 0 back until somebody subscribes to a stream");
-    command
-        .add_option("--on-overrun", request.on_overrun,
-                    "what becomes of a frame whose time has passed while the program was held up: drop (and "
-                    "count) it, or wait and fall behind (default: drop, with --record wait)")
+        "hold back sample 0 until somebody subscribes to a stream");
+    app.add_option("--on-overrun", request.on_overrun,
+                   "what to do with a frame whose time has passed while the program was held up: drop it and "
+                   "count it, or wait and fall behind (default: drop; with --record: wait)")
         ->transform(
             CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
                                         {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
                 .description(""))
         ->type_name("WORD");
-    command.add_flag(
-        "--realtime-priority", request.thread.realtime_priority,
-        "let the simulating thread run before ordinary ones, and keep memory from being swapped");
-    command.add_option("--cpu", request.thread.cpu, "keep the simulating thread on this processor")
+    app.add_flag("--realtime-priority", request.thread.realtime_priority,
+                 "run the simulating thread with real-time priority, and keep memory from being swapped");
+    app.add_option("--cpu", request.thread.cpu, "run the simulating thread on this processor only")
         ->type_name("N");
-    add_format_option(command, request.format, "print the summary as one JSON object");
+    add_format_option(app, request.format, "print the summary as one JSON object");
 }
 
-std::optional<stream::CurveServer> checked(const StreamingRequest& request) {
+std::optional<stream::CurveServer> checked_curve(const PublishRequest& request) {
     if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
         throw WrongUse("--bind: " + *fault);
     }
@@ -127,13 +126,13 @@ std::optional<stream::CurveServer> checked(const StreamingRequest& request) {
     return curve_of(request.curve, request.endpoint);
 }
 
-stream::StreamOptions plan_of(const StreamingRequest& request, double sample_rate_hz,
-                              stream::OnOverrun by_default) {
+stream::StreamOptions stream_options(const PublishRequest& request, double sample_rate_hz,
+                                     stream::OnOverrun on_overrun) {
     return {.about = Json::object(),
             .pace = *stream::parse_pace(request.pace),
             .samples = samples_of(request.duration_s, sample_rate_hz),
             .start = request.start,
-            .on_overrun = request.on_overrun.value_or(by_default),
+            .on_overrun = request.on_overrun.value_or(on_overrun),
             .thread = request.thread};
 }
 
@@ -144,8 +143,8 @@ stream::PublisherOptions publisher_options(const stream::StreamFormat& format,
     return options;
 }
 
-void stream_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
-                       Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add) {
+void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
+                        Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add) {
     announce(publisher, pipeline);
     Json summary;
     pipeline.run(stop_asked(), {.progress =

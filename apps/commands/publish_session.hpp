@@ -15,7 +15,8 @@
 
 namespace hertzline::app {
 
-struct StreamingRequest {
+/// The options of `stream` and `replay` that say how to publish.
+struct PublishRequest {
     std::string endpoint = "tcp://127.0.0.1:5573";
     CurveServerRequest curve;
     std::string pace = "realtime";
@@ -26,22 +27,23 @@ struct StreamingRequest {
     Format format = Format::text;
 };
 
-/// Adds all of the above to a subcommand.
-void add_streaming_options(CLI::App& command, StreamingRequest& request);
+/// Adds these options to a subcommand. `request` must outlive the parsing.
+void add_publish_options(CLI::App& app, PublishRequest& request);
 
-/// Throws WrongUse that names every fault; reads the keys that are asked for.
-std::optional<stream::CurveServer> checked(const StreamingRequest& request);
+/// Checks the request and reads its keys; unset when it asks for no encryption.
+/// @throws WrongUse that names the fault
+std::optional<stream::CurveServer> checked_curve(const PublishRequest& request);
 
-/// @param by_default what becomes of blocks that are late when the user did not say
-stream::StreamOptions plan_of(const StreamingRequest& request, double sample_rate_hz,
-                              stream::OnOverrun by_default);
+/// @param on_overrun what to do with late blocks when the user did not say
+stream::StreamOptions stream_options(const PublishRequest& request, double sample_rate_hz,
+                                     stream::OnOverrun on_overrun);
 
 stream::PublisherOptions publisher_options(const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve);
 
-/// Streams to the end, tells the user what there is to know on the way, and prints the summary, to which
-/// `add` adds what only the caller knows.
-void stream_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
-                       Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add);
+/// Publishes to the end, shows progress and warnings, and prints the summary, to which `add` adds what only
+/// the caller knows.
+void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
+                        Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add);
 
 }  // namespace hertzline::app

@@ -1,9 +1,10 @@
-// hertzline replay: a recording to whoever subscribes, as if it were live.
+// hertzline replay: publishes a recording as if it were live.
 
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
@@ -19,23 +20,21 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "The streams are the recording's v_out, v_last, v_plate and v_chain; of a recording that has none of "
-    "these,\n"
-    "one column is streamed as v_out and several as v_chain. Sample indices are the recording's, gaps "
-    "included.\n"
+    "The streams are the recording's v_out, v_last, v_plate and v_chain. If it has none of these, a single\n"
+    "column is streamed as v_out, several as v_chain. Sample indices are the recording's, with its gaps.\n"
     "Examples:\n"
     "  hertzline replay burst.sigmf-meta\n"
     "  hertzline replay burst.h5 --pace 0.01 --wait-for-subscriber\n"
     "  hertzline replay elsewhere.npy --sample-rate 1e6 --pace flat-out";
 
-struct ReplayOptions {
+struct ReplayArguments {
     std::string file;
     std::optional<double> sample_rate_hz;
-    StreamingRequest streaming;
+    PublishRequest publish;
 };
 
 constexpr std::int64_t usual_frame = 1024;
-constexpr std::int64_t longest_frame = 1 << 20;
+constexpr std::int64_t max_frame = 1 << 20;
 
 /// Frames as long as those of the run that was recorded, where that is known.
 std::int64_t frame_samples(const Json& provenance) {
@@ -44,21 +43,21 @@ std::int64_t frame_samples(const Json& provenance) {
         return usual_frame;
     }
     const auto samples = provenance.at(key).get<std::int64_t>();
-    return samples >= 1 && samples <= longest_frame ? samples : usual_frame;
+    return samples >= 1 && samples <= max_frame ? samples : usual_frame;
 }
 
-/// The rate that the file tells or, where it tells none, the user.
-double sample_rate(const stream::RecordingHead& head, const ReplayOptions& options) {
-    if (options.sample_rate_hz) {
-        return *options.sample_rate_hz;
+/// The rate that the user gives, else the file's.
+double sample_rate(const stream::RecordingHead& head, const ReplayArguments& arguments) {
+    if (arguments.sample_rate_hz) {
+        return *arguments.sample_rate_hz;
     }
     if (head.sample_rate_hz == 0) {
-        throw WrongUse(options.file + " does not tell its sampling rate: give --sample-rate");
+        throw WrongUse(arguments.file + " does not say its sample rate: give --sample-rate");
     }
     return head.sample_rate_hz;
 }
 
-/// What the recording says of its samples; the run that it is of is not this one.
+/// What the recording says of its samples. Its run is not the run of this stream.
 Json about(const stream::RecordingHead& head, const std::string& file) {
     Json about = stream::provenance_of_meta(head.provenance);
     if (about.contains("run")) {
@@ -70,52 +69,49 @@ Json about(const stream::RecordingHead& head, const std::string& file) {
     return about;
 }
 
-Exit replay(const ReplayOptions& options) {
-    if (options.sample_rate_hz) {
-        require_positive("--sample-rate", *options.sample_rate_hz);
+Exit replay(const ReplayArguments& arguments) {
+    if (arguments.sample_rate_hz) {
+        require_positive("--sample-rate", *arguments.sample_rate_hz);
     }
-    if (const auto fault = stream::recording_fault(options.file)) {
+    if (const auto fault = stream::recording_fault(arguments.file)) {
         throw WrongUse(*fault);
     }
-    const std::optional<stream::CurveServer> curve = checked(options.streaming);
-    std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(options.file);
+    const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish);
+    std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(arguments.file);
     const stream::RecordingHead head = reader->head();
-    const double rate = sample_rate(head, options);
+    const double rate = sample_rate(head, arguments);
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
-    stream::StreamOptions plan = plan_of(options.streaming, rate, stream::OnOverrun::drop);
-    plan.about = about(head, options.file);
+    stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
+    options.about = about(head, arguments.file);
     if (const auto shortage = stream::memory_shortage(
-            "replaying " + options.file, stream::Pipeline::ring_bytes(source.format(), plan.pace))) {
+            "replaying " + arguments.file, stream::Pipeline::ring_bytes(source.format(), options.pace))) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();
-    stream::Publisher publisher(options.streaming.endpoint, stream::all_topics,
+    stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics,
                                 publisher_options(source.format(), curve));
     ProgressLine line;
-    stream::Pipeline pipeline(plan, source, publisher, nullptr);
-    stream_to_the_end(pipeline, publisher, line, options.streaming.format,
-                      [&](Json& summary, const stream::StreamMeters&) {
-                          summary["replay"] = options.file;
-                          summary["version"] = stream::program_version();
-                      });
+    stream::Pipeline pipeline(options, source, publisher, nullptr);
+    publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
+                       [&](Json& summary, const stream::StreamMeters&) {
+                           summary["replay"] = arguments.file;
+                           summary["version"] = stream::program_version();
+                       });
     return Exit::done;
 }
 
 }  // namespace
 
-Command replay_command(CLI::App& program) {
-    auto options = std::make_shared<ReplayOptions>();
-    CLI::App* command = program.add_subcommand("replay", "publish a recording as if it were live");
-    command->add_option("FILE", options->file, "a recording: " + stream::recording_endings())
+Run replay_command(CLI::App& app) {
+    auto arguments = std::make_shared<ReplayArguments>();
+    app.add_option("FILE", arguments->file, "a recording: " + stream::recording_endings())
         ->required()
         ->check(missing_name);
-    command
-        ->add_option("--sample-rate", options->sample_rate_hz,
-                     "samples a second, for a file that does not tell")
+    app.add_option("--sample-rate", arguments->sample_rate_hz, "sample rate of a file that does not say it")
         ->type_name("HZ");
-    add_streaming_options(*command, options->streaming);
-    command->footer(examples);
-    return {command, [options] { return replay(*options); }};
+    add_publish_options(app, arguments->publish);
+    app.footer(examples);
+    return [arguments] { return replay(*arguments); };
 }
 
 }  // namespace hertzline::app

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/preflight.hpp"
@@ -29,8 +30,8 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "wall_s and real_time_factor are those of the simulation; choosing the step, formatting files and the\n"
-    "spectrum are not counted.\n"
+    "wall_s and real_time_factor measure the simulation alone: no choice of the step, no files, no "
+    "spectrum.\n"
     "Examples:\n"
     "  hertzline run paper-vitreous-carbon\n"
     "  hertzline run paper-wall -o wall.csv --set chain.spheres=7\n"
@@ -65,6 +66,14 @@ void keep(const Samples& block, RunRecord& record) {
     record.peak_v_last = peak_of(Tap::v_last, record.peak_v_last);
     record.peak_v_out = peak_of(Tap::v_out, record.peak_v_out);
     record.v_out.insert(record.v_out.end(), block[Tap::v_out].begin(), block[Tap::v_out].end());
+}
+
+std::string tap_names() {
+    std::vector<std::string> names;
+    for (const Tap tap : all_taps) {
+        names.emplace_back(row_of(tap).name);
+    }
+    return comma_separated(names);
 }
 
 /// The taps that the recordings hold. @throws WrongUse for a name that is no tap of the scene
@@ -120,7 +129,7 @@ RunRecord simulate(Simulation& simulation, TapSet recorded, stream::RecordingSet
         keep(block, record);
         row_builder.write(block);
         if (wants_files && !recordings.any_left()) {
-            throw std::runtime_error("no recording is left, the run was ended");
+            throw std::runtime_error("every recording has failed, so the run was stopped");
         }
         if (line.due()) {
             line.show(progress_text({static_cast<double>(record.v_out.size()) / scene.output.sample_rate_hz,
@@ -171,7 +180,7 @@ Json summarise(Simulation& simulation, const RunRecord& record, const ResolvedSc
     summary["peak_v_out_m_per_s"] = record.peak_v_out;
     add_spectrum(summary, record, scene);
     summary["rows"] = record.v_out.size();
-    summary["recordings"] = recordings_json(recordings);
+    summary["recordings"] = stream::recordings_json(recordings);
     summary["scene_hash"] = scene_hash(scene);
     summary["version"] = stream::program_version();
     return summary;
@@ -195,7 +204,7 @@ Exit run(const RunOptions& options) {
                                     [](const std::string& text) { spdlog::error(text); });
     const RunRecord record = simulate(simulation, recorded, recordings);
     if (record.stopped) {
-        spdlog::error("stopped before the end, nothing was saved");
+        spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }
     recordings.commit();
@@ -205,22 +214,19 @@ Exit run(const RunOptions& options) {
 
 }  // namespace
 
-Command run_command(CLI::App& program) {
+Run run_command(CLI::App& app) {
     auto options = std::make_shared<RunOptions>();
-    CLI::App* command =
-        program.add_subcommand("run", "simulate a scene as fast as possible, to files and a summary");
-    add_scene_options(*command, options->scene)->required();
+    add_scene_options(app, options->scene)->required();
     add_repeatable_option(
-        *command, "-o,--output", options->files,
+        app, "-o,--output", options->files,
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
         ->type_name("FILE");
-    command->add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
-    add_repeatable_option(*command, "--tap", options->taps,
-                          "save this tap too; repeatable (its name, as in hertzline stream)")
+    app.add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
+    add_repeatable_option(app, "--tap", options->taps, "save this output too; repeatable: " + tap_names())
         ->type_name("NAME");
-    add_format_option(*command, options->format, "print the summary as one JSON object");
-    command->footer(examples);
-    return {command, [options] { return run(*options); }};
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return run(*options); };
 }
 
 }  // namespace hertzline::app

@@ -24,8 +24,8 @@ namespace hertzline::app {
 
 namespace {
 
-using Value = decltype(DerivedValue::value);
-using Values = std::vector<DerivedValue>;
+using Value = decltype(ReportRow::value);
+using Report = std::vector<ReportRow>;
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
@@ -33,18 +33,18 @@ Value if_any(bool exists, double value) {
     return exists ? Value(value) : Value();
 }
 
-void add_spheres(Values& values, const Scene& scene, const Chain& chain) {
+void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
     const double mass = 1 / chain.inv_mass[0];
     const bool several = scene.chain.spheres > 1;
     const double slope = several ? tangent_stiffness(chain.stiffness[1], chain.static_overlap[1]) : 0;
-    values.push_back({"spheres", "mass", "sphere_mass_kg", "kg", mass});
-    values.push_back({"spheres", "speed of small long waves", "wave_speed_m_per_s", "m/s",
+    report.push_back({"spheres", "mass", "sphere_mass_kg", "kg", mass});
+    report.push_back({"spheres", "speed of long, small waves", "wave_speed_m_per_s", "m/s",
                       if_any(several, scene.chain.diameter_m * std::sqrt(slope / mass))});
-    values.push_back({"spheres", "cut-off of small waves", "cutoff_hz", "Hz",
+    report.push_back({"spheres", "cut-off frequency of small waves", "cutoff_hz", "Hz",
                       if_any(several, std::sqrt(4 * slope / mass) / two_pi)});
 }
 
-void add_contacts(Values& values, const Scene& scene, const Chain& chain) {
+void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
     struct Kind {
         const char* label;
         const char* name;
@@ -56,18 +56,18 @@ void add_contacts(Values& values, const Scene& scene, const Chain& chain) {
          {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1},
          {"sphere - end", "end", chain.spheres(), scene.end.kind != EndKind::free}}};
     for (const Kind& kind : kinds) {
-        values.push_back({"contacts", std::string(kind.label) + ", stiffness",
+        report.push_back({"contacts", std::string(kind.label) + ", stiffness",
                           std::string(kind.name) + "_contact_stiffness_n_per_m1_5", "N/m^1.5",
                           if_any(kind.exists, chain.stiffness[kind.contact])});
     }
     for (const Kind& kind : kinds) {
-        values.push_back({"contacts", std::string(kind.label) + ", static overlap",
+        report.push_back({"contacts", std::string(kind.label) + ", static overlap",
                           std::string(kind.name) + "_contact_static_overlap_m", "m",
                           if_any(kind.exists, chain.static_overlap[kind.contact])});
     }
 }
 
-void add_end(Values& values, const Scene& scene, const Chain& chain) {
+void add_end(Report& report, const Scene& scene, const Chain& chain) {
     const bool plate = scene.end.kind == EndKind::plate;
     double mass = 0;
     double stiffness = 0;
@@ -76,13 +76,13 @@ void add_end(Values& values, const Scene& scene, const Chain& chain) {
         mass = plate_mass(material, scene.end);
         stiffness = plate_stiffness(material, scene.end);
     }
-    values.push_back({"plate", "mass", "plate_mass_kg", "kg", if_any(plate, mass)});
-    values.push_back(
-        {"plate", "moving mass, a quarter of it", "plate_moving_mass_kg", "kg", if_any(plate, mass / 4)});
-    values.push_back({"plate", "stiffness", "plate_stiffness_n_per_m", "N/m", if_any(plate, stiffness)});
-    values.push_back({"plate", "frequency, alone", "plate_frequency_hz", "Hz",
+    report.push_back({"plate", "mass", "plate_mass_kg", "kg", if_any(plate, mass)});
+    report.push_back(
+        {"plate", "moving mass (a quarter)", "plate_moving_mass_kg", "kg", if_any(plate, mass / 4)});
+    report.push_back({"plate", "stiffness", "plate_stiffness_n_per_m", "N/m", if_any(plate, stiffness)});
+    report.push_back({"plate", "natural frequency, alone", "plate_frequency_hz", "Hz",
                       if_any(plate, std::sqrt(stiffness / (mass / 4)) / two_pi)});
-    values.push_back(
+    report.push_back(
         {"plate", "transmission sqrt(Tm Tw)", "transmission", "", if_any(plate, chain.end.transmission)});
 }
 
@@ -103,23 +103,24 @@ Value fastest_in_motion(const Scene& scene) {
     return fastest_frequency(simulation.chain(), simulation.state().peak_overlap) / two_pi;
 }
 
-void add_time_scales(Values& values, const Scene& scene, const Chain& chain) {
-    values.push_back(
-        {"time", "burst", "burst_duration_s", "s", scene.drive.cycles / scene.drive.frequency_hz});
-    values.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
+void add_time_scales(Report& report, const Scene& scene, const Chain& chain) {
+    report.push_back({"time", "duration of a burst", "burst_duration_s", "s",
+                      scene.drive.cycles / scene.drive.frequency_hz});
+    report.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
                       fastest_frequency(chain, chain.static_overlap) / two_pi});
-    values.push_back(
+    report.push_back(
         {"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz", fastest_in_motion(scene)});
 }
 
-void add_accuracy(Values& values, const ResolvedScene& resolved) {
+void add_accuracy(Report& report, const ResolvedScene& resolved) {
     const StepAdvice& advice = resolved.advice;
     const Value estimate = if_any(resolved.estimated_error.has_value(), resolved.estimated_error.value_or(0));
-    values.push_back({"accuracy", "wanted relative error", "wanted_accuracy", "", advice.accuracy});
-    values.push_back({"accuracy", "estimated at the step in use", "estimated_error", "", estimate});
-    values.push_back({"accuracy", "wanted one within reach", "accuracy_met", "", advice.accuracy_met});
-    values.push_back({"accuracy", "pilots flown", "pilots", "", static_cast<double>(resolved.pilots)});
-    values.push_back({"accuracy", "each over", "pilot_duration_s", "s", advice.pilot_duration_s});
+    report.push_back({"accuracy", "requested relative error", "wanted_accuracy", "", advice.accuracy});
+    report.push_back({"accuracy", "estimated with this step", "estimated_error", "", estimate});
+    report.push_back({"accuracy", "request can be met", "accuracy_met", "", advice.accuracy_met});
+    report.push_back({"accuracy", "pilot runs", "pilots", "", static_cast<double>(resolved.pilots)});
+    report.push_back(
+        {"accuracy", "duration of each pilot run", "pilot_duration_s", "s", advice.pilot_duration_s});
 }
 
 std::string reason_text(IntegratorReason reason) {
@@ -136,58 +137,58 @@ std::string reason_text(IntegratorReason reason) {
     return {};
 }
 
-void add_step(Values& values, const ResolvedScene& resolved) {
+void add_step(Report& report, const ResolvedScene& resolved) {
     const Scene& scene = resolved.scene;
     const StepAdvice& advice = resolved.advice;
     const double step = *scene.numerics.step_s;
     const bool series = is_series(*scene.numerics.integrator);
-    values.push_back({"step", "integrator", "integrator", "", std::string(word(*scene.numerics.integrator))});
-    values.push_back(
-        {"step", "why this one", "integrator_reason", "", reason_text(resolved.integrator_reason)});
-    values.push_back({"step", "step", "step_s", "s", step});
-    values.push_back({"step", "it is the", "step_role", "", std::string(series ? "longest piece" : "step")});
-    values.push_back({"step", "chosen by", "step_chosen_by", "",
+    report.push_back({"step", "integrator", "integrator", "", std::string(word(*scene.numerics.integrator))});
+    report.push_back({"step", "reason", "integrator_reason", "", reason_text(resolved.integrator_reason)});
+    report.push_back({"step", "step", "step_s", "s", step});
+    report.push_back(
+        {"step", "kind of step", "step_role", "", std::string(series ? "longest piece" : "step")});
+    report.push_back({"step", "chosen by", "step_chosen_by", "",
                       std::string(resolved.step_set_by_scene ? "scene" : "accuracy")});
-    values.push_back({"step", series ? "pieces per burst, about" : "steps per burst, about",
+    report.push_back({"step", series ? "pieces per burst, about" : "steps per burst, about",
                       "steps_per_burst", "", std::round(resolved.steps_per_burst)});
-    values.push_back(
+    report.push_back(
         {"step", "steps per sample", "steps_per_sample", "", 1 / (scene.output.sample_rate_hz * step)});
-    values.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
-    values.push_back({"step", "its estimated relative error", "recommended_step_estimated_error", "",
+    report.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
+    report.push_back({"step", "estimated error of that step", "recommended_step_estimated_error", "",
                       advice.estimated_error});
-    values.push_back(
+    report.push_back(
         {"step", "largest stable step", "largest_stable_step_s", "s", advice.largest_stable_step_s});
 }
 
-void add_costs(Values& values, const Scene& scene) {
+void add_costs(Report& report, const Scene& scene) {
     const double rows = rows_of_run(scene);
     const TapSet recorded = recorded_taps(scene.end.kind);
-    values.push_back({"run", "rows", "rows", "", rows});
-    values.push_back({"run", "memory, at most", "run_memory_bytes", "bytes", memory_of_run(scene, recorded)});
+    report.push_back({"run", "rows", "rows", "", rows});
+    report.push_back({"run", "memory, at most", "run_memory_bytes", "bytes", memory_of_run(scene, recorded)});
     const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
-    values.push_back({"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
-    values.push_back({"run", "CSV of --all, at most", "csv_all_bytes", "bytes",
+    report.push_back({"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
+    report.push_back({"run", "CSV of --all, at most", "csv_all_bytes", "bytes",
                       csv_bytes(recorded | Tap::v_chain | Tap::x_chain)});
-    values.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
+    report.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
                       stream::SimulationSource::memory_bytes(scene) +
                           stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene))});
-    values.push_back({"run", "hash of the scene", "scene_hash", "", scene_hash(scene)});
+    report.push_back({"run", "hash of the scene", "scene_hash", "", scene_hash(scene)});
 }
 
 }  // namespace
 
-std::vector<DerivedValue> derived_values(const ResolvedScene& resolved) {
+std::vector<ReportRow> scene_report(const ResolvedScene& resolved) {
     const Scene& scene = resolved.scene;
     const Chain chain(scene);
-    Values values;
-    add_spheres(values, scene, chain);
-    add_contacts(values, scene, chain);
-    add_end(values, scene, chain);
-    add_time_scales(values, scene, chain);
-    add_accuracy(values, resolved);
-    add_step(values, resolved);
-    add_costs(values, scene);
-    return values;
+    Report report;
+    add_spheres(report, scene, chain);
+    add_contacts(report, scene, chain);
+    add_end(report, scene, chain);
+    add_time_scales(report, scene, chain);
+    add_accuracy(report, resolved);
+    add_step(report, resolved);
+    add_costs(report, scene);
+    return report;
 }
 
 }  // namespace hertzline::app

@@ -10,7 +10,8 @@
 
 namespace hertzline::app {
 
-struct DerivedValue {
+/// A row of the report: a quantity, its value and its unit.
+struct ReportRow {
     std::string group;  ///< "spheres", "contacts", ...
     std::string label;  ///< "mass"
     std::string name;   ///< "sphere_mass_kg", for machines
@@ -21,6 +22,6 @@ struct DerivedValue {
 
 /// In the order in which they are best read. Simulates the scene's first burst for the peak overlaps: takes
 /// as long as that.
-std::vector<DerivedValue> derived_values(const ResolvedScene& resolved);
+std::vector<ReportRow> scene_report(const ResolvedScene& resolved);
 
 }  // namespace hertzline::app

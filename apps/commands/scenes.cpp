@@ -55,7 +55,7 @@ std::string annotated_toml(const ResolvedScene& resolved, const SceneRequest& re
 Exit scenes(const ScenesOptions& options) {
     if (options.scene.scene.empty()) {
         if (!options.scene.settings.empty()) {
-            throw WrongUse("--set: found no scene to set a key of, allowed: with a scene's NAME");
+            throw WrongUse("--set: found no SCENE, allowed: only together with a SCENE");
         }
         list_scenes(options.format);
         return Exit::done;
@@ -68,14 +68,12 @@ Exit scenes(const ScenesOptions& options) {
 
 }  // namespace
 
-Command scenes_command(CLI::App& program) {
+Run scenes_command(CLI::App& app) {
     auto options = std::make_shared<ScenesOptions>();
-    CLI::App* command =
-        program.add_subcommand("scenes", "list the shipped scenes, or print one with every default resolved");
-    add_scene_options(*command, options->scene);
-    add_format_option(*command, options->format, "print JSON");
-    command->footer(examples);
-    return {command, [options] { return scenes(*options); }};
+    add_scene_options(app, options->scene);
+    add_format_option(app, options->format, "print JSON");
+    app.footer(examples);
+    return [options] { return scenes(*options); };
 }
 
 }  // namespace hertzline::app

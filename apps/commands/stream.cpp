@@ -1,4 +1,4 @@
-// hertzline stream: a scene to whoever subscribes, in step with the clock.
+// hertzline stream: simulates a scene in step with the clock and publishes it.
 
 #include <chrono>
 #include <memory>
@@ -7,6 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/preflight.hpp"
@@ -35,86 +36,86 @@ constexpr const char* examples =
 
 struct StreamArguments {
     SceneRequest scene;
-    StreamingRequest streaming;
+    PublishRequest publish;
     std::vector<std::string> recordings;
 };
 
-void refuse_shortages(const StreamArguments& options, const Scene& scene, const stream::StreamOptions& plan) {
-    const double memory = stream::SimulationSource::memory_bytes(scene) +
-                          stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene), plan.pace);
+void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
+                      const stream::StreamOptions& options) {
+    const double memory =
+        stream::SimulationSource::memory_bytes(scene) +
+        stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
-    if (plan.samples) {
-        refuse_disk_shortages(scene, static_cast<double>(*plan.samples), options.recordings,
+    if (options.samples) {
+        refuse_disk_shortages(scene, static_cast<double>(*options.samples), arguments.recordings,
                               recorded_taps(scene.end.kind));
     }
 }
 
-/// Of the samples: what meta and recordings say.
+/// What meta and recordings say of the samples.
 Json about(const ResolvedScene& resolved, const std::string& run) {
     return stream::provenance_json(
         {resolved.scene, resolved.estimated_error, stream::utc_text(std::chrono::system_clock::now()), run});
 }
 
-Exit stream(const StreamArguments& options) {
-    refuse_wrong_files(options.recordings);
-    const std::optional<stream::CurveServer> curve = checked(options.streaming);
-    const ResolvedScene resolved = resolved_scene(options.scene);
+Exit stream(const StreamArguments& arguments) {
+    refuse_wrong_files(arguments.recordings);
+    const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish);
+    const ResolvedScene resolved = resolved_scene(arguments.scene);
     const Scene& scene = resolved.scene;
     const double rate = scene.output.sample_rate_hz;
-    stream::StreamOptions plan =
-        plan_of(options.streaming, rate,
-                options.recordings.empty() ? stream::OnOverrun::drop : stream::OnOverrun::wait);
-    plan.about = about(resolved, plan.run);
-    refuse_shortages(options, scene, plan);
+    stream::StreamOptions options =
+        stream_options(arguments.publish, rate,
+                       arguments.recordings.empty() ? stream::OnOverrun::drop : stream::OnOverrun::wait);
+    options.about = about(resolved, options.run);
+    refuse_shortages(arguments, scene, options);
     stop_asked();  // from here on there are files to be cleaned up
     const TapSet recorded = recorded_taps(scene.end.kind);
-    stream::SimulationSource source(scene, options.recordings.empty() ? TapSet() : recorded);
-    stream::Publisher publisher(options.streaming.endpoint, stream::all_topics,
+    stream::SimulationSource source(scene, arguments.recordings.empty() ? TapSet() : recorded);
+    stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics,
                                 publisher_options(source.format(), curve));
     ProgressLine line;
     stream::RecordingSet recordings(
-        options.recordings,
+        arguments.recordings,
         {.columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
-         .provenance = plan.about},
+         .provenance = options.about},
         [&line](const std::string& text) {
             line.clear();
-            spdlog::error("{}; the stream goes on", text);
+            spdlog::error("{}; the stream continues", text);
         });
     stream::RowBuilder row_builder(recordings, recorded);
-    stream::Pipeline pipeline(plan, source, publisher, recordings.any_left() ? &row_builder : nullptr);
-    stream_to_the_end(pipeline, publisher, line, options.streaming.format,
-                      [&](Json& summary, const stream::StreamMeters& meters) {
-                          // Before subscribers hear of the end recordings are complete, or known not to be.
-                          recordings.commit();
-                          summary["recordings"] = recordings_json(recordings);
-                          summary["steps"] = meters.account.steps;
-                          summary["step_s"] = *scene.numerics.step_s;
-                          summary["integrator"] = word(*scene.numerics.integrator);
-                          summary["estimated_error"] = number_or_null(resolved.estimated_error);
-                          summary["scene_hash"] = scene_hash(scene);
-                          summary["version"] = stream::program_version();
-                      });
+    stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
+    publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
+                       [&](Json& summary, const stream::StreamMeters& meters) {
+                           // Before subscribers receive the end, recordings are complete or known not to be.
+                           recordings.commit();
+                           summary["recordings"] = stream::recordings_json(recordings);
+                           summary["steps"] = meters.account.steps;
+                           summary["step_s"] = *scene.numerics.step_s;
+                           summary["integrator"] = word(*scene.numerics.integrator);
+                           summary["estimated_error"] = number_or_null(resolved.estimated_error);
+                           summary["scene_hash"] = scene_hash(scene);
+                           summary["version"] = stream::program_version();
+                       });
     return recordings.sound() ? Exit::done : Exit::failed;
 }
 
 }  // namespace
 
-Command stream_command(CLI::App& program) {
-    auto options = std::make_shared<StreamArguments>();
-    CLI::App* command =
-        program.add_subcommand("stream", "simulate a scene in step with the clock and publish it");
-    add_scene_options(*command, options->scene)->required();
-    add_repeatable_option(*command, "--record", options->recordings,
+Run stream_command(CLI::App& app) {
+    auto arguments = std::make_shared<StreamArguments>();
+    add_scene_options(app, arguments->scene)->required();
+    add_repeatable_option(app, "--record", arguments->recordings,
                           "save the samples as well; the ending picks the format: " +
                               stream::recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
-    add_streaming_options(*command, options->streaming);
-    command->footer(examples);
-    return {command, [options] { return stream(*options); }};
+    add_publish_options(app, arguments->publish);
+    app.footer(examples);
+    return [arguments] { return stream(*arguments); };
 }
 
 }  // namespace hertzline::app

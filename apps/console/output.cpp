@@ -67,16 +67,6 @@ void print_summary(const Json& summary, Format format) {
     print(text);
 }
 
-Json recordings_json(const stream::RecordingSet& recordings) {
-    Json list = Json::array();
-    for (const stream::RecordingSet::Status& one : recordings.status()) {
-        list.push_back({{"file", one.file},
-                        {"samples", one.samples},
-                        {"status", one.failure.empty() ? "complete" : one.failure}});
-    }
-    return list;
-}
-
 Json number_or_null(const std::optional<double>& number) {
     return number ? Json(*number) : Json(nullptr);
 }

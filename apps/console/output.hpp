@@ -7,8 +7,6 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "stream/recordings/recording_set.hpp"
-
 namespace hertzline::app {
 
 using Json = nlohmann::ordered_json;
@@ -18,18 +16,15 @@ enum class Format { text, json };
 /// Adds --json to a subcommand.
 void add_format_option(CLI::App& command, Format& format, const char* description);
 
-/// Writes to stdout and makes sure that it got there. Throws std::runtime_error with the system's reason.
+/// Writes to stdout and makes sure that it got there.
+/// @throws std::runtime_error with the system's reason
 void print(std::string_view text);
 
-/// One object, on one line; bytes that are no UTF-8 (of a file's name) are replaced, they shall not end the
-/// program.
+/// One object, on one line. Bytes that are not UTF-8 (in the name of a file) are replaced.
 std::string json_text(const Json& json);
 
 /// A flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
-
-/// An object for each recording: file, samples, status ("complete", or why it is not).
-Json recordings_json(const stream::RecordingSet& recordings);
 
 /// null where there is no value.
 Json number_or_null(const std::optional<double>& number);

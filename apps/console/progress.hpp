@@ -7,6 +7,7 @@
 
 namespace hertzline::app {
 
+/// One line on the terminal that is written over.
 class ProgressLine {
 public:
     ProgressLine();
@@ -28,6 +29,7 @@ private:
     std::chrono::steady_clock::time_point last_;
 };
 
+/// How far a run has come.
 struct Progress {
     double simulated_s = 0;
     std::optional<double> goal_s;  ///< unset: until stopped

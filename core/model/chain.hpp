@@ -15,6 +15,7 @@
 
 namespace hertzline {
 
+/// The constants of a chain: what the equations of motion need, in SI units. Read-only once it is made.
 struct Chain {
     /// @param scene has passed validate(). @throws std::bad_alloc
     explicit Chain(const Scene& scene);

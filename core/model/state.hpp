@@ -9,6 +9,7 @@
 
 namespace hertzline {
 
+/// The motion of a chain: displacements, velocities and contacts.
 struct ChainState {
     explicit ChainState(const Chain& chain)
         : x(chain.bodies()), v(chain.bodies()), closed(chain.bodies()), peak_overlap(chain.bodies()) {

@@ -37,6 +37,7 @@ struct SmoothDrive {
     double left_s = 0;         ///< from then until the piece ends; infinite after a last burst
 };
 
+/// The horn's displacement and velocity as functions of time.
 class ToneBurst {
 public:
     /// @param step_s the integrator's step: times are step counts, so that they neither drift nor accumulate.

@@ -25,6 +25,7 @@ struct Fluid {
 
 using Material = std::variant<Solid, Fluid>;
 
+/// A row of the table of built-in materials.
 struct BuiltInMaterial {
     std::string_view name;
     Material material;

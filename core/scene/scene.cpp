@@ -103,7 +103,8 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
                               " Hz, so that bursts do not overlap"});
     }
     if (scene.numerics.step_s && scene.numerics.accuracy) {
-        faults.push_back({"numerics.accuracy", number_text(*scene.numerics.accuracy) + " beside step_s",
+        faults.push_back({"numerics.accuracy",
+                          number_text(*scene.numerics.accuracy) + " together with step_s",
                           "either step_s or accuracy, not both"});
     }
 }

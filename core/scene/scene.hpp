@@ -58,6 +58,7 @@ struct End {
     bool operator==(const End&) const = default;
 };
 
+/// The fluid that the transducer radiates into.
 struct Medium {
     std::string material = "water";
     bool operator==(const Medium&) const = default;
@@ -73,6 +74,7 @@ struct Numerics {
     bool operator==(const Numerics&) const = default;
 };
 
+/// The samples that a run gives.
 struct Output {
     double sample_rate_hz = 10e6;
     double duration_s = 500e-6;
@@ -80,6 +82,7 @@ struct Output {
     bool operator==(const Output&) const = default;
 };
 
+/// Everything a user can set, in SI units; the defaults are the paper's values.
 struct Scene {
     Drive drive;
     Spheres chain;

@@ -22,6 +22,7 @@ namespace hertzline::fields {
 
 enum class Bounds { included, excluded };
 
+/// The numbers that a key allows.
 struct Range {
     double least;
     double most;
@@ -29,6 +30,7 @@ struct Range {
     Bounds bounds = Bounds::included;
 };
 
+/// The integers that a key allows, both ends included.
 struct Count {
     std::int64_t least;
     std::int64_t most;

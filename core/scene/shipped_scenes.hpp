@@ -6,6 +6,7 @@
 
 namespace hertzline {
 
+/// A scene that is part of the program.
 struct ShippedScene {
     std::string_view name;         ///< the file's name without ".toml"
     std::string_view description;  ///< one line

@@ -316,16 +316,14 @@ std::string SeriesSolver::failure() const {
     }
     const double pressed = overlap[folded_.slot(contact)];
     const std::string by =
-        std::isfinite(pressed) ? "pressed to " + number_text(pressed) + " m" : "out of all numbers";
+        std::isfinite(pressed) ? "overlap " + number_text(pressed) + " m" : "its overlap overflowed";
     std::array<char, 320> text{};
-    std::snprintf(
-        text.data(), text.size(),
-        "with a step of at most %.4g s the motion's series %s after %lld pieces, t = %.6g s (contact "
-        "%lld, %s)",
-        piece_.unit_s, still ? "hardly goes on any more" : "has no meaning any more",
-        static_cast<long long>(state_.step),
-        (static_cast<double>(begin_.whole) + begin_.fraction()) * sample_period_s_,
-        static_cast<long long>(contact), by.c_str());
+    std::snprintf(text.data(), text.size(),
+                  "with steps of at most %.4g s the integrator %s after %lld steps, at t = %.6g s (contact "
+                  "%lld, %s)",
+                  piece_.unit_s, still ? "stalled" : "diverged", static_cast<long long>(state_.step),
+                  (static_cast<double>(begin_.whole) + begin_.fraction()) * sample_period_s_,
+                  static_cast<long long>(contact), by.c_str());
     return text.data();
 }
 

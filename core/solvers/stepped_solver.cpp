@@ -131,18 +131,17 @@ std::string SteppedSolver::failure() const {
     std::array<char, 256> text{};
     for (Eigen::Index c = 0; c < chain_.bodies(); ++c) {
         if (!std::isfinite(state_.peak_overlap[c])) {
-            std::snprintf(
-                text.data(), text.size(),
-                "the step of %.4g s lies beyond the stability limit: the overlap of contact %lld had "
-                "grown beyond all numbers by t = %.6g s",
-                step_s_, static_cast<long long>(c), time_s);
+            std::snprintf(text.data(), text.size(),
+                          "the step of %.4g s is beyond the stability limit: the overlap of contact %lld "
+                          "overflowed before t = %.6g s",
+                          step_s_, static_cast<long long>(c), time_s);
             return text.data();
         }
     }
     Eigen::Index contact = 0;
     (chain_.stiffness.square() * state_.peak_overlap).maxCoeff(&contact);
     std::snprintf(text.data(), text.size(),
-                  "the step of %.4g s lies beyond the stability limit of %.4g s that the contacts reached by "
+                  "the step of %.4g s is beyond the stability limit, which fell to %.4g s before "
                   "t = %.6g s "
                   "(stiffest: contact %lld, overlap %.3g m)",
                   step_s_, largest_stable_step(chain_, state_.peak_overlap, integrator_), time_s,

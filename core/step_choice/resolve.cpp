@@ -74,7 +74,7 @@ ResolvedScene resolve(const Scene& asked) {
     result.pilots = ReferencePilot::pilots + result.advice.pilots;
     if (numerics.rest_tolerance > 0 && !is_series(*numerics.integrator)) {
         result.faults.push_back({"numerics.rest_tolerance",
-                                 "a chain that " + std::string(word(*numerics.integrator)) + " integrates",
+                                 "the integrator " + std::string(word(*numerics.integrator)),
                                  "0 unless the integrator is taylor8 or taylor12"});
     }
     numerics.accuracy.reset();

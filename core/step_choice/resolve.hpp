@@ -29,6 +29,7 @@ inline constexpr std::int64_t short_chain_spheres = 30;  // four AVX-512 registe
 /// A wanted error below this gets order 12.
 inline constexpr double high_accuracy = 1e-6;
 
+/// An integrator and the reason for it.
 struct IntegratorChoice {
     Integrator integrator;
     IntegratorReason reason;

@@ -59,4 +59,14 @@ bool RecordingSet::any_left() const noexcept {
     return std::ranges::any_of(writers_, [](const auto& writer) { return writer != nullptr; });
 }
 
+nlohmann::ordered_json recordings_json(const RecordingSet& recordings) {
+    auto list = nlohmann::ordered_json::array();
+    for (const RecordingSet::Status& one : recordings.status()) {
+        list.push_back({{"file", one.file},
+                        {"samples", one.samples},
+                        {"status", one.failure.empty() ? "complete" : one.failure}});
+    }
+    return list;
+}
+
 }  // namespace hertzline::stream

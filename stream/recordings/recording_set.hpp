@@ -49,4 +49,7 @@ private:
     std::function<void(const std::string&)> notify_;
 };
 
+/// An object for each recording: file, samples, status ("complete", or why it is not).
+nlohmann::ordered_json recordings_json(const RecordingSet& recordings);
+
 }  // namespace hertzline::stream

@@ -78,14 +78,14 @@ Expected<std::string> read_text(const fs::path& file, bool secret) {
         return Failure{fmt::format("cannot read {}: {}", file.string(), reason(errno))};
     }
     if (!S_ISREG(status.st_mode)) {
-        return Failure{fmt::format("{} is no file with a key", file.string())};
+        return Failure{fmt::format("{} is not a regular file", file.string())};
     }
     if (secret && status.st_uid != ::geteuid()) {
-        return Failure{fmt::format("{}: a secret key of another user is not used; its owner should be you",
-                                   file.string())};
+        return Failure{
+            fmt::format("{} belongs to another user; a secret key must be your own", file.string())};
     }
     if (secret && (status.st_mode & others) != 0) {
-        return Failure{fmt::format("{0}: others may use this secret key (mode {1:04o}): chmod 600 {0}",
+        return Failure{fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
                                    file.string(), status.st_mode & 07777)};
     }
     std::string text(max_certificate_bytes + 1, '\0');
@@ -101,7 +101,7 @@ Expected<std::string> read_text(const fs::path& file, bool secret) {
         size += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
     }
     if (size > max_certificate_bytes) {
-        return Failure{fmt::format("{} is no certificate: it has more than {} bytes", file.string(),
+        return Failure{fmt::format("{} is not a certificate: it has more than {} bytes", file.string(),
                                    max_certificate_bytes)};
     }
     text.resize(size);
@@ -153,13 +153,13 @@ Expected<Certificate> read_certificate(const fs::path& file, bool secret) {
         const std::string_view value = equals == std::string_view::npos ? "" : content.substr(equals + 1);
         key = key_from_z85(unquoted(trimmed(value)));
         if (!key) {
-            return Failure{
-                fmt::format("{}:{}: {} is no key of 40 characters in Z85", file.string(), line_number, name)};
+            return Failure{fmt::format("{}:{}: {} is not a key of 40 characters in Z85", file.string(),
+                                       line_number, name)};
         }
     }
     if (!certificate.public_key) {
         return Failure{
-            fmt::format("{} is no certificate: it has no public-key in a section curve", file.string())};
+            fmt::format("{} is not a certificate: it has no public-key in section curve", file.string())};
     }
     return certificate;
 }
@@ -189,7 +189,7 @@ Expected<CurveKey> read_public_key(const fs::path& file) {
     }
     if (certificate->secret_key) {
         return Failure{
-            fmt::format("{} holds a secret key; only its owner should have that: use the public "
+            fmt::format("{} holds a secret key, which only its owner should have: use the public "
                         "file that was made with it",
                         file.string())};
     }
@@ -206,7 +206,8 @@ Expected<KeyPair> read_key_pair(const fs::path& file) {
     }
     const KeyPair pair{*certificate->public_key, *certificate->secret_key};
     if (!belong_together(pair)) {
-        return Failure{fmt::format("{}: its public and its secret key are not of one pair", file.string())};
+        return Failure{
+            fmt::format("{}: its public and its secret key do not belong together", file.string())};
     }
     return pair;
 }
@@ -227,7 +228,7 @@ Expected<std::vector<CurveKey>> read_public_keys(const fs::path& file_or_directo
             return Failure{fmt::format("cannot read {}: {}", file_or_directory.string(), error.message())};
         }
         if (files.empty()) {
-            return Failure{fmt::format("{} has no certificates NAME.key: nobody could listen",
+            return Failure{fmt::format("{} has no certificates NAME.key: no client could connect",
                                        file_or_directory.string())};
         }
         std::ranges::sort(files);  // the order of messages, not of meaning

@@ -55,7 +55,7 @@ std::optional<CurveKey> key_from_z85(std::string_view text) {
 
 void require_curve() {
     if (zmq_has("curve") == 0) {
-        throw std::runtime_error("the ZeroMQ library of this machine was built without CURVE: no encryption");
+        throw std::runtime_error("this machine's ZeroMQ library cannot encrypt: it was built without CURVE");
     }
 }
 
@@ -85,7 +85,7 @@ void encrypt_as_server(zmq::socket_t& socket, const KeyPair& own) {
     const int enforce = 1;
     if (zmq_setsockopt(socket.handle(), zap_enforce_domain, &enforce, sizeof enforce) != 0) {
         throw std::runtime_error(
-            "the ZeroMQ library of this machine is too old: it cannot be told to let nobody in unasked");
+            "this machine's ZeroMQ library is too old to encrypt: it lacks ZMQ_ZAP_ENFORCE_DOMAIN");
     }
 }
 

@@ -180,10 +180,10 @@ std::optional<std::string> occupied_fault(std::string_view endpoint) {
         return std::nullopt;  // nothing there, or no way there: the bind itself will tell
     }
     if (!S_ISSOCK(status.st_mode)) {
-        return fmt::format("endpoint {}: a file that is no socket lies there already", quoted(endpoint));
+        return fmt::format("endpoint {}: the path is a file that is not a socket", quoted(endpoint));
     }
     if (is_live(path)) {
-        return fmt::format("endpoint {}: address in use, another program listens there", quoted(endpoint));
+        return fmt::format("endpoint {}: address in use by another program", quoted(endpoint));
     }
     return std::nullopt;
 }

@@ -14,7 +14,7 @@ namespace {
 std::string bind_failure(const std::string& endpoint, const zmq::error_t& error) {
     switch (error.num()) {
         case EADDRINUSE:
-            return fmt::format("endpoint \"{}\": address in use, another program listens there", endpoint);
+            return fmt::format("endpoint \"{}\": address in use by another program", endpoint);
         case ENODEV:
         case EADDRNOTAVAIL:
             return fmt::format(

@@ -20,17 +20,17 @@ constexpr std::chrono::hours longest{24};  // milliseconds::max() would overflow
 /// What a monitor's event of a failed handshake means for the user.
 Refusal refusal_of(int event, std::uint32_t value) {
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
-        return {"the publisher does not let us in: our key is not on its list", true};
+        return {"the publisher refused our key: it is not on its list", true};
     }
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL && value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH) {
-        return {"either the publisher or we encrypt, but not both", true};
+        return {"either the publisher or the listener encrypts, but not both", true};
     }
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL) {
-        return {"what answers there is no publisher as we know it", true};
+        return {"the peer is not a hertzline publisher", true};
     }
     return {
-        "what answers there hung up during the handshake: one side may encrypt alone, or the server's key "
-        "be another's",
+        "the peer closed the connection during the handshake: only one side encrypts, or --server-key is "
+        "wrong",
         false};
 }
 

@@ -108,7 +108,7 @@ TEST(Listen, AStreamThatFallsSilentWasNotHeardToItsEnd) {
     FakeStream stream("2");
     stream.send(0, 0);
     const Outcome outcome = stream.fall_silent();
-    expect_account(outcome, 1, {{"samples", 10}, {"unbroken", false}});
+    expect_account(outcome, 1, {{"samples", 10}, {"gapless", false}});
     EXPECT_THAT(outcome.err, HasSubstr("nothing arrived for 2 s"));
 }
 
@@ -134,7 +134,7 @@ TEST(Listen, SurvivesNonsense) {
     stream.send_text(topic);
     stream.send_text(topic, "{}", "abcd");
     stream.send_text(topic, std::string(3000, '['), "abcd");
-    stream.send_text("meta", "no JSON");
+    stream.send_text("meta", "not JSON");
     stream.send_text("end", std::string(100'000, '['));
     stream.send_text("end", R"({"run": 7})");
     stream.send(1, 10);
@@ -184,7 +184,7 @@ TEST(Listen, AFloodThatFillsTheQueueIsCountedHonestly) {
     listener.messages_with("samples are missing");
     listener.send(SIGINT);
     const json account = listener.wait().json();
-    EXPECT_FALSE(account["unbroken"]);
+    EXPECT_FALSE(account["gapless"]);
     EXPECT_GT(account["missing_samples"], 0);
     EXPECT_GT(account["frames_lost_on_the_way"], 0);
     const std::vector<double> times = csv_of(folder.file("heard.csv")).at("t_s");

@@ -78,7 +78,7 @@ TEST(StreamAndListen, EverySampleOfARunArrivesBitForBit) {
     const json account = heard.listener.json();
     EXPECT_EQ(account["samples"], 20'000);
     EXPECT_EQ(account["missing_samples"], 0);
-    EXPECT_EQ(account["unbroken"], true);
+    EXPECT_EQ(account["gapless"], true);
     EXPECT_EQ(account["ended_by"], "end of run");
     EXPECT_EQ(account["run"], heard.stream.json()["run"]);
 }
@@ -105,7 +105,7 @@ TEST(StreamAndListen, ListenerIsToldWhenTheRunHasNoSuchStream) {
     Program stream({"stream", "paper-wall", "--bind", any_port});
     const Outcome listener = hertzline({"listen", "--connect", stream.endpoint(), "--stream", "v_plate"});
     EXPECT_EQ(listener.status, 1);
-    EXPECT_THAT(listener.err, HasSubstr("no stream v_plate, it has v_out, v_last, v_chain"));
+    EXPECT_THAT(listener.err, HasSubstr("no stream v_plate; it has v_out, v_last, v_chain"));
 }
 
 TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {

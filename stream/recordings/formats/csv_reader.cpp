@@ -50,7 +50,7 @@ class CsvReader final : public RecordingReader {
 public:
     explicit CsvReader(fs::path path) : path_(std::move(path)), in_(path_, std::ios::binary) {
         if (!in_ || fs::is_directory(path_)) {
-            cannot_read(path_, "no file");
+            cannot_read(path_, "not a file");
         }
         read_names();
         read_metadata();
@@ -107,7 +107,7 @@ private:
         const std::vector<std::string> names = read_line() ? split(line_) : std::vector<std::string>();
         if (names.size() < 2 || names.front() != csv_time_column) {
             line_number_ = 1;
-            fail(fmt::format("found {} as names of columns, allowed: {} and others after it",
+            fail(fmt::format("found the column names {}, allowed: {} and others after it",
                              quoted_briefly(line_), csv_time_column));
         }
         for (std::size_t i = 1; i < names.size(); ++i) {
@@ -129,7 +129,7 @@ private:
             cannot_read(path, error.what());
         }
         if (!(head_.sample_rate_hz > 0) || !std::isfinite(head_.sample_rate_hz)) {
-            cannot_read(path, "urn:hertzline:sample_rate_hz: found none above 0");
+            cannot_read(path, "urn:hertzline:sample_rate_hz: found no number above 0");
         }
     }
 
@@ -155,7 +155,7 @@ private:
             const auto [rest, error] = std::from_chars(at, end, number);
             const bool last = i == row_.size();
             if (error != std::errc() || (last ? rest != end : rest == end || *rest != ',')) {
-                fail(fmt::format("found no {} numbers separated by commas", row_.size() + 1));
+                fail(fmt::format("expected {} numbers separated by commas", row_.size() + 1));
             }
             if (!std::isfinite(number)) {
                 fail("found a number that is not finite");
@@ -192,7 +192,7 @@ private:
                 fmt::format("found the time {}, allowed: 0 to {:g} samples", number_text(time), max_samples));
         }
         if (std::abs(sample - whole) > max_rounding) {
-            fail(fmt::format("found the time {}, which is no sample at {} Hz", number_text(time),
+            fail(fmt::format("found the time {}, which is not a sample's at {} Hz", number_text(time),
                              number_text(head_.sample_rate_hz)));
         }
         return static_cast<std::int64_t>(whole);

@@ -166,7 +166,7 @@ private:
         const std::uint64_t size = file_.left();
         if (size > max_description_bytes ||
             text != NpyHeader{{{"", "|S" + std::to_string(size)}}, {}, false}) {
-            cannot_read(file_.path(), "the rows are not followed by their description alone");
+            cannot_read(file_.path(), "found more than a description after the rows");
         }
         try {
             head_ = head_of(json_from_outside(file_.text(size, "the description")), numbers);
@@ -174,7 +174,7 @@ private:
             cannot_read(file_.path(), error.what());
         }
         if (array.fields != fields_of(head_)) {
-            cannot_read(file_.path(), "the description names other columns than the array");
+            cannot_read(file_.path(), "the description and the array name different columns");
         }
         file_.seek(data);
     }
@@ -203,7 +203,7 @@ private:
             sample / head_.sample_rate_hz != t) {
             cannot_read(
                 file_.path(),
-                fmt::format("damaged: row {} has the time {} s, which is no sample's or goes back", row_, t));
+                fmt::format("damaged: row {} has the time {} s, allowed: that of a later sample", row_, t));
         }
         return static_cast<std::int64_t>(sample);
     }

@@ -194,14 +194,14 @@ std::string npy_header(const NpyHeader& header) {
 
 NpyHeader read_npy_header(InputFile& file) {
     if (file.text(magic.size(), "the array's magic number") != magic) {
-        cannot_read(file.path(), "no .npy array: it does not begin with \\x93NUMPY");
+        cannot_read(file.path(), "not a .npy array: it does not begin with \\x93NUMPY");
     }
     std::array<unsigned char, 6> numbers{};  // version, then the length
     const auto bytes = std::as_writable_bytes(std::span(numbers));
     file.read(bytes.first(2), "the array's version");
     if (numbers[0] < 1 || numbers[0] > 3 || numbers[1] != 0) {
-        cannot_read(file.path(), fmt::format("array header of version {}.{}, known are 1.0 to 3.0",
-                                             numbers[0], numbers[1]));
+        cannot_read(file.path(), fmt::format("array header of version {}.{}, allowed: 1.0 to 3.0", numbers[0],
+                                             numbers[1]));
     }
     const std::size_t width = numbers[0] == 1 ? 2 : 4;
     file.read(bytes.subspan(2, width), "the array header's length");

@@ -54,7 +54,7 @@ public:
         bytes_.resize(count * sample_bytes());
         data_.read(bytes_, "the samples");
         if (!decode_samples(bytes_, floats_)) {
-            cannot_read(data_.path(), "no whole number of samples");
+            cannot_read(data_.path(), "the samples do not fill whole rows");
         }
         rows.values.assign(floats_.begin(), floats_.end());
         require_undamaged(data_.path(), cursor_.row(), rows.values, head_.columns.size());
@@ -101,7 +101,7 @@ private:
         }
         const Json rate = global.value("core:sample_rate", Json(nullptr));
         if (!rate.is_number() || !(rate.get<double>() > 0) || !std::isfinite(rate.get<double>())) {
-            refuse("core:sample_rate: found none above 0");
+            refuse("core:sample_rate: found no number above 0");
         }
         if (count_at(global, "core:offset", 0, max_samples) != 0) {
             refuse("core:offset: allowed: 0");
@@ -151,7 +151,7 @@ private:
             const Capture capture = capture_of(one);
             const std::int64_t jump = (capture.sample - before.sample) - (capture.row - before.row);
             if (capture.row < before.row || (jump < 0 && capture.row > 0)) {
-                refuse(fmt::format("captures: the one of sample {} goes back", capture.sample));
+                refuse(fmt::format("captures: sample {} comes after a later one", capture.sample));
             }
             if (capture.row < rows && (captures.empty() || jump > 0)) {
                 captures.push_back(capture);
@@ -166,7 +166,7 @@ private:
 
     Capture capture_of(const Json& json) const {
         if (!json.is_object() || !json.contains("core:sample_start")) {
-            refuse("captures: found one without core:sample_start");
+            refuse("captures: found a capture without core:sample_start");
         }
         if (count_at(json, "core:header_bytes", 0, max_samples) != 0) {
             refuse("core:header_bytes: allowed: 0");

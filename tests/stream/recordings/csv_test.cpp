@@ -137,7 +137,7 @@ TEST(CsvReader, NamesTheLineThatIsWrong) {
     EXPECT_THAT(fault(""), HasSubstr("a.csv:1"));
     EXPECT_THAT(fault("time,v\n"), HasSubstr("allowed: t_s"));
     EXPECT_THAT(fault("t_s\n0\n"), HasSubstr("a.csv:1"));
-    EXPECT_THAT(fault("t_s,v\n0,1\n1,\n"), HasSubstr("a.csv:3: found no 2 numbers"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,\n"), HasSubstr("a.csv:3: expected 2 numbers"));
     EXPECT_THAT(fault("t_s,v\n0,1\n1,2,3\n"), HasSubstr("a.csv:3"));
     EXPECT_THAT(fault("t_s,v\n0,1\n1\n"), HasSubstr("a.csv:3"));
     EXPECT_THAT(fault("t_s,v\n0,1\n0,1\n"), HasSubstr("does not increase"));

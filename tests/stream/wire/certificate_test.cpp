@@ -156,7 +156,7 @@ TEST_F(Certificates, MalformedFilesAreToldAndNoSecretIsShown) {
         {body(public_, bad_letter), "a:5: secret-key"},
         {"curve\n    public-key\n", "a:2: public-key"},
         {body(public_, secret_) + "    secret-key = \"" + secret_ + "\"\n", "a:6: a second secret-key"},
-        {body(public_, z85(make_key_pair().secret_key)), "not of one pair"},
+        {body(public_, z85(make_key_pair().secret_key)), "do not belong together"},
         {body(public_, secret_) + std::string(max_certificate_bytes, '#'), "more than 65536 bytes"},
     };
     for (const auto& fault : faults) {
@@ -169,17 +169,17 @@ TEST_F(Certificates, MalformedFilesAreToldAndNoSecretIsShown) {
 
 TEST_F(Certificates, WhatIsNoFileIsRefusedWithoutWaiting) {
     EXPECT_THAT(fault_of_pair(folder_.file("none")), HasSubstr("No such file"));
-    EXPECT_THAT(fault_of_pair(folder_.file(".")), HasSubstr("no file with a key"));
+    EXPECT_THAT(fault_of_pair(folder_.file(".")), HasSubstr("not a regular file"));
     ASSERT_EQ(::mkfifo(folder_.file("fifo").c_str(), 0600), 0);
-    EXPECT_THAT(fault_of_pair(folder_.file("fifo")), HasSubstr("no file with a key"));
-    EXPECT_THAT(read_public_key("/dev/zero").error(), HasSubstr("no file with a key"));
+    EXPECT_THAT(fault_of_pair(folder_.file("fifo")), HasSubstr("not a regular file"));
+    EXPECT_THAT(read_public_key("/dev/zero").error(), HasSubstr("not a regular file"));
 }
 
 TEST_F(Certificates, AListIsAFileOrEveryCertificateOfAFolder) {
     const KeyPair other = make_key_pair();
     const std::string clients = folder_.file("clients");
     std::filesystem::create_directory(clients);
-    EXPECT_THAT(read_public_keys(clients).error(), HasSubstr("nobody could listen"));
+    EXPECT_THAT(read_public_keys(clients).error(), HasSubstr("no client could connect"));
     write_key_files(clients + "/alice", pair_);  // whose secret does not belong there, and is passed over
     write_key_files(clients + "/bob", other);
     const auto listed = read_public_keys(clients);
@@ -195,7 +195,7 @@ TEST_F(Certificates, EveryFaultOfAFolderIsTold) {
     written("clients/broken.key", "curve\n");
     std::filesystem::copy_file(clients + "/alice.key_secret", clients + "/careless.key");
     const std::string said = read_public_keys(clients).error();
-    EXPECT_THAT(said, HasSubstr("broken.key is no certificate"));
+    EXPECT_THAT(said, HasSubstr("broken.key is not a certificate"));
     EXPECT_THAT(said, HasSubstr("\n" + clients + "/careless.key holds a secret key"));
     EXPECT_THAT(said, Not(HasSubstr("alice")));
 }

@@ -221,7 +221,7 @@ TEST_F(EncryptedStream, DoesNotTalkToWhoWantsAnotherServer) {
     Publisher publisher("tcp://127.0.0.1:*", all_topics, lets_in({alice_.public_key}));
     const Refusal refusal = refusal_of(publisher, with_key(alice_, eve_.public_key));
     EXPECT_FALSE(refusal.final);  // it hangs up without a word, and so does a publisher that ends
-    EXPECT_THAT(refusal.reason, HasSubstr("hung up during the handshake"));
+    EXPECT_THAT(refusal.reason, HasSubstr("closed the connection during the handshake"));
     expect_served(publisher, with_key(alice_, server_.public_key));
 }
 

@@ -171,7 +171,7 @@ TEST(Endpoint, AFileThatIsNoSocketIsOccupied) {
     std::ofstream(folder.file("thesis.txt")) << "years of work";
     const auto fault = occupied_fault("ipc://" + folder.file("thesis.txt"));
     ASSERT_TRUE(fault);
-    EXPECT_THAT(*fault, HasSubstr("no socket"));
+    EXPECT_THAT(*fault, HasSubstr("not a socket"));
     EXPECT_TRUE(occupied_fault("ipc://" + folder.file(".")));
 }
 

@@ -201,7 +201,7 @@ TEST(Publisher, NeverDeletesAFileToBindThere) {
     const test::TemporaryFolder folder;
     const std::string path = folder.file("thesis.txt");
     std::ofstream(path) << "years of work";
-    EXPECT_THAT(error_of([&] { Publisher("ipc://" + path); }), HasSubstr("no socket"));
+    EXPECT_THAT(error_of([&] { Publisher("ipc://" + path); }), HasSubstr("not a socket"));
     EXPECT_EQ(std::filesystem::file_size(path), 13u);
 }
 

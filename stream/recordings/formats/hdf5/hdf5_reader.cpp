@@ -26,7 +26,7 @@ std::string read_text(hid_t object, const char* name) {
     const Hdf5Object type(H5Aget_type(attribute.id()), H5Tclose);
     const Hdf5Object space(H5Aget_space(attribute.id()), H5Sclose);
     if (hdf5(H5Tis_variable_str(type.id())) == 0 || H5Sget_simple_extent_npoints(space.id()) != 1) {
-        throw std::runtime_error(fmt::format("attribute {} is no string", name));
+        throw std::runtime_error(fmt::format("attribute {} is not a string", name));
     }
     char* characters = nullptr;
     hdf5(H5Aread(attribute.id(), hdf5_text_type().id(), &characters));
@@ -40,7 +40,7 @@ double read_number(hid_t object, const char* name) {
     const Hdf5Object type(H5Aget_type(attribute.id()), H5Tclose);
     const Hdf5Object space(H5Aget_space(attribute.id()), H5Sclose);
     if (H5Tequal(type.id(), H5T_IEEE_F64LE) <= 0 || H5Sget_simple_extent_npoints(space.id()) != 1) {
-        throw std::runtime_error(fmt::format("attribute {} is no float64", name));
+        throw std::runtime_error(fmt::format("attribute {} is not a float64", name));
     }
     double number = 0;
     hdf5(H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, &number));
@@ -55,26 +55,26 @@ Hdf5Object open_dataset(hid_t file, const std::string& name, hsize_t columns, in
     };
     H5L_info_t link{};
     if (H5Lget_info(file, name.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
-        refuse("missing, or elsewhere");
+        refuse("missing, or in another file");
     }
     Hdf5Object dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose);
     const Hdf5Object space(H5Dget_space(dataset.id()), H5Sclose);
     std::array<hsize_t, 2> size{0, 1};
     if (H5Sget_simple_extent_ndims(space.id()) != rank ||
         H5Sget_simple_extent_dims(space.id(), size.data(), nullptr) != rank || size[1] != columns) {
-        refuse(fmt::format("not of {} dimensions with {} columns", rank, columns));
+        refuse(fmt::format("allowed: {} dimensions and {} columns", rank, columns));
     }
     const Hdf5Object properties(H5Dget_create_plist(dataset.id()), H5Pclose);
     std::array<hsize_t, 2> chunk{1, 1};
     if (H5Pget_layout(properties.id()) != H5D_CHUNKED || H5Pget_nfilters(properties.id()) != 0 ||
         H5Pget_chunk(properties.id(), rank, chunk.data()) != rank) {
-        refuse("not in plain chunks");
+        refuse("allowed: chunks without filters");
     }
     const Hdf5Object type(H5Dget_type(dataset.id()), H5Tclose);
     const hsize_t number = std::max<hsize_t>(1, H5Tget_size(type.id()));
     const hsize_t most = max_chunk_bytes / number;
     if (chunk[0] > most || chunk[1] > most / chunk[0]) {
-        refuse(fmt::format("chunks of {} x {}", chunk[0], chunk[1]));
+        refuse(fmt::format("the chunks of {} x {} are too large", chunk[0], chunk[1]));
     }
     const hsize_t chunks =
         (size[0] / chunk[0] + (size[0] % chunk[0] != 0)) * ((columns + chunk[1] - 1) / chunk[1]);
@@ -148,7 +148,7 @@ private:
             const NumberType its_numbers = number_type(quantity);
             if (!is_first && (its_rows != rows || its_numbers != head_.numbers)) {
                 throw std::runtime_error(
-                    fmt::format("dataset {}: other rows or numbers than those before", quantity.name));
+                    fmt::format("dataset {}: rows or number type differ from the others", quantity.name));
             }
             rows = its_rows;
             head_.numbers = its_numbers;

@@ -1,5 +1,5 @@
-// What users get wrong: a clear message on stderr, nothing on stdout, nothing left behind, the right exit
-// status.
+// The program as a whole: help, version, and wrong use: a clear message on stderr, nothing on stdout, no files,
+// the right exit status.
 
 #include <ostream>
 
@@ -43,7 +43,7 @@ protected:
     }
 };
 
-TEST_P(WrongUse, IsToldClearlyAndEndsWithTheRightStatus) {
+TEST_P(WrongUse, GivesAClearMessageAndTheRightStatus) {
     const TemporaryFolder folder;
     const std::string path = std::filesystem::path(folder.file("x")).parent_path();
     write_text(folder.file("scene.toml"), "[chain]\nspheres = 0\n\n[numerics]\nstep_s = 1e-3 # too long\n");
@@ -162,7 +162,10 @@ const Mistake mistakes[] = {
      1,
      {"FOLDER/no/a.csv"}},
     {"FileWithoutAName", {"run", "paper-wall", "-o", ""}, 2, {".csv"}},
-    {"RecordingWithoutAName", {"stream", "paper-wall", "--record", ""}, 2, {"--record", "found no name"}},
+    {"RecordingWithoutAName",
+     {"stream", "paper-wall", "--record", ""},
+     2,
+     {"--record", "found an empty name"}},
     {"WrongEndingOfListener", {"listen", "-o", "FOLDER/a.txt"}, 2, {"FOLDER/a.txt", ".csv"}},
     {"NoSuchFolder", {"run", "paper-wall", "-o", "FOLDER/no/a.csv"}, 1, {"FOLDER/no/a.csv", "No such file"}},
     {"NoSuchFolderForRecording",
@@ -202,7 +205,7 @@ const Mistake mistakes[] = {
     {"AKeyThatOthersMayRead",
      {"stream", "paper-wall", "--curve-key", "FOLDER/scene.toml", "--allow-clients", "FOLDER/step.toml"},
      2,
-     {"chmod 600 FOLDER/scene.toml", "FOLDER/step.toml is no certificate"}},
+     {"chmod 600 FOLDER/scene.toml", "FOLDER/step.toml is not a certificate"}},
     {"AListenersKeyWithoutTheServers",
      {"listen", "--curve-key", "FOLDER/a.key_secret"},
      2,

@@ -1,6 +1,4 @@
-// RecordingSet as users make them: several at once, with what makes them go wrong, and what is left then.
-
-#include "tests/support/recordings.hpp"
+// Recordings as users make them: several at once, what goes wrong with them, and what is left then.
 
 #include <csignal>
 #include <thread>
@@ -12,6 +10,7 @@
 
 #include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
@@ -163,10 +162,10 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     const Outcome heard = hertzline({"listen", "--connect", stream->endpoint(), "--json"});
     const Outcome streamed = stream->wait();
     EXPECT_EQ(heard.json()["samples"], 300'000);
-    EXPECT_EQ(heard.json()["unbroken"], true);
+    EXPECT_EQ(heard.json()["gapless"], true);
     EXPECT_EQ(streamed.status, 1);
     EXPECT_THAT(streamed.err, AllOf(HasSubstr("recording " + folder.file("a.sigmf-meta") + " ended after"),
-                                    HasSubstr("File too large; the stream goes on")));
+                                    HasSubstr("File too large; the stream continues")));
     const json recordings = streamed.json()["recordings"];
     EXPECT_THAT(recordings[0]["status"].get<std::string>(), HasSubstr("File too large"));
     EXPECT_THAT(recordings[1]["status"].get<std::string>(), HasSubstr("File too large"));
@@ -187,7 +186,7 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheFileVanishes) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     fs::remove(folder.file("a.sigmf-data"));
-    stream.messages_with("the stream goes on");
+    stream.messages_with("the stream continues");
     Subscriber subscriber(stream.endpoint());
     subscriber.subscribe("v_out/raw");
     EXPECT_NE(subscriber.receive(std::chrono::seconds(60)), nullptr);
@@ -239,7 +238,7 @@ TEST(RecordingSet, AListenerWhoseDiskIsFullHearsTheRest) {
     const Outcome heard =
         hertzline({"listen", "--connect", endpoint, "--json", "-o", "/dev/full", "-o", folder.file("l.csv")});
     EXPECT_EQ(heard.status, 1);
-    EXPECT_EQ(heard.json()["unbroken"], true);
+    EXPECT_EQ(heard.json()["gapless"], true);
     EXPECT_EQ(heard.json()["samples"], 50'000);
     EXPECT_THAT(heard.json()["recordings"][0]["status"].get<std::string>(), HasSubstr("No space left"));
     EXPECT_EQ(heard.json()["recordings"][1]["status"], "complete");

@@ -1,0 +1,89 @@
+// hertzline scenes: the list, and a scene with every default resolved.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/shipped_scenes.hpp"
+#include "tests/apps/program.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+
+namespace {
+
+using testing::HasSubstr;
+
+TEST(Scenes, ListsEveryShippedSceneWithItsDescription) {
+    const Outcome text = hertzline({"scenes"});
+    const auto list = hertzline({"scenes", "--json"}).json();
+    EXPECT_EQ(text.status, 0);
+    ASSERT_EQ(list.size(), shipped_scenes().size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        EXPECT_EQ(list[i]["name"], shipped_scenes()[i].name);
+        EXPECT_EQ(list[i]["description"], shipped_scenes()[i].description);
+        EXPECT_THAT(text.out, HasSubstr(std::string(shipped_scenes()[i].description)));
+    }
+}
+
+TEST(Scenes, PrintsAFileThatRunsTheSame) {
+    const TemporaryFolder folder;
+    const Outcome printed = hertzline({"scenes", "paper-pyrex", "--set", "drive.cycles=5"});
+    ASSERT_EQ(printed.status, 0) << printed.err;
+    EXPECT_THAT(printed.out, HasSubstr("estimated relative error"));
+    EXPECT_THAT(printed.out, HasSubstr("step_s = "));
+    EXPECT_THAT(printed.out, HasSubstr("integrator = "));
+    write_text(folder.file("pyrex.toml"), printed.out);
+    const auto again = hertzline({"run", folder.file("pyrex.toml"), "--json"}).json();
+    const auto original = hertzline({"run", "paper-pyrex", "--set", "drive.cycles=5", "--json"}).json();
+    EXPECT_EQ(again["scene_hash"], original["scene_hash"]);
+    EXPECT_EQ(again["peak_v_out_m_per_s"], original["peak_v_out_m_per_s"]);
+}
+
+TEST(Scenes, PrintsAFileThatGivesTheSameBits) {
+    using Words = std::vector<std::string>;
+    const TemporaryFolder folder;
+    // steps that no short decimal number holds, and what the program finds
+    for (const Words& numerics : {Words{"integrator=taylor8", "step_s=0.4567890123456789e-6"},
+                                  Words{"integrator=taylor12", "step_s=0.2718281828459045e-6"},
+                                  Words{"integrator=taylor8", "accuracy=3e-5"},
+                                  Words{"integrator=taylor12", "accuracy=3e-9"}, Words{"accuracy=2e-6"}}) {
+        Words settings;
+        for (const std::string& setting : numerics) {
+            settings.insert(settings.end(), {"--set", "numerics." + setting});
+        }
+        const auto with_settings = [&](Words words) {
+            words.insert(words.end(), settings.begin(), settings.end());
+            return hertzline(words);
+        };
+        write_text(folder.file("printed.toml"), with_settings({"scenes", "paper-acrylic"}).out);
+        const Outcome original =
+            with_settings({"run", "paper-acrylic", "--json", "--all", "-o", folder.file("original.csv")});
+        const Outcome again = hertzline(
+            {"run", folder.file("printed.toml"), "--json", "--all", "-o", folder.file("again.csv")});
+        ASSERT_EQ(original.status, 0) << original.err;
+        ASSERT_EQ(again.status, 0) << again.err;
+        EXPECT_EQ(file_text(folder.file("again.csv")), file_text(folder.file("original.csv")))
+            << numerics.front();
+        for (const char* name : {"step_s", "integrator", "estimated_error", "steps", "scene_hash"}) {
+            EXPECT_EQ(again.json()[name], original.json()[name]) << name;
+        }
+    }
+}
+
+TEST(Scenes, SaysOfAGivenStepThatItWasGiven) {
+    const Outcome printed = hertzline({"scenes", "paper-wall", "--set", "numerics.step_s=400e-9"});
+    EXPECT_THAT(printed.out, HasSubstr("step_s was given: estimated relative error"));
+}
+
+TEST(Scenes, PrintsJsonWithEveryDefaultResolved) {
+    const auto scene = hertzline({"scenes", "paper-wall", "--json"}).json();
+    EXPECT_EQ(scene["end"]["kind"], "wall");
+    EXPECT_EQ(scene["drive"]["frequency_hz"], 73e3);
+    EXPECT_TRUE(scene["numerics"]["step_s"].is_number());
+    EXPECT_TRUE(scene["numerics"]["integrator"].is_string());
+}
+
+}  // namespace
+
+}  // namespace hertzline::test
