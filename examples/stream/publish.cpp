@@ -33,8 +33,13 @@ void publish(const std::string& endpoint) {
     options.samples = static_cast<std::int64_t>(0.1 * scene.output.sample_rate_hz);
     hertzline::stream::Pipeline pipeline(options, source, publisher, nullptr);
 
+    const hertzline::stream::StreamEvents events{
+        .progress = [](const hertzline::stream::StreamMeters&) {},  // a place for a progress line
+        .warn = [](const std::string& text) { std::cerr << text << '\n'; },
+        .summary = [](const hertzline::stream::StreamMeters&) { return "{}"; },  // JSON: the end message
+    };
     std::cout << "publishing at " << publisher.endpoint() << std::endl;
-    const hertzline::stream::StreamMeters meters = pipeline.run(stop, {});
+    const hertzline::stream::StreamMeters meters = pipeline.run(stop, events);
     std::cout << meters.frames << " frames, " << meters.late_frames << " of them late\n";
 }
 
