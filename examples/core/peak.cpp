@@ -26,19 +26,21 @@ hertzline::Scene read_scene(const std::string& path) {
     if (!file) {
         throw std::runtime_error("cannot read " + path);
     }
-    const hertzline::SceneResult result = hertzline::parse_scene(text.str(), path);
-    if (!result) {
-        throw std::runtime_error(result.problems.front().message());  // there may be more
+    const auto parsed = hertzline::parse_scene(text.str(), path);
+    if (!parsed) {
+        std::string faults;
+        for (const hertzline::Fault& fault : parsed.error()) {
+            faults += fault.message() + '\n';
+        }
+        throw std::runtime_error(faults);
     }
-    return *result.scene;
+    return parsed->scene;
 }
 
 void run(const hertzline::Scene& scene) {
-    // Chooses the integrator and the step where the scene leaves them open.
-    hertzline::Simulation simulation(scene);
-
-    // Samples come in blocks. A block holds the taps that are asked for, and what is not asked for is not computed.
-    hertzline::Samples block = simulation.make_samples(1024, hertzline::Tap::v_out);
+    // Chooses the integrator and the step where the scene leaves them open. Taps that are not asked for are not computed.
+    hertzline::Simulation simulation(scene, {.taps = hertzline::Tap::v_out});
+    hertzline::Samples block = simulation.make_samples(1024);
 
     const double rate = scene.output.sample_rate_hz;
     auto left = static_cast<std::size_t>(std::llround(scene.output.duration_s * rate));

@@ -13,11 +13,11 @@ namespace {
 
 /// Root mean square of v_out over the scene's duration [m/s].
 double output_rms(const hertzline::Scene& scene) {
-    hertzline::Simulation simulation(scene);
+    hertzline::Simulation simulation(scene, {.taps = hertzline::Tap::v_out});
     const auto samples =
         static_cast<std::size_t>(std::llround(scene.output.duration_s * scene.output.sample_rate_hz));
     // A short run fits into one block.
-    hertzline::Samples block = simulation.make_samples(samples, hertzline::Tap::v_out);
+    hertzline::Samples block = simulation.make_samples(samples);
     if (simulation.advance(block, samples) != hertzline::Status::running) {
         throw std::runtime_error(simulation.failure());
     }

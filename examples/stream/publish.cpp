@@ -25,7 +25,7 @@ void publish(const std::string& endpoint) {
 
     // source -> pipeline -> publisher: the pipeline simulates ahead of the clock in a thread of its own and sends each frame
     // when it is due.
-    hertzline::stream::SimulationSource source(scene, false);
+    hertzline::stream::SimulationSource source(scene, {});  // computes what somebody subscribes to
     hertzline::stream::Publisher publisher(endpoint);
     hertzline::stream::StreamOptions options;
     options.about = {{"title", "example"}};  // subscribers find it in the meta message
