@@ -1,5 +1,7 @@
-# Every target of the project links hertzline_flags: one place for warnings and floating-point rules.
+# Every target of the project links hertzline_flags: one place for warnings, floating-point rules, and the root from which the
+# sources include each other ("core/taps.hpp"). Other projects see the installed headers only.
 add_library(hertzline_flags INTERFACE)
+target_include_directories(hertzline_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(hertzline_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   # g++ 12 sees overlaps in std::string operator+ that are not there (GCC bug 105651)
@@ -13,6 +15,8 @@ if(HERTZLINE_WERROR)
   target_compile_options(hertzline_flags INTERFACE -Werror)
 endif()
 
+# For all targets at once, not in hertzline_flags: an object without them in a program with them gives false reports (of a vector
+# that grew unseen, of a lock that was taken unseen), and a target could forget to link hertzline_flags.
 set(HERTZLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined")
 if(HERTZLINE_SANITIZE)
   add_compile_options(-fsanitize=${HERTZLINE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)

@@ -1,0 +1,52 @@
+# The installed headers. Every other header is the project's own business and may change at any time.
+#
+# The sources include from the root of the project ("core/taps.hpp"); installed, the same header is <hertzline/core/taps.hpp>,
+# so that no other project's core/ can come in its way. WritePublicHeaders.cmake writes the listed headers in that form.
+
+set(core_headers
+  # what one uses
+  core/samples.hpp
+  core/scene/materials.hpp
+  core/scene/scene.hpp
+  core/scene/scene_toml.hpp
+  core/scene/scene_words.hpp
+  core/scene/shipped_scenes.hpp
+  core/simulation.hpp
+  core/step_choice/resolve.hpp
+  core/taps.hpp
+  # what those include
+  core/model/chain.hpp
+  core/model/energy.hpp
+  core/model/state.hpp
+  core/solvers/solver.hpp
+  core/step_choice/pilot.hpp
+  core/step_choice/reference_pilot.hpp
+  core/step_choice/step_advice.hpp)
+
+set(stream_headers
+  # what one uses
+  stream/pipeline/pipeline.hpp
+  stream/pipeline/stream_options.hpp
+  stream/recordings/recording.hpp
+  stream/recordings/recording_formats.hpp
+  stream/recordings/recording_set.hpp
+  stream/sources/sample_source.hpp
+  stream/sources/simulation_source.hpp
+  stream/spectrum.hpp
+  stream/wire/continuity.hpp
+  stream/wire/frame.hpp
+  stream/wire/frame_codec.hpp
+  stream/wire/publisher.hpp
+  stream/wire/subscriber.hpp
+  # what those include
+  stream/expected.hpp
+  stream/pipeline/pacer.hpp
+  stream/pipeline/producer.hpp
+  stream/pipeline/ring_buffer.hpp
+  stream/pipeline/thread_options.hpp
+  stream/recordings/row_builder.hpp
+  stream/run_id.hpp
+  stream/wire/curve.hpp
+  stream/wire/peer_quota.hpp
+  stream/wire/subscriptions.hpp
+  stream/wire/zap.hpp)
