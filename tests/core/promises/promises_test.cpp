@@ -1,5 +1,6 @@
 // What every run promises, whatever its physics: rest, determinism, honesty about instability, no allocation.
 
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -59,17 +60,15 @@ TEST(Promises, ResultsDoNotDependOnBlockSize) {
     }
 }
 
-TEST(Promises, WhatIsNotWishedForDoesNotChangeWhatIs) {
+TEST(Promises, WhatIsNotWantedDoesNotChangeWhatIs) {
     for (const Scene& scene : every_kind()) {
         const Record expected = recorded(scene, 900);
-        Wish without_ledger = everything;
-        without_ledger.ledger = false;
-        Simulation unbooked(scene, without_ledger);
-        EXPECT_EQ(recorded(unbooked, 900, 900), expected);
+        Simulation without_ledger(scene, {.taps = everything, .ledger = LedgerKeeping::off});
+        EXPECT_EQ(recorded(without_ledger, 900, 900), expected);
         Simulation simulation(scene, {.taps = everything});
         Samples part = simulation.make_samples(300);
         simulation.skip(300);
-        simulation.advance(part, 300, {.outputs = false});
+        simulation.advance(part, 300, TapSet());
         EXPECT_EQ(part.count, 300U);
         simulation.advance(part, 300);
         for (std::size_t i = 0; i < 300; ++i) {
@@ -88,8 +87,8 @@ TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
         Simulation together(scene);
         Samples part = together.make_samples(900);
         together.advance(part, 900);
-        EXPECT_EQ(part[Tap::v_out], expected.v_out);
-        EXPECT_EQ(part[Tap::v_last], expected.v_last);
+        EXPECT_TRUE(std::ranges::equal(part[Tap::v_out], expected.v_out));
+        EXPECT_TRUE(std::ranges::equal(part[Tap::v_last], expected.v_last));
         EXPECT_EQ(together.contact_events(), one_by_one.contact_events());
         EXPECT_EQ(together.energy_residual(), one_by_one.energy_residual());
         EXPECT_TRUE((together.state().peak_overlap == one_by_one.state().peak_overlap).all());

@@ -6,6 +6,7 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/model/tone_burst.hpp"
+#include "core/solvers/fixed_time.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 
@@ -15,13 +16,13 @@ namespace {
 constexpr std::int64_t many = 10'000'000'000;
 
 TEST(TimeKeeping, SampleTenThousandMillionLiesWhereItWasMeantToBe) {
-    // the moment of sample k in steps, k/(rate h), by numbers of 64 bits; StepPosition has 64 behind the
+    // the moment of sample k in steps, k/(rate h), by numbers of 64 bits; FixedTime has 64 behind the
     // point
     for (const double steps : {3.3, 0.7, 1 / 0.3, 12.345678901234567}) {
-        const StepPosition period = StepPosition::of(steps);
-        const StepPosition last = period.times(many);
+        const FixedTime period = FixedTime::of(steps);
+        const FixedTime last = period.times(many);
         const long double meant = static_cast<long double>(steps) * many;
-        EXPECT_EQ(last.step, static_cast<std::int64_t>(meant)) << steps;
+        EXPECT_EQ(last.whole, static_cast<std::int64_t>(meant)) << steps;
         const auto fraction = static_cast<double>(meant - std::floor(meant));
         EXPECT_NEAR(last.fraction(), fraction, 1e-8) << steps;  // what long double keeps behind the point
     }
@@ -29,19 +30,19 @@ TEST(TimeKeeping, SampleTenThousandMillionLiesWhereItWasMeantToBe) {
 
 TEST(TimeKeeping, AddingThePeriodAgainAndAgainIsExact) {
     constexpr std::int64_t count = 100'000'000;
-    const StepPosition period = StepPosition::of(1 / 0.3);
-    StepPosition at;
+    const FixedTime period = FixedTime::of(1 / 0.3);
+    FixedTime at;
     for (std::int64_t i = 0; i < count; ++i) {
         at.advance(period);
     }
-    EXPECT_EQ(at.step, period.times(count).step);
+    EXPECT_EQ(at.whole, period.times(count).whole);
     EXPECT_EQ(at.part, period.times(count).part);
     // and so is going on from there in strides: 1e10 periods in a hundred of them
-    StepPosition far;
+    FixedTime far;
     for (int i = 0; i < 100; ++i) {
         far.advance(at);
     }
-    EXPECT_EQ(far.step, period.times(many).step);
+    EXPECT_EQ(far.whole, period.times(many).whole);
     EXPECT_EQ(far.part, period.times(many).part);
 }
 
