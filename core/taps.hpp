@@ -25,7 +25,7 @@ enum class Tap : unsigned {
 enum class Extent { one, per_sphere };
 
 /// What a scene must have for a tap to exist.
-enum class Requires { nothing, plate };
+enum class Requires { nothing, last_contact, plate };
 
 /// What a recording of a run holds unless told otherwise.
 enum class Recorded { always, with_plate, on_request };
@@ -171,10 +171,22 @@ constexpr TapSet taps_where(Keep keep) noexcept {
 
 inline constexpr TapSet all_taps = taps_where([](const TapRow& /*row*/) { return true; });
 
+/// Whether a scene with this end has what a tap requires.
+constexpr bool provides(EndKind end, Requires required) noexcept {
+    switch (end) {
+        case EndKind::plate:
+            return true;
+        case EndKind::wall:
+            return required != Requires::plate;
+        case EndKind::free:
+            return required == Requires::nothing;
+    }
+    return false;
+}
+
 /// The taps that a scene with this end has.
 constexpr TapSet taps_of(EndKind end) noexcept {
-    return taps_where(
-        [end](const TapRow& row) { return row.required == Requires::nothing || end == EndKind::plate; });
+    return taps_where([end](const TapRow& row) { return provides(end, row.required); });
 }
 
 /// Those of them that can be streamed.

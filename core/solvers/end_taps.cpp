@@ -9,7 +9,7 @@ namespace {
 /// What a tap is computed from.
 struct Source {
     const Chain& chain;
-    const ToneBurst& horn;  ///< its steps are sample periods
+    HornAtSamples& horn;
     const EndMotion& motion;
 };
 
@@ -51,7 +51,7 @@ bool needs_displacements(TapSet taps) noexcept {
 }  // namespace
 
 EndTaps::EndTaps(const Chain& chain, const Drive& drive, double sample_rate_hz)
-    : chain_(chain), horn_(drive, 1 / sample_rate_hz) {}
+    : chain_(chain), horn_(drive, sample_rate_hz) {}
 
 bool EndTaps::any_of(TapSet taps) noexcept {
     return !(taps & (velocities | computed)).empty();
@@ -71,7 +71,7 @@ EndMotion EndTaps::columns(Samples& samples) noexcept {
             .closed = closed_.data()};
 }
 
-void EndTaps::fill(Samples& samples, const EndMotion& motion) const noexcept {
+void EndTaps::fill(Samples& samples, const EndMotion& motion) noexcept {
     for (const Formula& formula : formulas) {
         if (samples.holds.contains(formula.tap)) {
             formula.fill({chain_, horn_, motion}, samples.room(formula.tap).data() + samples.count);

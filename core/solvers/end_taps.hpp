@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "core/model/chain.hpp"
-#include "core/model/tone_burst.hpp"
 #include "core/samples.hpp"
+#include "core/solvers/horn_at_samples.hpp"
 
 namespace hertzline {
 
@@ -38,11 +38,11 @@ public:
     EndMotion columns(Samples& samples) noexcept;
 
     /// Computes the taps of the next motion.count samples.
-    void fill(Samples& samples, const EndMotion& motion) const noexcept;
+    void fill(Samples& samples, const EndMotion& motion) noexcept;
 
 private:
     const Chain& chain_;
-    ToneBurst horn_;
+    HornAtSamples horn_;
     std::array<double, max_count> v_last_{}, v_end_{}, x_last_{}, x_end_{};
     std::array<bool, max_count> closed_{};
 };
