@@ -95,6 +95,25 @@ TEST(Run, FilesHoldEverySampleUpToAndIncludingTheDuration) {
     EXPECT_EQ(files_in(std::filesystem::path(folder.file("a.csv")).parent_path()), 4U);  // and their metadata
 }
 
+TEST(Run, TapsAreSavedOnRequestBesideTheUsualColumns) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        hertzline({"run", "paper-wall", "-o", folder.file("a.csv"), "--tap", "v_out", "--tap", "x_chain",
+                   "--set", "chain.spheres=2", "--set", "output.duration_s=1e-6"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(csv_of(folder.file("a.csv")), ElementsAre(Key("t_s"), Key("v_last_m_per_s"),
+                                                          Key("v_out_m_per_s"), Key("x1_m"), Key("x2_m")));
+}
+
+TEST(Run, ATapThatTheSceneLacksIsRefused) {
+    for (const char* name : {"v_plate", "v_outt"}) {
+        const Outcome outcome = hertzline({"run", "paper-wall", "--tap", name});
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_THAT(outcome.err,
+                    AllOf(HasSubstr("--tap: found \"" + std::string(name) + "\""), HasSubstr("v_chain")));
+    }
+}
+
 TEST(Run, RowsStopBeforeADurationBetweenSamples) {
     const auto summary =
         hertzline({"run", "paper-wall", "--json", "--set", "output.duration_s=10.19e-6"}).json();
