@@ -31,8 +31,7 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
 /// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
 void refuse_shortages(const Scene& scene, std::span<const std::string> files, stream::RecordedBodies bodies);
 
-/// @throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
-/// recording.
+/// @throws WrongUse that names every file whose ending is no recording's, or that is named twice
 void refuse_wrong_files(std::span<const std::string> files);
 
 }  // namespace hertzline::app

@@ -79,8 +79,7 @@ TEST(Promises, WhatIsNotWishedForDoesNotChangeWhatIs) {
 }
 
 TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
-    // all velocities after each step: step by step; the outputs alone: long chains take many steps in one
-    // sweep
+    // all velocities after each step: step by step; the outputs alone: long chains sweep many steps
     for (Scene scene : every_kind()) {
         scene.chain.spheres *= 5;
         Simulation one_by_one(scene, everything);
@@ -127,8 +126,7 @@ TEST(Promises, LookingAtStateAndLedgerChangesNothing) {
 }
 
 TEST(Promises, SpheresAheadOfTheWaveDoNotMatter) {
-    // the far end of a long chain cannot have heard of the horn yet: the near part moves as if the chain were
-    // longer still
+    // the wave has not reached the far end of a long chain: the near part moves as in an even longer one
     for (const Integrator integrator : choices<Integrator>) {
         Scene scene = with_step(Scene{}, integrator, on_grid);
         scene.end.kind = EndKind::wall;
@@ -221,8 +219,7 @@ TEST(Promises, AnUndampedChainIsSaidToBeChaotic) {
 }
 
 TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
-    // contacts stay closed and overlaps near the static ones: a linear chain, for which Gershgorin's bound is
-    // nearly exact
+    // contacts stay closed, overlaps near static: for a linear chain Gershgorin's bound is nearly exact
     Scene scene;
     scene.end.kind = EndKind::wall;
     scene.chain.damping_kg_per_s = 0;
@@ -234,8 +231,7 @@ TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
         const auto energy_after = [&](double step) -> double {
             Scene stepped = with_step(scene, integrator, step);
             stepped.output.sample_rate_hz = 1 / step;
-            // the horn - sphere contact is stiffer than the others and binds one mode: hence not exactly at
-            // the bound
+            // the horn - sphere contact is stiffer than the others and binds one mode: not at the bound
             Simulation simulation(stepped, {});
             Samples part(simulation.chain(), 1000, {});
             for (int i = 0; i < 20; ++i) {
