@@ -1,5 +1,5 @@
 #pragma once
-// What a run takes, in rows and bytes; counted in double, so that an absurd wish is a number too.
+// What a run takes, in rows and bytes. Counted in double: an absurd request overflows nothing.
 
 #include <filesystem>
 #include <span>
