@@ -1,5 +1,4 @@
-// The program: hands the command line to a subcommand, and turns what went wrong into messages and an exit
-// status.
+// The program: hands the command line to a subcommand, and turns errors into messages and an exit status.
 
 #include <algorithm>
 #include <array>
@@ -52,8 +51,8 @@ constexpr const char* examples =
     "  hertzline check my-scene.toml\n"
     "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
 
-/// In place of a standard stream that is closed the next socket or file would be opened, and summaries and
-/// messages would go there. What is put there fails when it is used, as a closed one does.
+/// The next socket or file would take the number of a closed standard stream and receive summaries and
+/// messages. What takes it here fails when it is used, as a closed stream does.
 void occupy_closed_standard_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) < 0) {

@@ -1,6 +1,5 @@
 #pragma once
-// --curve-key and its companions: options that make a stream or a listener encrypt, and the keys that they
-// name.
+// --curve-key and its companions: the options that make a stream or a listener encrypt, and their keys.
 
 #include <optional>
 #include <string>

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t max_file_bytes = 65'536;  // as parse_scene() allows
+constexpr std::size_t largest_file = 65'536;  // as parse_scene() allows
 
 struct SceneText {
     std::string origin;  // as messages call it
@@ -52,14 +52,14 @@ std::string read_text(const std::string& name) {
     if (file == nullptr) {
         refuse_file(name, errno);
     }
-    std::string text(max_file_bytes + 1, '\0');
+    std::string text(largest_file + 1, '\0');
     text.resize(std::fread(text.data(), 1, text.size(), file.get()));
     if (std::ferror(file.get()) != 0) {
         refuse_file(name, errno);
     }
-    if (text.size() > max_file_bytes) {
+    if (text.size() > largest_file) {
         throw WrongUse(fmt::format("{}: found more than {} bytes, allowed: at most {} bytes", printable(name),
-                                   max_file_bytes, max_file_bytes));
+                                   largest_file, largest_file));
     }
     return text;
 }

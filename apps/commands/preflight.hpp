@@ -1,5 +1,5 @@
 #pragma once
-// What a run takes, in rows and bytes; counted in double, so that an absurd request is a number, too.
+// What a run takes, in rows and bytes. Counted in double: an absurd request overflows nothing.
 
 #include <filesystem>
 #include <span>
@@ -30,8 +30,7 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
 /// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
 void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet taps);
 
-/// @throws WrongUse, for all of them at once, when an ending is none that can be written or two are of one
-/// recording.
+/// @throws WrongUse that names every file whose ending is no recording's, or that is named twice
 void refuse_wrong_files(std::span<const std::string> files);
 
 }  // namespace hertzline::app

@@ -38,9 +38,9 @@ void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
     const bool several = scene.chain.spheres > 1;
     const double slope = several ? tangent_stiffness(chain.stiffness[1], chain.static_overlap[1]) : 0;
     report.push_back({"spheres", "mass", "sphere_mass_kg", "kg", mass});
-    report.push_back({"spheres", "speed of long, small waves", "wave_speed_m_per_s", "m/s",
+    report.push_back({"spheres", "wave speed, long small waves", "wave_speed_m_per_s", "m/s",
                       if_any(several, scene.chain.diameter_m * std::sqrt(slope / mass))});
-    report.push_back({"spheres", "cut-off frequency of small waves", "cutoff_hz", "Hz",
+    report.push_back({"spheres", "cut-off frequency, small waves", "cutoff_hz", "Hz",
                       if_any(several, std::sqrt(4 * slope / mass) / two_pi)});
 }
 
@@ -166,13 +166,13 @@ void add_costs(Report& report, const Scene& scene) {
     report.push_back({"run", "rows", "rows", "", rows});
     report.push_back({"run", "memory, at most", "run_memory_bytes", "bytes", memory_of_run(scene, recorded)});
     const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
-    report.push_back({"run", "CSV, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
-    report.push_back({"run", "CSV of --all, at most", "csv_all_bytes", "bytes",
+    report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
+    report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",
                       csv_bytes(recorded | Tap::v_chain | Tap::x_chain)});
     report.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
                       stream::SimulationSource::memory_bytes(scene) +
                           stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene))});
-    report.push_back({"run", "hash of the scene", "scene_hash", "", scene_hash(scene)});
+    report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 
 }  // namespace

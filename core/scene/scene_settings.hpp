@@ -13,13 +13,11 @@
 
 namespace hertzline {
 
-/// A key's value and the place where it was given.
 struct Setting {
     TomlValue value;
     Place place;
 };
 
-/// The values that a scene file and the --set options give to keys.
 class SceneSettings {
 public:
     explicit SceneSettings(std::string_view origin);

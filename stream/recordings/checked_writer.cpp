@@ -42,7 +42,7 @@ std::string fault_of(const RecordingHead& head) {
                                column.name, column.quantity);
         }
         if (!names.insert(column.name).second) {
-            return fmt::format("column \"{}\": found twice, or named like the time", column.name);
+            return fmt::format("column \"{}\": found twice, or the time's name", column.name);
         }
     }
     return {};
@@ -59,9 +59,9 @@ CheckedWriter::CheckedWriter(std::filesystem::path path, RecordingHead head)
 
 void CheckedWriter::write(std::int64_t first, std::span<const double> values) {
     if (values.size() % head_.columns.size() != 0 || first < due_) {
-        throw std::invalid_argument(
-            fmt::format("{}: found {} values from sample {}, allowed: {} a row from {} on", path_.string(),
-                        values.size(), first, head_.columns.size(), due_));
+        throw std::invalid_argument(fmt::format("{}: {} values from sample {} where {} a row from {} are due",
+                                                path_.string(), values.size(), first, head_.columns.size(),
+                                                due_));
     }
     if (!failure_.empty()) {
         throw std::runtime_error(failure_);
@@ -128,7 +128,7 @@ void require_undamaged(const std::filesystem::path& path, std::int64_t row, std:
     const auto bad = std::ranges::find_if_not(values, [](double v) { return std::isfinite(v); });
     if (bad != values.end()) {
         const auto at = static_cast<std::size_t>(bad - values.begin());
-        cannot_read(path, fmt::format("damaged: row {}, column {} is {}, allowed: finite numbers",
+        cannot_read(path, fmt::format("damaged: row {}, column {} is {}, which no sample is",
                                       row + static_cast<std::int64_t>(at / columns), at % columns + 1, *bad));
     }
 }
@@ -173,7 +173,7 @@ Json json_from_outside(std::string_view text) {
     };
     Json json = Json::parse(text, shallow, /*allow_exceptions=*/false);
     if (deep || json.is_discarded()) {
-        throw std::runtime_error(deep ? "description: nested too deeply" : "description: not JSON");
+        throw std::runtime_error(deep ? "description: nested too deep" : "description: no JSON");
     }
     return json;
 }

@@ -1,5 +1,4 @@
-// --curve-key and its companions: strangers cannot listen to a stream that encrypts, and do not disturb those
-// who may.
+// --curve-key and its companions: strangers cannot listen to an encrypted stream or disturb its listeners.
 
 #include <csignal>
 #include <filesystem>

@@ -38,8 +38,7 @@ public:
 
     void send(int signal) const;
 
-    /// What it has written to stderr so far, as soon as that contains `text`. Fails the test when it never
-    /// does.
+    /// What it has written to stderr, as soon as that contains `text`. Fails the test when it never does.
     std::string messages_with(const std::string& text) const;
 
     /// The endpoint that a stream has bound.

@@ -2,8 +2,7 @@
 // otherwise could not without touching the whole machine:
 //     SIGUSR1   interrupts whatever system call waits, as the signals of profilers and debuggers do
 //     SIGUSR2   sets the program's wall clock back by an hour
-// The wall clock is read through the kernel itself: no other library's clock is asked, a sanitizer's
-// included.
+// The wall clock is read through the kernel itself, not through another library or a sanitizer.
 
 #include <atomic>
 #include <csignal>

@@ -1,5 +1,4 @@
-// Stands in for libFuzzer in the ordinary tests: feeds every file of the folders that it is given to the fuzz
-// function.
+// Stands in for libFuzzer in the ordinary tests: feeds every file of the given folders to the fuzz function.
 
 #include <cstdint>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// Writes recordings for read_recordings.py and .m, with the numbers beside them as they lie in memory:
+// Writes recordings for read_recordings.py and .m, with their numbers as raw bytes:
 // write_recordings FOLDER
 
 #include <cstdio>

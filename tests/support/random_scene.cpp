@@ -110,8 +110,7 @@ void draw_extremes(Draw& draw, Scene& scene) {
     scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, max_bursts);
 }
 
-/// From steps much shorter than needed to ones beyond the stability limit, and samples on their grid or off
-/// it.
+/// Steps from much too short to beyond the stability limit; samples on their grid and off it.
 void draw_numerics(Draw& draw, Scene& scene) {
     if (!draw.one_in(16)) {
         scene.numerics.integrator = draw.any(choices<Integrator>);

@@ -99,16 +99,14 @@ private:
         const std::size_t columns = head().columns.size();
         constexpr double largest = std::numeric_limits<std::int32_t>::max();
         if (rate != std::floor(rate) || rate > largest) {
-            cannot_write(path(),
-                         fmt::format("found a sample rate of {} Hz, allowed in WAV: integers up to {}", rate,
-                                     largest));
+            cannot_write(path(), fmt::format("a sample rate of {} Hz, a WAV holds whole numbers up to {}",
+                                             rate, largest));
         }
         if (columns > max_columns) {
-            cannot_write(path(),
-                         fmt::format("found {} columns, allowed in WAV: at most {}", columns, max_columns));
+            cannot_write(path(), fmt::format("{} columns, a WAV holds {}", columns, max_columns));
         }
         if (const double bytes = rate * static_cast<double>(columns * sizeof(float)); bytes > largest) {
-            cannot_write(path(), fmt::format("{} columns of {} Hz are {} bytes a second, allowed in WAV: {}",
+            cannot_write(path(), fmt::format("{} columns of {} Hz are {} bytes a second, a WAV holds {}",
                                              columns, rate, bytes, largest));
         }
     }
@@ -118,7 +116,7 @@ private:
         text.resize((text.size() + 3) / 4 * 4, ' ');  // libsndfile writes whole words, read from here
         if (text.size() > max_description_bytes) {
             cannot_write(path(),
-                         fmt::format("columns and provenance are {} bytes of text, allowed in WAV: {}",
+                         fmt::format("columns and provenance are {} bytes of text, a WAV has room for {}",
                                      text.size(), max_description_bytes));
         }
         SF_CHUNK_INFO chunk{};
@@ -137,8 +135,8 @@ private:
         if (comment(captures_ + text).size() > max_comment_bytes) {
             finish();
             throw std::runtime_error(
-                fmt::format("{} ends before sample {}: a WAV has no room for another gap", path().string(),
-                            capture.sample));
+                fmt::format("{} ends before sample {}: a WAV has no room to note one more gap",
+                            path().string(), capture.sample));
         }
         captures_ += text;
     }
@@ -188,23 +186,24 @@ void require_whole_wav(const std::filesystem::path& path) {
     };
     read_size(4);
     if ((kind != "RIFF" && kind != "RF64") || file.text(4, "the RIFF header") != "WAVE") {
-        cannot_read(path, "not a WAV: it does not begin with RIFF or RF64 and WAVE");
+        cannot_read(path, "no WAV: it does not begin with RIFF or RF64 and WAVE");
     }
     if (kind == "RF64") {
         if (file.text(8, "the ds64 chunk").substr(0, 4) != "ds64") {
-            cannot_read(path, "damaged: an RF64 without a ds64 chunk");
+            cannot_read(path, "an RF64 without its ds64 chunk");
         }
         read_size(8);
     }
     if (size > file.size() - 8) {
-        cannot_read(path, fmt::format("cut short: the header says {} bytes after the eighth, {} are there",
-                                      size, file.size() - 8));
+        cannot_read(
+            path, fmt::format("cut short: it says that it has {} bytes after the eighth, {} are there", size,
+                              file.size() - 8));
     }
 }
 
 std::int64_t whole(const Json& number) {
     if (!number.is_number_integer()) {
-        throw std::runtime_error("damaged: a capture is not a pair of integers");
+        throw std::runtime_error("damaged: a capture is no pair of whole numbers");
     }
     return number;
 }
@@ -241,8 +240,8 @@ public:
         rows.first = rows_.sample();
         rows.values.resize(static_cast<std::size_t>(count) * columns);
         if (sf_readf_double(sound_.get(), rows.values.data(), count) != count) {
-            cannot_read(path_,
-                        fmt::format("damaged: it ends within the {} rows after row {}", count, rows_.row()));
+            cannot_read(
+                path_, fmt::format("damaged: it ends inside the {} rows from row {} on", count, rows_.row()));
         }
         require_undamaged(path_, rows_.row(), rows.values, columns);
         rows_.advance(count);
@@ -261,7 +260,7 @@ private:
             case SF_FORMAT_DOUBLE:
                 return NumberType::float64;
             default:
-                cannot_read(path_, "found a compressed WAV, allowed: PCM, float32 or float64");
+                cannot_read(path_, "a compressed WAV, allowed: PCM, float32 or float64");
         }
     }
 
@@ -291,7 +290,7 @@ private:
         if (head_.columns.size() != static_cast<std::size_t>(info.channels) ||
             head_.sample_rate_hz != info.samplerate) {
             throw std::runtime_error(
-                fmt::format("the description says {} columns of {} Hz, the WAV has {} of {} Hz",
+                fmt::format("the description's {} columns of {} Hz are not the WAV's {} of {} Hz",
                             head_.columns.size(), head_.sample_rate_hz, info.channels, info.samplerate));
         }
         const char* const comment = sf_get_string(sound_.get(), SF_STR_COMMENT);
@@ -307,7 +306,7 @@ private:
             }
             rows_ = CaptureCursor(std::move(captures), info.frames);
         } catch (const Json::exception&) {
-            throw std::runtime_error("damaged: the comment does not name rows and captures");
+            throw std::runtime_error("damaged: the comment does not tell rows and captures");
         }
     }
 

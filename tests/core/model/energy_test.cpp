@@ -1,5 +1,4 @@
-// The energy ledger closes whatever the scene, undamped chains keep their energy, symmetric methods can go
-// back.
+// The energy ledger closes in any scene; undamped chains keep their energy; symmetric methods can go back.
 
 #include <cmath>
 #include <functional>

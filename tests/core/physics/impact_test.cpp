@@ -29,8 +29,7 @@ Scene loose_spheres(Integrator integrator, std::int64_t spheres) {
     return scene;
 }
 
-/// One sphere and a horn that comes at constant speed: so slow a sine that its first microseconds are
-/// straight.
+/// One sphere and a horn of constant speed: a sine so slow that its first microseconds are straight.
 Scene struck_by_a_wall(Integrator integrator) {
     Scene scene = loose_spheres(integrator, 1);
     scene.drive.envelope = Envelope::rectangular;
@@ -46,8 +45,7 @@ double largest_overlap(double mass, double k, double speed) {
     return std::pow(5 * mass * speed * speed / (4 * k), 0.4);
 }
 
-/// Duration [s] of such an impact: 2 delta/u times the integral of 1/sqrt(1 - z^(5/2)) from 0 to 1
-/// (eq. 11.4).
+/// Duration [s] of such an impact: 2 delta/u times the integral of 1/sqrt(1 - z^(5/2)), 0 to 1 (eq. 11.4).
 double impact_duration(double mass, double k, double speed) {
     const double integral = std::sqrt(std::numbers::pi) * std::tgamma(0.4) / (2.5 * std::tgamma(0.9));
     return 2 * largest_overlap(mass, k, speed) / speed * integral;

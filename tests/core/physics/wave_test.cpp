@@ -93,8 +93,7 @@ TEST_P(Wave, DecaysFromSphereToSphereAboveTheCutOff) {
 }
 
 TEST(Waves, SmallOnesTravelAtTheSpeedOfTheLinearChain) {
-    // c = 2R sqrt(k_t/m) for long waves; a slow drive, small amplitude, no damping, arrival by the peak of
-    // the burst
+    // c = 2R sqrt(k_t/m) for long waves; slow drive, small amplitude, no damping, arrival by the burst's peak
     Scene scene;
     scene.chain.spheres = 200;
     scene.chain.damping_kg_per_s = 0;

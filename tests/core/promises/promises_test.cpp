@@ -78,8 +78,7 @@ TEST(Promises, WhatIsNotWantedDoesNotChangeWhatIs) {
 }
 
 TEST(Promises, StepsTakenTogetherGiveTheBitsOfStepsTakenOneByOne) {
-    // all velocities after each step: step by step; the outputs alone: long chains take many steps in one
-    // sweep
+    // all velocities after each step: step by step; the outputs alone: long chains sweep many steps
     for (Scene scene : every_kind()) {
         scene.chain.spheres *= 5;
         Simulation one_by_one(scene, {.taps = everything});
@@ -126,8 +125,7 @@ TEST(Promises, LookingAtStateAndLedgerChangesNothing) {
 }
 
 TEST(Promises, SpheresAheadOfTheWaveDoNotMatter) {
-    // the far end of a long chain cannot have heard of the horn yet: the near part moves as if the chain were
-    // longer still
+    // the wave has not reached the far end of a long chain: the near part moves as in an even longer one
     for (const Integrator integrator : choices<Integrator>) {
         Scene scene = with_step(Scene{}, integrator, on_grid);
         scene.end.kind = EndKind::wall;
@@ -220,8 +218,7 @@ TEST(Promises, AnUndampedChainIsSaidToBeChaotic) {
 }
 
 TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
-    // contacts stay closed and overlaps near the static ones: a linear chain, for which Gershgorin's bound is
-    // nearly exact
+    // contacts stay closed, overlaps near static: for a linear chain Gershgorin's bound is nearly exact
     Scene scene;
     scene.end.kind = EndKind::wall;
     scene.chain.damping_kg_per_s = 0;

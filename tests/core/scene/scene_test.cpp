@@ -70,8 +70,7 @@ TEST(Scene, DefaultsAreValid) {
     EXPECT_THAT(validate(Scene{}), IsEmpty());
 }
 
-// Sets the field with the wanted number to a value and tells its key; visiting again tells how many there
-// are.
+// Sets the field of a given number to a value and returns its key; a second visit counts the fields.
 struct SpoilNumber {
     int wanted;
     double value_for_numbers;

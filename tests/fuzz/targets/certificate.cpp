@@ -1,5 +1,4 @@
-// A certificate with keys, as `hertzline keys` or others made it: once as one that lists a client, once as
-// our own.
+// A certificate as `hertzline keys` or other programs make it, read as a client's and as our own.
 
 #include "stream/wire/certificate.hpp"
 

@@ -44,7 +44,8 @@ std::string bytes(std::uint32_t number, int count) {
 TEST_F(Wav, SaysWhatItCannotHold) {
     RecordingHead head = test::recording_head(NumberType::float32);
     head.sample_rate_hz = 10e6 / 3;
-    EXPECT_THAT(refusal(head), HasSubstr("a sample rate of 3333333.3333333335 Hz, allowed in WAV: integers"));
+    EXPECT_THAT(refusal(head),
+                HasSubstr("a sample rate of 3333333.3333333335 Hz, a WAV holds whole numbers"));
     head.sample_rate_hz = 3e9;
     EXPECT_THAT(refusal(head), HasSubstr("up to 2147483647"));
     head = test::recording_head(NumberType::float32, 27);
@@ -53,10 +54,10 @@ TEST_F(Wav, SaysWhatItCannotHold) {
     EXPECT_EQ(refusal(head), "");
     head = test::recording_head(NumberType::float32, 600);
     head.sample_rate_hz = 1e3;
-    EXPECT_THAT(refusal(head), HasSubstr("1202 columns, allowed in WAV: at most 1024"));
+    EXPECT_THAT(refusal(head), HasSubstr("1202 columns, a WAV holds 1024"));
     head = test::recording_head(NumberType::float32);
     head.provenance["scene"] = std::string(60'000, 's');
-    EXPECT_THAT(refusal(head), HasSubstr("allowed in WAV: 49152"));
+    EXPECT_THAT(refusal(head), HasSubstr("a WAV has room for 49152"));
     EXPECT_TRUE(fs::is_empty(fs::path(file).parent_path()));
 }
 
