@@ -46,7 +46,16 @@ struct Chin4aRows {
 };
 
 Kernel pick(Integrator integrator, std::size_t rows) {
-    return integrator == Integrator::leapfrog ? for_rows<LeapfrogRows>(rows) : for_rows<Chin4aRows>(rows);
+    switch (integrator) {
+        case Integrator::leapfrog:
+            return for_rows<LeapfrogRows>(rows);
+        case Integrator::chin4a:
+            return for_rows<Chin4aRows>(rows);
+        case Integrator::taylor8:
+        case Integrator::taylor12:
+            break;  // series_kernels.cpp
+    }
+    return nullptr;
 }
 
 std::size_t lanes() {

@@ -24,7 +24,7 @@ std::size_t linear_rows(Eigen::Index bodies, std::size_t lanes) {
 
 Layout layout_for(Eigen::Index bodies, Integrator integrator, std::size_t lanes) {
     const bool in_memory = rows_for(bodies, lanes) > max_register_rows;
-    return in_memory && integrator == Integrator::leapfrog ? Layout::linear : Layout::striped;
+    return in_memory && method(integrator).sweeps_long_chain ? Layout::linear : Layout::striped;
 }
 
 }  // namespace

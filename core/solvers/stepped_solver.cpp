@@ -62,11 +62,7 @@ void SteppedSolver::fold_active() noexcept {
     while (front_ > 0 && front_ < bodies && state_.x[front_ - 1] == 0 && state_.v[front_ - 1] == 0) {
         --front_;
     }
-    // In one step a disturbance travels a bounded number of bodies: two with leapfrog (two looks at the
-    // dashpots), twelve with Chin 4A (eight powers of the drift, two forces, one gradient), doubled for a
-    // step that is split. What a step of many splits carries further has fallen by a hundred orders of
-    // magnitude on its way.
-    const Eigen::Index reach = integrator_ == Integrator::leapfrog ? 2 : 24;
+    const Eigen::Index reach = method(integrator_).reach;
     const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
     folded_.fold(chain_, state_, active);
     kernel_ = kernels::kernel(integrator_, folded_.rows());
