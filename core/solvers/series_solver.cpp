@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/hertz.hpp"
 #include "core/scene/text.hpp"
@@ -60,7 +61,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
       folded_(chain, *scene.numerics.integrator, kernels::kernel_lanes()),
-      piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()),
+      piece_((folded_.load(chain, state_, chain.bodies()), folded_.slots()),
              kernels::series_degree(*scene.numerics.integrator),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
       kernels_(kernels::series_kernels(*scene.numerics.integrator, folded_.rows())) {
@@ -84,7 +85,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, Wish most)
 
 void SeriesSolver::reset() noexcept {
     state_.rest(chain_);
-    folded_.fold(chain_, state_, chain_.bodies());
+    folded_.load(chain_, state_, chain_.bodies());
     folded_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     smooth_ = burst_.smooth(0, 0);
@@ -96,7 +97,7 @@ void SeriesSolver::reset() noexcept {
 }
 
 const ChainState& SeriesSolver::state() noexcept {
-    folded_.unfold(state_);
+    folded_.store(state_);
     return state_;
 }
 
@@ -200,7 +201,7 @@ void SeriesSolver::sleep() noexcept {
     ledger_ = ledger();
     ledger_.lost += left;
     state_.reset_motion(chain_);
-    folded_.fold(chain_, state_, chain_.bodies());
+    folded_.load(chain_, state_, chain_.bodies());
     std::copy_n(folded_.column(kernels::ChainField::closed), folded_.slots(),
                 folded_.column(kernels::ChainField::overlap));
     piece_.reset_motion();

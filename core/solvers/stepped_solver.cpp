@@ -32,14 +32,14 @@ void SteppedSolver::reset() noexcept {
     status_ = Status::running;
     horn_first_ = -1;
     front_ = tracking_ == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
-    folded_.fold(chain_, state_, front_);
+    folded_.load(chain_, state_, front_);
     kernel_ = kernels::kernel(integrator_, folded_.rows());
     sampler_.reset(chain_);
     begin_batch();
 }
 
 const ChainState& SteppedSolver::state() noexcept {
-    folded_.unfold(state_);
+    folded_.store(state_);
     return state_;
 }
 
@@ -57,14 +57,14 @@ void SteppedSolver::fold_active() noexcept {
     if (folded_.active() == bodies) {
         return;
     }
-    folded_.unfold(state_);
+    folded_.store(state_);
     front_ = std::max(front_, folded_.active());
     while (front_ > 0 && front_ < bodies && state_.x[front_ - 1] == 0 && state_.v[front_ - 1] == 0) {
         --front_;
     }
     const Eigen::Index reach = method(integrator_).reach;
     const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
-    folded_.fold(chain_, state_, active);
+    folded_.load(chain_, state_, active);
     kernel_ = kernels::kernel(integrator_, folded_.rows());
 }
 

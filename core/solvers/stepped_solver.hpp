@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/tone_burst.hpp"
 #include "core/solvers/sampler.hpp"
