@@ -7,7 +7,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "core/integrators/simd_chain.hpp"
+#include "core/integrators/kernels.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "stream/scene_json.hpp"

@@ -57,7 +57,7 @@ double all_moving(std::int64_t spheres) {
     kernels::SimdChain folded(chain, Integrator::leapfrog, kernels::kernel_lanes());
     folded.step_s = step_s;
     folded.watched_overlap = std::numeric_limits<double>::infinity();
-    folded.fold(chain, state, chain.bodies());
+    folded.load(chain, state, chain.bodies());
     const kernels::Kernel advance = kernels::kernel(Integrator::leapfrog, folded.rows());
     kernels::Trace nothing;
     nothing.bodies = chain.bodies();
@@ -66,7 +66,7 @@ double all_moving(std::int64_t spheres) {
     const auto batches = static_cast<int>(std::clamp<std::int64_t>(20'000'000 / 64 / spheres, 1, 100));
     double least = std::numeric_limits<double>::infinity();
     for (int repetition = 0; repetition < 12; ++repetition) {
-        folded.fold(chain, state, chain.bodies());
+        folded.load(chain, state, chain.bodies());
         advance(folded, burst, horn.data(), 0, ToneBurst::batch_steps, nothing);
         const double begin = processor_seconds();
         for (int batch = 1; batch <= batches; ++batch) {
@@ -75,7 +75,7 @@ double all_moving(std::int64_t spheres) {
         }
         least = std::min(least, processor_seconds() - begin);
     }
-    folded.unfold(state);
+    folded.store(state);
     if (!state.x.allFinite() || (state.v.head(chain.spheres()) == 0).any()) {
         throw std::runtime_error("not all spheres move");
     }

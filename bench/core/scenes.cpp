@@ -11,7 +11,7 @@
 #include "bench/support/arguments.hpp"
 #include "bench/support/timing.hpp"
 
-#include "core/integrators/simd_chain.hpp"
+#include "core/integrators/kernels.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/shipped_scenes.hpp"

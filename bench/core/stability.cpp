@@ -22,7 +22,9 @@
 
 #include "bench/support/arguments.hpp"
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
+#include "core/integrators/trace.hpp"
 #include "core/model/coupling.hpp"
 #include "core/model/energy.hpp"
 #include "core/scene/scene_words.hpp"
@@ -120,7 +122,7 @@ double largest_held_on_grid(const Scene& scene, Integrator integrator, double st
     const ToneBurst burst(scene.drive, step);
     kernels::SimdChain folded(chain, integrator, kernels::kernel_lanes());
     folded.step_s = step;
-    folded.fold(chain, state, chain.bodies());
+    folded.load(chain, state, chain.bodies());
     std::array<HornStep, ToneBurst::batch_steps> horn{};
     kernels::Trace nothing;
     nothing.capacity = kernels::max_rows_per_step;
@@ -131,7 +133,7 @@ double largest_held_on_grid(const Scene& scene, Integrator integrator, double st
         burst.fill(state.step, horn.data(), ToneBurst::batch_steps);
         kernels::kernel(integrator, folded.rows())(folded, burst, horn.data(), state.step,
                                                    ToneBurst::batch_steps, nothing);
-        folded.unfold(state);
+        folded.store(state);
         const double now = held(chain, state, horn.back().end.x);
         largest = now <= largest ? largest : now;
         if (!std::isfinite(now)) {

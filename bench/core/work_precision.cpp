@@ -14,7 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/integrators/simd_chain.hpp"
+#include "core/integrators/kernels.hpp"
 
 namespace {
 

@@ -9,6 +9,7 @@
 #include <hwy/highway.h>
 
 #include "core/integrators/chin4a/chin4a-inl.hpp"
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/leapfrog/leapfrog-inl.hpp"
 #include "core/integrators/leapfrog/leapfrog_sweep-inl.hpp"
 
@@ -46,11 +47,20 @@ struct Chin4aRows {
 };
 
 Kernel pick(Integrator integrator, std::size_t rows) {
-    return integrator == Integrator::leapfrog ? for_rows<LeapfrogRows>(rows) : for_rows<Chin4aRows>(rows);
+    switch (integrator) {
+        case Integrator::leapfrog:
+            return for_rows<LeapfrogRows>(rows);
+        case Integrator::chin4a:
+            return for_rows<Chin4aRows>(rows);
+        case Integrator::taylor8:
+        case Integrator::taylor12:
+            break;  // series_kernels.cpp
+    }
+    return nullptr;
 }
 
-std::size_t lanes() {
-    return hn::Lanes(Doubles());
+std::size_t vector_lanes() {
+    return lanes();
 }
 
 const char* target() {
@@ -65,7 +75,7 @@ HWY_AFTER_NAMESPACE();
 namespace hertzline::kernels {
 
 HWY_EXPORT(pick);
-HWY_EXPORT(lanes);
+HWY_EXPORT(vector_lanes);
 HWY_EXPORT(target);
 
 Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
@@ -73,7 +83,7 @@ Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
 }
 
 std::size_t kernel_lanes() noexcept {
-    return HWY_DYNAMIC_DISPATCH(lanes)();
+    return HWY_DYNAMIC_DISPATCH(vector_lanes)();
 }
 
 const char* kernel_target() noexcept {

@@ -93,8 +93,23 @@ SeriesKernels for_rows(std::size_t rows) {
     }
 }
 
-SeriesKernels pick_series(int degree, std::size_t rows) {
-    return degree == 13 ? for_rows<13>(rows) : for_rows<9>(rows);
+/// Every series in the table of integrators has its kernels.
+template <std::size_t Row>
+SeriesKernels for_series(Integrator integrator, std::size_t rows) {
+    if constexpr (Row == methods.size()) {
+        return {};  // a grid: grid_kernels.cpp
+    } else {
+        if constexpr (methods[Row].family == Family::series) {
+            if (integrator == methods[Row].integrator) {
+                return for_rows<series_degree(methods[Row].integrator)>(rows);
+            }
+        }
+        return for_series<Row + 1>(integrator, rows);
+    }
+}
+
+SeriesKernels pick_series(Integrator integrator, std::size_t rows) {
+    return for_series<0>(integrator, rows);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -107,7 +122,7 @@ namespace hertzline::kernels {
 HWY_EXPORT(pick_series);
 
 SeriesKernels series_kernels(Integrator integrator, std::size_t rows) noexcept {
-    return HWY_DYNAMIC_DISPATCH(pick_series)(series_degree(integrator), rows);
+    return HWY_DYNAMIC_DISPATCH(pick_series)(integrator, rows);
 }
 
 }  // namespace hertzline::kernels

@@ -5,6 +5,7 @@
 // far the series reaches. The motion between two pieces is smooth; a piece ends where a contact opens or
 // closes, where the horn's motion changes its formula, or where the series has lost its accuracy.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -15,9 +16,15 @@ namespace hertzline::kernels {
 
 /// Degree of the displacements' series. The velocities' is one less, which makes the method of that order.
 constexpr int series_degree(Integrator integrator) noexcept {
-    return integrator == Integrator::taylor12 ? 13 : 9;
+    return method(integrator).order + 1;
 }
-inline constexpr int highest_series_degree = 13;
+inline constexpr int highest_series_degree = [] {
+    int highest = 0;
+    for (const Method& row : methods) {
+        highest = row.family == Family::series ? std::max(highest, row.order + 1) : highest;
+    }
+    return highest;
+}();
 
 /// Terms of the elastic force of a contact that has just closed (SeriesPiece::onset).
 inline constexpr int onset_terms = 5;

@@ -24,7 +24,7 @@ std::size_t linear_rows(Eigen::Index bodies, std::size_t lanes) {
 
 Layout layout_for(Eigen::Index bodies, Integrator integrator, std::size_t lanes) {
     const bool in_memory = rows_for(bodies, lanes) > max_register_rows;
-    return in_memory && integrator == Integrator::leapfrog ? Layout::linear : Layout::striped;
+    return in_memory && method(integrator).sweeps_long_chain ? Layout::linear : Layout::striped;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lane
     slot_of_.resize(static_cast<std::size_t>(chain.bodies()));
 }
 
-void SimdChain::fold(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept {
+void SimdChain::load(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept {
     const bool linear = layout_ == Layout::linear;
     active_ = linear ? chain.bodies() : active;
     rows_ = linear ? linear_rows(active_, lanes_) : rows_for(active_, lanes_);
@@ -89,7 +89,7 @@ void SimdChain::fill_pads() noexcept {
     }
 }
 
-void SimdChain::unfold(ChainState& state) const noexcept {
+void SimdChain::store(ChainState& state) const noexcept {
     for (Eigen::Index b = 0; b < active_; ++b) {
         const std::size_t s = slot(b);
         state.x[b] = column(ChainField::x)[s];

@@ -1,21 +1,21 @@
 #pragma once
-// The chain as the SIMD kernels see it: folded over the lanes of a vector register.
+// The chain as the SIMD kernels see it: laid out over the lanes of a vector register.
 //
-// Lane l holds the contiguous stretch of bodies l*rows .. l*rows + rows - 1, row k of every column is one
-// vector. The left neighbour of row k is then row k - 1, lane for lane; only row 0 needs one rotation of row
-// rows - 1. A chain of six spheres fills one AVX-512 register, a chain of ten thousand is a column of them,
-// and one piece of code serves both.
+// Striped (M. Farrar, Bioinformatics 23 (2007) 156): lane l holds the contiguous stretch of bodies l*rows ..
+// l*rows + rows - 1, row k of every column is one vector. The left neighbour of row k is then row k - 1, lane
+// for lane; only row 0 needs one rotation of row rows - 1. A chain of six spheres fills one AVX-512 register,
+// a chain of ten thousand is a column of them, and one piece of code serves both.
 //
 //     rows = 2, lanes = 4:   lane   0   1   2   3
 //                    row 0          b0  b2  b4  b6
 //                    row 1          b1  b3  b5  pad     the last slot is always a pad that never moves
 //
-// Only the part of the chain that can have moved is folded: what lies ahead of the wavefront is at rest
+// Only the part of the chain that can have moved is laid out: what lies ahead of the wavefront is at rest
 // exactly.
 //
-// Long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which they lie in line
-// instead: row k holds neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard
-// both ends. All of the chain is laid out once; moving_rows tells how far the wavefront has come.
+// Linear: long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which row k holds
+// neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard both ends. All of the
+// chain is laid out once; moving_rows tells how far the wavefront has come.
 //
 //     lanes = 4:     row 0 to 2   pads, where the horn would be
 //                    row 3        b0  b1  b2  b3
@@ -48,13 +48,13 @@ enum class ChainField : std::size_t {
     v,
     closed,
     peak_overlap,
-    // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the last
-    // collect() [J]
+    // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the solver
+    // last took it over [J]
     lost,
     work,
     total_accel,
-    last_linear = total_accel,  ///< a chain in line has no columns beyond this one
-    // carried from step to step by a kernel, rebuilt by it after a fold
+    last_linear = total_accel,  ///< a linear chain has no columns beyond this one
+    // carried from step to step by a kernel, rebuilt by it after the chain was laid out anew
     overlap,
     elastic_accel,
     closed_stiffness,
@@ -66,25 +66,13 @@ enum class ChainField : std::size_t {
     loss_rate_dot,
     work_rate,
     work_rate_dot,
-    // scratch of one step
-    t0,
-    t1,
-    t2,
-    t3,
-    t4,
-    t5,
-    t6,
-    t7,
-    t8,
-    t9,
-    t10,
-    t11,
-    t12,
-    t13,
-    t14,
-    t15,
-    count
+    // columns of a kernel's own from here on, see SimdChain::scratch()
+    first_scratch,
+    count = first_scratch + 16
 };
+
+/// Rows that the kernels keep in registers; a chain of more rows is worked through in memory.
+inline constexpr std::size_t max_register_rows = 8;
 
 /// Where a body lies, see above.
 enum class Layout { striped, linear };
@@ -94,16 +82,20 @@ public:
     /// Room for all bodies of the chain. @param lanes doubles in a vector register of the kernels in use.
     SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes);
 
-    /// Folds bodies [0, active) and takes over the state. In line, all bodies are laid out, and those from
+    /// Lays out bodies [0, active) and takes over the state. Linear: all bodies are laid out, and those from
     /// `active` on must be at rest. No allocation.
-    void fold(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept;
+    void load(const Chain& chain, const ChainState& state, Eigen::Index active) noexcept;
 
     /// Writes the motion back.
-    void unfold(ChainState& state) const noexcept;
+    void store(ChainState& state) const noexcept;
 
     double* column(ChainField c) const noexcept {
         return columns_.get() + static_cast<std::size_t>(c) * stride_;
     }
+    /// Results between two parts of a step. Each kernel names its own: enum class Scratch {..., count}.
+    double* scratch(std::size_t i) const noexcept { return column(ChainField::first_scratch) + i * stride_; }
+    static constexpr std::size_t scratch_columns =
+        static_cast<std::size_t>(ChainField::count) - static_cast<std::size_t>(ChainField::first_scratch);
     std::size_t slot(Eigen::Index body) const noexcept { return slot_of_[static_cast<std::size_t>(body)]; }
     std::size_t rows() const noexcept { return rows_; }
     std::size_t lanes() const noexcept { return lanes_; }
@@ -113,11 +105,11 @@ public:
     Eigen::Index active() const noexcept { return active_; }  ///< bodies laid out
     Layout layout() const noexcept { return layout_; }
 
-    static constexpr std::size_t guard_rows = 3;  ///< at each end of a chain in line
+    static constexpr std::size_t guard_rows = 3;  ///< at each end of a linear chain
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
-    std::size_t moving_rows = 0;      ///< in line: rows from here on are at rest, exactly
-    double watched_overlap = 0;       ///< in line: kernels tell by ...
+    std::size_t moving_rows = 0;      ///< linear: rows from here on are at rest, exactly
+    double watched_overlap = 0;       ///< linear: kernels tell by ...
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
     double step_s = 0;
     Tension tension = Tension::allowed;
@@ -138,49 +130,5 @@ private:
     std::unique_ptr<double[], Free> columns_;
     std::vector<std::uint32_t> slot_of_;  ///< a table: divisions are slow
 };
-
-/// The largest number of rows that one step can add to a trace.
-inline constexpr std::size_t max_rows_per_step = 96;
-
-/// Where a kernel writes what was asked to be seen: one row per recorded moment, displacements, velocities
-/// and accelerations of the probed bodies, [x...][v...][a...].
-struct Trace {
-    double* rows = nullptr;         ///< capacity * row_size
-    double* fractions = nullptr;    ///< moment of each row within its step
-    std::int64_t* steps = nullptr;  ///< step that the row's moment follows
-    std::size_t capacity = 0;
-    std::size_t count = 0;
-    Eigen::Index first_body = 0;  ///< bodies [first_body, chain.bodies()) are probed
-    Eigen::Index bodies = 0;
-    std::int64_t next = never;  ///< step after which the next row is due, ...
-    int every = 1;              ///< ... and how many steps later the one after it
-    bool between = false;       ///< record contact events as well, for samples off the grid
-
-    static constexpr std::int64_t never = -1;
-
-    /// Whether the rows of another step fit; contact events add rows only between the samples' grid.
-    bool has_room() const noexcept { return count + (between ? max_rows_per_step : 1) <= capacity; }
-    std::size_t row_size() const noexcept { return 3 * static_cast<std::size_t>(bodies - first_body); }
-};
-
-/// Contact switches that one smooth piece of a step may be split at; two trace rows each.
-inline constexpr int max_switches = 40;
-
-/// Advances the folded chain by up to `count` steps, the first of them being step `first`.
-/// @returns the steps taken: fewer when the trace has no room for another.
-using Kernel = int (*)(SimdChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first,
-                       int count, Trace& trace);
-
-/// The kernel for an integrator and a number of rows, for the widest SIMD instructions of this processor.
-Kernel kernel(Integrator integrator, std::size_t rows) noexcept;
-
-/// Doubles in a vector register of those instructions.
-std::size_t kernel_lanes() noexcept;
-
-/// Their name, e.g. "AVX3".
-const char* kernel_target() noexcept;
-
-/// Rows that the kernels keep in registers; a chain of more rows is worked through in memory.
-inline constexpr std::size_t max_register_rows = 8;
 
 }  // namespace hertzline::kernels

@@ -43,33 +43,13 @@ double squared_frequency(const Chain& chain, Eigen::Index bodies, Overlap overla
         [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlap(c), 0.0)); }, 1);
 }
 
-/// Largest h omega of an oscillation and h gamma of a decay.
-struct StabilityBounds {
-    double oscillation;
-    double decay;
-};
-
-StabilityBounds bounds_of(Integrator integrator) noexcept {
-    switch (integrator) {
-        case Integrator::leapfrog:
-            return {2, 2};
-        case Integrator::chin4a:
-            return {std::sqrt(12.0), 5.57};
-        case Integrator::taylor8:
-            return {3.09, 4.3};
-        case Integrator::taylor12:
-            return {3.66, 5.8};
-    }
-    return {0, 0};
-}
-
 double stable_step(const Chain& chain, Eigen::Index bodies, double omega_squared,
                    Integrator integrator) noexcept {
     const double gamma = spectral_bound(
         chain, bodies, [&](Eigen::Index c) { return chain.damping[c]; }, 0);
-    const StabilityBounds bounds = bounds_of(integrator);
-    const double a = omega_squared / (bounds.oscillation * bounds.oscillation);
-    const double b = gamma / bounds.decay;
+    const Method& bounds = method(integrator);
+    const double a = omega_squared / (bounds.oscillation_bound * bounds.oscillation_bound);
+    const double b = gamma / bounds.decay_bound;
     if (std::isnan(a) || std::isnan(b)) {
         return 0;
     }

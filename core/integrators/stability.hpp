@@ -9,12 +9,9 @@ namespace hertzline {
 
 /// Largest stable step [s] of an integrator on a chain whose contacts are pressed to the given overlaps [m].
 ///
-/// Leapfrog is stable up to h omega = 2; Chin 4A up to sqrt(12): the trace of its step on a harmonic
-/// oscillator is 2 - u + u^2/12 - u^3/432 with u = (h omega)^2. The dashpots decay stably up to h gamma = 2
-/// (explicit midpoint rule) and 2 * 2.785 (two Taylor polynomials of degree 4). Both bounds are taken
-/// together, on the safe side: (h omega / bound)^2 + h gamma / bound <= 1. omega and gamma are Gershgorin's
-/// bounds, exact for a long uniform chain. NaN overlaps give 0. Fewer overlaps than contacts: the bound of
-/// the first bodies only.
+/// An integrator's bounds for oscillation and decay (integrator.hpp) are taken together, on the safe side:
+/// (h omega / bound)^2 + h gamma / bound <= 1. omega and gamma are Gershgorin's bounds, exact for a long
+/// uniform chain. NaN overlaps give 0. Fewer overlaps than contacts: the bound of the first bodies only.
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept;
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/integrator.hpp"
 #include "core/scene/materials.hpp"
 
 namespace hertzline {
@@ -17,12 +18,6 @@ enum class Envelope { hann, tukey, rectangular };
 enum class Tension { allowed, clamped };
 enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
-enum class Integrator { leapfrog, chin4a, taylor8, taylor12 };
-
-/// Whether numerics.step_s is the longest piece of a power series, not the step of a grid.
-constexpr bool is_series(Integrator integrator) noexcept {
-    return integrator == Integrator::taylor8 || integrator == Integrator::taylor12;
-}
 
 /// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
 struct Drive {

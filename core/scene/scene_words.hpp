@@ -1,6 +1,6 @@
 #pragma once
 // The words that stand for the choices of a Scene, in scene files and in messages. A new choice is one word
-// here.
+// here; that of an integrator stands in its row (integrator.hpp).
 
 #include <algorithm>
 #include <array>
@@ -47,9 +47,13 @@ struct Words<PlatePreload> {
 
 template <>
 struct Words<Integrator> {
-    static constexpr std::array all{
-        Word<Integrator>{"leapfrog", Integrator::leapfrog}, Word<Integrator>{"chin4a", Integrator::chin4a},
-        Word<Integrator>{"taylor8", Integrator::taylor8}, Word<Integrator>{"taylor12", Integrator::taylor12}};
+    static constexpr auto all = [] {
+        std::array<Word<Integrator>, methods.size()> words{};
+        std::transform(methods.begin(), methods.end(), words.begin(), [](const Method& row) {
+            return Word<Integrator>{row.word, row.integrator};
+        });
+        return words;
+    }();
 };
 
 /// Every choice, in the order of the words: for what has to hold for each of them.

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/integrators/simd_chain.hpp"
+#include "core/integrators/trace.hpp"
 #include "core/samples.hpp"
 #include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"

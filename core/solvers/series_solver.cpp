@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/hertz.hpp"
 #include "core/scene/text.hpp"
@@ -54,15 +55,15 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
       burst_(scene.drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
-      folded_(chain, *scene.numerics.integrator, kernels::kernel_lanes()),
-      piece_((folded_.fold(chain, state_, chain.bodies()), folded_.slots()),
+      simd_chain_(chain, *scene.numerics.integrator, kernels::kernel_lanes()),
+      piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
              kernels::series_degree(*scene.numerics.integrator),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
-      kernels_(kernels::series_kernels(*scene.numerics.integrator, folded_.rows())),
+      kernels_(kernels::series_kernels(*scene.numerics.integrator, simd_chain_.rows())),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
-    folded_.step_s = unit;
+    simd_chain_.step_s = unit;
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
     piece_.tolerance =
@@ -80,8 +81,8 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
 
 void SeriesSolver::reset() noexcept {
     state_.reset(chain_);
-    folded_.fold(chain_, state_, chain_.bodies());
-    folded_.contact_events = 0;
+    simd_chain_.load(chain_, state_, chain_.bodies());
+    simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
@@ -92,16 +93,16 @@ void SeriesSolver::reset() noexcept {
 }
 
 const ChainState& SeriesSolver::state() noexcept {
-    folded_.unfold(state_);
+    simd_chain_.store(state_);
     return state_;
 }
 
 Ledger SeriesSolver::ledger() noexcept {
     Ledger now = ledger_;
-    for (std::size_t s = 0; s < folded_.slots(); ++s) {
-        now.lost += folded_.column(kernels::ChainField::lost)[s];
+    for (std::size_t s = 0; s < simd_chain_.slots(); ++s) {
+        now.lost += simd_chain_.column(kernels::ChainField::lost)[s];
     }
-    now.work += folded_.column(kernels::ChainField::work)[0];
+    now.work += simd_chain_.column(kernels::ChainField::work)[0];
     return now;
 }
 
@@ -131,7 +132,7 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
 void SeriesSolver::meet_horn(double before_m) noexcept {
     const double horn = piece_.waves.displacement;
-    const double x = folded_.column(kernels::ChainField::x)[folded_.slot(0)];
+    const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
     const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (before_m - x));
     const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
     ledger_.work += after - before;
@@ -171,7 +172,7 @@ void SeriesSolver::next_piece() noexcept {
         return;
     }
     piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
-    kernels_.piece(folded_, piece_);
+    kernels_.piece(simd_chain_, piece_);
     end_.advance(FixedTime::of(piece_.length * samples_per_unit_));
 }
 
@@ -196,17 +197,17 @@ void SeriesSolver::sleep() noexcept {
     ledger_ = ledger();
     ledger_.lost += left;
     state_.reset_motion(chain_);
-    folded_.fold(chain_, state_, chain_.bodies());
-    std::copy_n(folded_.column(kernels::ChainField::closed), folded_.slots(),
-                folded_.column(kernels::ChainField::overlap));
+    simd_chain_.load(chain_, state_, chain_.bodies());
+    std::copy_n(simd_chain_.column(kernels::ChainField::closed), simd_chain_.slots(),
+                simd_chain_.column(kernels::ChainField::overlap));
     piece_.reset_motion();
 }
 
 bool SeriesSolver::finite() const noexcept {
     double sum = piece_.largest;
-    for (std::size_t s = 0; s < folded_.slots(); ++s) {
-        sum += std::abs(folded_.column(kernels::ChainField::v)[s]) +
-               std::abs(folded_.column(kernels::ChainField::x)[s]);
+    for (std::size_t s = 0; s < simd_chain_.slots(); ++s) {
+        sum += std::abs(simd_chain_.column(kernels::ChainField::v)[s]) +
+               std::abs(simd_chain_.column(kernels::ChainField::x)[s]);
     }
     return sum < 1e300;
 }
@@ -239,7 +240,7 @@ kernels::SampleTimes SeriesSolver::times_from(std::int64_t sample) const noexcep
 /// Adds what the contacts that have just closed do, which is no power series.
 void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
                              std::size_t count, double* out, std::size_t stride) const noexcept {
-    const std::size_t slot = folded_.slot(body);
+    const std::size_t slot = simd_chain_.slot(body);
     for (std::size_t i = 0; i < count; ++i) {
         const double z =
             ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
@@ -253,7 +254,8 @@ void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, const kernels
 
 void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
                        std::size_t count, double* out, std::size_t stride) const noexcept {
-    kernels_.samples(piece_, folded_.slot(body), quantity == Quantity::velocity, times, count, out, stride);
+    kernels_.samples(piece_, simd_chain_.slot(body), quantity == Quantity::velocity, times, count, out,
+                     stride);
     if (piece_.onset) {
         add_onset(body, quantity, times, count, out, stride);
     }
@@ -262,7 +264,7 @@ void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::Samp
 /// The taps of the chain's far end, at samples of the present piece.
 void SeriesSolver::emit_end(Samples& samples, std::int64_t count) noexcept {
     const Eigen::Index end = chain_.spheres();
-    const bool closed = folded_.column(kernels::ChainField::overlap)[folded_.slot(end)] > 0;
+    const bool closed = simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0;
     for (std::int64_t done = 0; done < count;) {
         EndMotion motion = end_taps_.columns(samples);
         motion.count = std::min(static_cast<std::size_t>(count - done), EndTaps::max_count);
@@ -307,14 +309,15 @@ double SeriesSolver::time_s() const noexcept {
 std::string SeriesSolver::failure() const {
     const bool still = finite() && piece_.largest < 1e300;
     Eigen::Index contact = 0;
-    const double* const overlap = folded_.column(kernels::ChainField::peak_overlap);
+    const double* const overlap = simd_chain_.column(kernels::ChainField::peak_overlap);
     for (Eigen::Index c = 1; c < chain_.bodies(); ++c) {
         // what is no number wins
-        if (!(overlap[folded_.slot(c)] <= overlap[folded_.slot(contact)]) && chain_.stiffness[c] > 0) {
+        if (!(overlap[simd_chain_.slot(c)] <= overlap[simd_chain_.slot(contact)]) &&
+            chain_.stiffness[c] > 0) {
             contact = c;
         }
     }
-    const double pressed = overlap[folded_.slot(contact)];
+    const double pressed = overlap[simd_chain_.slot(contact)];
     const std::string by =
         std::isfinite(pressed) ? "overlap " + number_text(pressed) + " m" : "its overlap overflowed";
     std::array<char, 320> text{};

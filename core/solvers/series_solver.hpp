@@ -20,7 +20,7 @@ public:
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return next_sample_; }
-    std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
+    std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override;
     double horn_displacement() const noexcept override;
@@ -57,7 +57,7 @@ private:
     ToneBurst burst_;
     std::array<double, 3> frequencies_hz_;
     ChainState state_;
-    kernels::SimdChain folded_;
+    kernels::SimdChain simd_chain_;
     kernels::SeriesPiece piece_;
     kernels::SeriesKernels kernels_{};
     FixedTime begin_, end_;  ///< of the present piece [samples]

@@ -17,29 +17,29 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
       burst_(scene.drive, step_s_),
       state_(chain_),
-      folded_(chain_, integrator_, kernels::kernel_lanes()),
+      simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
       horn_(ToneBurst::batch_steps),
       sampler_(chain_, scene, step_s_, options.taps) {
-    folded_.step_s = step_s_;
+    simd_chain_.step_s = step_s_;
     reset();
 }
 
 void SteppedSolver::reset() noexcept {
     state_.reset(chain_);
-    folded_.contact_events = 0;
+    simd_chain_.contact_events = 0;
     ledger_ = {};
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
     status_ = Status::running;
     horn_first_ = -1;
     front_ = tracking_ == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
-    folded_.fold(chain_, state_, front_);
-    kernel_ = kernels::kernel(integrator_, folded_.rows());
+    simd_chain_.load(chain_, state_, front_);
+    kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
     sampler_.reset();
     begin_batch();
 }
 
 const ChainState& SteppedSolver::state() noexcept {
-    folded_.unfold(state_);
+    simd_chain_.store(state_);
     return state_;
 }
 
@@ -47,39 +47,35 @@ const ChainState& SteppedSolver::state() noexcept {
 /// block sizes.
 void SteppedSolver::begin_batch() noexcept {
     collect_ledger();
-    fold_active();
+    load_active();
     burst_.fill(state_.step, horn_.data(), ToneBurst::batch_steps);
     horn_first_ = state_.step;
 }
 
-void SteppedSolver::fold_active() noexcept {
+void SteppedSolver::load_active() noexcept {
     const Eigen::Index bodies = chain_.bodies();
-    if (folded_.active() == bodies) {
+    if (simd_chain_.active() == bodies) {
         return;
     }
-    folded_.unfold(state_);
-    front_ = std::max(front_, folded_.active());
+    simd_chain_.store(state_);
+    front_ = std::max(front_, simd_chain_.active());
     while (front_ > 0 && front_ < bodies && state_.x[front_ - 1] == 0 && state_.v[front_ - 1] == 0) {
         --front_;
     }
-    // In one step a disturbance travels a bounded number of bodies: two with leapfrog (two looks at the
-    // dashpots), twelve with Chin 4A (eight powers of the drift, two forces, one gradient), doubled for a
-    // step that is split. What a step of many splits carries further has fallen by a hundred orders of
-    // magnitude on its way.
-    const Eigen::Index reach = integrator_ == Integrator::leapfrog ? 2 : 24;
+    const Eigen::Index reach = method(integrator_).reach;
     const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
-    folded_.fold(chain_, state_, active);
-    kernel_ = kernels::kernel(integrator_, folded_.rows());
+    simd_chain_.load(chain_, state_, active);
+    kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
 }
 
 void SteppedSolver::collect_ledger() noexcept {
-    double* lost = folded_.column(kernels::ChainField::lost);
-    double* work = folded_.column(kernels::ChainField::work);
-    for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
+    double* lost = simd_chain_.column(kernels::ChainField::lost);
+    double* work = simd_chain_.column(kernels::ChainField::work);
+    for (std::size_t s = 0; s < simd_chain_.ledger_slots(); ++s) {
         ledger_.lost += lost[s];
         lost[s] = 0;
     }
-    for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
+    for (std::size_t lane = 0; lane < simd_chain_.lanes(); ++lane) {
         ledger_.work += work[lane];
         work[lane] = 0;
     }
@@ -88,11 +84,11 @@ void SteppedSolver::collect_ledger() noexcept {
 Ledger SteppedSolver::ledger() noexcept {
     // a look must not change how later sums round, so the columns are only read
     Ledger now = ledger_;
-    for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
-        now.lost += folded_.column(kernels::ChainField::lost)[s];
+    for (std::size_t s = 0; s < simd_chain_.ledger_slots(); ++s) {
+        now.lost += simd_chain_.column(kernels::ChainField::lost)[s];
     }
-    for (std::size_t lane = 0; lane < folded_.lanes(); ++lane) {
-        now.work += folded_.column(kernels::ChainField::work)[lane];
+    for (std::size_t lane = 0; lane < simd_chain_.lanes(); ++lane) {
+        now.work += simd_chain_.column(kernels::ChainField::work)[lane];
     }
     return now;
 }
@@ -102,16 +98,16 @@ double SteppedSolver::horn_displacement() const noexcept {
 }
 
 bool SteppedSolver::stable() noexcept {
-    if (!folded_.beyond_watched) {
+    if (!simd_chain_.beyond_watched) {
         return true;
     }
     // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront
     // nothing changes
-    for (Eigen::Index b = 0; b < folded_.active(); ++b) {
-        state_.peak_overlap[b] = folded_.column(kernels::ChainField::peak_overlap)[folded_.slot(b)];
+    for (Eigen::Index b = 0; b < simd_chain_.active(); ++b) {
+        state_.peak_overlap[b] = simd_chain_.column(kernels::ChainField::peak_overlap)[simd_chain_.slot(b)];
     }
-    const auto peaks = state_.peak_overlap.head(folded_.active());
-    if (folded_.layout() == kernels::Layout::linear) {
+    const auto peaks = state_.peak_overlap.head(simd_chain_.active());
+    if (simd_chain_.layout() == kernels::Layout::linear) {
         watch_from(2 * (chain_.stiffness > 0).select(peaks, 0).maxCoeff());
     }
     return step_s_ <= std::min(largest_stable_step(chain_, peaks, integrator_), limit_at_rest_);
@@ -121,8 +117,8 @@ bool SteppedSolver::stable() noexcept {
 /// that is pressed further, instead of a look at each of them.
 void SteppedSolver::watch_from(double overlap) noexcept {
     if (step_s_ <= largest_stable_step(chain_, overlap, integrator_)) {
-        folded_.watched_overlap = overlap;
-        folded_.beyond_watched = false;
+        simd_chain_.watched_overlap = overlap;
+        simd_chain_.beyond_watched = false;
     }
 }
 
@@ -155,7 +151,7 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
         const std::int64_t in_batch = state_.step - horn_first_;
         const std::int64_t left_in_batch = ToneBurst::batch_steps - in_batch;
         const int count = static_cast<int>(std::min(left_in_batch, step - state_.step));
-        const int taken = kernel_(folded_, burst_, horn_.data() + in_batch, state_.step, count, trace);
+        const int taken = kernel_(simd_chain_, burst_, horn_.data() + in_batch, state_.step, count, trace);
         state_.step += taken;
         if (!stable()) {
             status_ = Status::unstable;

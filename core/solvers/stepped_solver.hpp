@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/tone_burst.hpp"
 #include "core/solvers/sampler.hpp"
@@ -18,7 +19,7 @@ public:
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return sampler_.next_sample(); }
-    std::int64_t contact_events() const noexcept override { return folded_.contact_events; }
+    std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override { return static_cast<double>(state_.step) * step_s_; }
     double horn_displacement() const noexcept override;
@@ -30,7 +31,7 @@ public:
 private:
     void run_until(std::int64_t step, kernels::Trace& trace) noexcept;
     void begin_batch() noexcept;
-    void fold_active() noexcept;
+    void load_active() noexcept;
     void collect_ledger() noexcept;
     bool stable() noexcept;
     void watch_from(double overlap) noexcept;
@@ -42,7 +43,7 @@ private:
     double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
     ToneBurst burst_;
     ChainState state_;
-    kernels::SimdChain folded_;
+    kernels::SimdChain simd_chain_;
     kernels::Kernel kernel_ = nullptr;
     std::vector<HornStep> horn_;
     std::int64_t horn_first_ = -1;

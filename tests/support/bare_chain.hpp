@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
+#include "core/integrators/trace.hpp"
 #include "core/model/energy.hpp"
 #include "tests/support/runs.hpp"
 
@@ -20,33 +22,33 @@ public:
           integrator_(*scene.numerics.integrator),
           step_s_(*scene.numerics.step_s),
           burst_(silent(scene.drive), step_s_),
-          folded_(chain, integrator_, kernels::kernel_lanes()) {
-        folded_.step_s = step_s_;
+          simd_chain_(chain, integrator_, kernels::kernel_lanes()) {
+        simd_chain_.step_s = step_s_;
     }
 
     /// Takes steps from `state`, whatever it was set to.
     void advance(std::int64_t steps) {
         close_where_touching();
-        folded_.fold(chain, state, chain.bodies());
+        simd_chain_.load(chain, state, chain.bodies());
         kernels::Trace nothing;
         nothing.capacity = kernels::max_rows_per_step;
         nothing.bodies = chain.bodies();
         while (steps > 0) {
             const int count = static_cast<int>(std::min<std::int64_t>(steps, ToneBurst::batch_steps));
-            kernels::kernel(integrator_, folded_.rows())(folded_, burst_, horn_.data(), state.step, count,
-                                                         nothing);
+            kernels::kernel(integrator_, simd_chain_.rows())(simd_chain_, burst_, horn_.data(), state.step,
+                                                             count, nothing);
             state.step += count;
             steps -= count;
         }
-        folded_.unfold(state);
-        for (std::size_t s = 0; s < folded_.ledger_slots(); ++s) {
-            lost += folded_.column(kernels::ChainField::lost)[s];
+        simd_chain_.store(state);
+        for (std::size_t s = 0; s < simd_chain_.ledger_slots(); ++s) {
+            lost += simd_chain_.column(kernels::ChainField::lost)[s];
         }
     }
 
     double energy() const { return kinetic_energy(chain, state) + stored_energy(chain, state, 0); }
     double time_s() const { return static_cast<double>(state.step) * step_s_; }
-    std::int64_t contact_events() const { return folded_.contact_events; }
+    std::int64_t contact_events() const { return simd_chain_.contact_events; }
 
     /// Overlap of contact c [m].
     double overlap(Eigen::Index c) const {
@@ -71,7 +73,7 @@ private:
     Integrator integrator_;
     double step_s_;
     ToneBurst burst_;
-    kernels::SimdChain folded_;
+    kernels::SimdChain simd_chain_;
     std::array<HornStep, ToneBurst::batch_steps> horn_{};
 };
 

@@ -1,5 +1,6 @@
 #pragma once
-// Claims that hold for every integrator: a new one is tested as soon as it has a word in core/scene_words.
+// Claims that hold for every integrator: a new one is tested as soon as it has a row in
+// core/scene/integrator.hpp.
 
 #include <string>
 #include <vector>
@@ -16,11 +17,24 @@ inline std::string integrator_name(const ::testing::TestParamInfo<Integrator>& i
     return std::string(word(instance.param));
 }
 
-/// Those that split a step where a contact opens or closes, and so keep a high order: all but leapfrog.
+inline std::vector<Integrator> integrators_that(bool (*fact)(const Method&)) {
+    std::vector<Integrator> found;
+    for (const Method& row : methods) {
+        if (fact(row)) {
+            found.push_back(row.integrator);
+        }
+    }
+    return found;
+}
+inline std::vector<Integrator> grid_integrators() {
+    return integrators_that([](const Method& row) { return row.family == Family::grid; });
+}
+inline std::vector<Integrator> series_integrators() {
+    return integrators_that([](const Method& row) { return row.family == Family::series; });
+}
+/// Those that split a step where a contact opens or closes, and so keep a high order.
 inline std::vector<Integrator> locating_integrators() {
-    std::vector<Integrator> others(choices<Integrator>.begin(), choices<Integrator>.end());
-    std::erase(others, Integrator::leapfrog);
-    return others;
+    return integrators_that([](const Method& row) { return row.locates_contacts; });
 }
 
 }  // namespace hertzline::test

@@ -12,7 +12,11 @@
 #define HERTZLINE_LEAPFROG_INL
 #endif
 
-#include "core/integrators/simd/lanes-inl.hpp"
+#include <limits>
+
+#include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/simd/record-inl.hpp"
+#include "core/integrators/simd/striped_rows-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -22,27 +26,27 @@ template <std::size_t K>
 class Leapfrog {
 public:
     explicit HWY_INLINE Leapfrog(SimdChain& chain)
-        : fold_(chain),
+        : rows_(chain),
           h_(chain.step_s),
           per_step_(1 / chain.step_s),
           lowest_(chain.tension == Tension::clamped ? 0.0 : -std::numeric_limits<double>::infinity()),
-          stiffness_(fold_.load(ChainField::stiffness)),
-          static_overlap_(fold_.load(ChainField::static_overlap)),
-          static_force_(fold_.load(ChainField::static_force)),
-          damping_(fold_.load(ChainField::damping)),
-          inv_mass_(fold_.load(ChainField::inv_mass)),
-          spring_(fold_.load(ChainField::spring)),
-          bias_(fold_.load(ChainField::bias)),
-          x_(fold_.load(ChainField::x)),
-          v_(fold_.load(ChainField::v)),
-          closed_(fold_.load(ChainField::closed)),
-          peak_(fold_.load(ChainField::peak_overlap)),
-          lost_(fold_.load(ChainField::lost)),
-          work_(hn::Load(Doubles(), chain.column(ChainField::work))),
-          overlap_(fold_.scratch(ChainField::t0)),
-          elastic_(fold_.scratch(ChainField::t1)),
-          force_(fold_.scratch(ChainField::t2)),
-          middle_v_(fold_.scratch(ChainField::t3)) {}
+          stiffness_(rows_.load(ChainField::stiffness)),
+          static_overlap_(rows_.load(ChainField::static_overlap)),
+          static_force_(rows_.load(ChainField::static_force)),
+          damping_(rows_.load(ChainField::damping)),
+          inv_mass_(rows_.load(ChainField::inv_mass)),
+          spring_(rows_.load(ChainField::spring)),
+          bias_(rows_.load(ChainField::bias)),
+          x_(rows_.load(ChainField::x)),
+          v_(rows_.load(ChainField::v)),
+          closed_(rows_.load(ChainField::closed)),
+          peak_(rows_.load(ChainField::peak_overlap)),
+          lost_(rows_.load(ChainField::lost)),
+          work_(load_row(chain.column(ChainField::work))),
+          overlap_(rows_.scratch(Scratch::overlap)),
+          elastic_(rows_.scratch(Scratch::elastic)),
+          force_(rows_.scratch(Scratch::force)),
+          middle_v_(rows_.scratch(Scratch::middle_v)) {}
 
     HWY_INLINE void step(const HornStep& horn) {
         drift(0.5 * h_);
@@ -58,92 +62,87 @@ public:
     /// Writes what moved back to the chain.
     HWY_INLINE void save() const {
         save_motion();
-        fold_.store(ChainField::closed, closed_);
-        fold_.store(ChainField::peak_overlap, peak_);
-        fold_.store(ChainField::lost, lost_);
-        hn::Store(work_, Doubles(), fold_.chain().column(ChainField::work));
+        rows_.store(ChainField::closed, closed_);
+        rows_.store(ChainField::peak_overlap, peak_);
+        rows_.store(ChainField::lost, lost_);
+        store_row(work_, rows_.chain().column(ChainField::work));
     }
     HWY_INLINE void save_motion() const {
-        fold_.store(ChainField::x, x_);
-        fold_.store(ChainField::v, v_);
+        rows_.store(ChainField::x, x_);
+        rows_.store(ChainField::v, v_);
     }
 
     /// Accelerations at the end of a step, for samples between steps. Not part of the integration.
     HWY_INLINE void save_accelerations(const HornMotion& horn) {
-        Col<K> a = fold_.scratch(ChainField::t4);
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec overlap = fold_.difference(static_overlap_[k], x_, k, horn.x);
-            const Vec dashpot = hn::Mul(damping_[k], fold_.difference(v_, k, horn.v));
-            const Vec pulled = hn::IfThenElseZero(hn::Gt(overlap, hn::Zero(d_)), dashpot);
-            const Vec pushed = hn::Max(overlap, hn::Zero(d_));
-            const Vec elastic = hn::Mul(hn::Mul(stiffness_[k], pushed), hn::Sqrt(pushed));
-            const Vec force = hn::Max(hn::Add(elastic, pulled), hn::Set(d_, lowest_));
-            force_.set(k, hn::Sub(force, static_force_[k]));
+        Col<K> a = rows_.scratch(Scratch::accel);
+        HERTZLINE_EACH_ROW(k, rows_.count()) {
+            const Vec overlap = rows_.difference(static_overlap_[k], x_, k, horn.x);
+            const Vec dashpot = damping_[k] * rows_.difference(v_, k, horn.v);
+            const Vec pulled = IfThenElseZero(Gt(overlap, zero()), dashpot);
+            const Vec force = Max(elastic_force(stiffness_[k], overlap) + pulled, splat(lowest_));
+            force_.set(k, force - static_force_[k]);
         }
-        HERTZLINE_EACH_ROW(k, fold_.rows()) a.set(k, acceleration(k));
-        fold_.store(ChainField::total_accel, a);
+        HERTZLINE_EACH_ROW(k, rows_.count()) a.set(k, acceleration(k));
+        rows_.store(ChainField::total_accel, a);
     }
 
 private:
+    enum class Scratch { overlap, elastic, force, middle_v, accel, count };
+
     HWY_INLINE void drift(double time) {
-        HERTZLINE_EACH_ROW(k, fold_.rows()) x_.set(k, hn::MulAdd(hn::Set(d_, time), v_[k], x_[k]));
+        HERTZLINE_EACH_ROW(k, rows_.count()) x_.set(k, MulAdd(splat(time), v_[k], x_[k]));
     }
 
     /// Overlaps and elastic forces, relative to the static ones, at mid-step.
     HWY_INLINE void contacts(const HornMotion& horn) {
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec overlap = fold_.difference(static_overlap_[k], x_, k, horn.x);
-            const Vec pushed = hn::Max(overlap, hn::Zero(d_));
-            const Vec force = hn::Mul(hn::Mul(stiffness_[k], pushed), hn::Sqrt(pushed));
+        HERTZLINE_EACH_ROW(k, rows_.count()) {
+            const Vec overlap = rows_.difference(static_overlap_[k], x_, k, horn.x);
             overlap_.set(k, overlap);
-            elastic_.set(k, hn::Sub(force, static_force_[k]));
+            elastic_.set(k, elastic_force(stiffness_[k], overlap) - static_force_[k]);
         }
     }
 
     /// Total forces with dashpots driven by the velocities u: lambda w, weighed by the time in contact.
     HWY_INLINE void dashpots(const Col<K>& u, const HornMotion& horn) {
-        const Vec per_step = hn::Set(d_, per_step_);
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec w = fold_.difference(u, k, horn.v);
-            const Vec speed = hn::Abs(w);
-            const Vec in_contact = hn::MulAdd(hn::Set(d_, 0.5), speed, hn::Mul(overlap_[k], per_step));
-            const Vec weighed = hn::Min(hn::Max(in_contact, hn::Zero(d_)), speed);
-            const Vec force = hn::MulAdd(damping_[k], hn::CopySignToAbs(weighed, w), elastic_[k]);
-            force_.set(k, hn::Max(force, hn::Sub(hn::Set(d_, lowest_), static_force_[k])));
+        const Vec per_step = splat(per_step_);
+        HERTZLINE_EACH_ROW(k, rows_.count()) {
+            const Vec w = rows_.difference(u, k, horn.v);
+            const Vec weighed = weighed_by_contact(w, overlap_[k] * per_step);
+            const Vec force = MulAdd(damping_[k], weighed, elastic_[k]);
+            force_.set(k, Max(force, splat(lowest_) - static_force_[k]));
         }
     }
 
     HWY_INLINE Vec acceleration(std::size_t k) const {
-        const Vec constant = hn::NegMulAdd(spring_[k], x_[k], bias_[k]);
-        const Vec net = hn::Sub(force_[k], fold_.right(force_, k));
-        return hn::Mul(inv_mass_[k], hn::Add(net, constant));
+        const Vec constant = NegMulAdd(spring_[k], x_[k], bias_[k]);
+        const Vec net = force_[k] - rows_.right(force_, k);
+        return inv_mass_[k] * (net + constant);
     }
 
     HWY_INLINE void kick(Col<K>& result, double time) const {
-        HERTZLINE_EACH_ROW(k, fold_.rows())
-        result.set(k, hn::MulAdd(hn::Set(d_, time), acceleration(k), v_[k]));
+        HERTZLINE_EACH_ROW(k, rows_.count()) {
+            result.set(k, MulAdd(splat(time), acceleration(k), v_[k]));
+        }
     }
 
     /// Ledger, contact events and peak overlaps; none of it feeds back into the motion.
     HWY_INLINE void account(const HornMotion& horn) {
-        const Vec h = hn::Set(d_, h_);
-        const Vec one = hn::Set(d_, 1.0);
+        const Vec h = splat(h_);
         std::size_t events = 0;
-        HERTZLINE_EACH_ROW(k, fold_.rows()) {
-            const Vec w = fold_.difference(middle_v_, k, horn.v);
-            lost_.set(k, hn::MulAdd(hn::Mul(h, hn::Sub(force_[k], elastic_[k])), w, lost_[k]));
-            const Flags touching = hn::Gt(overlap_[k], hn::Zero(d_));
-            const Flags touched = hn::Gt(closed_[k], hn::Zero(d_));
-            events += hn::CountTrue(d_, hn::Xor(touching, touched));
-            closed_.set(k, hn::IfThenElseZero(touching, one));
-            peak_.set(k, hn::Max(peak_[k], overlap_[k]));
+        HERTZLINE_EACH_ROW(k, rows_.count()) {
+            const Vec w = rows_.difference(middle_v_, k, horn.v);
+            lost_.set(k, MulAdd(h * (force_[k] - elastic_[k]), w, lost_[k]));
+            const Flags touching = Gt(overlap_[k], zero());
+            const Flags touched = Gt(closed_[k], zero());
+            events += CountTrue(Doubles(), Xor(touching, touched));
+            closed_.set(k, one_where(touching));
+            peak_.set(k, Max(peak_[k], overlap_[k]));
         }
-        work_ = hn::MulAdd(hn::Mul(h, hn::Add(force_[0], static_force_[0])), fold_.horn(horn.v), work_);
-        fold_.chain().contact_events += static_cast<std::int64_t>(events);
+        work_ = MulAdd(h * (force_[0] + static_force_[0]), rows_.horn(horn.v), work_);
+        rows_.chain().contact_events += static_cast<std::int64_t>(events);
     }
 
-    static constexpr Doubles d_{};
-    Fold<K> fold_;
+    StripedRows<K> rows_;
     double h_;
     double per_step_;
     double lowest_;  ///< least total force of a contact [N]

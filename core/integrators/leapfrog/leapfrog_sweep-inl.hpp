@@ -15,7 +15,7 @@
 // block instead of once per step. Every row of every step is worked out from the same numbers in the same way
 // however the steps are grouped, so the bits do not depend on it.
 //
-// The chain lies in line (folded_chain.hpp): spheres that the wave has not reached are rows that no sweep
+// The chain's layout is linear (simd_chain.hpp): spheres that the wave has not reached are rows that no sweep
 // gets to. Each step goes two bodies beyond the last row that moves, as far as a step can carry a
 // disturbance, and looks whether they have begun to: a body is at rest when its displacement and velocity are
 // zero, exactly.
@@ -28,7 +28,9 @@
 
 #include <array>
 
+#include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/simd/linear_rows-inl.hpp"
+#include "core/integrators/simd/record-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -47,8 +49,8 @@ public:
           end_(chain.rows() - SimdChain::guard_rows),
           alike_from_(first_ + 1),
           alike_to_(chain.slot(chain.active() - 1) / lanes()),
-          lost_(hn::Load(d_, chain.column(ChainField::lost))),
-          work_(hn::Load(d_, chain.column(ChainField::work))) {}
+          lost_(row(ChainField::lost, 0)),
+          work_(row(ChainField::work, 0)) {}
 
     /// Takes `count` steps (at most max_steps). `finished` is called after each; the rows near
     /// the end of the chain are then what that step left.
@@ -65,37 +67,36 @@ public:
         }
         for (std::size_t s = 0; s < count; ++s) {
             sweep(places_[s], sweep_end(), horn[s].middle);
-            lost_ = hn::MulAdd(hn::Set(d_, h_), places_[s].carry.loss, lost_);
+            lost_ = MulAdd(splat(h_), places_[s].carry.loss, lost_);
             advance_front();
             finished();
         }
     }
 
     HWY_INLINE void save_ledger() const {
-        hn::Store(lost_, d_, chain_->column(ChainField::lost));
-        hn::Store(work_, d_, chain_->column(ChainField::work));
+        store_row(lost_, chain_->column(ChainField::lost));
+        store_row(work_, chain_->column(ChainField::work));
     }
 
     /// Accelerations of the bodies from `body` on, for samples between steps. Not part of the integration.
     HWY_INLINE void save_accelerations(Eigen::Index body, const HornMotion& horn) const {
         const std::size_t from = chain_->slot(body) / lanes();
-        Vec x1 = from == first_ ? hn::Set(d_, horn.x) : row(ChainField::x, from - 1);
-        Vec v1 = from == first_ ? hn::Set(d_, horn.v) : row(ChainField::v, from - 1);
-        Vec force1 = hn::Zero(d_);
+        Vec x1 = from == first_ ? splat(horn.x) : row(ChainField::x, from - 1);
+        Vec v1 = from == first_ ? splat(horn.v) : row(ChainField::v, from - 1);
+        Vec force1 = zero();
         for (std::size_t k = from; k <= end_; ++k) {
             const Constants c = constants(k);
             const Vec x = row(ChainField::x, k);
             const Vec v = row(ChainField::v, k);
-            const Vec overlap = hn::Add(line_.left(x1, x), hn::Sub(c.static_overlap, x));
-            const Vec dashpot = hn::Mul(c.damping, hn::Sub(line_.left(v1, v), v));
-            const Vec pulled = hn::IfThenElseZero(hn::Gt(overlap, hn::Zero(d_)), dashpot);
-            const Vec force =
-                limited(c, hn::Add(elastic(c, overlap, hn::Sqrt(hn::Max(overlap, hn::Zero(d_)))), pulled));
+            const Vec overlap = rows_.left(x1, x) + (c.static_overlap - x);
+            const Vec dashpot = c.damping * (rows_.left(v1, v) - v);
+            const Vec pulled = IfThenElseZero(Gt(overlap, zero()), dashpot);
+            const Vec elastic = elastic_force(c.stiffness, overlap) - c.static_force;
+            const Vec force = limited(c, elastic + pulled);
             if (k > from) {
                 const Constants c1 = constants(k - 1);
-                const Vec net = hn::Add(hn::Sub(force1, line_.right(force1, force)), c1.grounded(x1));
-                hn::Store(hn::Mul(c1.inv_mass, net), d_,
-                          chain_->column(ChainField::total_accel) + (k - 1) * lanes());
+                const Vec net = force1 - rows_.right(force1, force) + c1.grounded(x1);
+                store_row(c1.inv_mass * net, chain_->column(ChainField::total_accel) + (k - 1) * lanes());
             }
             x1 = x;
             v1 = v;
@@ -113,7 +114,7 @@ private:
     struct Constants {
         Vec stiffness, static_overlap, static_force, damping, inv_mass, spring, bias;
         /// What pulls a body besides its contacts.
-        HWY_INLINE Vec grounded(Vec x) const { return hn::NegMulAdd(spring, x, bias); }
+        HWY_INLINE Vec grounded(Vec x) const { return NegMulAdd(spring, x, bias); }
     };
 
     /// What a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
@@ -130,10 +131,10 @@ private:
     /// What the loop over rows uses, all rows alike.
     struct Step {
         explicit HWY_INLINE Step(const SimdChain& chain)
-            : h(hn::Set(d_, chain.step_s)),
-              half(hn::Set(d_, 0.5 * chain.step_s)),
-              per_step(hn::Set(d_, 1 / chain.step_s)),
-              watched(hn::Set(d_, chain.watched_overlap)),
+            : h(splat(chain.step_s)),
+              half(splat(0.5 * chain.step_s)),
+              per_step(splat(1 / chain.step_s)),
+              watched(splat(chain.watched_overlap)),
               x(chain.column(ChainField::x)),
               v(chain.column(ChainField::v)),
               closed(chain.column(ChainField::closed)),
@@ -150,9 +151,8 @@ private:
         Carry carry;
     };
 
-    static HWY_INLINE std::size_t lanes() { return hn::Lanes(d_); }
     HWY_INLINE Vec row(ChainField c, std::size_t k) const {
-        return hn::Load(d_, chain_->column(c) + k * lanes());
+        return load_row(chain_->column(c) + k * lanes());
     }
     HWY_INLINE Constants constants(std::size_t k) const {
         return {row(ChainField::stiffness, k),    row(ChainField::static_overlap, k),
@@ -163,10 +163,10 @@ private:
 
     /// The row before the first is the horn, which no force moves.
     static HWY_INLINE Carry at_the_horn(const HornMotion& horn) {
-        const Vec zero = hn::Zero(d_);
-        const Vec x = hn::Set(d_, horn.x);
-        const Vec v = hn::Set(d_, horn.v);
-        return {x, v, zero, zero, x, v, zero, zero, zero, x, v, v, zero, zero};
+        const Vec none = zero();
+        const Vec x = splat(horn.x);
+        const Vec v = splat(horn.v);
+        return {x, v, none, none, x, v, none, none, none, x, v, v, none, none};
     }
 
     /// In one step a disturbance travels two bodies; the rows that it may reach are done three rows later.
@@ -176,9 +176,8 @@ private:
     HWY_INLINE void advance_front() const {
         const std::size_t done = sweep_end() - row_delay;
         for (std::size_t k = chain_->moving_rows; k < done; ++k) {
-            const Flags still = hn::And(hn::Eq(row(ChainField::x, k), hn::Zero(d_)),
-                                        hn::Eq(row(ChainField::v, k), hn::Zero(d_)));
-            chain_->moving_rows = hn::AllTrue(d_, still) ? chain_->moving_rows : k + 1;
+            const Flags still = And(Eq(row(ChainField::x, k), zero()), Eq(row(ChainField::v, k), zero()));
+            chain_->moving_rows = all(still) ? chain_->moving_rows : k + 1;
         }
     }
 
@@ -225,24 +224,24 @@ private:
         double* const x_in = step.x + k * lanes();
         double* const v_in = step.v + k * lanes();
         // row k: drift to mid-step, overlaps there
-        const Vec v = hn::Load(d_, v_in);
-        const Vec x = hn::MulAdd(step.half, v, hn::Load(d_, x_in));
-        const Vec overlap = hn::Add(line_.left(carry.x1, x), hn::Sub(c.static_overlap, x));
-        const Vec root = hn::Sqrt(hn::Max(overlap, hn::Zero(d_)));
+        const Vec v = load_row(v_in);
+        const Vec x = MulAdd(step.half, v, load_row(x_in));
+        const Vec overlap = rows_.left(carry.x1, x) + (c.static_overlap - x);
+        const Vec root = Sqrt(pressed(overlap));
         watch<rows>(step, k, c, overlap);
         // row k - 1: forces, with the dashpots at the velocity at the start
-        const Vec shift = hn::Mul(carry.overlap1, step.per_step);
-        const Vec pressed = elastic(c1, carry.overlap1, carry.root1);
-        const Vec force = total(c1, pressed, shift, hn::Sub(line_.left(carry.v2, carry.v1), carry.v1));
+        const Vec shift = carry.overlap1 * step.per_step;
+        const Vec elastic = elastic_force(c1.stiffness, carry.overlap1, carry.root1) - c1.static_force;
+        const Vec force = total(c1, elastic, shift, rows_.left(carry.v2, carry.v1) - carry.v1);
         // row k - 2: velocity at mid-step by half a kick, forces with the dashpots at that velocity
         const Vec middle_v = kicked<rows>(c2, carry.v2, step.half, carry.force2, force, carry.x2);
-        const Vec w = hn::Sub(line_.left(carry.middle_v3, middle_v), middle_v);
+        const Vec w = rows_.left(carry.middle_v3, middle_v) - middle_v;
         const Vec total2 = total(c2, carry.elastic2, carry.shift2, w);
-        const Vec loss = hn::MulAdd(hn::Sub(total2, carry.elastic2), w, carry.loss);
+        const Vec loss = MulAdd(total2 - carry.elastic2, w, carry.loss);
         // row k - 3: the whole kick, drift to the end of the step
         const Vec end_v = kicked<rows>(c3, carry.v3, step.h, carry.total3, total2, carry.x3);
-        hn::Store(end_v, d_, v_in - row_delay * lanes());
-        hn::Store(hn::MulAdd(step.half, end_v, carry.x3), d_, x_in - row_delay * lanes());
+        store_row(end_v, v_in - row_delay * lanes());
+        store_row(MulAdd(step.half, end_v, carry.x3), x_in - row_delay * lanes());
         // one row on; member by member, or the compiler does it in memory
         carry.x3 = carry.x2;
         carry.v3 = carry.v2;
@@ -252,7 +251,7 @@ private:
         carry.x2 = carry.x1;
         carry.v2 = carry.v1;
         carry.shift2 = shift;
-        carry.elastic2 = pressed;
+        carry.elastic2 = elastic;
         carry.force2 = force;
         carry.x1 = x;
         carry.v1 = v;
@@ -260,28 +259,19 @@ private:
         carry.root1 = root;
     }
 
-    /// Elastic forces, relative to the static ones.
-    static HWY_INLINE Vec elastic(const Constants& c, Vec overlap, Vec root) {
-        const Vec pushed = hn::Max(overlap, hn::Zero(d_));
-        return hn::Sub(hn::Mul(hn::Mul(c.stiffness, pushed), root), c.static_force);
-    }
-    /// Adds the dashpots' forces: lambda w, weighed by the part of the step in contact.
-    static HWY_INLINE Vec total(const Constants& c, Vec pressed, Vec shift, Vec w) {
-        const Vec speed = hn::Abs(w);
-        const Vec in_contact = hn::MulAdd(hn::Set(d_, 0.5), speed, shift);
-        const Vec weighed = LinearRows::at_most(hn::Max(in_contact, hn::Zero(d_)), w);
-        return limited(c, hn::MulAdd(c.damping, weighed, pressed));
+    /// Adds the dashpots' forces to the elastic ones: lambda w, weighed by the part of the step in contact.
+    static HWY_INLINE Vec total(const Constants& c, Vec elastic, Vec shift, Vec w) {
+        return limited(c, MulAdd(c.damping, weighed_by_contact(w, shift), elastic));
     }
     /// Clamped: no contact pulls.
     static HWY_INLINE Vec limited(const Constants& c, Vec force) {
-        return tension == Tension::clamped ? hn::Max(force, hn::Neg(c.static_force)) : force;
+        return tension == Tension::clamped ? Max(force, Neg(c.static_force)) : force;
     }
     /// Velocities after the forces of the contacts to the left, and of those to the right, have acted.
     template <Rows rows>
     HWY_INLINE Vec kicked(const Constants& c, Vec v, Vec time, Vec force, Vec next_force, Vec x) const {
-        const Vec net = hn::Sub(force, line_.right(force, next_force));
-        const Vec all = rows == Rows::alike ? net : hn::Add(net, c.grounded(x));
-        return hn::MulAdd(hn::Mul(time, c.inv_mass), all, v);
+        const Vec net = force - rows_.right(force, next_force);
+        return MulAdd(time * c.inv_mass, rows == Rows::alike ? net : net + c.grounded(x), v);
     }
 
     /// Contact events and peak overlaps; none of it feeds back into the motion.
@@ -289,29 +279,28 @@ private:
     HWY_INLINE void watch(const Step& step, std::size_t k, const Constants& c, Vec overlap) const {
         double* const closed = step.closed + k * lanes();
         double* const peak = step.peak + k * lanes();
-        hn::Store(hn::Max(hn::Load(d_, peak), overlap), d_, peak);
-        const Flags touching = hn::Gt(overlap, hn::Zero(d_));
-        const Flags changed = hn::Xor(touching, hn::Gt(hn::Load(d_, closed), hn::Zero(d_)));
-        Flags within = hn::Le(overlap, step.watched);
+        store_row(Max(load_row(peak), overlap), peak);
+        const Flags touching = Gt(overlap, zero());
+        const Flags changed = Xor(touching, Gt(load_row(closed), zero()));
+        Flags within = Le(overlap, step.watched);
         if (rows == Rows::any) {
-            within = hn::Or(within, hn::Eq(c.stiffness, hn::Zero(d_)));  // what cannot touch
+            within = Or(within, Eq(c.stiffness, zero()));  // what cannot touch
         }
-        if (HWY_UNLIKELY(!hn::AllFalse(d_, hn::Or(changed, hn::Not(within))))) {
-            chain_->beyond_watched = chain_->beyond_watched || !hn::AllTrue(d_, within);
-            chain_->contact_events += static_cast<std::int64_t>(hn::CountTrue(d_, changed));
-            hn::Store(hn::IfThenElseZero(touching, hn::Set(d_, 1.0)), d_, closed);
+        if (HWY_UNLIKELY(any(Or(changed, Not(within))))) {
+            chain_->beyond_watched = chain_->beyond_watched || !all(within);
+            chain_->contact_events += static_cast<std::int64_t>(CountTrue(Doubles(), changed));
+            store_row(one_where(touching), closed);
         }
     }
 
     HWY_INLINE void book_work(Vec total, double horn_v) {
-        const Vec whole = hn::Add(total, row(ChainField::static_force, first_));
-        const Vec on_first = hn::IfThenElseZero(hn::FirstN(d_, 1), whole);
-        work_ = hn::MulAdd(hn::Mul(hn::Set(d_, h_), on_first), hn::Set(d_, horn_v), work_);
+        const Vec whole = total + row(ChainField::static_force, first_);
+        const Vec on_first = IfThenElseZero(hn::FirstN(Doubles(), 1), whole);
+        work_ = MulAdd(splat(h_) * on_first, splat(horn_v), work_);
     }
 
-    static constexpr Doubles d_{};
     SimdChain* chain_;
-    LinearRows line_;
+    LinearRows rows_;
     double h_;
     std::size_t first_, end_;            ///< rows of bodies
     std::size_t alike_from_, alike_to_;  ///< rows of equal spheres and contacts
@@ -319,31 +308,13 @@ private:
     std::array<Place, max_steps> places_;
 };
 
-/// How many of the steps from `step` on can be taken as one block: a row of the trace that shows more than
-/// the end of the chain needs all of it at one moment.
-inline std::size_t steps_together(const Trace& trace, std::int64_t step, std::size_t most) {
-    constexpr Eigen::Index at_the_end = 2;
-    const auto room = static_cast<std::int64_t>(trace.capacity - trace.count);
-    auto together = static_cast<std::int64_t>(most);
-    if (trace.between || trace.next != Trace::never) {
-        together = std::min(together, room);
-    }
-    if (trace.bodies - trace.first_body > at_the_end) {
-        together = trace.between                ? 1
-                   : trace.next != Trace::never ? std::min(together, trace.next - step)
-                                                : together;
-    }
-    return static_cast<std::size_t>(std::max<std::int64_t>(together, 1));
-}
-
 template <Tension tension>
 int sweep_leapfrog(SimdChain& chain, const HornStep* horn, std::int64_t first, int count, Trace& trace) {
     LeapfrogSweep<tension> leapfrog(chain);
     int taken = 0;
     while (taken < count && trace.has_room()) {
-        const std::size_t most =
-            std::min(static_cast<std::size_t>(count - taken), LeapfrogSweep<tension>::max_steps);
-        const std::size_t together = steps_together(trace, first + taken, most);
+        const std::int64_t left = std::min<std::int64_t>(count - taken, LeapfrogSweep<tension>::max_steps);
+        const auto together = static_cast<std::size_t>(trace.steps_together(first + taken, left));
         leapfrog.block(horn + taken, together, [&]() HWY_ATTR {
             if (trace.between) {
                 leapfrog.save_accelerations(trace.first_body, horn[taken].end);

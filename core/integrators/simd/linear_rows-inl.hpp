@@ -1,4 +1,4 @@
-// Rows of a chain in line (folded_chain.hpp). Included once per SIMD target.
+// Rows of a linear chain (simd_chain.hpp). Included once per SIMD target.
 #if defined(HERTZLINE_LINEAR_ROWS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_LINEAR_ROWS_INL
 #undef HERTZLINE_LINEAR_ROWS_INL
@@ -6,27 +6,18 @@
 #define HERTZLINE_LINEAR_ROWS_INL
 #endif
 
-#include "core/integrators/simd/lanes-inl.hpp"
+#include "core/integrators/simd/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
-/// Neighbours of a row in line, which lie partly in the row beside it; and what else is better said to
-/// AVX-512 in its own words, for which Highway has none.
+/// Neighbours of a row, which lie partly in the row beside it. AVX-512 shifts two registers in one
+/// instruction, for which Highway has no word.
 class LinearRows {
 public:
-    HWY_INLINE LinearRows() {
-        HWY_ALIGN std::int64_t up[hn::MaxLanes(Doubles())];
-        HWY_ALIGN std::int64_t down[hn::MaxLanes(Doubles())];
-        const std::size_t lanes = hn::Lanes(Doubles());
-        for (std::size_t i = 0; i < lanes; ++i) {
-            up[i] = static_cast<std::int64_t>((i + lanes - 1) % lanes);
-            down[i] = static_cast<std::int64_t>((i + 1) % lanes);
-        }
-        up_ = hn::SetTableIndices(Doubles(), up);
-        down_ = hn::SetTableIndices(Doubles(), down);
-    }
+    HWY_INLINE LinearRows() {}  // an implicit one would be compiled for the baseline
+
     /// Values to the left of a row's; of the row before only the last counts.
     HWY_INLINE Vec left(Vec before, Vec row) const {
 #if HWY_TARGET <= HWY_AVX3
@@ -34,7 +25,7 @@ public:
             _mm512_alignr_epi64(_mm512_castpd_si512(row.raw), _mm512_castpd_si512(before.raw), 7))};
 #else
         const Flags first = hn::FirstN(Doubles(), 1);
-        return hn::IfThenElse(first, hn::TableLookupLanes(before, up_), hn::TableLookupLanes(row, up_));
+        return IfThenElse(first, rotation_.up(before), rotation_.up(row));
 #endif
     }
     /// Values to the right of a row's; of the row after only the first counts.
@@ -43,22 +34,13 @@ public:
         return Vec{_mm512_castsi512_pd(
             _mm512_alignr_epi64(_mm512_castpd_si512(after.raw), _mm512_castpd_si512(row.raw), 1))};
 #else
-        const Flags own = hn::FirstN(Doubles(), hn::Lanes(Doubles()) - 1);
-        return hn::IfThenElse(own, hn::TableLookupLanes(row, down_), hn::TableLookupLanes(after, down_));
-#endif
-    }
-    /// The smaller of a magnitude and |w|, with the sign of w.
-    static HWY_INLINE Vec at_most(Vec magnitude, Vec w) {
-#if HWY_TARGET <= HWY_AVX3
-        constexpr int smaller_magnitude_first_sign = 2;
-        return Vec{_mm512_range_pd(w.raw, magnitude.raw, smaller_magnitude_first_sign)};
-#else
-        return hn::CopySignToAbs(hn::Min(magnitude, hn::Abs(w)), w);
+        const Flags own = hn::FirstN(Doubles(), lanes() - 1);
+        return IfThenElse(own, rotation_.down(row), rotation_.down(after));
 #endif
     }
 
 private:
-    Rotation up_, down_;
+    Rotation rotation_;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -1,7 +1,7 @@
 // The instruction sets that kernels are compiled for; the same in every file that has some. No include guard:
 // included before highway.h in each of them.
 //
-// Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors cannot be
-// kept in arrays of registers.
+// Three generations are enough (on x86: baseline, AVX2 with FMA, AVX-512); variable-length vectors
+// (SVE, RVV) cannot be kept in arrays of registers, and have no operators.
 #define HWY_DISABLED_TARGETS \
-    (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+    (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)

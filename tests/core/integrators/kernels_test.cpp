@@ -1,5 +1,7 @@
 // Every SIMD target and every layout of the chain against a textbook implementation, and against each other.
 
+#include "core/integrators/kernels.hpp"
+
 #include <cmath>
 #include <random>
 #include <set>
@@ -8,7 +10,6 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include "core/integrators/simd_chain.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
@@ -166,7 +167,7 @@ TEST(Kernels, OneMoreBodyThanARegisterHoldsChangesNothingForTheOthers) {
 }
 
 TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
-    // 600 spheres are folded by and by, as the wave advances; the textbook works on all of them from the
+    // 600 spheres are laid out by and by, as the wave advances; the textbook works on all of them from the
     // start
     for (const Integrator integrator : choices<Integrator>) {
         Scene scene = short_burst(integrator, 600);
@@ -230,7 +231,7 @@ TEST(Kernels, SkippingSpheresAtRestChangesNoBitOnAnyTarget) {
 }
 
 TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
-    // An unbalanced plate has the whole chain worked on from the start; before a wall it is folded by and by.
+    // An unbalanced plate has the whole chain worked on from the start; before a wall it is laid out by and by.
     // Bodies that neither end can have reached from the other agree to the last bit, down to the faintest
     // forerunner of the wave.
     for (const Integrator integrator : choices<Integrator>) {

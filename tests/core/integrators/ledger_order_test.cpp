@@ -71,7 +71,7 @@ TEST(LedgerOrder, Chin4aKeepsMoreThanTheSecondOrderThroughContacts) {
 
 TEST(LedgerOrder, SeriesCloseItByTheLawOfTheirToleranceDownToRounding) {
     // the tolerance of a piece falls with the fifteenth power of the step, pieces shorten a little with it
-    for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
+    for (const Integrator integrator : series_integrators()) {
         for (const std::string& file : contact_scenes()) {
             const auto fall = residuals(file, integrator, 960e-9, 1.25, 7);
             for (std::size_t i = 1; fall[i] > 2 * rounding; ++i) {

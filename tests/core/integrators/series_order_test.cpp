@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/integrators/kernels.hpp"
 #include "core/integrators/series_piece.hpp"
 #include "core/scene/scene_words.hpp"
 
@@ -22,10 +23,10 @@ Eigen::ArrayXd velocities(Integrator integrator, int pieces) {
     const Chain chain(scene);
     ChainState state(chain);
     state.v = 1e-3 * Eigen::ArrayXd::LinSpaced(chain.bodies(), -1, 1).cube();
-    kernels::SimdChain folded(chain, integrator, kernels::kernel_lanes());
-    folded.fold(chain, state, chain.bodies());
+    kernels::SimdChain simd_chain(chain, integrator, kernels::kernel_lanes());
+    simd_chain.load(chain, state, chain.bodies());
     const double unit = duration_s / pieces;
-    kernels::SeriesPiece piece(folded.slots(), kernels::series_degree(integrator),
+    kernels::SeriesPiece piece(simd_chain.slots(), kernels::series_degree(integrator),
                                kernels::HornWaves({73e3, 75.92e3, 70.08e3}, unit));
     piece.unit_s = unit;
     piece.per_unit = 1 / unit;
@@ -36,13 +37,13 @@ Eigen::ArrayXd velocities(Integrator integrator, int pieces) {
     for (std::size_t i = 0; i < 3; ++i) {
         waves.slope += waves.cosine[i] * waves.odd[i][0];
     }
-    const kernels::SeriesKernels kernels = kernels::series_kernels(integrator, folded.rows());
+    const kernels::SeriesKernels kernels = kernels::series_kernels(integrator, simd_chain.rows());
     for (int i = 0; i < pieces; ++i) {
-        kernels.piece(folded, piece);
+        kernels.piece(simd_chain, piece);
         EXPECT_EQ(piece.length, 1);
     }
-    EXPECT_EQ(folded.contact_events, 0);
-    folded.unfold(state);
+    EXPECT_EQ(simd_chain.contact_events, 0);
+    simd_chain.store(state);
     return state.v;
 }
 

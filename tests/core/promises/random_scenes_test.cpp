@@ -33,7 +33,7 @@ TEST(RandomScenes, RunOrAreStoppedWithAReason) {
 
 TEST(RandomScenes, DivergedRunsNameStepTimeAndContact) {
     // so far beyond the limit that the overlaps are no numbers at the end of the first block
-    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a}) {
+    for (const Integrator integrator : grid_integrators()) {
         Scene scene = with_step(Scene{}, integrator, 10e-6);
         scene.output.sample_rate_hz = 1e5;
         Simulation simulation(scene, {.taps = everything});
@@ -50,7 +50,7 @@ TEST(RandomScenes, DivergedRunsNameStepTimeAndContact) {
 
 TEST(RandomScenes, ASeriesThatHardlyGoesOnIsStoppedWithAReason) {
     // a step of 1 us where the dashpots ask for pieces below 1e-12 s
-    for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
+    for (const Integrator integrator : series_integrators()) {
         Scene scene = with_step(Scene{}, integrator, 1e-6);
         scene.chain.damping_kg_per_s = 3e6;
         Simulation simulation(scene, {.taps = everything});
@@ -71,7 +71,7 @@ TEST(RandomScenes, AStepOfManyPeriodsOfTheHornIsShortenedToWhatItsSeriesReaches)
     scene.chain.spheres = 1;
     scene.chain.preload_n = 0;
     scene.end.kind = EndKind::free;
-    for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
+    for (const Integrator integrator : series_integrators()) {
         const Record expected = recorded(with_step(scene, integrator, 0.3e-6), 3500);
         for (const double step : {30e-6, 300e-6}) {
             const Record record = recorded(with_step(scene, integrator, step), 3500);

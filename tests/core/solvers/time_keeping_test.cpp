@@ -65,7 +65,7 @@ TEST(TimeKeeping, ABurstAfterTenThousandMillionStepsBeginsWhenItShould) {
 
 TEST(TimeKeeping, SeriesCountSamplesHoweverLongTheyGoOn) {
     // a chain that nothing disturbs, pieces of more than a thousand samples that divide nothing
-    for (const Integrator integrator : {Integrator::taylor8, Integrator::taylor12}) {
+    for (const Integrator integrator : series_integrators()) {
         Scene scene;
         scene.drive.amplitude_m = 0;
         scene.output.sample_rate_hz = 1e9;

@@ -1,0 +1,67 @@
+// The law without tension: a contact lets go as soon as dashpot and elasticity together would pull. Included once per SIMD target.
+#if defined(HERTZLINE_CLAMPED_LAW_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HERTZLINE_CLAMPED_LAW_INL
+#undef HERTZLINE_CLAMPED_LAW_INL
+#else
+#define HERTZLINE_CLAMPED_LAW_INL
+#endif
+
+#include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/taylor/expansion-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline::kernels {
+namespace HWY_NAMESPACE {
+
+inline constexpr double cancelled = 1e-13;   ///< of a force's parts: their sum counts as none
+inline constexpr double rounding = 0x1p-51;  ///< of a difference of velocities, of the larger of both
+
+/// 1 where a contact pushes at the piece's start, as far as the total force tells.
+template <std::size_t K, int Degree>
+HWY_INLINE Vec pushing(const Expansion<K, Degree>& e, std::size_t k, Vec damping) {
+    const Vec w = splat(e.piece.per_unit) * e.d[1][k];
+    const Vec force = MulAdd(damping, w, e.u[0][k]);
+    const Flags pushes = And(Gt(e.overlaps[k], zero()), Gt(force, zero()));
+    const Flags pad = Eq(e.stiffness[k], zero());
+    return one_where(Or(pad, pushes));
+}
+
+/// Where the total force is zero within rounding its slope decides.
+template <std::size_t K, int Degree>
+HWY_INLINE void settle_grazing_force(Expansion<K, Degree>& e, std::size_t k) {
+    const Vec damping = splat(e.piece.per_unit) * e.rows.load(ChainField::damping)[k];
+    const Vec force = MulAdd(damping, e.d[1][k], e.u[0][k]);
+    const Vec elastic_slope = splat(1.5) * e.u[0][k] * (e.per_overlap[k] * e.d[1][k]);
+    const Vec slope = MulAdd(damping + damping, e.d[2][k], elastic_slope);
+    const Flags hardly = Le(Abs(force), splat(at_zero) * Abs(slope));
+    const Flags undecided = And(And(hardly, Gt(e.u[0][k], zero())), Gt(e.stiffness[k], zero()));
+    const Vec decided = one_where(Gt(slope, zero()));
+    e.closed.set(k, IfThenElse(undecided, decided, e.closed[k]));
+    e.decay.set(k, e.closed[k] * damping * splat(e.square));
+}
+
+/// Whether contact k, were it closed, would push at z. Where dashpot and elasticity cancel to rounding it is
+/// what it was at the piece's start: contacts that graze on and on must not end one piece after another.
+template <std::size_t K, int Degree>
+HWY_INLINE Flags would_push(const Expansion<K, Degree>& e, std::size_t k, Vec z) {
+    const Vec elastic = horner<0, Degree - 2>(e.u, k, z);
+    const Vec damping = splat(e.piece.unit_s) * e.rows.load(ChainField::damping)[k];
+    const Vec dashpot = damping * slope_at(e.d, k, z);
+    const Vec parts = splat(cancelled) * (Abs(elastic) + Abs(dashpot));
+    const Vec velocity = splat(rounding) * Abs(e.x[1][k]);
+    const Vec hardly = MulAdd(damping, velocity, parts);
+    const Vec of_closed = splat(1.0) - (e.closed[k] + e.closed[k]);  // -1, else 1
+    return Gt(dashpot + elastic, of_closed * hardly);
+}
+
+/// Elastic force that such a contact does not pass on: what it stores is lost as it relaxes.
+template <std::size_t K, int Degree>
+HWY_INLINE Vec let_go(const Expansion<K, Degree>& e, std::size_t k, Vec z) {
+    return (splat(1.0) - e.closed[k]) * elastic_force(e.stiffness[k], value_at(e.d, k, z));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline::kernels
+HWY_AFTER_NAMESPACE();
+
+#endif
