@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "stream/float32.hpp"
 #include "stream/wire/frame_codec.hpp"
 
 namespace hertzline::stream {

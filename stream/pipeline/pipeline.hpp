@@ -33,6 +33,7 @@ struct StreamEvents {
     std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
 };
 
+/// A source, a ring and a publisher, joined by two threads.
 class Pipeline {
 public:
     /// @param recorder nullptr: nothing is recorded

@@ -43,6 +43,7 @@ struct Block {
     double energy_residual = 0;
 };
 
+/// The simulating thread and the ring that it fills.
 class Producer {
 public:
     /// @param pacer says when a sample is due; started before go() @param samples unset: to the source's end

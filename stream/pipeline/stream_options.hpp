@@ -18,6 +18,7 @@ namespace hertzline::stream {
 
 enum class StreamStart { at_once, with_first_subscriber };
 
+/// What a stream is to do.
 struct StreamOptions {
     std::string run = make_run_id();
     nlohmann::ordered_json about;  ///< of the samples: what meta says beside their format (stream/provenance)

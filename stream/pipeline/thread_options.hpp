@@ -9,6 +9,7 @@
 
 namespace hertzline::stream {
 
+/// How the simulating thread is scheduled.
 struct ThreadOptions {
     bool realtime_priority = false;  ///< before every ordinary thread (SCHED_FIFO), and memory that stays
     std::optional<int> cpu;          ///< the only one that it runs on

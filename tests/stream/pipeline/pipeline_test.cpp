@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/step_choice/resolve.hpp"
+#include "stream/float32.hpp"
 #include "stream/sources/simulation_source.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"

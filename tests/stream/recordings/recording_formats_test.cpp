@@ -15,7 +15,7 @@
 
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/npy.hpp"
-#include "stream/recordings/formats/wav.hpp"
+#include "stream/recordings/formats/wav/wav.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "stream/recordings/formats/wav.hpp"
+#include "stream/recordings/formats/wav/wav.hpp"
 
 #include <algorithm>
 #include <cstring>
