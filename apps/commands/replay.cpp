@@ -8,6 +8,7 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/resources.hpp"
@@ -83,8 +84,8 @@ Exit replay(const ReplayOptions& options) {
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
     stream::StreamOptions plan = plan_of(options.streaming, rate, stream::OnOverrun::drop);
     plan.about = about(head, options.file);
-    if (const auto shortage = stream::memory_shortage(
-            "replaying " + options.file, stream::Pipeline::ring_bytes(source.format(), plan.pace))) {
+    if (const auto shortage = stream::memory_shortage("replaying " + options.file,
+                                                      stream::ring_bytes(source.format(), plan.pace))) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();

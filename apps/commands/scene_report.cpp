@@ -16,6 +16,7 @@
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/sources/simulation_source.hpp"
@@ -173,7 +174,7 @@ void add_costs(Values& values, const Scene& scene) {
         {"run", "CSV of --all, at most", "csv_all_bytes", "bytes", csv_bytes(stream::RecordedBodies::all)});
     values.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
                       stream::SimulationSource::memory_bytes(scene) +
-                          stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene))});
+                          stream::ring_bytes(stream::SimulationSource::format_of(scene))});
     values.push_back({"run", "hash of the scene", "scene_hash", "", scene_hash(scene)});
 }
 

@@ -14,6 +14,7 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/row_builder.hpp"
@@ -40,7 +41,7 @@ struct StreamArguments {
 
 void refuse_shortages(const StreamArguments& options, const Scene& scene, const stream::StreamOptions& plan) {
     const double memory = stream::SimulationSource::memory_bytes(scene) +
-                          stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene), plan.pace);
+                          stream::ring_bytes(stream::SimulationSource::format_of(scene), plan.pace);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
