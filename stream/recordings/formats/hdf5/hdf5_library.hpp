@@ -1,5 +1,5 @@
 #pragma once
-// The C library behind hdf5.cpp: its handles, its errors, and that it may be entered by one thread at a time.
+// The HDF5 library: its handles, its errors, and that it may be entered by one thread at a time.
 
 #include <filesystem>
 #include <mutex>
