@@ -14,7 +14,7 @@ nlohmann::ordered_json json_from_outside(std::string_view text) {
     };
     Json json = Json::parse(text, shallow, /*allow_exceptions=*/false);
     if (deep || json.is_discarded()) {
-        throw std::runtime_error(deep ? "description: nested too deep" : "description: not JSON");
+        throw std::runtime_error(deep ? "description: nested too deeply" : "description: not JSON");
     }
     return json;
 }

@@ -62,8 +62,8 @@ public:
     SpectrumAnalyser(const SpectrumAnalyser&) = delete;
     SpectrumAnalyser& operator=(const SpectrumAnalyser&) = delete;
 
-    /// Memory of an analyser for records of that many samples [bytes]; in double, so that any wish can be
-    /// judged.
+    /// Memory of an analyser for records of that many samples [bytes]; in double, so that any request
+    /// can be judged.
     static double bytes_needed(double samples) noexcept;
 
     /// The summary of a record. @throws std::invalid_argument when the record is longer than the constructor

@@ -21,9 +21,9 @@ CheckedWriter::CheckedWriter(std::filesystem::path path, RecordingHead head)
 
 void CheckedWriter::write(std::int64_t first, std::span<const double> values) {
     if (values.size() % head_.columns.size() != 0 || first < due_) {
-        throw std::invalid_argument(fmt::format("{}: {} values from sample {} where {} a row from {} are due",
-                                                path_.string(), values.size(), first, head_.columns.size(),
-                                                due_));
+        throw std::invalid_argument(
+            fmt::format("{}: found {} values from sample {}, allowed: {} a row from {} on", path_.string(),
+                        values.size(), first, head_.columns.size(), due_));
     }
     if (!failure_.empty()) {
         throw std::runtime_error(failure_);

@@ -42,7 +42,7 @@ std::string head_fault(const RecordingHead& head) {
                                column.name, column.quantity);
         }
         if (!names.insert(column.name).second) {
-            return fmt::format("column \"{}\": found twice, or the time's name", column.name);
+            return fmt::format("column \"{}\": found twice, or named like the time", column.name);
         }
     }
     return {};
@@ -53,7 +53,7 @@ void require_undamaged(const std::filesystem::path& path, std::int64_t row, std:
     const auto bad = std::ranges::find_if_not(values, [](double v) { return std::isfinite(v); });
     if (bad != values.end()) {
         const auto at = static_cast<std::size_t>(bad - values.begin());
-        cannot_read(path, fmt::format("damaged: row {}, column {} is {}, which no sample is",
+        cannot_read(path, fmt::format("damaged: row {}, column {} is {}, allowed: finite numbers",
                                       row + static_cast<std::int64_t>(at / columns), at % columns + 1, *bad));
     }
 }

@@ -30,24 +30,23 @@ void require_whole_wav(const std::filesystem::path& path) {
     };
     read_size(4);
     if ((kind != "RIFF" && kind != "RF64") || file.text(4, "the RIFF header") != "WAVE") {
-        cannot_read(path, "no WAV: it does not begin with RIFF or RF64 and WAVE");
+        cannot_read(path, "not a WAV: it does not begin with RIFF or RF64 and WAVE");
     }
     if (kind == "RF64") {
         if (file.text(8, "the ds64 chunk").substr(0, 4) != "ds64") {
-            cannot_read(path, "an RF64 without its ds64 chunk");
+            cannot_read(path, "damaged: an RF64 without a ds64 chunk");
         }
         read_size(8);
     }
     if (size > file.size() - 8) {
-        cannot_read(
-            path, fmt::format("cut short: it says that it has {} bytes after the eighth, {} are there", size,
-                              file.size() - 8));
+        cannot_read(path, fmt::format("cut short: the header says {} bytes after the eighth, {} are there",
+                                      size, file.size() - 8));
     }
 }
 
 std::int64_t whole(const Json& number) {
     if (!number.is_number_integer()) {
-        throw std::runtime_error("damaged: a capture is no pair of whole numbers");
+        throw std::runtime_error("damaged: a capture is not a pair of integers");
     }
     return number;
 }
@@ -84,8 +83,8 @@ public:
         rows.first = rows_.sample();
         rows.values.resize(static_cast<std::size_t>(count) * columns);
         if (sf_readf_double(sound_.get(), rows.values.data(), count) != count) {
-            cannot_read(
-                path_, fmt::format("damaged: it ends inside the {} rows from row {} on", count, rows_.row()));
+            cannot_read(path_,
+                        fmt::format("damaged: it ends within the {} rows after row {}", count, rows_.row()));
         }
         require_undamaged(path_, rows_.row(), rows.values, columns);
         rows_.advance(count);
@@ -104,7 +103,7 @@ private:
             case SF_FORMAT_DOUBLE:
                 return NumberType::float64;
             default:
-                cannot_read(path_, "a compressed WAV, allowed: PCM, float32 or float64");
+                cannot_read(path_, "found a compressed WAV, allowed: PCM, float32 or float64");
         }
     }
 
@@ -135,7 +134,7 @@ private:
         if (head_.columns.size() != static_cast<std::size_t>(info.channels) ||
             head_.sample_rate_hz != info.samplerate) {
             throw std::runtime_error(
-                fmt::format("the description's {} columns of {} Hz are not the WAV's {} of {} Hz",
+                fmt::format("the description says {} columns of {} Hz, the WAV has {} of {} Hz",
                             head_.columns.size(), head_.sample_rate_hz, info.channels, info.samplerate));
         }
         const char* const comment = sf_get_string(sound_.get(), SF_STR_COMMENT);
@@ -151,7 +150,7 @@ private:
             }
             rows_ = CaptureCursor(std::move(captures), info.frames);
         } catch (const Json::exception&) {
-            throw std::runtime_error("damaged: the comment does not tell rows and captures");
+            throw std::runtime_error("damaged: the comment does not name rows and captures");
         }
     }
 

@@ -78,14 +78,16 @@ private:
         const std::size_t columns = head().columns.size();
         constexpr double largest = std::numeric_limits<std::int32_t>::max();
         if (rate != std::floor(rate) || rate > largest) {
-            cannot_write(path(), fmt::format("a sample rate of {} Hz, a WAV holds whole numbers up to {}",
-                                             rate, largest));
+            cannot_write(path(),
+                         fmt::format("found a sample rate of {} Hz, allowed in WAV: integers up to {}", rate,
+                                     largest));
         }
         if (columns > max_columns) {
-            cannot_write(path(), fmt::format("{} columns, a WAV holds {}", columns, max_columns));
+            cannot_write(path(),
+                         fmt::format("found {} columns, allowed in WAV: at most {}", columns, max_columns));
         }
         if (const double bytes = rate * static_cast<double>(columns * sizeof(float)); bytes > largest) {
-            cannot_write(path(), fmt::format("{} columns of {} Hz are {} bytes a second, a WAV holds {}",
+            cannot_write(path(), fmt::format("{} columns of {} Hz are {} bytes a second, allowed in WAV: {}",
                                              columns, rate, bytes, largest));
         }
     }
@@ -95,7 +97,7 @@ private:
         text.resize((text.size() + 3) / 4 * 4, ' ');  // libsndfile writes whole words, read from here
         if (text.size() > max_wav_description_bytes) {
             cannot_write(path(),
-                         fmt::format("columns and provenance are {} bytes of text, a WAV has room for {}",
+                         fmt::format("columns and provenance are {} bytes of text, allowed in WAV: {}",
                                      text.size(), max_wav_description_bytes));
         }
         SF_CHUNK_INFO chunk{};
@@ -114,8 +116,8 @@ private:
         if (comment(captures_ + text).size() > max_comment_bytes) {
             finish();
             throw std::runtime_error(
-                fmt::format("{} ends before sample {}: a WAV has no room to note one more gap",
-                            path().string(), capture.sample));
+                fmt::format("{} ends before sample {}: a WAV has no room for another gap", path().string(),
+                            capture.sample));
         }
         captures_ += text;
     }
