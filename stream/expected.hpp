@@ -15,6 +15,7 @@ struct Failure {
     std::string text;
 };
 
+/// A value, or a Failure.
 template <class T>
 class Expected {
 public:

@@ -55,23 +55,23 @@ public:
     static constexpr double floor_db = -300;  ///< levels stop here: below is rounding, and log of nothing
 
     /// For records of up to `samples` at `sample_rate_hz`. Takes bytes_needed(samples) of memory.
-    /// Throws std::invalid_argument when samples is 0 or too large for the transform (2^28), or the rate is
+    /// @throws std::invalid_argument when samples is 0 or too large for the transform (2^28), or the rate is
     /// not positive and finite; std::bad_alloc when there is no memory for it.
     SpectrumAnalyser(std::size_t samples, double sample_rate_hz);
     ~SpectrumAnalyser();
     SpectrumAnalyser(const SpectrumAnalyser&) = delete;
     SpectrumAnalyser& operator=(const SpectrumAnalyser&) = delete;
 
-    /// Memory of an analyser for records of that many samples [bytes]; in double, so that any wish can be
-    /// judged.
+    /// Memory of an analyser for records of that many samples [bytes]; in double, so that any request
+    /// can be judged.
     static double bytes_needed(double samples) noexcept;
 
-    /// The summary of a record. Throws std::invalid_argument when the record is longer than the constructor
+    /// The summary of a record. @throws std::invalid_argument when the record is longer than the constructor
     /// was told, or the fundamental is not positive and finite.
     SpectrumSummary analyse(std::span<const double> record, double fundamental_hz);
 
     /// The spectrum itself: 2/n |sum v exp(-i omega t)|, and half of that at 0 Hz. A silent record gives
-    /// zeros; one with a value that is not finite gives zeros too. Throws as analyse() does.
+    /// zeros; one with a value that is not finite gives zeros too. @throws as analyse() does.
     MagnitudeSpectrum magnitudes(std::span<const double> record);
 
 private:

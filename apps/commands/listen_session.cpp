@@ -7,8 +7,10 @@
 #include <fmt/format.h>
 
 #include "core/scene/text.hpp"
+#include "stream/float32.hpp"
+#include "stream/json_from_outside.hpp"
 #include "stream/provenance.hpp"
-#include "stream/recordings/row_builder.hpp"
+#include "stream/recordings/columns.hpp"
 #include "stream/wire/frame_codec.hpp"
 
 namespace hertzline::app {
@@ -22,10 +24,12 @@ Json parsed_object(std::string_view text) {
     if (text.size() > largest_json) {
         return nullptr;
     }
-    // What is nested deeper is dropped as it is read: the library would follow it recursively later.
-    const auto shallow = [](int level, Json::parse_event_t, Json&) { return level < 16; };
-    Json json = Json::parse(text, shallow, false);
-    return json.is_object() ? json : Json(nullptr);
+    try {
+        Json json = stream::json_from_outside(text);
+        return json.is_object() ? json : Json(nullptr);
+    } catch (const std::runtime_error&) {
+        return nullptr;
+    }
 }
 
 std::string text_in(const Json& object, const char* key) {

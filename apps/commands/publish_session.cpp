@@ -11,6 +11,8 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
+#include "stream/pipeline/capacity.hpp"
+#include "stream/pipeline/stream_messages.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::app {
@@ -48,19 +50,19 @@ void announce(const stream::Publisher& publisher, const stream::Pipeline& pipeli
     spdlog::info("endpoint {}", publisher.endpoint());
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),
                  pipeline.format().sample_rate_hz);
-    spdlog::info("run {}", pipeline.run_id());
+    spdlog::info("run {}", pipeline.options().run);
     const bool encrypted = publisher.security() == stream::Security::curve;
     spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),
                  encrypted ? " --curve-key YOURS.key_secret --server-key OURS.key" : "");
-    if (pipeline.plan().start == stream::StreamStart::with_first_subscriber) {
+    if (pipeline.options().start == stream::StreamStart::with_first_subscriber) {
         spdlog::info("waiting for a subscriber");
     }
 }
 
 std::string progress_of(const stream::StreamMeters& meters, const stream::Pipeline& pipeline) {
     std::optional<double> goal_s;
-    if (pipeline.plan().samples) {
-        goal_s = static_cast<double>(*pipeline.plan().samples) / pipeline.format().sample_rate_hz;
+    if (pipeline.options().samples) {
+        goal_s = static_cast<double>(*pipeline.options().samples) / pipeline.format().sample_rate_hz;
     }
     return fmt::format("{}, load {:.0f} %, {} late, {} dropped",
                        progress_text({meters.simulated_s, goal_s, meters.wall_s}), 100 * meters.load,
@@ -76,7 +78,7 @@ Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipe
     summary["endpoint"] = publisher.endpoint();
     summary["security"] = word(publisher.security());
     summary["refused_clients"] = publisher.refused_clients();
-    summary["run"] = pipeline.run_id();
+    summary["run"] = pipeline.options().run;
     return summary;
 }
 
@@ -138,7 +140,7 @@ stream::StreamOptions stream_options(const PublishRequest& request, double sampl
 
 stream::PublisherOptions publisher_options(const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve) {
-    stream::PublisherOptions options = stream::Pipeline::publisher_options(format);
+    stream::PublisherOptions options = stream::publisher_options(format);
     options.curve = std::move(curve);
     return options;
 }

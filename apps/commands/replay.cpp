@@ -9,6 +9,7 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/resources.hpp"
@@ -84,7 +85,7 @@ Exit replay(const ReplayArguments& arguments) {
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
     if (const auto shortage = stream::memory_shortage(
-            "replaying " + arguments.file, stream::Pipeline::ring_bytes(source.format(), options.pace))) {
+            "replaying " + arguments.file, stream::ring_bytes(source.format(), options.pace))) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();

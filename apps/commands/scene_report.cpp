@@ -16,6 +16,7 @@
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/sources/simulation_source.hpp"
@@ -171,7 +172,7 @@ void add_costs(Report& report, const Scene& scene) {
                       csv_bytes(recorded | Tap::v_chain | Tap::x_chain)});
     report.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
                       stream::SimulationSource::memory_bytes(scene) +
-                          stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene))});
+                          stream::ring_bytes(stream::SimulationSource::format_of(scene))});
     report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 

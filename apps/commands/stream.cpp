@@ -15,6 +15,7 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/row_builder.hpp"
@@ -44,7 +45,7 @@ void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
                       const stream::StreamOptions& options) {
     const double memory =
         stream::SimulationSource::memory_bytes(scene) +
-        stream::Pipeline::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
+        stream::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }

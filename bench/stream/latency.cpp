@@ -21,6 +21,7 @@
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/step_choice/resolve.hpp"
+#include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/sources/simulation_source.hpp"
 #include "stream/wire/frame_codec.hpp"
@@ -92,7 +93,7 @@ struct Measured {
 
 Measured stream(const Scene& scene, Tap tap, double seconds) {
     SimulationSource source(scene, TapSet());
-    Publisher publisher("tcp://127.0.0.1:*", all_topics, Pipeline::publisher_options(source.format()));
+    Publisher publisher("tcp://127.0.0.1:*", all_topics, publisher_options(source.format()));
     Pipeline pipeline({.about = nlohmann::ordered_json::object(),
                        .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
                        .start = StreamStart::with_first_subscriber},

@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "stream/files/write_all.hpp"
+
 namespace hertzline::stream {
 
 GrowingFile::GrowingFile(std::filesystem::path path, std::size_t record_bytes)
@@ -33,14 +35,8 @@ void GrowingFile::flush() {
     if (::fstat(file_.descriptor(), &now) == 0 && now.st_nlink == 0) {
         file_.fail(ENOENT);
     }
-    std::span<const std::byte> rest = buffer_;
-    while (!rest.empty()) {
-        const ssize_t written = ::write(file_.descriptor(), rest.data(), rest.size());
-        if (written >= 0) {
-            rest = rest.subspan(static_cast<std::size_t>(written));
-        } else if (errno != EINTR) {
-            fail(errno);
-        }
+    if (const int error = write_all(file_.descriptor(), buffer_)) {
+        fail(error);
     }
     buffer_.clear();
 }

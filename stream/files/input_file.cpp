@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "stream/recordings/checked_writer.hpp"
+#include "stream/files/errors.hpp"
 
 namespace hertzline::stream {
 

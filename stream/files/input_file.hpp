@@ -17,7 +17,7 @@ public:
     /// Refuses what is not a regular file: a FIFO would wait, a device has no size.
     explicit InputFile(std::filesystem::path path);
 
-    /// Fills `bytes`; when the file has fewer left, throws that it ends inside `what`.
+    /// Fills `bytes`. @throws std::runtime_error when the file ends inside `what`.
     void read(std::span<std::byte> bytes, std::string_view what);
     /// `size` characters, allocated only if the file has them.
     std::string text(std::uint64_t size, std::string_view what);

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cerrno>
 #include <utility>
 
-#include <unistd.h>
+#include "stream/files/write_all.hpp"
 
 namespace hertzline::stream {
 namespace {
@@ -40,27 +39,14 @@ void OutputFile::rewrite(std::uint64_t offset, std::string_view text) {
     file_.require_open();
     assert(offset + text.size() <= bytes_);
     flush();
-    while (!text.empty()) {
-        const ssize_t written =
-            ::pwrite(file_.descriptor(), text.data(), text.size(), static_cast<off_t>(offset));
-        if (written >= 0) {
-            text.remove_prefix(static_cast<std::size_t>(written));
-            offset += static_cast<std::uint64_t>(written);
-        } else if (errno != EINTR) {
-            file_.fail(errno);
-        }
+    if (const int error = write_all_at(file_.descriptor(), std::as_bytes(std::span(text)), offset)) {
+        file_.fail(error);
     }
 }
 
 void OutputFile::flush() {
-    std::span<const std::byte> rest = buffer_;
-    while (!rest.empty()) {
-        const ssize_t written = ::write(file_.descriptor(), rest.data(), rest.size());
-        if (written >= 0) {
-            rest = rest.subspan(static_cast<std::size_t>(written));
-        } else if (errno != EINTR) {
-            file_.fail(errno);
-        }
+    if (const int error = write_all(file_.descriptor(), buffer_)) {
+        file_.fail(error);
     }
     buffer_.clear();
 }

@@ -14,7 +14,7 @@ namespace hertzline::stream {
 
 /// Buffered, sequential. Errors are std::system_error (a std::runtime_error): what() names the path and the
 /// system's reason ("cannot write out.csv: No space left on device"). After an error the file is abandoned:
-/// every later write or commit throws again.
+/// every later write or commit fails again.
 class OutputFile {
 public:
     /// Opens the temporary or the device, as StagedFile does.

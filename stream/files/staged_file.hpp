@@ -49,11 +49,11 @@ public:
     /// Closes and removes the temporary, if it is still there.
     void abandon() noexcept;
 
-    /// Abandons the file (keeps it after appear()) because of that errno and throws; from then on commit()
-    /// and require_open() throw it again.
+    /// Abandons the file (keeps it after appear()). @throws std::system_error of that errno; from then on
+    /// commit() and require_open() throw it again.
     [[noreturn]] void fail(int reason);
 
-    /// Throws after a failure; after commit, where it is misuse, std::logic_error.
+    /// @throws std::system_error after a failure, std::logic_error after commit, where it is misuse.
     void require_open() const;
 
 private:

@@ -19,7 +19,7 @@ class Pace {
 public:
     static constexpr Pace flat_out() noexcept { return Pace(0); }
     static constexpr Pace realtime() noexcept { return Pace(1); }
-    /// `times` simulated seconds in each second. Throws std::invalid_argument outside [min_factor,
+    /// `times` simulated seconds in each second. @throws std::invalid_argument outside [min_factor,
     /// max_factor].
     static Pace factor(double times);
 
@@ -43,7 +43,7 @@ Expected<Pace> parse_pace(std::string_view text);
 /// clock.
 class Pacer {
 public:
-    /// Throws std::invalid_argument unless 0 < sample_rate_hz <= 1e12.
+    /// @throws std::invalid_argument unless 0 < sample_rate_hz <= 1e12.
     Pacer(double sample_rate_hz, Pace pace);
     Pacer(double sample_rate_hz, double factor) : Pacer(sample_rate_hz, Pace::factor(factor)) {}
 

@@ -24,19 +24,20 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
                ? origin_ + *samples
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
-      ring_(slots, [&source] { return Block{.samples = source.make_block(), .wish = {}, .account = {}}; }) {}
+      ring_(slots, [&source] { return Block{.samples = source.make_block(), .demand = {}, .account = {}}; }) {
+}
 
 Producer::~Producer() {
     stop();
 }
 
-std::vector<std::string> Producer::start(const ThreadOptions& wishes) {
+std::vector<std::string> Producer::start(const ThreadOptions& options) {
     thread_ = std::thread([this] {
         pthread_setname_np(pthread_self(), simulating_thread_name);
         produce();
         finished_.store(true, std::memory_order_release);
     });
-    return grant(wishes, thread_.native_handle());
+    return apply(options, thread_.native_handle());
 }
 
 void Producer::stop() noexcept {
@@ -47,12 +48,12 @@ void Producer::stop() noexcept {
 }
 
 std::uint32_t Producer::want(TapSet taps) noexcept {
-    TapWish wish = wish_.load(std::memory_order_relaxed);
-    if (taps != wish.taps) {
-        wish = {taps, wish.number + 1};
-        wish_.store(wish, std::memory_order_relaxed);
+    Demand demand = demand_.load(std::memory_order_relaxed);
+    if (taps != demand.taps) {
+        demand = {taps, demand.generation + 1};
+        demand_.store(demand, std::memory_order_relaxed);
     }
-    return wish.number;
+    return demand.generation;
 }
 
 bool Producer::wait_for_go() const noexcept {
@@ -83,8 +84,8 @@ Block* Producer::wait_for_slot(std::int64_t first, std::int64_t count) noexcept 
 }
 
 bool Producer::fill(Block& block, std::int64_t count) noexcept {
-    block.wish = wish_.load(std::memory_order_relaxed);
-    if (!source_.read(block.samples, static_cast<std::size_t>(count), block.wish.taps)) {
+    block.demand = demand_.load(std::memory_order_relaxed);
+    if (!source_.read(block.samples, static_cast<std::size_t>(count), block.demand.taps)) {
         return false;
     }
     block.account = source_.account();

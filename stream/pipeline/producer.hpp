@@ -26,23 +26,24 @@ enum class OnOverrun {
     wait,  ///< the stream falls behind
 };
 
-/// What subscribers want computed. A new wish has a new number: it tells a block that was made after somebody
-/// came from one that still lay in the ring, from before somebody else left.
-struct TapWish {
+/// What subscribers want computed. A new demand has a new generation: it tells a block that was made after
+/// somebody came from one that still lay in the ring, from before somebody else left.
+struct Demand {
     TapSet taps;
-    std::uint32_t number = 0;
+    std::uint32_t generation = 0;
 };
 
 /// What travels through the ring.
 struct Block {
     Samples samples;
-    TapWish wish;               ///< of the moment when it was made
+    Demand demand;              ///< of the moment when it was made
     std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
     std::uint64_t dropped = 0;  ///< of the run, before this one
     SourceAccount account;
     double energy_residual = 0;
 };
 
+/// The simulating thread and the ring that it fills.
 class Producer {
 public:
     /// @param pacer says when a sample is due; started before go() @param samples unset: to the source's end
@@ -52,8 +53,8 @@ public:
     Producer(const Producer&) = delete;
     Producer& operator=(const Producer&) = delete;
 
-    /// Makes the thread, which waits for go(). @returns what of the wishes was refused, for a human.
-    std::vector<std::string> start(const ThreadOptions& wishes);
+    /// Makes the thread, which waits for go(). @returns a sentence for each option that the system refused.
+    std::vector<std::string> start(const ThreadOptions& options);
     void go() noexcept { going_.store(true, std::memory_order_release); }
     /// Ends the thread; afterwards the source is the caller's.
     void stop() noexcept;
@@ -62,7 +63,7 @@ public:
     /// Nothing more will be put into the ring.
     bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
-    /// For one thread. @returns the wish's number, a new one if it changed.
+    /// For one thread. @returns the demand's generation, a new one if it changed.
     std::uint32_t want(TapSet taps) noexcept;
     /// The next block shall say how the energy ledger stands.
     void want_residual() noexcept { residual_wanted_.store(true, std::memory_order_relaxed); }
@@ -90,8 +91,8 @@ private:
     double last_residual_ = 0;
     RingBuffer<Block> ring_;
 
-    std::atomic<TapWish> wish_{TapWish()};
-    static_assert(std::atomic<TapWish>::is_always_lock_free);
+    std::atomic<Demand> demand_{Demand()};
+    static_assert(std::atomic<Demand>::is_always_lock_free);
     std::atomic<bool> residual_wanted_{false};
     std::atomic<bool> going_{false};
     std::atomic<bool> stopping_{false};

@@ -29,10 +29,11 @@
 
 namespace hertzline::stream {
 
+/// A bounded queue of slots between one writing and one reading thread.
 template <class Slot>
 class RingBuffer {
 public:
-    /// A ring of `capacity` >= 1 slots, each made by one call of make_slot(). Throws std::invalid_argument
+    /// A ring of `capacity` >= 1 slots, each made by one call of make_slot(). @throws std::invalid_argument
     /// for capacity 0.
     template <std::invocable MakeSlot>
     RingBuffer(std::size_t capacity, MakeSlot make_slot) {

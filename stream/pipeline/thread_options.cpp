@@ -41,16 +41,16 @@ std::optional<std::string> cpu_fault(int cpu) {
     return fmt::format("found {}, allowed: 0 to {}", cpu, processors - 1);
 }
 
-std::vector<std::string> grant(const ThreadOptions& wishes, pthread_t thread) {
+std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread) {
     std::vector<std::string> refused;
-    if (wishes.cpu) {
-        if (const int error = pin(thread, *wishes.cpu); error != 0) {
+    if (options.cpu) {
+        if (const int error = pin(thread, *options.cpu); error != 0) {
             refused.push_back(
                 fmt::format("the simulating thread cannot be kept on processor {}: {}; it runs on any",
-                            *wishes.cpu, reason(error)));
+                            *options.cpu, reason(error)));
         }
     }
-    if (wishes.realtime_priority) {
+    if (options.realtime_priority) {
         if (const int error = put_first(thread); error != 0) {
             refused.push_back(
                 fmt::format("no real-time priority: {}; the priority stays ordinary (it needs "

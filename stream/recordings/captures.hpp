@@ -19,7 +19,7 @@ class CaptureCursor {
 public:
     CaptureCursor() = default;
 
-    /// Throws std::runtime_error that says what is wrong, without the path: the first row must be 0, rows
+    /// @throws std::runtime_error that says what is wrong, without the path: the first row must be 0, rows
     /// must exist and samples be missing between captures.
     CaptureCursor(std::vector<Capture> captures, std::int64_t rows);
 

@@ -28,6 +28,7 @@ struct Column {
 /// How numbers are kept by formats that can do both. The others (SigMF, WAV) hold float32.
 enum class NumberType { float32, float64 };
 
+/// What a recording says about its samples.
 struct RecordingHead {
     std::vector<Column> columns;  ///< at least one; the time is not among them
     double sample_rate_hz = 0;
@@ -59,7 +60,7 @@ class RecordingReader {
 public:
     virtual ~RecordingReader() = default;
     virtual const RecordingHead& head() const noexcept = 0;
-    /// The next rows, at most `most`, in place of what `rows` held; false at the end. Throws
+    /// The next rows, at most `most`, in place of what `rows` held; false at the end. @throws
     /// std::runtime_error that names the path and the place when the file turns out to be damaged.
     virtual bool read(RecordedRows& rows, std::size_t most) = 0;
 };

@@ -23,15 +23,15 @@ std::filesystem::path recording_name(const std::filesystem::path& path);
 /// Bytes of a recording, from above: so that a full disk is noticed before the run.
 double recording_bytes(const std::filesystem::path& path, double columns, double samples) noexcept;
 
-/// Throws std::runtime_error when no file could be written there, without beginning one. Says nothing of
+/// @throws std::runtime_error when no file could be written there, without beginning one. Says nothing of
 /// devices: to open a FIFO and close it again would be its end.
 void require_writable(const std::filesystem::path& path);
 
-/// Begins a recording. Throws std::runtime_error that names the path and the reason, for an unknown ending,
+/// Begins a recording. @throws std::runtime_error that names the path and the reason, for an unknown ending,
 /// too.
 std::unique_ptr<RecordingWriter> open_recording(const std::filesystem::path& path, const RecordingHead& head);
 
-/// Opens a recording for reading. Throws like above.
+/// Opens a recording for reading. @throws std::runtime_error like above.
 std::unique_ptr<RecordingReader> open_reader(const std::filesystem::path& path);
 
 }  // namespace hertzline::stream

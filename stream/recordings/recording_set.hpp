@@ -1,5 +1,5 @@
 #pragma once
-// RecordingSet of the same samples, side by side. One that fails (a full disk, a file that vanished) is told of
+// Recordings of the same samples, side by side. One that fails (a full disk, a file that vanished) is reported
 // and is over; the others go on, and so does whoever feeds them.
 
 #include <cstdint>
@@ -13,6 +13,7 @@
 
 namespace hertzline::stream {
 
+/// The recordings that are written of the same samples.
 class RecordingSet {
 public:
     struct Status {
@@ -21,7 +22,7 @@ public:
         std::string failure;       ///< empty: none
     };
 
-    /// Begins all of them. Throws std::runtime_error that names the path and the reason when one cannot be.
+    /// Begins all of them. @throws std::runtime_error that names the path and the reason when one cannot be.
     /// @param tell takes a message when a recording fails later on
     RecordingSet(std::span<const std::string> paths, const RecordingHead& head,
                  std::function<void(const std::string&)> tell);

@@ -1,6 +1,7 @@
 #include "stream/sources/replay_source.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <stdexcept>
 
@@ -56,26 +57,26 @@ bool ReplaySource::refill() noexcept {
     }
 }
 
-std::size_t ReplaySource::rows_left() const noexcept {
-    return rows_.values.size() / head().columns.size() - static_cast<std::size_t>(row_);
+std::int64_t ReplaySource::rows_left() const noexcept {
+    return std::ssize(rows_.values) / std::ssize(head().columns) - row_;
 }
 
 /// Goes on by so many rows, and over the gap behind them if there is one.
-void ReplaySource::pass(std::size_t rows) noexcept {
-    row_ += static_cast<std::int64_t>(rows);
+void ReplaySource::pass(std::int64_t rows) noexcept {
+    row_ += rows;
     next_ = rows_.first + row_;
     if (refill()) {
         next_ = rows_.first + row_;
     }
 }
 
-void ReplaySource::put_down(Samples& samples, std::size_t count) const noexcept {
-    const std::size_t width = head().columns.size();
+void ReplaySource::put_down(Samples& samples, std::int64_t count) const noexcept {
+    const std::int64_t width = std::ssize(head().columns);
     for (const Tap tap : samples.holds) {
         const std::vector<std::size_t>& columns = columns_[static_cast<std::size_t>(tap)];
         auto out = samples.room(tap).begin() + static_cast<std::ptrdiff_t>(samples.count * columns.size());
-        const double* row = rows_.values.data() + static_cast<std::size_t>(row_) * width;
-        for (std::size_t i = 0; i < count; ++i, row += width) {
+        const double* row = rows_.values.data() + row_ * width;
+        for (std::int64_t i = 0; i < count; ++i, row += width) {
             out = std::ranges::transform(columns, out, [row](std::size_t column) { return row[column]; }).out;
         }
     }
@@ -85,11 +86,13 @@ bool ReplaySource::read(Samples& samples, std::size_t count, TapSet wanted) noex
     samples.first = next_;
     samples.count = 0;
     samples.holds = wanted & format_.taps;
-    while (samples.count < count && refill() &&
-           next_ == samples.first + static_cast<std::int64_t>(samples.count)) {
-        const auto taken = std::min(rows_left(), count - samples.count);
+    std::int64_t due = next_;  // unless there is a gap
+    const auto end = due + static_cast<std::int64_t>(count);
+    while (due < end && refill() && next_ == due) {
+        const std::int64_t taken = std::min(rows_left(), end - due);
         put_down(samples, taken);
-        samples.count += taken;
+        due += taken;
+        samples.count = static_cast<std::size_t>(due - samples.first);
         pass(taken);
     }
     return samples.count > 0;
@@ -98,7 +101,7 @@ bool ReplaySource::read(Samples& samples, std::size_t count, TapSet wanted) noex
 bool ReplaySource::skip(std::int64_t count) noexcept {
     const std::int64_t to = next_ + count;
     while (next_ < to && refill()) {
-        pass(std::min(rows_left(), static_cast<std::size_t>(to - next_)));
+        pass(std::min(rows_left(), to - next_));
     }
     return next_ >= to;
 }

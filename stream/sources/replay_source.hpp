@@ -32,15 +32,15 @@ public:
 private:
     void find_columns();
     bool refill() noexcept;
-    std::size_t rows_left() const noexcept;
-    void pass(std::size_t rows) noexcept;
-    void put_down(Samples& samples, std::size_t count) const noexcept;
+    std::int64_t rows_left() const noexcept;
+    void pass(std::int64_t rows) noexcept;
+    void put_down(Samples& samples, std::int64_t count) const noexcept;
 
     std::unique_ptr<RecordingReader> reader_;
     StreamFormat format_;
     std::vector<std::vector<std::size_t>> columns_;  // of each tap, in the rows
     RecordedRows rows_;                              // read and not handed on
-    std::size_t row_ = 0;                            // of them, the next one
+    std::int64_t row_ = 0;                           // of them, the next one
     std::int64_t next_ = 0;                          // its index
     std::string failure_;
 };

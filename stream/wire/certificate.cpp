@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <system_error>
 
@@ -11,6 +12,8 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "stream/files/write_all.hpp"
 
 namespace hertzline::stream {
 namespace fs = std::filesystem;
@@ -49,15 +52,9 @@ void write_new_file(const fs::path& file, mode_t mode, std::string_view text) {
     if (descriptor.number() < 0) {
         throw std::system_error(errno, std::generic_category(), "cannot make " + file.string());
     }
-    while (!text.empty()) {
-        const ssize_t written = ::write(descriptor.number(), text.data(), text.size());
-        if (written >= 0) {
-            text.remove_prefix(static_cast<std::size_t>(written));
-        } else if (errno != EINTR) {
-            const int error = errno;
-            ::unlink(file.c_str());
-            throw std::system_error(error, std::generic_category(), "cannot write " + file.string());
-        }
+    if (const int error = write_all(descriptor.number(), std::as_bytes(std::span(text)))) {
+        ::unlink(file.c_str());
+        throw std::system_error(error, std::generic_category(), "cannot write " + file.string());
     }
 }
 

@@ -22,14 +22,15 @@ namespace hertzline::stream {
 /// Larger files are no certificates [bytes].
 inline constexpr std::size_t max_certificate_bytes = 65536;
 
+/// The two files of a key pair.
 struct KeyFiles {
     std::filesystem::path public_file;
     std::filesystem::path secret_file;
 };
 
 /// Writes NAME.key and NAME.key_secret, the latter readable by its owner alone from its first moment. Never
-/// overwrites: throws std::system_error that names the file when one is there or cannot be written, and
-/// leaves none of its own behind.
+/// overwrites. @throws std::system_error that names the file when one is there or cannot be written; then
+/// no file of its own is left.
 KeyFiles write_key_files(const std::string& name, const KeyPair& pair);
 
 /// The public key of a certificate. A file that holds a secret key is refused: it should not have left its

@@ -36,6 +36,7 @@ struct ContinuityTotals {
     bool operator==(const ContinuityTotals&) const = default;
 };
 
+/// Finds what is missing from the frames of one topic.
 class ContinuityCheck {
 public:
     /// Takes the topic's next frame, as it arrived.

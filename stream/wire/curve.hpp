@@ -15,6 +15,7 @@ namespace hertzline::stream {
 
 using CurveKey = std::array<std::uint8_t, 32>;
 
+/// A CURVE key pair, 32 bytes each.
 struct KeyPair {
     CurveKey public_key{};
     CurveKey secret_key{};
@@ -46,10 +47,10 @@ std::optional<CurveKey> key_from_z85(std::string_view text);
 /// Whether the public key is the one that belongs to the secret one.
 bool belong_together(const KeyPair& pair);
 
-/// A new pair from the system's random numbers. Throws as require_curve() does.
+/// A new pair from the system's random numbers. @throws std::runtime_error as require_curve() does.
 KeyPair make_key_pair();
 
-/// Throws std::runtime_error when the ZeroMQ library here was built without encryption.
+/// @throws std::runtime_error when the ZeroMQ library here was built without encryption.
 void require_curve();
 
 /// Makes a socket that is not bound yet encrypt, and ask the context's ZapHandler (stream/zap) about each

@@ -1,13 +1,10 @@
 #pragma once
-// The only place that knows a frame's bytes: the JSON header of the .../np topics and float32 little-endian
-// samples. Writing a header happens per frame and topic, some 40 000 times a second: straight into a buffer
+// The only place that knows the JSON header of the .../np topics; its samples follow as float32. Writing a header happens per frame and topic, some 40 000 times a second: straight into a buffer
 // that the caller keeps, no document tree. Reading is for listeners, which trust nothing that they are sent.
 
 #include <cstddef>
-#include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "stream/expected.hpp"
 #include "stream/wire/frame.hpp"
@@ -29,17 +26,5 @@ void encode_header(const FrameHeader& header, std::string& json);
 /// Reads a header, or says what is wrong with it. Never throws on bad input. `payload_bytes` is the size of
 /// the part that follows and must be n * channels * 4. Unknown keys are ignored.
 Expected<FrameHeader> decode_header(std::string_view json, std::size_t payload_bytes);
-
-/// Writes samples as float32 to `out` (as many as `samples`). Returns how many of them no finite float32
-/// can hold: NaN, infinite, or beyond 3.4e38; those are written as NaN. A frame with such samples says
-/// nothing true about the run: the caller must treat it as a failure.
-[[nodiscard]] std::size_t to_float32(std::span<const double> samples, std::span<float> out) noexcept;
-
-/// The bytes of float32 samples as they go on the wire; a view, nothing is copied.
-std::span<const std::byte> wire_bytes(std::span<const float> samples) noexcept;
-
-/// Copies samples out of a payload, which may lie at any address. False (and nothing written) when the
-/// payload is no whole number of samples.
-[[nodiscard]] bool decode_samples(std::span<const std::byte> payload, std::vector<float>& samples);
 
 }  // namespace hertzline::stream

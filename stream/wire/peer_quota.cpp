@@ -28,7 +28,6 @@ void PeerQuota::charge(zmq::message_t& message) {
     // Once only: later the descriptor may be another's.
     if (connection.charged == allowed_) {
         ::shutdown(descriptor, SHUT_RDWR);
-        ++cut_off_;
     }
     ++connection.charged;
 }

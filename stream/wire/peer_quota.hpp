@@ -6,13 +6,13 @@
 // send a peer away. So its connection is shut down under libzmq, which then forgets the peer and all that it
 // kept for it.
 
-#include <cstdint>
 #include <unordered_map>
 
 #include <zmq.hpp>
 
 namespace hertzline::stream {
 
+/// Counts, for each connection, the messages that nobody has use for.
 class PeerQuota {
 public:
     /// How many of its messages may be charged to a connection.
@@ -22,8 +22,6 @@ public:
     /// what is still on its way from there then costs nobody else anything.
     void charge(zmq::message_t& message);
 
-    std::uint64_t cut_off() const noexcept { return cut_off_; }
-
 private:
     struct Connection {
         zmq::message_t first;  // holds on to what libzmq knows of the connection, by which it is recognised
@@ -31,7 +29,6 @@ private:
     };
     int allowed_;
     std::unordered_map<int, Connection> connections_;  // by descriptor, so there are never many
-    std::uint64_t cut_off_ = 0;
 };
 
 }  // namespace hertzline::stream

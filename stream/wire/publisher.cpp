@@ -93,30 +93,12 @@ std::size_t Publisher::poll_subscriptions() {
             case Subscriptions::Change::unsubscribed:
                 break;
             case Subscriptions::Change::foreign:
-                ++foreign_;
-                quota_.charge(incoming_);
-                break;
             case Subscriptions::Change::malformed:
-                ++malformed_;
                 quota_.charge(incoming_);
                 break;
         }
     }
     return subscribed;
-}
-
-bool Publisher::send_parts(std::span<const std::span<const std::byte>> parts) noexcept {
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        const int flags = ZMQ_DONTWAIT | (i + 1 < parts.size() ? ZMQ_SNDMORE : 0);
-        int status = 0;
-        do {
-            status = zmq_send(socket_.handle(), parts[i].data(), parts[i].size(), flags);
-        } while (status < 0 && errno == EINTR);
-        if (status < 0) {
-            return false;
-        }
-    }
-    return true;
 }
 
 }  // namespace hertzline::stream

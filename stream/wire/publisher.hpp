@@ -19,12 +19,14 @@
 
 #include "stream/wire/topics.hpp"
 #include "stream/wire/curve.hpp"
+#include "stream/wire/multipart.hpp"
 #include "stream/wire/peer_quota.hpp"
 #include "stream/wire/subscriptions.hpp"
 #include "stream/wire/zap.hpp"
 
 namespace hertzline::stream {
 
+/// Limits and keys of a publisher.
 struct PublisherOptions {
     /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
     /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
@@ -43,10 +45,13 @@ struct PublisherOptions {
     std::optional<CurveServer> curve{};
 };
 
+/// An XPUB socket that is bound to one endpoint.
 class Publisher {
 public:
-    /// Binds. Throws std::runtime_error that names the endpoint and what is wrong: its text, the address in
-    /// use, no such interface. `topics` are all that will ever be sent.
+    /// Binds.
+    /// @param topics all that will ever be sent
+    /// @throws std::runtime_error that names the endpoint and what is wrong: its text, the address in use, no
+    /// such interface
     explicit Publisher(const std::string& endpoint, std::span<const std::string_view> topics = all_topics,
                        const PublisherOptions& options = {});
 
@@ -68,14 +73,8 @@ public:
     bool send(std::string_view topic, const Parts&... parts) noexcept {
         const std::array<std::span<const std::byte>, 1 + sizeof...(parts)> message{bytes_of(topic),
                                                                                    bytes_of(parts)...};
-        return send_parts(message);
+        return send_parts(socket_, message);
     }
-
-    /// Subscriptions to what we never send, and messages that are no subscriptions.
-    std::uint64_t foreign_subscriptions() const noexcept { return foreign_; }
-    std::uint64_t malformed_subscriptions() const noexcept { return malformed_; }
-    /// Peers that were sent away because they made too many of those.
-    std::uint64_t peers_cut_off() const noexcept { return quota_.cut_off(); }
 
     Security security() const noexcept { return gate_ ? Security::curve : Security::none; }
 
@@ -89,8 +88,6 @@ private:
         static_assert(!std::is_array_v<Part>, "a literal has a NUL at its end: pass a std::string_view");
         return std::as_bytes(std::span(part));
     }
-    bool send_parts(std::span<const std::span<const std::byte>> parts) noexcept;
-
     void set_options(const std::string& endpoint, const PublisherOptions& options);
 
     zmq::context_t context_;
@@ -100,8 +97,6 @@ private:
     PeerQuota quota_{100};  // far more than any client has use for
     std::string endpoint_;
     zmq::message_t incoming_;
-    std::uint64_t foreign_ = 0;
-    std::uint64_t malformed_ = 0;
 };
 
 }  // namespace hertzline::stream

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "stream/wire/endpoint.hpp"
+#include "stream/wire/multipart.hpp"
 
 namespace hertzline::stream {
 
 namespace {
 
-constexpr std::size_t max_parts = 8;
 constexpr std::chrono::hours longest{24};  // milliseconds::max() would overflow the clock
 
 /// What a monitor's event of a failed handshake means for the user.
@@ -118,12 +117,12 @@ const Message* Subscriber::receive(std::chrono::milliseconds timeout) {
     using Clock = std::chrono::steady_clock;
     const Clock::time_point deadline = Clock::now() + std::min<std::chrono::milliseconds>(timeout, longest);
     while (true) {
-        const Received received = receive_parts();
-        if (received == Received::message) {
-            return &message_;
-        }
-        if (received == Received::unusable) {
+        message_.size_ = receive_parts(socket_, message_.parts_);
+        if (message_.size_ > message_.parts_.size()) {
             continue;
+        }
+        if (message_.size_ > 0) {
+            return &message_;
         }
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
         zmq_pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
@@ -131,29 +130,6 @@ const Message* Subscriber::receive(std::chrono::milliseconds timeout) {
             return nullptr;
         }
     }
-}
-
-Subscriber::Received Subscriber::receive_parts() {
-    std::size_t count = 0;
-    bool more = true;
-    while (more) {
-        if (count >= message_.parts_.size() && count < max_parts) {
-            message_.parts_.emplace_back();
-        }
-        // What is beyond the limit is received over the last part: the message must be read to its end.
-        zmq::message_t& part = message_.parts_[count < max_parts ? count : max_parts - 1];
-        int status = 0;
-        do {
-            status = zmq_msg_recv(part.handle(), socket_.handle(), ZMQ_DONTWAIT);
-        } while (status < 0 && errno == EINTR);  // or the message's rest would pass for the next one
-        if (status < 0) {
-            return Received::nothing;  // before the first part only: ZeroMQ delivers messages whole
-        }
-        more = part.more();
-        ++count;
-    }
-    message_.size_ = count;
-    return count <= max_parts ? Received::message : Received::unusable;
 }
 
 }  // namespace hertzline::stream

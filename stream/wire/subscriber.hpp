@@ -1,6 +1,7 @@
 #pragma once
 // The listening end: connects, subscribes, receives whole messages. For one thread.
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -8,7 +9,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include <zmq.hpp>
 
@@ -16,6 +16,7 @@
 
 namespace hertzline::stream {
 
+/// Limits and keys of a subscriber.
 struct SubscriberOptions {
     /// Messages that wait for us before the publisher's queue for us begins to fill.
     int receive_high_water_mark = 4096;
@@ -49,14 +50,16 @@ private:
     static std::string_view text_of(const zmq::message_t& part) noexcept {
         return {static_cast<const char*>(part.data()), part.size()};
     }
-    std::vector<zmq::message_t> parts_{4};  // kept from message to message; size_ of them are in use
+    static constexpr std::size_t max_parts = 8;
+    std::array<zmq::message_t, max_parts> parts_;  // size_ of them are in use
     std::size_t size_ = 0;
 };
 
+/// A connection to one publisher, which is made anew when it breaks.
 class Subscriber {
 public:
-    /// Connects; whether anybody is there shows only when messages arrive. Throws std::runtime_error that
-    /// names the endpoint and what is wrong with it.
+    /// Connects; whether anybody is there shows only when messages arrive.
+    /// @throws std::runtime_error that names the endpoint and what is wrong with it
     explicit Subscriber(const std::string& endpoint, const SubscriberOptions& options = {});
 
     /// Every topic that begins with `prefix` is received from now on.
@@ -74,8 +77,6 @@ public:
 private:
     void set_options(const std::string& endpoint, const SubscriberOptions& options);
     void watch_handshakes();
-    enum class Received { message, nothing, unusable };
-    Received receive_parts();
 
     zmq::context_t context_;
     zmq::socket_t socket_;

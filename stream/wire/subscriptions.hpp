@@ -14,6 +14,7 @@
 
 namespace hertzline::stream {
 
+/// The topics that somebody subscribes to.
 class Subscriptions {
 public:
     /// What a message turned out to be.
@@ -24,7 +25,7 @@ public:
         malformed,     ///< no (un)subscription at all
     };
 
-    /// Topics of 1 to 63 characters; throws std::invalid_argument for others.
+    /// Topics of 1 to 63 characters. @throws std::invalid_argument for others.
     explicit Subscriptions(std::span<const std::string_view> topics);
 
     /// Takes a message of an XPUB socket: byte 1 (subscribe) or 0 (cancel), then the prefix.

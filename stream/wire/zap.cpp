@@ -1,9 +1,11 @@
 #include "stream/wire/zap.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
+#include <span>
 #include <utility>
+
+#include "stream/wire/multipart.hpp"
 
 namespace hertzline::stream {
 
@@ -37,31 +39,12 @@ void ZapHandler::answer_until(const std::stop_token& stop) noexcept {
     while (!stop.stop_requested()) {
         zmq_pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
         if (zmq_poll(&item, 1, nap_ms) > 0) {
-            if (const std::size_t parts = receive_request()) {
+            // A request of more parts is refused for their number.
+            if (const std::size_t parts = receive_parts(socket_, request_)) {
                 reply(verdict(parts));
             }
         }
     }
-}
-
-/// Reads a request to its end. @returns how many parts it had; 0: none came.
-std::size_t ZapHandler::receive_request() noexcept {
-    std::size_t parts = 0;
-    bool more = true;
-    while (more) {
-        // What is beyond the last part goes over it: such a request is refused for their number.
-        zmq::message_t& part = request_[std::min(parts, request_parts - 1)];
-        int status = 0;
-        do {
-            status = zmq_msg_recv(part.handle(), socket_.handle(), ZMQ_DONTWAIT);
-        } while (status < 0 && errno == EINTR);
-        if (status < 0) {
-            return 0;
-        }
-        more = part.more();
-        ++parts;
-    }
-    return parts;
 }
 
 const char* ZapHandler::verdict(std::size_t parts) noexcept {
@@ -82,17 +65,14 @@ const char* ZapHandler::verdict(std::size_t parts) noexcept {
 
 /// Should a part not be sent, ZeroMQ hears no answer and the peer stays outside.
 void ZapHandler::reply(std::string_view status) noexcept {
-    const std::array<std::string_view, 6> parts{version, text_of(request_[id_part]),
-                                                status,  "",   // status text
-                                                "",      ""};  // user, metadata
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        const int flags = ZMQ_DONTWAIT | (i + 1 < parts.size() ? ZMQ_SNDMORE : 0);
-        while (zmq_send(socket_.handle(), parts[i].data(), parts[i].size(), flags) < 0) {
-            if (errno != EINTR) {
-                return;
-            }
-        }
-    }
+    constexpr std::string_view none;
+    const std::array<std::string_view, 6> texts{version, text_of(request_[id_part]),
+                                                status,  none,   // status text
+                                                none,    none};  // user, metadata
+    std::array<std::span<const std::byte>, texts.size()> parts;
+    std::ranges::transform(texts, parts.begin(),
+                           [](std::string_view text) { return std::as_bytes(std::span(text)); });
+    send_parts(socket_, parts);
 }
 
 }  // namespace hertzline::stream

@@ -15,11 +15,12 @@
 
 namespace hertzline::stream {
 
+/// Admits the peers whose public keys are listed.
 class ZapHandler {
 public:
     /// Answers for all sockets of the context, from a thread of its own, until destroyed (which takes at most
-    /// a tenth of a second). To be made before any of them binds. Throws zmq::error_t when the context has a
-    /// handler already.
+    /// a tenth of a second). To be made before any of them binds.
+    /// @throws zmq::error_t when the context has a handler already
     ZapHandler(zmq::context_t& context, std::vector<CurveKey> allowed);
 
     /// Peers that were turned away because their key is not listed.
@@ -30,7 +31,6 @@ private:
                                                      // mechanism, the peer's public key
 
     void answer_until(const std::stop_token& stop) noexcept;
-    std::size_t receive_request() noexcept;
     const char* verdict(std::size_t parts) noexcept;
     void reply(std::string_view status) noexcept;
 

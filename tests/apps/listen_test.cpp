@@ -145,7 +145,7 @@ TEST(Listen, SurvivesANestedMetaBeforeTheFirstFrame) {
     FakeStream stream;
     stream.send_text("meta", R"({"streams": 3})");
     stream.send_text("meta", R"({"streams":)" + std::string(100'000, '[') + std::string(100'000, ']') + "}");
-    expect_account(stream.end(0), 1, {{"ended_by", "no such stream"}});
+    expect_account(stream.end(0), 1, {{"ended_by", "end of run"}, {"messages_malformed", 2}});
 }
 
 TEST(Listen, CtrlCSavesWhatCame) {

@@ -9,7 +9,7 @@
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/npy.hpp"
 #include "stream/recordings/formats/sigmf.hpp"
-#include "stream/recordings/formats/wav.hpp"
+#include "stream/recordings/formats/wav/wav.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace {

@@ -1,14 +1,15 @@
 #pragma once
-// RecordingSet that the tests of every format write and expect back.
+// Recordings that the tests of every format write and expect back.
 
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <memory>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "stream/recordings/columns.hpp"
 #include "stream/recordings/recording.hpp"
 
 namespace hertzline::test {
@@ -27,13 +28,28 @@ inline stream::RecordingHead recording_head(stream::NumberType numbers, int sphe
     return head;
 }
 
-/// Rows that use all bits of their numbers; different for every sample and column.
+/// Columns of these names.
+inline stream::RecordingHead recording_head(const std::vector<std::string>& names, double sample_rate_hz,
+                                            stream::NumberType numbers = stream::NumberType::float64) {
+    stream::RecordingHead head;
+    for (const std::string& name : names) {
+        head.columns.push_back(stream::column_named(name));
+    }
+    head.sample_rate_hz = sample_rate_hz;
+    head.numbers = numbers;
+    head.provenance = {{"version", "1"}, {"scene", {{"chain", {{"spheres", 6}}}}}};
+    return head;
+}
+
+/// Rows that use all bits of their numbers; each is its sample's, whatever the first of them is.
 inline stream::RecordedRows recorded_rows(const stream::RecordingHead& head, std::int64_t first,
                                           std::size_t rows) {
     stream::RecordedRows made{first, {}};
-    for (std::size_t i = 0; i < rows * head.columns.size(); ++i) {
-        const double value = std::sin(static_cast<double>(first) + 0.7 * static_cast<double>(i)) *
-                             std::pow(10.0, -static_cast<double>(i % 20));
+    const std::size_t columns = head.columns.size();
+    for (std::size_t i = 0; i < rows * columns; ++i) {
+        const auto sample = static_cast<double>(first + static_cast<std::int64_t>(i / columns));
+        const double value = std::sin(sample + 0.7 * static_cast<double>(i % columns)) *
+                             std::pow(10.0, -static_cast<double>(i % columns % 20));
         made.values.push_back(head.numbers == stream::NumberType::float32 ? static_cast<float>(value)
                                                                           : value);
     }
@@ -61,6 +77,18 @@ inline std::vector<stream::RecordedRows> read_rows(stream::RecordingReader& read
         }
     }
     return all;
+}
+
+/// Bytes of a file.
+inline std::string contents(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+inline void write_text(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
 }
 
 }  // namespace hertzline::test

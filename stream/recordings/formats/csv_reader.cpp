@@ -7,10 +7,11 @@
 #include <fmt/format.h>
 
 #include "core/scene/text.hpp"
+#include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
-#include "stream/recordings/checked_writer.hpp"
+#include "stream/json_from_outside.hpp"
+#include "stream/recordings/columns.hpp"
 #include "stream/recordings/formats/csv.hpp"
-#include "stream/recordings/row_builder.hpp"
 
 namespace hertzline::stream {
 

@@ -10,10 +10,13 @@
 
 #include <fmt/format.h>
 
+#include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
 #include "stream/files/output_file.hpp"
+#include "stream/json_from_outside.hpp"
 #include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/npy_header.hpp"
+#include "stream/recordings/recording_head.hpp"
 
 namespace hertzline::stream {
 namespace {

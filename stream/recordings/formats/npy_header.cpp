@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
-#include "stream/recordings/checked_writer.hpp"
 
 namespace hertzline::stream {
 namespace {

@@ -11,12 +11,14 @@ namespace hertzline::stream {
 
 class InputFile;
 
+/// A field of a structured array.
 struct NpyField {
     std::string name;
     std::string type;  ///< "<f8"
     bool operator==(const NpyField&) const = default;
 };
 
+/// The type, order and shape of an array.
 struct NpyHeader {
     std::vector<NpyField> fields;  ///< of a structured array; a plain one has a single field without a name
     std::vector<std::uint64_t> shape;
@@ -28,7 +30,7 @@ struct NpyHeader {
 /// Names and types are written as they are: nothing in them may need escaping.
 std::string npy_header(const NpyHeader& header);
 
-/// Reads a header and leaves the file at the array's first byte. Throws std::runtime_error with path and
+/// Reads a header and leaves the file at the array's first byte. @throws std::runtime_error with path and
 /// place.
 NpyHeader read_npy_header(InputFile& file);
 

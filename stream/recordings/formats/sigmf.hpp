@@ -20,6 +20,7 @@ namespace hertzline::stream {
 inline constexpr std::string_view sigmf_meta_ending = ".sigmf-meta";
 inline constexpr std::string_view sigmf_data_ending = ".sigmf-data";
 
+/// The two files of a SigMF recording.
 struct SigmfPaths {
     std::filesystem::path meta;
     std::filesystem::path data;

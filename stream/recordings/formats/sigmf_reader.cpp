@@ -5,11 +5,13 @@
 #include <fmt/format.h>
 
 #include "core/scene/text.hpp"
+#include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
+#include "stream/float32.hpp"
+#include "stream/json_from_outside.hpp"
 #include "stream/recordings/captures.hpp"
-#include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/sigmf.hpp"
-#include "stream/wire/frame_codec.hpp"
+#include "stream/recordings/recording_head.hpp"
 
 namespace hertzline::stream {
 

@@ -4,12 +4,13 @@
 #include <fmt/format.h>
 
 #include "core/scene/text.hpp"
+#include "stream/files/errors.hpp"
 #include "stream/files/growing_file.hpp"
 #include "stream/files/output_file.hpp"
+#include "stream/float32.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/sigmf.hpp"
-#include "stream/wire/frame_codec.hpp"
 
 namespace hertzline::stream {
 

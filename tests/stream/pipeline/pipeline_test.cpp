@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/step_choice/resolve.hpp"
+#include "stream/float32.hpp"
 #include "stream/sources/simulation_source.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"
@@ -28,7 +29,7 @@ Scene repeated_bursts() {
     return resolve(scene).scene;
 }
 
-StreamOptions plan(Pace pace, std::int64_t samples, StreamStart start) {
+StreamOptions options(Pace pace, std::int64_t samples, StreamStart start) {
     return {.about = {{"version", "test"}}, .pace = pace, .samples = samples, .start = start};
 }
 
@@ -91,7 +92,7 @@ struct Stream {
 
 TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
     constexpr std::int64_t samples = 20'500;  // the last frame is a short one
-    Stream stream(plan(Pace::flat_out(), samples, StreamStart::with_first_subscriber));
+    Stream stream(options(Pace::flat_out(), samples, StreamStart::with_first_subscriber));
     Listener listener(stream.publisher.endpoint(), {Tap::v_out, Tap::v_last, Tap::v_plate, Tap::v_chain});
     const StreamMeters meters = stream.run();
     listener.join();
@@ -114,7 +115,7 @@ TEST(Pipeline, TheSimulatingThreadAllocatesNothing) {
     if (HERTZLINE_ALLOCATIONS_ARE_COUNTED == 0) {
         GTEST_SKIP() << "sanitizers bring an allocator of their own";
     }
-    Stream stream(plan(Pace::flat_out(), 300'000, StreamStart::with_first_subscriber));
+    Stream stream(options(Pace::flat_out(), 300'000, StreamStart::with_first_subscriber));
     Listener listener(stream.publisher.endpoint(), {Tap::v_out, Tap::v_chain});
     const AllocationsOfThread simulating(simulating_thread_name);
     EXPECT_EQ(stream.run().samples, 300'000);
@@ -125,7 +126,7 @@ TEST(Pipeline, TheSimulatingThreadAllocatesNothing) {
 TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
     // ten times slower than real time, so that this machine's load does not matter; the sender sleeps longer
     // than the ring lasts
-    Stream stream(plan(Pace::factor(0.1), 2'000'000, StreamStart::with_first_subscriber));
+    Stream stream(options(Pace::factor(0.1), 2'000'000, StreamStart::with_first_subscriber));
     Listener listener(stream.publisher.endpoint(), {Tap::v_out});
     bool stalled = false;
     const StreamMeters meters = stream.run([&](const StreamMeters& now) {
@@ -152,7 +153,7 @@ TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
 }
 
 TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
-    StreamOptions patient = plan(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
+    StreamOptions patient = options(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
     patient.on_overrun = OnOverrun::wait;
     Stream stream(std::move(patient));
     Listener listener(stream.publisher.endpoint(), {Tap::v_out});
@@ -188,7 +189,7 @@ std::uint64_t lost_by_a_visitor(const std::string& endpoint, std::uint64_t frame
 
 TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
     // Slow enough for this machine's load not to matter. The ring lasts 50 ms: 50 frames.
-    Stream stream(plan(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once));
+    Stream stream(options(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once));
     std::thread visitors([&] {
         for (int visit = 0; visit < 5; ++visit) {
             EXPECT_EQ(lost_by_a_visitor(stream.publisher.endpoint(), 3), 0U);
@@ -202,7 +203,7 @@ TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
 }
 
 TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
-    Stream stream(plan(Pace::flat_out(), 10'000, StreamStart::at_once));
+    Stream stream(options(Pace::flat_out(), 10'000, StreamStart::at_once));
     const StreamMeters meters = stream.run();
     EXPECT_EQ(meters.samples, 10'000);
     Simulation simulation(stream.scene);
@@ -211,7 +212,7 @@ TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
 }
 
 TEST(Pipeline, StopsWhenAsked) {
-    Stream stream(plan(Pace::realtime(), std::int64_t{1} << 50, StreamStart::at_once));
+    Stream stream(options(Pace::realtime(), std::int64_t{1} << 50, StreamStart::at_once));
     const StreamMeters meters = stream.run([&](const StreamMeters& now) { stream.stop = now.frames > 0; });
     EXPECT_GT(meters.frames, 0);
     EXPECT_LT(meters.samples, std::int64_t{1} << 40);

@@ -118,13 +118,7 @@ TEST(Producer, StopsWhileItWaitsForASlotAndBeforeItBegan) {
     EXPECT_TRUE(full.finished());
 }
 
-TEST(ThreadOptions, AProcessorThatDoesNotExistIsNamedWithThoseThatDo) {
-    EXPECT_FALSE(cpu_fault(0));
-    ASSERT_TRUE(cpu_fault(-1));
-    EXPECT_EQ(cpu_fault(100'000)->rfind("found 100000, allowed: 0 to ", 0), 0U) << *cpu_fault(100'000);
-}
-
-TEST(ThreadOptions, WhatTheSystemRefusesIsToldAndTheStreamGoesOn) {
+TEST(Producer, TellsWhichThreadOptionsTheSystemRefusesAndGoesOn) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
     Producer producer(source, pacer, slots, 1000, OnOverrun::wait);

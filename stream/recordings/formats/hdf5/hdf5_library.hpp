@@ -1,5 +1,5 @@
 #pragma once
-// The C library behind hdf5.cpp: its handles, its errors, and that it may be entered by one thread at a time.
+// The HDF5 library: its handles, its errors, and that it may be entered by one thread at a time.
 
 #include <filesystem>
 #include <mutex>
@@ -32,7 +32,7 @@ private:
 /// Why the library's last call failed: the system's reason where there is one ("No space left on device").
 std::string hdf5_reason();
 
-/// What a call returned; throws std::runtime_error with the reason when it failed.
+/// What a call returned. @throws std::runtime_error with the reason when it failed.
 template <class Result>
 Result hdf5(Result result) {
     if (result < 0) {
@@ -47,7 +47,7 @@ public:
     using Close = herr_t (*)(hid_t);
 
     Hdf5Object() = default;
-    /// Takes what a call returned; throws like hdf5().
+    /// Takes what a call returned. @throws std::runtime_error as hdf5() does.
     Hdf5Object(hid_t id, Close closing) : id_(hdf5(id)), close_(closing) {}
     Hdf5Object(Hdf5Object&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
     Hdf5Object& operator=(Hdf5Object&& other) noexcept {
@@ -64,7 +64,7 @@ public:
     hid_t id() const noexcept { return id_; }
     explicit operator bool() const noexcept { return id_ >= 0; }
 
-    /// Closes now; throws when that fails.
+    /// Closes now. @throws std::runtime_error when that fails.
     void close() {
         if (id_ >= 0) {
             hdf5(close_(id_));

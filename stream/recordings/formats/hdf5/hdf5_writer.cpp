@@ -7,11 +7,13 @@
 
 #include <fmt/format.h>
 
+#include "stream/files/errors.hpp"
 #include "stream/files/staged_file.hpp"
 #include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_layout.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_library.hpp"
+#include "stream/recordings/recording_head.hpp"
 
 namespace hertzline::stream {
 namespace {

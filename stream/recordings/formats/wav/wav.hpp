@@ -1,5 +1,5 @@
 #pragma once
-// RecordingSet as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice.
+// Recordings as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice.
 //
 // WAV has no place for most of what a recording's head says. An own chunk, "hzln", before the samples holds
 // it as JSON: columns with units, rate and provenance. Nor has it a place for a gap: samples after one follow

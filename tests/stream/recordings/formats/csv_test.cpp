@@ -10,7 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/support/recording_checks.hpp"
+#include "tests/support/error_of.hpp"
+#include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -102,12 +103,6 @@ TEST(Csv, AFullDiskIsToldOfWithPathAndReason) {
     const auto large = open_csv_writer("/dev/full", recording_head({"v"}, 1));
     EXPECT_THAT(error_of([&] { large->write(0, std::vector<double>(100'000, 0.1)); }),
                 HasSubstr("No space left"));
-}
-
-TEST(CsvReader, GivesBackTheSameBitsAndTheGaps) {
-    const TemporaryFolder folder;
-    expect_round_trip(folder.file("a.csv"), NumberType::float64);
-    expect_round_trip(folder.file("b.csv"), NumberType::float32);
 }
 
 TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {

@@ -1,4 +1,4 @@
-#include "stream/recordings/formats/wav.hpp"
+#include "stream/recordings/formats/wav/wav.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -45,7 +45,7 @@ TEST_F(Wav, SaysWhatItCannotHold) {
     RecordingHead head = test::recording_head(NumberType::float32);
     head.sample_rate_hz = 10e6 / 3;
     EXPECT_THAT(refusal(head),
-                HasSubstr("a sample rate of 3333333.3333333335 Hz, a WAV holds whole numbers"));
+                HasSubstr("found a sample rate of 3333333.3333333335 Hz, allowed in WAV: integers"));
     head.sample_rate_hz = 3e9;
     EXPECT_THAT(refusal(head), HasSubstr("up to 2147483647"));
     head = test::recording_head(NumberType::float32, 27);
@@ -54,10 +54,10 @@ TEST_F(Wav, SaysWhatItCannotHold) {
     EXPECT_EQ(refusal(head), "");
     head = test::recording_head(NumberType::float32, 600);
     head.sample_rate_hz = 1e3;
-    EXPECT_THAT(refusal(head), HasSubstr("1202 columns, a WAV holds 1024"));
+    EXPECT_THAT(refusal(head), HasSubstr("found 1202 columns, allowed in WAV: at most 1024"));
     head = test::recording_head(NumberType::float32);
     head.provenance["scene"] = std::string(60'000, 's');
-    EXPECT_THAT(refusal(head), HasSubstr("a WAV has room for 49152"));
+    EXPECT_THAT(refusal(head), HasSubstr("allowed in WAV: 49152"));
     EXPECT_TRUE(fs::is_empty(fs::path(file).parent_path()));
 }
 
@@ -90,7 +90,7 @@ TEST_F(Wav, IsCompletedBeforeAGapThatItCannotNote) {
     }
     EXPECT_GT(gaps, 80);
     EXPECT_EQ(message, file + " ends before sample " + std::to_string(1'000'000 * gaps) +
-                           ": a WAV has no room to note one more gap");
+                           ": a WAV has no room for another gap");
     EXPECT_THROW(writer->commit(), std::runtime_error);
     const auto read = test::read_rows(*open_wav_reader(file));
     ASSERT_EQ(static_cast<std::int64_t>(read.size()), gaps);

@@ -1,4 +1,4 @@
-#include "stream/pipeline/stream_options.hpp"
+#include "stream/pipeline/stream_messages.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 
 }  // namespace
 
-std::string meta_json(const StreamOptions& plan, const StreamFormat& format, const std::string& run_id) {
+std::string meta_json(const StreamOptions& options, const StreamFormat& format) {
     Json streams = Json::array();
     for (const Tap tap : format.taps) {
         const TapRow& row = row_of(tap);
@@ -24,11 +24,11 @@ std::string meta_json(const StreamOptions& plan, const StreamFormat& format, con
                            {"fs", format.sample_rate_hz},
                            {"dtype", "<f4"}});
     }
-    Json meta = plan.about;
-    meta.update(Json{{"run", run_id},
+    Json meta = options.about;
+    meta.update(Json{{"run", options.run},
                      {"fs", format.sample_rate_hz},
                      {"frame_samples", format.frame_samples},
-                     {"pace", plan.pace.is_flat_out() ? Json("flat-out") : Json(plan.pace.times())},
+                     {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
                      {"streams", streams},
                      {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}}});
     return meta.dump();
@@ -54,8 +54,8 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
     }
 }
 
-std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run_id) {
-    Json json{{"run", run_id}};
+std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run) {
+    Json json{{"run", run}};
     add_stream_members(json, meters, taps);
     json["dropped"] = meters.dropped_frames;
     json["ring_fill"] = meters.ring_fill;

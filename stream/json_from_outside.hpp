@@ -1,0 +1,14 @@
+#pragma once
+// JSON from files and messages of others, which may be anything.
+
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+namespace hertzline::stream {
+
+/// Parses JSON that is not trusted.
+/// @throws std::runtime_error when it is not JSON, or nested so deep that following it would exhaust the stack
+nlohmann::ordered_json json_from_outside(std::string_view text);
+
+}  // namespace hertzline::stream

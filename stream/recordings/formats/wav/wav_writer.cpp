@@ -1,0 +1,166 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "stream/files/errors.hpp"
+#include "stream/files/staged_file.hpp"
+#include "stream/files/write_all.hpp"
+#include "stream/recordings/checked_writer.hpp"
+#include "stream/recordings/formats/wav/wav.hpp"
+#include "stream/recordings/formats/wav/wav_library.hpp"
+#include "stream/recordings/recording_head.hpp"
+
+namespace hertzline::stream {
+namespace {
+
+constexpr std::size_t max_columns = 1024;        // libsndfile's
+constexpr std::size_t max_comment_bytes = 2040;  // libsndfile 1.2 reads back no longer one
+
+/// The file that libsndfile writes to. Through these functions and not by its own, because sf_close() writes,
+/// too, and does not say when that fails.
+struct Output {
+    StagedFile file;
+    int failure = 0;  // errno of the first error
+
+    static Output& of(void* user) { return *static_cast<Output*>(user); }
+
+    static sf_count_t length(void* user) {
+        struct stat status {};
+        return ::fstat(of(user).file.descriptor(), &status) == 0 ? status.st_size : -1;
+    }
+    static sf_count_t seek(sf_count_t offset, int whence, void* user) {
+        return ::lseek(of(user).file.descriptor(), offset, whence);
+    }
+    static sf_count_t tell(void* user) { return seek(0, SEEK_CUR, user); }
+    static sf_count_t read(void* bytes, sf_count_t size, void* user) {
+        return ::read(of(user).file.descriptor(), bytes, static_cast<std::size_t>(size));
+    }
+    static sf_count_t write(const void* bytes, sf_count_t size, void* user) {
+        const std::span from(static_cast<const std::byte*>(bytes), static_cast<std::size_t>(size));
+        const int error = write_all(of(user).file.descriptor(), from);
+        of(user).failure = of(user).failure == 0 ? error : of(user).failure;
+        return error == 0 ? size : 0;
+    }
+};
+
+class WavWriter final : public CheckedWriter {
+public:
+    WavWriter(const std::filesystem::path& path, const RecordingHead& head)
+        : CheckedWriter(path, as_float32(head)), output_{{path, StagedFile::Devices::refused}} {
+        require_possible();
+        SF_INFO info{};
+        info.samplerate = static_cast<int>(head.sample_rate_hz);
+        info.channels = static_cast<int>(head.columns.size());
+        info.format = SF_FORMAT_RF64 | SF_FORMAT_FLOAT;
+        SF_VIRTUAL_IO functions{Output::length, Output::seek, Output::read, Output::write, Output::tell};
+        sound_.reset(sf_open_virtual(&functions, SFM_WRITE, &info, &output_));
+        if (sound_ == nullptr) {
+            cannot_write(path, sf_strerror(nullptr));
+        }
+        sf_command(sound_.get(), SFC_RF64_AUTO_DOWNGRADE, nullptr, SF_TRUE);
+        sf_set_string(sound_.get(), SF_STR_SOFTWARE, "hertzline");
+        set_description();
+    }
+
+private:
+    static RecordingHead as_float32(RecordingHead head) {
+        head.numbers = NumberType::float32;
+        return head;
+    }
+
+    void require_possible() const {
+        const double rate = head().sample_rate_hz;
+        const std::size_t columns = head().columns.size();
+        constexpr double largest = std::numeric_limits<std::int32_t>::max();
+        if (rate != std::floor(rate) || rate > largest) {
+            cannot_write(path(),
+                         fmt::format("found a sample rate of {} Hz, allowed in WAV: integers up to {}", rate,
+                                     largest));
+        }
+        if (columns > max_columns) {
+            cannot_write(path(),
+                         fmt::format("found {} columns, allowed in WAV: at most {}", columns, max_columns));
+        }
+        if (const double bytes = rate * static_cast<double>(columns * sizeof(float)); bytes > largest) {
+            cannot_write(path(), fmt::format("{} columns of {} Hz are {} bytes a second, allowed in WAV: {}",
+                                             columns, rate, bytes, largest));
+        }
+    }
+
+    void set_description() {
+        std::string text = text_of(describe(head()));
+        text.resize((text.size() + 3) / 4 * 4, ' ');  // libsndfile writes whole words, read from here
+        if (text.size() > max_wav_description_bytes) {
+            cannot_write(path(),
+                         fmt::format("columns and provenance are {} bytes of text, allowed in WAV: {}",
+                                     text.size(), max_wav_description_bytes));
+        }
+        SF_CHUNK_INFO chunk{};
+        std::ranges::copy(wav_chunk, chunk.id);
+        chunk.id_size = wav_chunk.size();
+        chunk.datalen = static_cast<unsigned>(text.size());
+        chunk.data = text.data();
+        if (sf_set_chunk(sound_.get(), &chunk) != SF_ERR_NO_ERROR) {
+            cannot_write(path(), sf_strerror(sound_.get()));
+        }
+    }
+
+    void begin_capture(Capture capture) override {
+        const std::string text =
+            fmt::format("{}[{},{}]", captures_.empty() ? "" : ",", capture.row, capture.sample);
+        if (comment(captures_ + text).size() > max_comment_bytes) {
+            finish();
+            throw std::runtime_error(
+                fmt::format("{} ends before sample {}: a WAV has no room for another gap", path().string(),
+                            capture.sample));
+        }
+        captures_ += text;
+    }
+
+    std::string comment(const std::string& captures) const {
+        return fmt::format(R"({{"rows":{},"captures":[{}]}})", rows(), captures.empty() ? "[0,0]" : captures);
+    }
+
+    void append(std::int64_t, std::span<const double> values) override {
+        samples_.assign(values.begin(), values.end());
+        sf_write_float(sound_.get(), samples_.data(), static_cast<sf_count_t>(samples_.size()));
+        require_written();
+    }
+
+    void finish() override {
+        if (sf_set_string(sound_.get(), SF_STR_COMMENT, comment(captures_).c_str()) != SF_ERR_NO_ERROR) {
+            cannot_write(path(), sf_strerror(sound_.get()));
+        }
+        sound_.reset();
+        require_written();
+        output_.file.commit();
+    }
+
+    void require_written() {
+        if (output_.failure != 0) {
+            output_.file.fail(output_.failure);
+        }
+        if (sound_ != nullptr && sf_error(sound_.get()) != SF_ERR_NO_ERROR) {
+            cannot_write(path(), sf_strerror(sound_.get()));
+        }
+    }
+
+    Output output_;
+    SoundFile sound_;  // closed before the output
+    std::string captures_;
+    std::vector<float> samples_;
+};
+
+}  // namespace
+
+std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& path,
+                                                 const RecordingHead& head) {
+    return std::make_unique<WavWriter>(path, head);
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,42 @@
+#pragma once
+// Waiting for what comes over real sockets. It is bounded and generous: it decides only how long a failing test
+// takes.
+
+#include <chrono>
+#include <cstddef>
+#include <string_view>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "stream/wire/publisher.hpp"
+
+namespace hertzline::test {
+
+/// How long a test waits that fails.
+inline constexpr std::chrono::seconds patience{20};
+
+/// Tries until the condition holds; false when it does not in good time.
+template <class Condition>
+bool eventually(Condition condition) {
+    const auto end = std::chrono::steady_clock::now() + patience;
+    while (!condition()) {
+        if (std::chrono::steady_clock::now() > end) {
+            return false;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return true;
+}
+
+/// Waits until the topic is wanted; the subscriptions that came.
+inline std::size_t subscriptions_until_wanted(stream::Publisher& publisher, std::string_view topic) {
+    std::size_t count = 0;
+    EXPECT_TRUE(eventually([&] {
+        count += publisher.poll_subscriptions();
+        return publisher.wanted(topic);
+    }));
+    return count;
+}
+
+}  // namespace hertzline::test
