@@ -88,7 +88,7 @@ struct Program {
 };
 
 Scene streamed_scene() {
-    return resolve(*parse_scene(find_shipped_scene(scene_name)->text, scene_name).scene).scene;
+    return resolve(parse_scene(find_shipped_scene(scene_name)->text, scene_name)->scene).scene;
 }
 
 const std::vector<double>& column(const Samples& samples, Tap tap) {

@@ -1,6 +1,5 @@
 #pragma once
-// The words that stand for the choices of a Scene, in scene files and in messages. A new choice is one word
-// here.
+// The words for the choices of a Scene, in scene files and in messages. A new choice is one word here.
 
 #include <algorithm>
 #include <array>
