@@ -149,8 +149,7 @@ void Listening::take_frame(const stream::Message& message) {
         note_malformed(fmt::format("{} parts after the topic", message.parts()));
         return;
     }
-    const stream::Expected<stream::FrameHeader> header =
-        stream::decode_header(message.text(0), message.bytes(1).size());
+    const auto header = stream::decode_header(message.text(0), message.bytes(1).size());
     if (!header) {
         note_malformed(header.error());
         return;

@@ -9,7 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "stream/expected.hpp"
+#include <tl/expected.hpp>
+
 #include "stream/wire/frame.hpp"
 
 namespace hertzline::stream {
@@ -28,7 +29,7 @@ void encode_header(const FrameHeader& header, std::string& json);
 
 /// Reads a header, or says what is wrong with it. Never throws on bad input. `payload_bytes` is the size of
 /// the part that follows and must be n * channels * 4. Unknown keys are ignored.
-Expected<FrameHeader> decode_header(std::string_view json, std::size_t payload_bytes);
+tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std::size_t payload_bytes);
 
 /// Writes samples as float32 to `out` (as many as `samples`). Returns how many of them no finite float32
 /// can hold: NaN, infinite, or beyond 3.4e38; those are written as NaN. A frame with such samples says
