@@ -16,9 +16,8 @@ struct ToJson {
     Json& scene;
 
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const Member& member, const Allowed&) const {
-        const std::size_t dot = key.find('.');
-        scene[std::string(key.substr(0, dot))][std::string(key.substr(dot + 1))] = value(member);
+    void operator()(const fields::Key& key, const Member& member, const Allowed&) const {
+        scene[std::string(key.section)][std::string(key.name)] = value(member);
     }
 
     template <class T>
@@ -37,13 +36,13 @@ struct ToJson {
 
 Json material_json(const Material& material) {
     Json json = Json::object();
-    const auto add = [&](std::string_view key, double number, const auto&) {
-        json[std::string(key)] = number;
+    const auto add = [&](const fields::Key& key, double number, const auto&) {
+        json[std::string(key.name)] = number;
     };
     if (const auto* solid = std::get_if<Solid>(&material)) {
-        fields::visit_solid(*solid, add);
+        fields::visit_solid(*solid, "materials", add);
     } else {
-        fields::visit_fluid(std::get<Fluid>(material), add);
+        fields::visit_fluid(std::get<Fluid>(material), "materials", add);
     }
     return json;
 }

@@ -1,5 +1,7 @@
 #include "apps/arguments/curve_arguments.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -13,9 +15,9 @@ namespace {
 
 /// What was read, or another line of faults.
 template <class T>
-T value_or_fault(const stream::Expected<T>& read, const char* option, std::string& faults) {
+T value_or_fault(tl::expected<T, std::string> read, const char* option, std::string& faults) {
     if (read) {
-        return *read;
+        return *std::move(read);
     }
     faults += (faults.empty() ? "" : "\n") + std::string(option) + ": " + read.error();
     return T{};

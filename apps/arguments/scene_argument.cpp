@@ -14,6 +14,7 @@
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
+#include "core/scene/toml_entries.hpp"
 #include "core/simulation.hpp"
 #include "stream/resources.hpp"
 
@@ -22,8 +23,6 @@ namespace hertzline::app {
 namespace fs = std::filesystem;
 
 namespace {
-
-constexpr std::size_t largest_file = 65'536;  // as parse_scene() allows
 
 struct SceneText {
     std::string origin;  // as messages call it
@@ -52,14 +51,14 @@ std::string read_text(const std::string& name) {
     if (file == nullptr) {
         refuse_file(name, errno);
     }
-    std::string text(largest_file + 1, '\0');
+    std::string text(max_scene_bytes + 1, '\0');
     text.resize(std::fread(text.data(), 1, text.size(), file.get()));
     if (std::ferror(file.get()) != 0) {
         refuse_file(name, errno);
     }
-    if (text.size() > largest_file) {
+    if (text.size() > max_scene_bytes) {
         throw WrongUse(fmt::format("{}: found more than {} bytes, allowed: at most {} bytes", printable(name),
-                                   largest_file, largest_file));
+                                   max_scene_bytes, max_scene_bytes));
     }
     return text;
 }
@@ -82,10 +81,10 @@ SceneText find_text(const std::string& name) {
     return {printable(name), read_text(name)};
 }
 
-[[noreturn]] void refuse_scene(const std::vector<Problem>& problems) {
+[[noreturn]] void refuse_scene(const std::vector<Fault>& faults) {
     std::string text;
-    for (const Problem& problem : problems) {
-        text += (text.empty() ? "" : "\n") + problem.message();
+    for (const Fault& fault : faults) {
+        text += (text.empty() ? "" : "\n") + fault.message();
     }
     throw WrongUse(text);
 }
@@ -115,21 +114,20 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
 
 ResolvedScene resolved_scene(const SceneRequest& request) {
     const SceneText source = find_text(request.scene);
-    const SceneResult parsed = parse_scene(source.text, source.origin, request.settings);
+    const auto parsed = parse_scene(source.text, source.origin, request.settings);
     if (!parsed) {
-        refuse_scene(parsed.problems);
+        refuse_scene(parsed.error());
     }
     if (const auto shortage = stream::memory_shortage("simulating " + source.origin,
-                                                      Simulation::memory_bytes(*parsed.scene, {}))) {
+                                                      Simulation::memory_bytes(parsed->scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    ResolvedScene resolved = hertzline::resolve(*parsed.scene);
+    ResolvedScene resolved = hertzline::resolve(parsed->scene);
     if (!resolved.faults.empty()) {
-        std::vector<Problem> problems;
-        for (const Fault& fault : resolved.faults) {
-            problems.push_back(parsed.placed(fault));
+        for (Fault& fault : resolved.faults) {
+            fault = parsed->placed(fault);
         }
-        refuse_scene(problems);
+        refuse_scene(resolved.faults);
     }
     warn_of_missed_accuracy(source.origin, resolved);
     return resolved;

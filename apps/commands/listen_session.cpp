@@ -196,8 +196,7 @@ void ListenSession::take_frame(const stream::Message& message) {
         note_malformed(fmt::format("found {} parts after the topic, expected 2", message.parts()));
         return;
     }
-    const stream::Expected<stream::FrameHeader> header =
-        stream::decode_header(message.text(0), message.bytes(1).size());
+    const auto header = stream::decode_header(message.text(0), message.bytes(1).size());
     if (!header) {
         note_malformed(header.error());
         return;

@@ -122,7 +122,7 @@ std::optional<stream::CurveServer> checked_curve(const PublishRequest& request) 
     if (const auto fault = request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt) {
         throw WrongUse("--cpu: " + *fault);
     }
-    if (const stream::Expected<stream::Pace> pace = stream::parse_pace(request.pace); !pace) {
+    if (const auto pace = stream::parse_pace(request.pace); !pace) {
         throw WrongUse("--pace: " + pace.error());
     }
     return curve_of(request.curve, request.endpoint);

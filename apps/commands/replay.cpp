@@ -84,8 +84,8 @@ Exit replay(const ReplayArguments& arguments) {
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
-    if (const auto shortage = stream::memory_shortage(
-            "replaying " + arguments.file, stream::ring_bytes(source.format(), options.pace))) {
+    if (const auto shortage = stream::memory_shortage("replaying " + arguments.file,
+                                                      stream::ring_bytes(source.format(), options.pace))) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();

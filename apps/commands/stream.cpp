@@ -43,9 +43,8 @@ struct StreamArguments {
 
 void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
                       const stream::StreamOptions& options) {
-    const double memory =
-        stream::SimulationSource::memory_bytes(scene) +
-        stream::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
+    const double memory = stream::SimulationSource::memory_bytes(scene) +
+                          stream::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }

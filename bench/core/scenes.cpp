@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     std::printf("%s\n%-22s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernels::kernel_target(), "scene",
                 "method", "spheres", "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
     for (const ShippedScene& shipped : shipped_scenes()) {
-        const Scene scene = resolve(*parse_scene(shipped.text, shipped.name).scene).scene;
+        const Scene scene = resolve(parse_scene(shipped.text, shipped.name)->scene).scene;
         const double rate = scene.output.sample_rate_hz;
         const auto samples = static_cast<std::int64_t>(scene.output.duration_s * rate) + 1;
         const bench::Timing timing = bench::time_run(scene, samples);

@@ -34,7 +34,7 @@ struct Comparison {
 };
 
 Scene shipped(const char* name, const std::function<void(Scene&)>& change = {}) {
-    Scene scene = *parse_scene(find_shipped_scene(name)->text, name).scene;
+    Scene scene = parse_scene(find_shipped_scene(name)->text, name)->scene;
     if (change) {
         change(scene);
     }

@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
         const bench::Arguments arguments(argc, argv);
         const double seconds = arguments.words.empty() ? 10 : std::stod(arguments.words[0]);
         const Scene scene =
-            resolve(*parse_scene(find_shipped_scene(scene_name)->text, scene_name).scene).scene;
+            resolve(parse_scene(find_shipped_scene(scene_name)->text, scene_name)->scene).scene;
         std::printf("%-8s %10s %8s %10s %10s %10s %10s\n", "stream", "frames", "missing", "min/ms", "p50/ms",
                     "p99/ms", "max/ms");
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();

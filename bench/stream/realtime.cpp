@@ -89,7 +89,7 @@ struct Program {
 };
 
 Scene streamed_scene() {
-    return resolve(*parse_scene(find_shipped_scene(scene_name)->text, scene_name).scene).scene;
+    return resolve(parse_scene(find_shipped_scene(scene_name)->text, scene_name)->scene).scene;
 }
 
 /// What is subscribed to, in this order.

@@ -14,6 +14,7 @@ namespace {
 
 using fields::Bounds;
 using fields::Count;
+using fields::Key;
 using fields::MaterialSort;
 using fields::OneOf;
 using fields::Range;
@@ -23,8 +24,8 @@ bool is_of(MaterialSort sort, const Material& material) {
 }
 
 bool is_material_name(std::string_view name) {
-    constexpr std::size_t longest = 64;
-    return is_bare_key(name) && name.size() <= longest;
+    constexpr std::size_t max_length = 64;
+    return is_bare_key(name) && name.size() <= max_length;
 }
 
 // The names of all materials of that sort that the scene can use.
@@ -45,41 +46,41 @@ std::vector<std::string> names_of(const Scene& scene, MaterialSort sort) {
 
 // The names as a message shows them: a scene may have a thousand materials of its own.
 std::string listed(std::span<const std::string> names) {
-    constexpr std::size_t most = 16;
-    return comma_separated(names.first(std::min(most, names.size()))) + (names.size() > most ? ", ..." : "");
+    constexpr std::size_t max_listed = 16;
+    return comma_separated(names.first(std::min(max_listed, names.size()))) +
+           (names.size() > max_listed ? ", ..." : "");
 }
 
 // Visits the fields and notes what is wrong with each value on its own.
 struct FieldCheck {
     const Scene& scene;
-    std::string section;  // "materials.NAME." where the visited keys lack it
     std::vector<Fault>& faults;
 
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) const {
+    void operator()(const Key& key, const std::optional<Member>& member, const Allowed& allowed) const {
         if (member) {
             (*this)(key, *member, allowed);
         }
     }
-    void operator()(std::string_view key, double value, const Range& range) const {
-        const bool inside = range.bounds == Bounds::included ? value >= range.least && value <= range.most
-                                                             : value > range.least && value < range.most;
+    void operator()(const Key& key, double value, const Range& range) const {
+        const bool inside = range.bounds == Bounds::included ? value >= range.min && value <= range.max
+                                                             : value > range.min && value < range.max;
         if (!inside) {  // also when the value is not a number
             note(key, number_text(value), allowed_text(range));
         }
     }
-    void operator()(std::string_view key, std::int64_t value, const Count& count) const {
-        if (value < count.least || value > count.most) {
+    void operator()(const Key& key, std::int64_t value, const Count& count) const {
+        if (value < count.min || value > count.max) {
             note(key, number_text(value), allowed_text(count));
         }
     }
     template <class Choice>
-    void operator()(std::string_view key, Choice value, OneOf<Choice> words) const {
+    void operator()(const Key& key, Choice value, OneOf<Choice> words) const {
         if (word(value).empty()) {
             note(key, number_text(static_cast<std::int64_t>(value)), allowed_text(words));
         }
     }
-    void operator()(std::string_view key, const std::string& name, MaterialSort sort) const {
+    void operator()(const Key& key, const std::string& name, MaterialSort sort) const {
         const Material* material = find_material(scene, name);
         if (material != nullptr && is_of(sort, *material)) {
             return;
@@ -89,15 +90,15 @@ struct FieldCheck {
         note(key, quoted_briefly(name) + (material == nullptr ? "" : std::string(", ") + other),
              allowed_text(sort) + ": " + listed(names) + suggestion(name, names));
     }
-    void note(std::string_view key, std::string found, std::string allowed) const {
-        faults.push_back({section + std::string(key), std::move(found), std::move(allowed)});
+    void note(const Key& key, std::string found, std::string allowed) const {
+        faults.push_back({key.text(), std::move(found), std::move(allowed)});
     }
 };
 
 void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
     const double burst_rate_hz = scene.drive.frequency_hz / scene.drive.cycles;
-    if (burst_rate_hz > 0 &&
-        scene.drive.repetition_hz > burst_rate_hz) {  // else frequency or cycles is at fault
+    // Without a positive rate the frequency or the cycles are at fault.
+    if (burst_rate_hz > 0 && scene.drive.repetition_hz > burst_rate_hz) {
         faults.push_back({"drive.repetition_hz", number_text(scene.drive.repetition_hz),
                           "at most frequency_hz / cycles = " + number_text(burst_rate_hz) +
                               " Hz, so that bursts do not overlap"});
@@ -116,11 +117,11 @@ void check_materials(const Scene& scene, std::vector<Fault>& faults) {
             faults.push_back(
                 {section, quoted_briefly(name), "a name of 1 to 64 letters, digits, '_' and '-'"});
         }
-        const FieldCheck check{scene, section + '.', faults};
+        const FieldCheck check{scene, faults};
         if (const auto* solid = std::get_if<Solid>(&material)) {
-            fields::visit_solid(*solid, check);
+            fields::visit_solid(*solid, section, check);
         } else {
-            fields::visit_fluid(std::get<Fluid>(material), check);
+            fields::visit_fluid(std::get<Fluid>(material), section, check);
         }
     }
 }
@@ -129,7 +130,7 @@ void check_materials(const Scene& scene, std::vector<Fault>& faults) {
 
 std::vector<Fault> validate(const Scene& scene) {
     std::vector<Fault> faults;
-    fields::visit_scene(scene, FieldCheck{scene, "", faults});
+    fields::visit_scene(scene, FieldCheck{scene, faults});
     check_combinations(scene, faults);
     check_materials(scene, faults);
     return faults;

@@ -1,7 +1,7 @@
 #pragma once
-// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a wish: validate()
-// says what is wrong with it, resolve() (numerics.hpp) fills in what was left open, Chain is derived from
-// it.
+// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a request: validate()
+// says what is wrong with it, resolve() (step_choice/resolve.hpp) fills in what was left open, Chain is
+// derived from it.
 
 #include <cstdint>
 #include <map>
@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/scene/integrator.hpp"
+#include "core/scene/fault.hpp"
 #include "core/scene/materials.hpp"
 
 namespace hertzline {
@@ -64,8 +65,8 @@ struct Numerics {
     std::optional<Integrator> integrator;
     std::optional<double> step_s;
     std::optional<double> accuracy;  ///< wanted relative L2 error of the velocities
-    double rest_tolerance =
-        0;  ///< between bursts, motion below this part of the horn's velocity is rest; 0: never
+    /// Between bursts, motion below this part of the horn's velocity is rest; 0: never.
+    double rest_tolerance = 0;
     bool operator==(const Numerics&) const = default;
 };
 
@@ -89,15 +90,8 @@ struct Scene {
     bool operator==(const Scene&) const = default;
 };
 
-/// One thing wrong with a scene.
-struct Fault {
-    std::string key;      ///< "chain.spheres"; empty when the fault is not a key's
-    std::string found;    ///< what stands there, as text
-    std::string allowed;  ///< what may stand there
-};
-
 /// Every fault of the scene's values at once; empty when it can be simulated. Does not know of steps beyond
-/// the stability limit: that needs the dynamics, see numerics.hpp.
+/// the stability limit: that needs the dynamics, see step_choice/resolve.hpp.
 std::vector<Fault> validate(const Scene& scene);
 
 /// The material of that name, the scene's own first; nullptr when there is none.

@@ -1,9 +1,9 @@
 #include "core/scene/scene_settings.hpp"
 
 #include <algorithm>
-#include <iterator>
 #include <utility>
 
+#include "core/scene/scene_fields.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -12,39 +12,46 @@ namespace {
 
 constexpr std::string_view density = "density_kg_per_m3";
 constexpr std::string_view density_alias = "density";
-
-std::vector<std::string> names(const std::vector<SceneKey>& keys) {
-    std::vector<std::string> result;
-    std::transform(keys.begin(), keys.end(), std::back_inserter(result),
-                   [](const auto& key) { return key.key; });
-    return result;
-}
-
-// "drive", "chain", ...: what stands before the dots, in the order of the keys.
-std::vector<std::string> sections(const std::vector<std::string>& keys) {
-    std::vector<std::string> result;
-    for (const std::string& key : keys) {
-        if (auto section = key.substr(0, key.find('.')); result.empty() || result.back() != section) {
-            result.push_back(std::move(section));
-        }
-    }
-    result.emplace_back("materials");
-    return result;
-}
-
-// The keys that begin with the prefix, without it.
-std::vector<std::string> names_after(const std::string& prefix, const std::vector<std::string>& keys) {
-    std::vector<std::string> result;
-    for (const std::string& key : keys) {
-        if (key.starts_with(prefix)) {
-            result.push_back(key.substr(prefix.size()));
-        }
-    }
-    return result;
-}
+constexpr std::string_view blank = " \t";
 
 bool contains(const std::vector<std::string>& words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+// What a scene file may name, in the order of the table in scene_fields.hpp.
+struct KnownKeys {
+    std::vector<std::string> sections;                      // "drive", ..., "materials"
+    std::vector<std::string> keys;                          // "drive.material", ...; none of the materials
+    std::map<std::string, std::vector<std::string>> names;  // of the keys in each section
+
+    KnownKeys() {
+        const auto add = [this](std::string_view section, std::string_view name) {
+            auto& of_section = names[std::string(section)];
+            if (of_section.empty()) {
+                sections.emplace_back(section);
+            }
+            if (!contains(of_section, name)) {  // solids and fluids share one
+                of_section.emplace_back(name);
+            }
+        };
+        const Scene scene;
+        fields::visit_scene(scene, [&](const fields::Key& key, const auto&, const auto&) {
+            add(key.section, key.name);
+            keys.push_back(key.text());
+        });
+        const auto add_key = [&](const fields::Key& key, const auto&, const auto&) {
+            add(key.section, key.name);
+        };
+        const Solid solid;
+        fields::visit_solid(solid, "materials", add_key);
+        const Fluid fluid;
+        fields::visit_fluid(fluid, "materials", add_key);
+    }
+};
+
+const KnownKeys& known_keys() {
+    static const KnownKeys known;
+    return known;
 }
 
 std::string joined(const std::vector<std::string>& path) {
@@ -69,44 +76,35 @@ std::vector<std::string> split_at_dots(std::string_view key) {
     return parts;
 }
 
-std::string_view trimmed(std::string_view text) {
-    const auto begin = text.find_first_not_of(" \t");
-    return begin == std::string_view::npos ? ""
-                                           : text.substr(begin, text.find_last_not_of(" \t") + 1 - begin);
-}
-
 }  // namespace
 
-SceneSettings::SceneSettings(std::string_view origin)
-    : origin_(origin), keys_(names(scene_keys())), material_keys_(names(material_keys())) {
-    sections_ = sections(keys_);
-}
-
-void SceneSettings::add_file(std::string_view text) {
-    auto read = toml_entries(text);
-    if (const auto* refused = std::get_if<TomlRefusal>(&read)) {
-        refuse({origin_, refused->line}, "", refused->found, refused->allowed);
-        complete_ = false;
-        return;
+bool SceneSettings::add_file(std::string_view text) {
+    auto entries = toml_entries(text);
+    if (!entries) {
+        entries.error().place.origin = origin_;
+        faults_.push_back(std::move(entries).error());
+        return false;
     }
-    for (TomlEntry& entry : std::get<std::vector<TomlEntry>>(read)) {
+    for (TomlEntry& entry : *entries) {
         add_entry(std::move(entry));
     }
+    return true;
 }
 
 void SceneSettings::add_entry(TomlEntry entry) {
-    const auto& path = entry.path;
+    const KnownKeys& known = known_keys();
+    const Path& path = entry.path;
     const Place place{origin_, entry.line};
     const bool in_materials = path[0] == "materials";
     const bool is_section = path.size() == 1 || (in_materials && path.size() == 2);
-    if (path.size() > 1 && (!contains(sections_, path[0]) || (path.size() > 2 && !in_materials))) {
+    if (path.size() > 1 && (!contains(known.sections, path[0]) || (path.size() > 2 && !in_materials))) {
         return;  // inside of something that is refused already
     }
     if (is_section && !std::holds_alternative<TomlTable>(entry.value)) {
-        const std::string allowed =
-            contains(sections_, path[0])
-                ? "a section, [" + joined(path) + "]"
-                : "keys in sections (" + comma_separated(sections_) + ")" + suggestion(path[0], keys_);
+        const std::string allowed = contains(known.sections, path[0])
+                                        ? "a section, [" + joined(path) + "]"
+                                        : "keys in sections (" + comma_separated(known.sections) + ")" +
+                                              suggestion(path[0], known.keys);
         refuse(place, joined(path), value_text(entry.value), allowed);
     } else if (knows(path, place)) {
         set(path, std::move(entry.value), place);
@@ -116,8 +114,8 @@ void SceneSettings::add_entry(TomlEntry entry) {
 void SceneSettings::add_option(const std::string& option) {
     const Place place{"--set " + printable(option), 0};
     const auto equals = option.find('=');
-    const std::string_view key = trimmed(std::string_view(option).substr(0, equals));
-    const std::vector<std::string> path = split_at_dots(key);
+    const std::string_view key = trimmed(std::string_view(option).substr(0, equals), blank);
+    const Path path = split_at_dots(key);
     const std::size_t parts = path[0] == "materials" ? 3 : 2;
     if (equals == std::string::npos || path.size() != parts ||
         !std::all_of(path.begin(), path.end(), is_bare_key)) {
@@ -125,18 +123,18 @@ void SceneSettings::add_option(const std::string& option) {
         return;
     }
     const bool known = knows({path[0]}, place) && knows(path, place);
-    auto value = toml_value(trimmed(std::string_view(option).substr(equals + 1)));
-    if (const auto* refused = std::get_if<TomlRefusal>(&value)) {
-        refuse(place, std::string(key), refused->found, refused->allowed);
+    auto value = toml_value(trimmed(std::string_view(option).substr(equals + 1), blank));
+    if (!value) {
+        refuse(place, std::string(key), value.error().found, value.error().allowed);
     } else if (known) {
-        if (const std::vector section{path[0], path[1]}; parts == 3 && find(joined(section)) == nullptr) {
+        if (const Path section{path[0], path[1]}; parts == 3 && find(joined(section)) == nullptr) {
             set(section, TomlTable{}, place);
         }
-        set(path, std::get<TomlValue>(std::move(value)), place);
+        set(path, *std::move(value), place);
     }
 }
 
-void SceneSettings::set(std::vector<std::string> path, TomlValue value, const Place& place) {
+void SceneSettings::set(Path path, TomlValue value, const Place& place) {
     if (path[0] == "materials" && path.size() == 2) {
         materials_.insert(path[1]);
     }
@@ -145,8 +143,8 @@ void SceneSettings::set(std::vector<std::string> path, TomlValue value, const Pl
     }
     const std::string key = joined(path);
     const Setting* earlier = find(key);
-    if (earlier != nullptr && place.line != 0 &&
-        earlier->place.line != 0) {  // TOML itself refuses the same key twice
+    // Two lines of the file: TOML itself refuses the same key twice, so one of them is the alias.
+    if (earlier != nullptr && place.line != 0 && earlier->place.line != 0) {
         refuse(place, key, value_text(value),
                std::string(density_alias) + " or " + std::string(density) + ", not both");
     }
@@ -166,24 +164,29 @@ std::map<std::string, Place> SceneSettings::places() const {
     return result;
 }
 
-bool SceneSettings::knows(const std::vector<std::string>& path, const Place& place) {
+bool SceneSettings::knows(const Path& path, const Place& place) {
+    const KnownKeys& known = known_keys();
     if (path.size() == 1) {
-        return contains(sections_, path[0]) || refuse(place, joined(path), "an unknown section",
-                                                      one_of(sections_) + suggestion(path[0], sections_));
+        return contains(known.sections, path[0]) ||
+               refuse(place, joined(path), "an unknown section",
+                      one_of(known.sections) + suggestion(path[0], known.sections));
     }
-    if (path.size() == 2) {
-        const std::string key = joined(path);
-        return path[0] == "materials" || contains(keys_, key) ||
-               refuse(place, key, "an unknown key",
-                      one_of(names_after(path[0] + '.', keys_)) + suggestion(key, keys_));
+    const bool in_materials = path[0] == "materials";
+    if (in_materials && path.size() == 2) {
+        return true;  // the scene's own names
     }
-    const auto known = names_after("materials.NAME.", material_keys_);
-    return contains(known, path[2]) || path[2] == density_alias ||
-           refuse(place, joined(path), "an unknown key", one_of(known) + suggestion(path[2], known));
+    const std::string& name = path.back();
+    const auto& names = known.names.at(path[0]);
+    if (contains(names, name) || (in_materials && name == density_alias)) {
+        return true;
+    }
+    const std::string key = joined(path);
+    return refuse(place, key, "an unknown key",
+                  one_of(names) + (in_materials ? suggestion(name, names) : suggestion(key, known.keys)));
 }
 
 bool SceneSettings::refuse(const Place& place, std::string key, std::string found, std::string allowed) {
-    problems_.push_back({place.origin, place.line, std::move(key), std::move(found), std::move(allowed)});
+    faults_.push_back({std::move(key), std::move(found), std::move(allowed), place});
     return false;
 }
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene/scene_toml.hpp"
+#include "core/scene/fault.hpp"
 #include "core/scene/toml_entries.hpp"
 
 namespace hertzline {
@@ -18,12 +18,14 @@ struct Setting {
     Place place;
 };
 
+/// Collects settings; unknown keys and sections become faults.
 class SceneSettings {
 public:
-    explicit SceneSettings(std::string_view origin);
+    /// Faults are appended to `faults`, which must outlive this.
+    SceneSettings(std::string_view origin, std::vector<Fault>& faults) : origin_(origin), faults_(faults) {}
 
-    /// Adds what the text says; unknown keys and sections become problems.
-    void add_file(std::string_view text);
+    /// Adds what the text says. False when it could not be read at all, so that its settings are missing.
+    bool add_file(std::string_view text);
 
     /// Adds what a --set option says, in place of what was said before.
     void add_option(const std::string& option);
@@ -35,28 +37,21 @@ public:
     /// The NAMEs of all [materials.NAME].
     const std::set<std::string>& materials() const { return materials_; }
 
-    /// Where each key was said, for SceneResult.
+    /// Where each key was said.
     std::map<std::string, Place> places() const;
 
-    /// False when the file could not be read at all, so that its settings are missing here.
-    bool complete() const { return complete_; }
-
-    const std::vector<Problem>& problems() const { return problems_; }
-
 private:
+    using Path = std::vector<std::string>;  // the parts of a dotted key, without quotes
+
     void add_entry(TomlEntry entry);
-    void set(std::vector<std::string> path, TomlValue value, const Place& place);
-    bool knows(const std::vector<std::string>& path, const Place& place);  // if not, says so
+    void set(Path path, TomlValue value, const Place& place);
+    bool knows(const Path& path, const Place& place);  // if not, notes the fault
     bool refuse(const Place& place, std::string key, std::string found, std::string allowed);  // always false
 
     std::string origin_;
-    std::vector<std::string> sections_;
-    std::vector<std::string> keys_;
-    std::vector<std::string> material_keys_;
     std::map<std::string, Setting> settings_;
     std::set<std::string> materials_;
-    std::vector<Problem> problems_;
-    bool complete_ = true;
+    std::vector<Fault>& faults_;
 };
 
 }  // namespace hertzline

@@ -1,6 +1,7 @@
 #include "core/scene/scene_toml.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -13,6 +14,7 @@ namespace hertzline {
 namespace {
 
 using fields::Count;
+using fields::Key;
 using fields::MaterialSort;
 using fields::OneOf;
 using fields::Range;
@@ -66,106 +68,103 @@ std::string hint(const TomlValue& /*value*/, const Allowed& /*allowed*/) {
 // Visits the fields and sets those that are given.
 struct FieldReader {
     const SceneSettings& settings;
-    std::vector<Problem>& problems;
-    std::string section;                // "materials.NAME." where the visited keys lack it
+    std::vector<Fault>& faults;
     const Setting* material = nullptr;  // the beginning of a [materials.NAME], which must give every key
 
     template <class Member, class Allowed>
-    void operator()(std::string_view name, Member& member, const Allowed& allowed) const {
-        const std::string key = section + std::string(name);
-        if (const Setting* given = settings.find(key)) {
+    void operator()(const Key& key, Member& member, const Allowed& allowed) const {
+        const std::string text = key.text();
+        if (const Setting* given = settings.find(text)) {
             if (auto value = read(given->value, allowed)) {
                 member = *std::move(value);
             } else {
-                note(given->place, key, value_text(given->value),
-                     allowed_text(allowed) + hint(given->value, allowed));
+                faults.push_back({text, value_text(given->value),
+                                  allowed_text(allowed) + hint(given->value, allowed), given->place});
             }
         } else if (material != nullptr) {
-            note(material->place, key, "nothing", allowed_text(allowed));
+            faults.push_back({text, "nothing", allowed_text(allowed), material->place});
         }
-    }
-    void note(const Place& place, std::string key, std::string found, std::string allowed) const {
-        problems.push_back({place.origin, place.line, std::move(key), std::move(found), std::move(allowed)});
     }
 };
 
 // The material of that name, where the keys tell a solid from a fluid.
 std::optional<Material> read_material(const SceneSettings& settings, const std::string& name,
-                                      std::vector<Problem>& problems) {
-    const std::string key = "materials." + key_part(name);
-    const Setting* section = settings.find(key);
-    const FieldReader read_field{settings, problems, key + '.', section};
-    const bool solid_keys =
-        settings.find(key + ".youngs_modulus_pa") || settings.find(key + ".poissons_ratio");
-    const bool fluid_keys = settings.find(key + ".sound_speed_m_per_s") != nullptr;
+                                      std::vector<Fault>& faults) {
+    const std::string section = "materials." + key_part(name);
+    const Setting* beginning = settings.find(section);
+    const auto given = [&](const char* key) { return settings.find(section + '.' + key) != nullptr; };
+    const bool solid_keys = given("youngs_modulus_pa") || given("poissons_ratio");
+    const bool fluid_keys = given("sound_speed_m_per_s");
     if (solid_keys == fluid_keys) {
-        read_field.note(section->place, key, solid_keys ? "keys of a solid and of a fluid" : "no material",
-                        "youngs_modulus_pa, poissons_ratio and density_kg_per_m3 for a solid; "
-                        "density_kg_per_m3 and sound_speed_m_per_s for a fluid");
+        faults.push_back({section, solid_keys ? "keys of a solid and of a fluid" : "no material",
+                          "youngs_modulus_pa, poissons_ratio and density_kg_per_m3 for a solid; "
+                          "density_kg_per_m3 and sound_speed_m_per_s for a fluid",
+                          beginning->place});
         return std::nullopt;
     }
-    // Keys that are missing or wrong keep harmless values, so that validate() does not complain of them
-    // again.
+    // Keys that are missing or wrong keep harmless values: validate() need not complain of them again.
+    const FieldReader read_field{settings, faults, beginning};
     if (solid_keys) {
         Solid solid{1e9, 0.3, 1000};
-        fields::visit_solid(solid, read_field);
+        fields::visit_solid(solid, section, read_field);
         return solid;
     }
     Fluid fluid{1000, 1500};
-    fields::visit_fluid(fluid, read_field);
+    fields::visit_fluid(fluid, section, read_field);
     return fluid;
+}
+
+// Reads every [materials.NAME]. Returns the quoted names of those that are neither solid nor fluid.
+std::set<std::string> read_materials(const SceneSettings& settings, Scene& scene,
+                                     std::vector<Fault>& faults) {
+    std::set<std::string> unclear;
+    for (const std::string& name : settings.materials()) {
+        if (const auto material = read_material(settings, name, faults)) {
+            scene.materials.emplace(name, *material);
+        } else {
+            unclear.insert(quoted_briefly(name));
+        }
+    }
+    return unclear;
 }
 
 }  // namespace
 
-std::string Problem::message() const {
-    return origin + (line > 0 ? ":" + std::to_string(line) : "") + ": " +
-           (key.empty() ? "" : printable(key) + ": ") + "found " + found + ", allowed: " + allowed;
+Fault ParsedScene::placed(Fault fault) const {
+    const auto given = places.find(fault.key);
+    fault.place = given != places.end() ? given->second : Place{origin, 0};
+    return fault;
 }
 
-Problem SceneResult::placed(Fault fault) const {
-    const auto said = places.find(fault.key);
-    const auto& [where, line] = said != places.end() ? said->second : Place{origin, 0};
-    return {where, line, std::move(fault.key), std::move(fault.found), std::move(fault.allowed)};
-}
-
-SceneResult parse_scene(std::string_view text, std::string_view origin,
-                        std::span<const std::string> overrides) {
-    SceneSettings settings(origin);
-    settings.add_file(text);
+tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text, std::string_view origin,
+                                                          std::span<const std::string> overrides) {
+    std::vector<Fault> faults;
+    SceneSettings settings(origin, faults);
+    const bool readable = settings.add_file(text);
     for (const std::string& option : overrides) {
         settings.add_option(option);
     }
 
-    Scene scene;
-    SceneResult result{std::nullopt, settings.problems(), std::string(origin), settings.places()};
-    auto& problems = result.problems;
-    fields::visit_scene(scene, FieldReader{settings, problems, ""});
-    std::set<std::string> unclear_materials;
-    for (const std::string& name : settings.materials()) {
-        if (const auto material = read_material(settings, name, problems)) {
-            scene.materials.emplace(name, *material);
-        } else {
-            unclear_materials.insert(quoted_briefly(name));
-        }
-    }
-    if (settings.complete()) {  // else the options would be judged without what the file says beside them
-        for (Fault& fault : validate(scene)) {
+    ParsedScene parsed{{}, std::string(origin), settings.places()};
+    fields::visit_scene(parsed.scene, FieldReader{settings, faults});
+    const std::set<std::string> unclear_materials = read_materials(settings, parsed.scene, faults);
+    if (readable) {  // else the options would be judged without what the file says beside them
+        for (Fault& fault : validate(parsed.scene)) {
             // A key that names an unclear material is not at fault: that is reported where the material is
             // defined.
             if (!unclear_materials.contains(fault.found)) {
-                problems.push_back(result.placed(std::move(fault)));
+                faults.push_back(parsed.placed(std::move(fault)));
             }
         }
     }
-
-    std::stable_sort(problems.begin(), problems.end(), [&](const Problem& a, const Problem& b) {
-        return std::pair(a.origin != origin, a.line) < std::pair(b.origin != origin, b.line);
-    });
-    if (problems.empty()) {
-        result.scene = std::move(scene);
+    if (faults.empty()) {
+        return parsed;
     }
-    return result;
+    std::stable_sort(faults.begin(), faults.end(), [&](const Fault& a, const Fault& b) {
+        return std::pair(a.place.origin != origin, a.place.line) <
+               std::pair(b.place.origin != origin, b.place.line);
+    });
+    return tl::unexpected(std::move(faults));
 }
 
 }  // namespace hertzline

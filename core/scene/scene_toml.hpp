@@ -2,54 +2,34 @@
 // Scene files: TOML text to Scene and back. The keys are those of scene_fields.hpp.
 
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <tl/expected.hpp>
+
+#include "core/scene/fault.hpp"
 #include "core/scene/scene.hpp"
 
 namespace hertzline {
 
-/// One thing wrong with a scene's text or with a --set option.
-struct Problem {
-    std::string origin;   ///< the file's name, or "--set chain.spheres=0"
-    int line = 0;         ///< in the file, counted from 1; 0: no line in particular
-    std::string key;      ///< "chain.spheres"; empty when it is not about a key
-    std::string found;    ///< what stands there
-    std::string allowed;  ///< what may stand there
-
-    /// "scene.toml:12: chain.spheres: found 0, allowed: an integer from 1 to 10000000"
-    std::string message() const;
-};
-
-/// Where something was said.
-struct Place {
-    std::string origin;  ///< as in Problem
-    int line = 0;
-};
-
-/// A scene that can be simulated, or all that is wrong with it.
-struct SceneResult {
-    std::optional<Scene> scene;  ///< set exactly when there is no problem
-    std::vector<Problem>
-        problems;  ///< those of the file in the order of its lines, then those of the options
-
+/// A scene that can be simulated, and where its keys were given.
+struct ParsedScene {
+    Scene scene;
     std::string origin;                   ///< the file's name
-    std::map<std::string, Place> places;  ///< where each key was given that was
-
-    explicit operator bool() const noexcept { return scene.has_value(); }
+    std::map<std::string, Place> places;  ///< of each key that was given
 
     /// A fault of the scene that showed later (a step beyond the stability limit), with the place of its key.
-    Problem placed(Fault fault) const;
+    Fault placed(Fault fault) const;
 };
 
 /// Reads the text of a scene file, which messages call `origin`. Each override is the argument of a --set
 /// option, "section.key=value" or "materials.NAME.key=value", and replaces what the text says; the last one
 /// of a key wins. The value is TOML; a bare word is a string. Never throws because of what is in the texts.
-SceneResult parse_scene(std::string_view text, std::string_view origin,
-                        std::span<const std::string> overrides = {});
+/// The error holds every fault: those of the file in the order of its lines, then those of the options.
+tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text, std::string_view origin,
+                                                          std::span<const std::string> overrides = {});
 
 /// The scene as a file that sets every key, with the same text for equal scenes. Optional members that are
 /// unset are left out. Reading it back gives a scene equal to `scene`, to the last bit.

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstdint>
-#include <iterator>
 #include <type_traits>
 #include <utility>
 
@@ -11,6 +10,8 @@
 namespace hertzline {
 
 namespace {
+
+using fields::Key;
 
 // TOML tells 5 from 5.0; a number is written as a float so that a reader of any kind sees its type.
 std::string toml_text(double value) {
@@ -37,39 +38,32 @@ struct Writer {
     std::string section;
 
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) {
+    void operator()(const Key& key, const std::optional<Member>& member, const Allowed& allowed) {
         if (member) {
             (*this)(key, *member, allowed);
         }
     }
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const Member& member, const Allowed& /*allowed*/) {
-        const auto dot = key.find('.');  // none in the keys of a material: their heading is written already
-        if (dot != std::string_view::npos && key.substr(0, dot) != section) {
-            begin(std::string(key.substr(0, dot)));
+    void operator()(const Key& key, const Member& member, const Allowed& /*allowed*/) {
+        if (key.section != section) {
+            section = key.section;
+            text += (text.empty() ? "[" : "\n[") + section + "]\n";
         }
-        text += std::string(key.substr(dot + 1)) + " = " + toml_text(member) + '\n';
-    }
-    void begin(std::string name) {
-        section = std::move(name);
-        text += (text.empty() ? "[" : "\n[") + section + "]\n";
+        text += std::string(key.name) + " = " + toml_text(member) + '\n';
     }
 };
 
 // Visits the fields of a default scene and lists them.
 struct Lister {
     std::vector<SceneKey>& keys;
-    std::string section;
-    bool has_defaults;
 
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) const {
-        keys.push_back({section + std::string(key), member ? toml_text(*member) : "", allowed_text(allowed)});
+    void operator()(const Key& key, const std::optional<Member>& member, const Allowed& allowed) const {
+        keys.push_back({key.text(), member ? toml_text(*member) : "", allowed_text(allowed)});
     }
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const Member& member, const Allowed& allowed) const {
-        keys.push_back(
-            {section + std::string(key), has_defaults ? toml_text(member) : "", allowed_text(allowed)});
+    void operator()(const Key& key, const Member& member, const Allowed& allowed) const {
+        keys.push_back({key.text(), toml_text(member), allowed_text(allowed)});
     }
 };
 
@@ -80,11 +74,11 @@ std::string to_toml(const Scene& scene) {
     Writer write{text, ""};
     fields::visit_scene(scene, write);
     for (const auto& [name, material] : scene.materials) {
-        write.begin("materials." + key_part(name));
+        const std::string section = "materials." + key_part(name);
         if (const auto* solid = std::get_if<Solid>(&material)) {
-            fields::visit_solid(*solid, write);
+            fields::visit_solid(*solid, section, write);
         } else {
-            fields::visit_fluid(std::get<Fluid>(material), write);
+            fields::visit_fluid(std::get<Fluid>(material), section, write);
         }
     }
     return text;
@@ -107,22 +101,22 @@ std::string scene_hash(const Scene& scene) {
 std::vector<SceneKey> scene_keys() {
     std::vector<SceneKey> keys;
     const Scene defaults;
-    fields::visit_scene(defaults, Lister{keys, "", true});
+    fields::visit_scene(defaults, Lister{keys});
     return keys;
 }
 
 std::vector<SceneKey> material_keys() {
-    constexpr auto section = "materials.NAME.";
     std::vector<SceneKey> keys;
+    const auto add = [&](const Key& key, const auto& /*member*/, const auto& allowed) {
+        const std::string text = key.text();
+        if (std::none_of(keys.begin(), keys.end(), [&](const auto& other) { return other.key == text; })) {
+            keys.push_back({text, "", allowed_text(allowed)});
+        }
+    };
     const Solid solid;
-    fields::visit_solid(solid, Lister{keys, section, false});
-    std::vector<SceneKey> fluid_keys;
+    fields::visit_solid(solid, "materials.NAME", add);
     const Fluid fluid;
-    fields::visit_fluid(fluid, Lister{fluid_keys, section, false});
-    std::copy_if(fluid_keys.begin(), fluid_keys.end(), std::back_inserter(keys), [&](const SceneKey& own) {
-        return std::none_of(keys.begin(), keys.end(),
-                            [&](const SceneKey& other) { return other.key == own.key; });
-    });
+    fields::visit_fluid(fluid, "materials.NAME", add);
     return keys;
 }
 

@@ -12,7 +12,7 @@ namespace hertzline {
 namespace {
 
 // Longer texts are cut in messages, and are too long to resemble any name that the program knows.
-constexpr std::size_t longest_shown = 60;
+constexpr std::size_t max_shown = 60;
 
 template <class Number>
 std::string shortest(Number value) {
@@ -63,14 +63,14 @@ std::string quoted(std::string_view text) {
 }
 
 std::string quoted_briefly(std::string_view text) {
-    return text.size() <= longest_shown ? quoted(text) : quoted(text.substr(0, longest_shown)) + "...";
+    return text.size() <= max_shown ? quoted(text) : quoted(text.substr(0, max_shown)) + "...";
 }
 
-std::string printable(std::string_view text, std::size_t longest) {
-    std::string result(text.substr(0, longest));
+std::string printable(std::string_view text, std::size_t max_length) {
+    std::string result(text.substr(0, max_length));
     std::replace_if(
         result.begin(), result.end(), [](char c) { return c < 0x20 || c > 0x7E; }, '?');
-    return text.size() <= longest ? result : result + "...";
+    return text.size() <= max_length ? result : result + "...";
 }
 
 bool is_bare_key(std::string_view text) noexcept {
@@ -84,6 +84,12 @@ std::string key_part(std::string_view text) {
     return is_bare_key(text) ? std::string(text) : quoted(text);
 }
 
+std::string_view trimmed(std::string_view text, std::string_view blanks) noexcept {
+    const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
+    text.remove_prefix(begin);
+    return text.substr(0, text.find_last_not_of(blanks) + 1);  // npos + 1 is 0: nothing is left
+}
+
 std::string comma_separated(std::span<const std::string> words) {
     std::string result;
     for (const std::string& word : words) {
@@ -93,8 +99,8 @@ std::string comma_separated(std::span<const std::string> words) {
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() +
-                                 1);  // row[j]: distance from a's first i characters to b's first j
+    // row[j]: distance from a's first i characters to b's first j
+    std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
     for (std::size_t i = 0; i < a.size(); ++i) {
         std::size_t diagonal = row[0];
@@ -109,20 +115,20 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string suggestion(std::string_view text, std::span<const std::string> candidates) {
-    if (text.empty() || text.size() > longest_shown) {
+    if (text.empty() || text.size() > max_shown) {
         return "";
     }
     const std::string* nearest = nullptr;
-    std::size_t least = std::numeric_limits<std::size_t>::max();
+    std::size_t smallest = std::numeric_limits<std::size_t>::max();
     for (const std::string& candidate : candidates) {
-        if (const std::size_t distance = unlikeness(text, candidate); distance < least) {
-            least = distance;
+        if (const std::size_t distance = unlikeness(text, candidate); distance < smallest) {
+            smallest = distance;
             nearest = &candidate;
         }
     }
     // One edit in three characters still looks like a slip of the fingers; more looks like another word.
     const std::size_t tolerated = std::max<std::size_t>(2, last_part(text).size() / 3);
-    return nearest != nullptr && least <= tolerated ? "; did you mean '" + *nearest + "'?" : "";
+    return nearest != nullptr && smallest <= tolerated ? "; did you mean '" + *nearest + "'?" : "";
 }
 
 }  // namespace hertzline

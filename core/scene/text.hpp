@@ -8,8 +8,7 @@
 
 namespace hertzline {
 
-/// Shortest decimal text that reads back to exactly the same number: "0.0005", "73000", "1e-09", "inf",
-/// "nan".
+/// Shortest decimal text that reads back to exactly the same number: "0.0005", "73000", "1e-09", "inf".
 std::string number_text(double value);
 std::string number_text(std::int64_t value);
 
@@ -22,13 +21,16 @@ std::string quoted_briefly(std::string_view text);
 
 /// The text without quotes, for a message: what a terminal might act on becomes '?', and what is longer is
 /// cut.
-std::string printable(std::string_view text, std::size_t longest = 120);
+std::string printable(std::string_view text, std::size_t max_length = 120);
 
 /// True for what TOML accepts as a key without quotes: letters, digits, '_' and '-'.
 bool is_bare_key(std::string_view text) noexcept;
 
 /// The text as one part of a dotted TOML key: as it is, or quoted where it must be.
 std::string key_part(std::string_view text);
+
+/// The text without the blanks around it.
+std::string_view trimmed(std::string_view text, std::string_view blanks) noexcept;
 
 /// The words in a row, separated by ", ".
 std::string comma_separated(std::span<const std::string> words);

@@ -22,24 +22,29 @@ namespace hertzline {
 
 namespace {
 
-constexpr std::size_t largest_text = 65536;
 constexpr int max_dots = 32;
+
+Fault fault_in_line(int line, std::string found, std::string allowed) {
+    return {"", std::move(found), std::move(allowed), Place{"", line}};
+}
 
 bool passes(char c) {
     return (c >= 0x20 && c <= 0x7E) || c == '\t' || c == '\n' || c == '\r';
 }
 
-TomlRefusal refused_byte(char c, int line, std::size_t column) {
+Fault refused_byte(char c, int line, std::size_t column) {
     constexpr std::string_view hex = "0123456789ABCDEF";
     const auto byte = static_cast<unsigned char>(c);
-    return {line,
-            std::string("byte 0x") + hex[byte / 16] + hex[byte % 16] + " in column " + std::to_string(column),
-            "printable ASCII, tabs and line ends"};
+    return fault_in_line(
+        line,
+        std::string("byte 0x") + hex[byte / 16] + hex[byte % 16] + " in column " + std::to_string(column),
+        "printable ASCII, tabs and line ends");
 }
 
-std::optional<TomlRefusal> refusal(std::string_view text) {
-    if (text.size() > largest_text) {
-        return TomlRefusal{0, std::to_string(text.size()) + " bytes", "at most 65536 bytes"};
+std::optional<Fault> guard_fault(std::string_view text) {
+    if (text.size() > max_scene_bytes) {
+        return fault_in_line(0, std::to_string(text.size()) + " bytes",
+                             "at most " + std::to_string(max_scene_bytes) + " bytes");
     }
     int line = 1;
     std::size_t line_start = 0;
@@ -51,7 +56,7 @@ std::optional<TomlRefusal> refusal(std::string_view text) {
         // "..." is no dotted key, and welcome in a comment.
         const bool single_dot = text[i] == '.' && !text.substr(i + 1).starts_with('.');
         if (single_dot && ++dots > max_dots) {
-            return TomlRefusal{line, "more than 32 dots in a line", "section.key, and decimal points"};
+            return fault_in_line(line, "more than 32 dots in a line", "section.key, and decimal points");
         }
         if (text[i] == '\n') {
             ++line;
@@ -83,35 +88,35 @@ TomlValue value_of(const toml::node& node) {
 
 void append_entries(const toml::table& table, const std::vector<std::string>& parents,
                     std::vector<TomlEntry>& entries) {
-    constexpr std::size_t deepest = 3;  // materials.NAME.key
+    constexpr std::size_t max_depth = 3;  // materials.NAME.key
     for (const auto& [key, node] : table) {
         auto path = parents;
         path.emplace_back(key.str());
         entries.push_back({path, value_of(node), static_cast<int>(key.source().begin.line)});
-        if (node.is_table() && path.size() < deepest) {
+        if (node.is_table() && path.size() < max_depth) {
             append_entries(*node.as_table(), path, entries);
         }
     }
 }
 
-TomlRefusal syntax_error(const toml::parse_error& error) {
+Fault syntax_error(const toml::parse_error& error) {
     constexpr std::string_view preamble = "Error while parsing ";
     std::string_view what = error.description();
     what.remove_prefix(what.starts_with(preamble) ? preamble.size() : 0);
     // printable(): the description quotes the text with its escapes undone.
-    return {static_cast<int>(error.source().begin.line), "a syntax error in " + printable(what),
-            "TOML, see https://toml.io"};
+    return fault_in_line(static_cast<int>(error.source().begin.line), "a syntax error in " + printable(what),
+                         "TOML, see https://toml.io");
 }
 
 // toml++ as Debian builds it reports by throwing; nothing but this function sees that.
-std::variant<toml::table, TomlRefusal> parsed(std::string_view text) {
-    if (auto refused = refusal(text)) {
-        return *std::move(refused);
+tl::expected<toml::table, Fault> parsed(std::string_view text) {
+    if (auto fault = guard_fault(text)) {
+        return tl::unexpected(*std::move(fault));
     }
     try {
         return toml::parse(text);
     } catch (const toml::parse_error& error) {
-        return syntax_error(error);
+        return tl::unexpected(syntax_error(error));
     }
 }
 
@@ -123,31 +128,26 @@ bool is_toml_word(std::string_view text) {
 
 }  // namespace
 
-TomlEntries toml_entries(std::string_view text) {
-    auto result = parsed(text);
-    if (auto* refused = std::get_if<TomlRefusal>(&result)) {
-        return std::move(*refused);
-    }
-    std::vector<TomlEntry> entries;
-    append_entries(std::get<toml::table>(result), {}, entries);
-    return entries;
+tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text) {
+    return parsed(text).map([](const toml::table& table) {
+        std::vector<TomlEntry> entries;
+        append_entries(table, {}, entries);
+        return entries;
+    });
 }
 
-std::variant<TomlValue, TomlRefusal> toml_value(std::string_view text) {
+tl::expected<TomlValue, Fault> toml_value(std::string_view text) {
     const bool starts_like_a_word = !text.empty() && text[0] != '-' && !(text[0] >= '0' && text[0] <= '9');
     if (starts_like_a_word && is_bare_key(text) && !is_toml_word(text)) {
         return TomlValue{std::string(text)};
     }
-    // A line end would begin further keys. A comment would be harmless but is never meant: no value needs a
-    // '#'.
+    // A line end would begin further keys. A comment is harmless but never meant: no value needs a '#'.
     if (text.find_first_of("\r\n#") != std::string_view::npos) {
-        return TomlRefusal{0, quoted_briefly(text), "one TOML value"};
+        return tl::unexpected(Fault{"", quoted_briefly(text), "one TOML value"});
     }
-    auto result = parsed("value = " + std::string(text));
-    if (auto* refused = std::get_if<TomlRefusal>(&result)) {
-        return TomlRefusal{0, refused->found, refused->allowed};
-    }
-    return value_of(*std::get<toml::table>(result).get("value"));
+    return parsed("value = " + std::string(text)).map([](const toml::table& table) {
+        return value_of(*table.get("value"));
+    });
 }
 
 std::string value_text(const TomlValue& value) {

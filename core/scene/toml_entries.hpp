@@ -7,7 +7,14 @@
 #include <variant>
 #include <vector>
 
+#include <tl/expected.hpp>
+
+#include "core/scene/fault.hpp"
+
 namespace hertzline {
+
+/// Longer texts of scenes are refused [bytes].
+inline constexpr std::size_t max_scene_bytes = 65'536;
 
 /// A section or a table.
 struct TomlTable {};
@@ -26,20 +33,13 @@ struct TomlEntry {
     int line = 0;  ///< counted from 1
 };
 
-/// Why a text was refused.
-struct TomlRefusal {
-    int line = 0;  ///< counted from 1
-    std::string found;
-    std::string allowed;
-};
+/// The entries of a whole scene file; sections come before what is in them. A fault tells its line; the name
+/// of the file is for the caller to add.
+tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text);
 
-using TomlEntries = std::variant<std::vector<TomlEntry>, TomlRefusal>;
-
-/// The entries of a whole scene file; sections come before what is in them.
-TomlEntries toml_entries(std::string_view text);
-
-/// A single value; a bare word that means nothing else in TOML is a string.
-std::variant<TomlValue, TomlRefusal> toml_value(std::string_view text);
+/// A single value; a bare word that means nothing else in TOML is a string. A fault tells neither key nor
+/// place.
+tl::expected<TomlValue, Fault> toml_value(std::string_view text);
 
 /// The value as a message shows it.
 std::string value_text(const TomlValue& value);

@@ -28,7 +28,7 @@ Pace Pace::factor(double times) {
     return Pace(times);
 }
 
-Expected<Pace> parse_pace(std::string_view text) {
+tl::expected<Pace, std::string> parse_pace(std::string_view text) {
     if (text == "realtime") {
         return Pace::realtime();
     }
@@ -40,8 +40,8 @@ Expected<Pace> parse_pace(std::string_view text) {
     const auto [stopped, error] = std::from_chars(text.data(), end, times);
     const bool in_range = times >= Pace::min_factor && times <= Pace::max_factor;
     if (error != std::errc{} || stopped != end || !in_range) {
-        return Failure{fmt::format("pace \"{}\" is not realtime, flat-out or a number from {} to {}", text,
-                                   Pace::min_factor, Pace::max_factor)};
+        return tl::unexpected{fmt::format("pace \"{}\" is not realtime, flat-out or a number from {} to {}",
+                                          text, Pace::min_factor, Pace::max_factor)};
     }
     return Pace::factor(times);
 }

@@ -6,9 +6,10 @@
 #include <chrono>
 #include <concepts>
 #include <cstdint>
+#include <string>
 #include <string_view>
 
-#include "stream/expected.hpp"
+#include <tl/expected.hpp>
 
 namespace hertzline::stream {
 
@@ -19,8 +20,8 @@ class Pace {
 public:
     static constexpr Pace flat_out() noexcept { return Pace(0); }
     static constexpr Pace realtime() noexcept { return Pace(1); }
-    /// `times` simulated seconds in each second. @throws std::invalid_argument outside [min_factor,
-    /// max_factor].
+    /// `times` simulated seconds in each second.
+    /// @throws std::invalid_argument outside [min_factor, max_factor]
     static Pace factor(double times);
 
     constexpr bool is_flat_out() const noexcept { return times_ == 0; }
@@ -37,7 +38,7 @@ private:
 };
 
 /// Reads "realtime", "flat-out" or a number from Pace::min_factor to Pace::max_factor.
-Expected<Pace> parse_pace(std::string_view text);
+tl::expected<Pace, std::string> parse_pace(std::string_view text);
 
 /// Deadlines of samples, in the time of a clock that the caller reads. Never waits and never looks at a
 /// clock.

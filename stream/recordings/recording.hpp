@@ -13,8 +13,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include "stream/expected.hpp"
-
 namespace hertzline::stream {
 
 /// One number of each sample.

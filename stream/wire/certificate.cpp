@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/scene/text.hpp"
 #include "stream/files/write_all.hpp"
 
 namespace hertzline::stream {
@@ -22,6 +23,7 @@ namespace {
 constexpr mode_t owner_only = 0600;
 constexpr mode_t anyone = 0666;  // less the umask
 constexpr mode_t others = 077;   // may read, write or execute
+constexpr std::string_view blanks = " \t\r";
 
 /// A file descriptor that is closed in the end.
 class Descriptor {
@@ -39,10 +41,6 @@ public:
 private:
     int number_;
 };
-
-std::string reason(int error) {
-    return std::generic_category().message(error);
-}
 
 // ---------------------------------------------------------------------------------------------- writing
 
@@ -67,30 +65,33 @@ struct Certificate {
 
 /// The text of a file that is not too large. What keeps others from reading it is asked of the file that was
 /// opened, not of its name.
-Expected<std::string> read_text(const fs::path& file, bool secret) {
+tl::expected<std::string, std::string> read_text(const fs::path& file, bool secret) {
     // Non-blocking: a FIFO would wait for its writer.
     const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     struct stat status {};
     if (descriptor.number() < 0 || ::fstat(descriptor.number(), &status) != 0) {
-        return Failure{fmt::format("cannot read {}: {}", file.string(), reason(errno))};
+        return tl::unexpected{
+            fmt::format("cannot read {}: {}", file.string(), std::generic_category().message(errno))};
     }
     if (!S_ISREG(status.st_mode)) {
-        return Failure{fmt::format("{} is not a regular file", file.string())};
+        return tl::unexpected{fmt::format("{} is not a regular file", file.string())};
     }
     if (secret && status.st_uid != ::geteuid()) {
-        return Failure{
+        return tl::unexpected{
             fmt::format("{} belongs to another user; a secret key must be your own", file.string())};
     }
     if (secret && (status.st_mode & others) != 0) {
-        return Failure{fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
-                                   file.string(), status.st_mode & 07777)};
+        return tl::unexpected{
+            fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
+                        file.string(), status.st_mode & 07777)};
     }
     std::string text(max_certificate_bytes + 1, '\0');
     std::size_t size = 0;
     while (size < text.size()) {
         const ssize_t got = ::read(descriptor.number(), text.data() + size, text.size() - size);
         if (got < 0 && errno != EINTR) {
-            return Failure{fmt::format("cannot read {}: {}", file.string(), reason(errno))};
+            return tl::unexpected{
+                fmt::format("cannot read {}: {}", file.string(), std::generic_category().message(errno))};
         }
         if (got == 0) {
             break;
@@ -98,18 +99,11 @@ Expected<std::string> read_text(const fs::path& file, bool secret) {
         size += static_cast<std::size_t>(std::max<ssize_t>(got, 0));
     }
     if (size > max_certificate_bytes) {
-        return Failure{fmt::format("{} is not a certificate: it has more than {} bytes", file.string(),
-                                   max_certificate_bytes)};
+        return tl::unexpected{fmt::format("{} is not a certificate: it has more than {} bytes", file.string(),
+                                          max_certificate_bytes)};
     }
     text.resize(size);
     return text;
-}
-
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view blank = " \t\r";
-    const std::size_t first = text.find_first_not_of(blank);
-    return first == std::string_view::npos ? ""
-                                           : text.substr(first, text.find_last_not_of(blank) - first + 1);
 }
 
 std::string_view unquoted(std::string_view text) {
@@ -118,10 +112,10 @@ std::string_view unquoted(std::string_view text) {
     return quoted ? text.substr(1, text.size() - 2) : text;
 }
 
-Expected<Certificate> read_certificate(const fs::path& file, bool secret) {
-    const Expected<std::string> text = read_text(file, secret);
+tl::expected<Certificate, std::string> read_certificate(const fs::path& file, bool secret) {
+    const auto text = read_text(file, secret);
     if (!text) {
-        return Failure{text.error()};
+        return tl::unexpected{text.error()};
     }
     Certificate certificate;
     std::string_view rest = *text;
@@ -129,7 +123,7 @@ Expected<Certificate> read_certificate(const fs::path& file, bool secret) {
     for (int line_number = 1; !rest.empty(); ++line_number) {
         const std::string_view line = rest.substr(0, rest.find('\n'));
         rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-        const std::string_view content = trimmed(line);
+        const std::string_view content = trimmed(line, blanks);
         if (content.empty() || content.front() == '#') {
             continue;
         }
@@ -138,24 +132,24 @@ Expected<Certificate> read_certificate(const fs::path& file, bool secret) {
             continue;
         }
         const std::size_t equals = content.find('=');
-        const std::string_view name = trimmed(content.substr(0, equals));
+        const std::string_view name = trimmed(content.substr(0, equals), blanks);
         if (section != "curve" || (name != "public-key" && name != "secret-key")) {
             continue;  // others keep here what they like
         }
         auto& key = name == "public-key" ? certificate.public_key : certificate.secret_key;
         // The value itself is not shown: it may be a secret one.
         if (key) {
-            return Failure{fmt::format("{}:{}: a second {}", file.string(), line_number, name)};
+            return tl::unexpected{fmt::format("{}:{}: a second {}", file.string(), line_number, name)};
         }
         const std::string_view value = equals == std::string_view::npos ? "" : content.substr(equals + 1);
-        key = key_from_z85(unquoted(trimmed(value)));
+        key = key_from_z85(unquoted(trimmed(value, blanks)));
         if (!key) {
-            return Failure{fmt::format("{}:{}: {} is not a key of 40 characters in Z85", file.string(),
-                                       line_number, name)};
+            return tl::unexpected{fmt::format("{}:{}: {} is not a key of 40 characters in Z85", file.string(),
+                                              line_number, name)};
         }
     }
     if (!certificate.public_key) {
-        return Failure{
+        return tl::unexpected{
             fmt::format("{} is not a certificate: it has no public-key in section curve", file.string())};
     }
     return certificate;
@@ -179,13 +173,13 @@ KeyFiles write_key_files(const std::string& name, const KeyPair& pair) {
     return files;
 }
 
-Expected<CurveKey> read_public_key(const fs::path& file) {
-    const Expected<Certificate> certificate = read_certificate(file, false);
+tl::expected<CurveKey, std::string> read_public_key(const fs::path& file) {
+    const auto certificate = read_certificate(file, false);
     if (!certificate) {
-        return Failure{certificate.error()};
+        return tl::unexpected{certificate.error()};
     }
     if (certificate->secret_key) {
-        return Failure{
+        return tl::unexpected{
             fmt::format("{} holds a secret key, which only its owner should have: use the public "
                         "file that was made with it",
                         file.string())};
@@ -193,23 +187,24 @@ Expected<CurveKey> read_public_key(const fs::path& file) {
     return *certificate->public_key;
 }
 
-Expected<KeyPair> read_key_pair(const fs::path& file) {
-    const Expected<Certificate> certificate = read_certificate(file, true);
+tl::expected<KeyPair, std::string> read_key_pair(const fs::path& file) {
+    const auto certificate = read_certificate(file, true);
     if (!certificate) {
-        return Failure{certificate.error()};
+        return tl::unexpected{certificate.error()};
     }
     if (!certificate->secret_key) {
-        return Failure{fmt::format("{} holds no secret key: use the file NAME.key_secret", file.string())};
+        return tl::unexpected{
+            fmt::format("{} holds no secret key: use the file NAME.key_secret", file.string())};
     }
     const KeyPair pair{*certificate->public_key, *certificate->secret_key};
     if (!belong_together(pair)) {
-        return Failure{
+        return tl::unexpected{
             fmt::format("{}: its public and its secret key do not belong together", file.string())};
     }
     return pair;
 }
 
-Expected<std::vector<CurveKey>> read_public_keys(const fs::path& file_or_directory) {
+tl::expected<std::vector<CurveKey>, std::string> read_public_keys(const fs::path& file_or_directory) {
     std::vector<fs::path> files;
     std::error_code error;
     if (!fs::is_directory(file_or_directory, error)) {
@@ -222,25 +217,26 @@ Expected<std::vector<CurveKey>> read_public_keys(const fs::path& file_or_directo
             }
         }
         if (error) {
-            return Failure{fmt::format("cannot read {}: {}", file_or_directory.string(), error.message())};
+            return tl::unexpected{
+                fmt::format("cannot read {}: {}", file_or_directory.string(), error.message())};
         }
         if (files.empty()) {
-            return Failure{fmt::format("{} has no certificates NAME.key: no client could connect",
-                                       file_or_directory.string())};
+            return tl::unexpected{fmt::format("{} has no certificates NAME.key: no client could connect",
+                                              file_or_directory.string())};
         }
         std::ranges::sort(files);  // the order of messages, not of meaning
     }
     std::vector<CurveKey> keys;
     std::string faults;
     for (const fs::path& file : files) {
-        if (const Expected<CurveKey> key = read_public_key(file)) {
+        if (const auto key = read_public_key(file)) {
             keys.push_back(*key);
         } else {
             faults += (faults.empty() ? "" : "\n") + key.error();
         }
     }
     if (!faults.empty()) {
-        return Failure{faults};
+        return tl::unexpected{faults};
     }
     return keys;
 }

@@ -7,14 +7,16 @@
 //         public-key = "..."
 //         secret-key = "..."
 //
-// The format is ZPL (rfc.zeromq.org/spec/4): sections at the margin, what belongs to them indented, #
-// comments.
+// The format is ZPL (rfc.zeromq.org/spec/4): sections at the margin, their keys indented, # comments.
+//
+// Writing throws, as other uses of resources do. Reading returns what is wrong: the text is from outside.
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "stream/expected.hpp"
+#include <tl/expected.hpp>
+
 #include "stream/wire/curve.hpp"
 
 namespace hertzline::stream {
@@ -29,19 +31,20 @@ struct KeyFiles {
 };
 
 /// Writes NAME.key and NAME.key_secret, the latter readable by its owner alone from its first moment. Never
-/// overwrites. @throws std::system_error that names the file when one is there or cannot be written; then
-/// no file of its own is left.
+/// overwrites, and leaves none of its own behind when it fails.
+/// @throws std::system_error that names the file when one is there or cannot be written
 KeyFiles write_key_files(const std::string& name, const KeyPair& pair);
 
 /// The public key of a certificate. A file that holds a secret key is refused: it should not have left its
 /// owner.
-Expected<CurveKey> read_public_key(const std::filesystem::path& file);
+tl::expected<CurveKey, std::string> read_public_key(const std::filesystem::path& file);
 
 /// Both keys of a secret certificate. Refused when anybody but us may read it, or it is another user's.
-Expected<KeyPair> read_key_pair(const std::filesystem::path& file);
+tl::expected<KeyPair, std::string> read_key_pair(const std::filesystem::path& file);
 
 /// The public keys of a certificate, or of every *.key in a directory. A failure names every fault, one a
 /// line; a directory without certificates is one.
-Expected<std::vector<CurveKey>> read_public_keys(const std::filesystem::path& file_or_directory);
+tl::expected<std::vector<CurveKey>, std::string> read_public_keys(
+    const std::filesystem::path& file_or_directory);
 
 }  // namespace hertzline::stream

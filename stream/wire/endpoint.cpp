@@ -14,14 +14,14 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "core/scene/text.hpp"
+
 namespace hertzline::stream {
 
 namespace {
 
 constexpr std::string_view tcp_scheme = "tcp://";
 constexpr std::string_view ipc_scheme = "ipc://";
-
-using Fault = std::optional<std::string>;
 
 bool only_of(std::string_view text, std::string_view further) {
     return std::all_of(text.begin(), text.end(), [further](char c) {
@@ -51,47 +51,43 @@ bool good_port(std::string_view port, EndpointUse use) {
 }
 
 /// The text in quotes, with what a terminal or a log should not show replaced, and not longer than a line.
-std::string quoted(std::string_view text) {
-    constexpr std::size_t longest = 120;
-    std::string result(text.substr(0, longest));
-    std::replace_if(
-        result.begin(), result.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
-    return '"' + result + (text.size() > longest ? "...\"" : "\"");
+std::string in_quotes(std::string_view text) {
+    return '"' + printable(text) + '"';
 }
 
-Fault tcp_fault(std::string_view endpoint, EndpointUse use) {
+std::optional<std::string> tcp_fault(std::string_view endpoint, EndpointUse use) {
     const std::string_view address = endpoint.substr(tcp_scheme.size());
     const std::size_t colon = address.rfind(':');
     if (colon == std::string_view::npos) {
-        return fmt::format("endpoint {} has no port: write tcp://HOST:PORT", quoted(endpoint));
+        return fmt::format("endpoint {} has no port: write tcp://HOST:PORT", in_quotes(endpoint));
     }
     const std::string_view host = address.substr(0, colon);
     const std::string_view port = address.substr(colon + 1);
     const bool binds = use == EndpointUse::bind;
     if (!good_host(host, use)) {
         return fmt::format("endpoint {}: host {} is not a name, an IPv4 address or [IPv6]{}",
-                           quoted(endpoint), quoted(host), binds ? ", or * for every interface" : "");
+                           in_quotes(endpoint), in_quotes(host), binds ? ", or * for every interface" : "");
     }
     if (!good_port(port, use)) {
-        return fmt::format("endpoint {}: port {} is not a number from 1 to 65535{}", quoted(endpoint),
-                           quoted(port), binds ? ", or 0 or * for any free port" : "");
+        return fmt::format("endpoint {}: port {} is not a number from 1 to 65535{}", in_quotes(endpoint),
+                           in_quotes(port), binds ? ", or 0 or * for any free port" : "");
     }
     return std::nullopt;
 }
 
-Fault ipc_fault(std::string_view endpoint) {
+std::optional<std::string> ipc_fault(std::string_view endpoint) {
     const std::string_view path = endpoint.substr(ipc_scheme.size());
     // '@' would be Linux's abstract namespace and '*' a path of ZeroMQ's choice: neither is a
     // file that anybody sees.
     if (path.empty() || path == "*" || path.front() == '@' || path.back() == '/') {
-        return fmt::format("endpoint {}: {} is not the path of a file", quoted(endpoint), quoted(path));
+        return fmt::format("endpoint {}: {} is not the path of a file", in_quotes(endpoint), in_quotes(path));
     }
     // The endpoint is announced, a line that programs read.
     if (std::any_of(path.begin(), path.end(), [](char c) { return (c >= 0 && c < ' ') || c == 0x7F; })) {
-        return fmt::format("endpoint {}: control characters in the path", quoted(endpoint));
+        return fmt::format("endpoint {}: control characters in the path", in_quotes(endpoint));
     }
     if (path.size() > max_ipc_path) {
-        return fmt::format("endpoint {}: the path has {} bytes, at most {} are allowed", quoted(endpoint),
+        return fmt::format("endpoint {}: the path has {} bytes, at most {} are allowed", in_quotes(endpoint),
                            path.size(), max_ipc_path);
     }
     return std::nullopt;
@@ -167,7 +163,7 @@ std::optional<std::string> endpoint_fault(std::string_view endpoint, EndpointUse
     if (endpoint.starts_with(ipc_scheme)) {
         return ipc_fault(endpoint);
     }
-    return fmt::format("endpoint {} is neither tcp://HOST:PORT nor ipc://PATH", quoted(endpoint));
+    return fmt::format("endpoint {} is neither tcp://HOST:PORT nor ipc://PATH", in_quotes(endpoint));
 }
 
 std::optional<std::string> occupied_fault(std::string_view endpoint) {
@@ -180,10 +176,10 @@ std::optional<std::string> occupied_fault(std::string_view endpoint) {
         return std::nullopt;  // nothing there, or no way there: the bind itself will tell
     }
     if (!S_ISSOCK(status.st_mode)) {
-        return fmt::format("endpoint {}: the path is a file that is not a socket", quoted(endpoint));
+        return fmt::format("endpoint {}: the path is a file that is not a socket", in_quotes(endpoint));
     }
     if (is_live(path)) {
-        return fmt::format("endpoint {}: address in use by another program", quoted(endpoint));
+        return fmt::format("endpoint {}: address in use by another program", in_quotes(endpoint));
     }
     return std::nullopt;
 }

@@ -115,14 +115,14 @@ void encode_header(const FrameHeader& header, std::string& json) {
         header.t(), header.dropped, header.run);
 }
 
-Expected<FrameHeader> decode_header(std::string_view json, std::size_t payload_bytes) {
+tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std::size_t payload_bytes) {
     if (json.size() > max_header_bytes) {
-        return Failure{fmt::format("frame header: {} bytes, more than the {} that are read", json.size(),
-                                   max_header_bytes)};
+        return tl::unexpected{fmt::format("frame header: {} bytes, more than the {} that are read",
+                                          json.size(), max_header_bytes)};
     }
     const Json object = Json::parse(json, nullptr, /*allow_exceptions=*/false);
     if (!object.is_object()) {
-        return Failure{"frame header: not a JSON object"};
+        return tl::unexpected{std::string("frame header: not a JSON object")};
     }
     HeaderReader reader(object);
     FrameHeader header;
@@ -142,14 +142,14 @@ Expected<FrameHeader> decode_header(std::string_view json, std::size_t payload_b
     header.dropped = reader.count("dropped");
     header.run = reader.name("run");
     if (!reader.fault().empty()) {
-        return Failure{reader.fault()};
+        return tl::unexpected{reader.fault()};
     }
     if (!std::isfinite(header.t()) || !(std::abs(t - header.t()) <= 1e-9 * header.t())) {
-        return Failure{fmt::format("frame header: t = {} is not sample / fs = {}", t, header.t())};
+        return tl::unexpected{fmt::format("frame header: t = {} is not sample / fs = {}", t, header.t())};
     }
     if (!fills(header.n, header.channels, payload_bytes)) {
-        return Failure{fmt::format("frame header: shape [{}, {}] of float32 does not fill {} bytes", header.n,
-                                   header.channels, payload_bytes)};
+        return tl::unexpected{fmt::format("frame header: shape [{}, {}] of float32 does not fill {} bytes",
+                                          header.n, header.channels, payload_bytes)};
     }
     return header;
 }

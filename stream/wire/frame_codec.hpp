@@ -6,7 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "stream/expected.hpp"
+#include <tl/expected.hpp>
+
 #include "stream/wire/frame.hpp"
 
 namespace hertzline::stream {
@@ -25,6 +26,6 @@ void encode_header(const FrameHeader& header, std::string& json);
 
 /// Reads a header, or says what is wrong with it. Never throws on bad input. `payload_bytes` is the size of
 /// the part that follows and must be n * channels * 4. Unknown keys are ignored.
-Expected<FrameHeader> decode_header(std::string_view json, std::size_t payload_bytes);
+tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std::size_t payload_bytes);
 
 }  // namespace hertzline::stream

@@ -17,11 +17,11 @@
 
 #include <zmq.hpp>
 
-#include "stream/wire/topics.hpp"
 #include "stream/wire/curve.hpp"
 #include "stream/wire/multipart.hpp"
 #include "stream/wire/peer_quota.hpp"
 #include "stream/wire/subscriptions.hpp"
+#include "stream/wire/topics.hpp"
 #include "stream/wire/zap.hpp"
 
 namespace hertzline::stream {

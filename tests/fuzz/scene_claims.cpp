@@ -21,15 +21,16 @@ constexpr std::size_t longest_message = 2000;
 
 struct FiniteNumbers {
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const std::optional<Member>& member, const Allowed& allowed) const {
+    void operator()(const fields::Key& key, const std::optional<Member>& member,
+                    const Allowed& allowed) const {
         if (member) {
             (*this)(key, *member, allowed);
         }
     }
     template <class Member, class Allowed>
-    void operator()(std::string_view key, const Member& member, const Allowed& /*allowed*/) const {
+    void operator()(const fields::Key& key, const Member& member, const Allowed& /*allowed*/) const {
         if constexpr (std::is_same_v<Member, double>) {
-            claim(std::isfinite(member), "an accepted number is finite", std::string(key));
+            claim(std::isfinite(member), "an accepted number is finite", key.text());
         }
     }
 };
@@ -38,18 +39,18 @@ void claim_finite_numbers(const Scene& scene) {
     fields::visit_scene(scene, FiniteNumbers{});
     for (const auto& [name, material] : scene.materials) {
         if (const auto* solid = std::get_if<Solid>(&material)) {
-            fields::visit_solid(*solid, FiniteNumbers{});
+            fields::visit_solid(*solid, name, FiniteNumbers{});
         } else {
-            fields::visit_fluid(std::get<Fluid>(material), FiniteNumbers{});
+            fields::visit_fluid(std::get<Fluid>(material), name, FiniteNumbers{});
         }
     }
 }
 
 void claim_round_trip(const Scene& scene) {
     const std::string text = to_toml(scene);
-    const SceneResult again = parse_scene(text, "again.toml");
-    claim(again.scene == scene, "what is written reads back", text);
-    claim(to_toml(*again.scene) == text, "equal scenes have one text", text);
+    const auto again = parse_scene(text, "again.toml");
+    claim(again && again->scene == scene, "what is written reads back", text);
+    claim(to_toml(again->scene) == text, "equal scenes have one text", text);
 }
 
 /// What is derived from a scene without simulating it.
@@ -82,15 +83,16 @@ void claim_finite_constants(const Scene& scene) {
 
 }  // namespace
 
-void claim_scene_or_faults(const SceneResult& result) {
-    claim(result.scene.has_value() == result.problems.empty(), "there is a scene or a problem");
-    for (const Problem& problem : result.problems) {
-        claim_message(problem.message(), longest_message);
-    }
+void claim_scene_or_faults(const tl::expected<ParsedScene, std::vector<Fault>>& result) {
     if (result) {
-        claim_finite_numbers(*result.scene);
-        claim_round_trip(*result.scene);
-        claim_finite_constants(*result.scene);
+        claim_finite_numbers(result->scene);
+        claim_round_trip(result->scene);
+        claim_finite_constants(result->scene);
+        return;
+    }
+    claim(!result.error().empty(), "there is a scene or a fault");
+    for (const Fault& fault : result.error()) {
+        claim_message(fault.message(), longest_message);
     }
 }
 

@@ -90,18 +90,18 @@ void draw_chain_and_end(Draw& draw, Scene& scene) {
 struct ToTheEnds {
     Draw& draw;
 
-    void operator()(std::string_view key, double& value, const fields::Range& range) const {
-        if (!key.starts_with("output") && draw.one_in(6)) {
-            value = draw.one_in(2) ? range.least : range.most;
+    void operator()(const fields::Key& key, double& value, const fields::Range& range) const {
+        if (key.section != "output" && draw.one_in(6)) {
+            value = draw.one_in(2) ? range.min : range.max;
         }
     }
-    void operator()(std::string_view key, std::optional<double>& value, const fields::Range& range) const {
-        if (!key.starts_with("numerics") && value) {
+    void operator()(const fields::Key& key, std::optional<double>& value, const fields::Range& range) const {
+        if (key.section != "numerics" && value) {
             (*this)(key, *value, range);
         }
     }
     template <class Member, class Allowed>
-    void operator()(std::string_view, Member&, const Allowed&) const {}
+    void operator()(const fields::Key&, Member&, const Allowed&) const {}
 };
 
 void draw_extremes(Draw& draw, Scene& scene) {

@@ -11,15 +11,17 @@
 
 namespace hertzline::test {
 
-/// What is wrong with a text and its --set options, as the user reads it. Fails the test unless there is a
-/// scene exactly when nothing is wrong.
+/// What is wrong with a text and its --set options, as the user reads it; empty when it is a scene. Fails the
+/// test when there is no scene though nothing is wrong.
 inline std::vector<std::string> messages(std::string_view text,
                                          const std::vector<std::string>& overrides = {}) {
-    const SceneResult result = parse_scene(text, "scene.toml", overrides);
-    EXPECT_EQ(result.scene.has_value(), result.problems.empty());
+    const auto parsed = parse_scene(text, "scene.toml", overrides);
     std::vector<std::string> lines;
-    for (const Problem& problem : result.problems) {
-        lines.push_back(problem.message());
+    if (!parsed) {
+        EXPECT_FALSE(parsed.error().empty());
+        for (const Fault& fault : parsed.error()) {
+            lines.push_back(fault.message());
+        }
     }
     return lines;
 }
@@ -27,7 +29,7 @@ inline std::vector<std::string> messages(std::string_view text,
 /// The scene of a text. Fails the test when there is none.
 inline Scene scene_of(std::string_view text, const std::vector<std::string>& overrides = {}) {
     EXPECT_EQ(messages(text, overrides), std::vector<std::string>{});
-    return parse_scene(text, "scene.toml", overrides).scene.value_or(Scene{});
+    return parse_scene(text, "scene.toml", overrides).value_or(ParsedScene{}).scene;
 }
 
 }  // namespace hertzline::test

@@ -78,14 +78,14 @@ struct SpoilNumber {
     int visited = 0;
 
     template <class Number>  // double or std::optional<double>
-    void operator()(std::string_view name, Number& member, const fields::Range& /*range*/) {
+    void operator()(const fields::Key& name, Number& member, const fields::Range& /*range*/) {
         if (visited++ == wanted) {
             member = value_for_numbers;
-            key = name;
+            key = name.text();
         }
     }
     template <class Member, class Allowed>
-    void operator()(std::string_view /*name*/, Member& /*member*/, const Allowed& /*allowed*/) {}
+    void operator()(const fields::Key& /*name*/, Member& /*member*/, const Allowed& /*allowed*/) {}
 };
 
 TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {

@@ -83,7 +83,7 @@ TEST(SceneToml, AMessageNamesFileLineKeyValueAndBound) {
         ElementsAre("--set chain.spheres=0: chain.spheres: found 0, allowed: an integer from 1 to 10000000"));
 }
 
-TEST(SceneToml, AllProblemsAreReportedInTheOrderOfTheirLines) {
+TEST(SceneToml, AllFaultsAreReportedInTheOrderOfTheirLines) {
     EXPECT_THAT(
         messages("[drive]\n"
                  "frequency_hz = 'fast'\n"  // wrong type
@@ -186,7 +186,7 @@ TEST(SceneToml, OwnMaterialsMayBeSolidOrFluid) {
     EXPECT_EQ(scene.materials.at("oil"), Material(Fluid{900, 1400}));
 }
 
-TEST(SceneToml, AnIncompleteOrMixedMaterialIsAProblem) {
+TEST(SceneToml, AnIncompleteOrMixedMaterialIsAFault) {
     EXPECT_THAT(
         messages("[materials.m]\nyoungs_modulus_pa=1e9\n"),
         ElementsAre(StartsWith("scene.toml:1: materials.m.poissons_ratio: found nothing, allowed: a number"),
@@ -204,7 +204,7 @@ TEST(SceneToml, AnIncompleteOrMixedMaterialIsAProblem) {
                     "scene.toml:1: materials.\"a b\": found \"a b\", allowed: a name of 1 to 64")));
 }
 
-TEST(SceneToml, AProblemWithAMaterialIsNotReportedWhereItIsUsedToo) {
+TEST(SceneToml, AFaultOfAMaterialIsNotReportedWhereItIsUsedToo) {
     EXPECT_EQ(messages("[end]\nmaterial='m'\n[materials.m]\n").size(), 1);
     EXPECT_EQ(
         messages("[end]\nmaterial='m'\n[materials.m]\nyoungs_modulus_pa='x'\npoissons_ratio=0\ndensity=1\n")
@@ -220,12 +220,13 @@ TEST(SceneToml, FaultsOfOwnMaterialsHaveTheirLine) {
 
 TEST(SceneToml, AFaultThatShowsLaterHasItsPlace) {
     const std::vector<std::string> options{"chain.preload_n=2"};
-    const SceneResult result = parse_scene("[numerics]\nstep_s = 1e-5\n", "scene.toml", options);
-    EXPECT_EQ(result.placed({"numerics.step_s", "1e-05", "less"}).message(),
+    const auto result = parse_scene("[numerics]\nstep_s = 1e-5\n", "scene.toml", options);
+    ASSERT_TRUE(result);
+    EXPECT_EQ(result->placed({"numerics.step_s", "1e-05", "less"}).message(),
               "scene.toml:2: numerics.step_s: found 1e-05, allowed: less");
-    EXPECT_EQ(result.placed({"chain.preload_n", "2", "less"}).message(),
+    EXPECT_EQ(result->placed({"chain.preload_n", "2", "less"}).message(),
               "--set chain.preload_n=2: chain.preload_n: found 2, allowed: less");
-    EXPECT_EQ(result.placed({"chain.spheres", "6", "less"}).message(),
+    EXPECT_EQ(result->placed({"chain.spheres", "6", "less"}).message(),
               "scene.toml: chain.spheres: found 6, allowed: less");
 }
 

@@ -28,9 +28,8 @@ std::string contents(const fs::path& path) {
 
 Scene shipped(std::string_view name) {
     const ShippedScene* found = find_shipped_scene(name);
-    const SceneResult result = found != nullptr ? parse_scene(found->text, name) : SceneResult{};
-    EXPECT_TRUE(result) << name;
-    return result.scene.value_or(Scene{});
+    EXPECT_NE(found, nullptr) << name;
+    return found != nullptr ? parse_scene(found->text, name).value().scene : Scene{};
 }
 
 TEST(ShippedScenes, AreThoseThatScriptsRelyOn) {
@@ -59,12 +58,9 @@ TEST(ShippedScenes, AreTheFilesOfTheScenesFolder) {
 
 TEST(ShippedScenes, CanBeSimulatedAndSurviveTheRoundTrip) {
     for (const ShippedScene& shipped_scene : shipped_scenes()) {
-        const SceneResult result = parse_scene(shipped_scene.text, shipped_scene.name);
-        for (const Problem& problem : result.problems) {
-            ADD_FAILURE() << problem.message();
-        }
-        ASSERT_TRUE(result);
-        EXPECT_EQ(parse_scene(to_toml(*result.scene), "again").scene, result.scene);
+        const auto parsed = parse_scene(shipped_scene.text, shipped_scene.name);
+        ASSERT_TRUE(parsed) << parsed.error().front().message();
+        EXPECT_EQ(parse_scene(to_toml(parsed->scene), "again").value().scene, parsed->scene);
     }
 }
 
@@ -136,11 +132,11 @@ TEST(ScenesReadme, ItsExampleIsAScene) {
     const std::string readme = contents(scenes_folder / "README.md");
     const auto begin = readme.find("    [end]\n");
     ASSERT_NE(begin, std::string::npos);
-    const SceneResult result =
+    const auto result =
         parse_scene(readme.substr(begin, readme.find("\nBuilt in", begin) - begin), "example");
     ASSERT_TRUE(result);
-    EXPECT_EQ(result.scene->end.material, "fused_silica");
-    EXPECT_EQ(std::get<Solid>(result.scene->materials.at("fused_silica")), (Solid{72e9, 0.17, 2200}));
+    EXPECT_EQ(result->scene.end.material, "fused_silica");
+    EXPECT_EQ(std::get<Solid>(result->scene.materials.at("fused_silica")), (Solid{72e9, 0.17, 2200}));
 }
 
 }  // namespace

@@ -44,6 +44,14 @@ TEST(Text, PrintableHidesControlCharactersAndCutsLongTexts) {
     EXPECT_EQ(printable(std::string(1000, 'x')), std::string(120, 'x') + "...");
 }
 
+TEST(Text, TrimmedLosesTheBlanksAroundIt) {
+    EXPECT_EQ(trimmed(" \ta b\t ", " \t"), "a b");
+    EXPECT_EQ(trimmed("a", " "), "a");
+    EXPECT_EQ(trimmed(" a\r", " "), "a\r");
+    EXPECT_EQ(trimmed(" \t ", " \t"), "");
+    EXPECT_EQ(trimmed("", " "), "");
+}
+
 TEST(Text, NumbersAreShort) {
     EXPECT_EQ(number_text(0.1), "0.1");
     EXPECT_EQ(number_text(73e3), "73000");

@@ -46,7 +46,10 @@ protected:
         return "metadata\n    name = \"a\"\ncurve\n    public-key = \"" + public_key +
                "\"\n    secret-key = \"" + secret_key + "\"\n";
     }
-    std::string fault_of_pair(const std::string& file) const { return read_key_pair(file).error(); }
+    std::string fault_of_pair(const std::string& file) const {
+        const auto read = read_key_pair(file);
+        return read ? "none" : read.error();
+    }
 
     test::TemporaryFolder folder_;
     KeyPair pair_ = make_key_pair();

@@ -1,0 +1,25 @@
+#pragma once
+// What is wrong with a scene, and where that was said.
+
+#include <string>
+
+namespace hertzline {
+
+/// Where something was said.
+struct Place {
+    std::string origin;  ///< the file's name, or "--set chain.spheres=0"; empty: not known
+    int line = 0;        ///< in the file, counted from 1; 0: no line in particular
+};
+
+/// One thing wrong with a scene, with its text or with a --set option.
+struct Fault {
+    std::string key;      ///< "chain.spheres"; empty when the fault is not a key's
+    std::string found;    ///< what stands there, as text
+    std::string allowed;  ///< what may stand there
+    Place place = {};     ///< where it stands, if the scene comes from a text
+
+    /// "scene.toml:12: chain.spheres: found 0, allowed: an integer from 1 to 10000000"
+    std::string message() const;
+};
+
+}  // namespace hertzline
