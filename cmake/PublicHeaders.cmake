@@ -6,6 +6,7 @@
 set(core_headers
   # what one uses
   core/samples.hpp
+  core/scene/integrator.hpp
   core/scene/materials.hpp
   core/scene/scene.hpp
   core/scene/scene_toml.hpp
@@ -15,7 +16,9 @@ set(core_headers
   core/step_choice/resolve.hpp
   core/taps.hpp
   # what those include
+  core/scene/fault.hpp
   core/model/chain.hpp
+  core/model/end.hpp
   core/model/energy.hpp
   core/model/state.hpp
   core/solvers/solver.hpp
@@ -39,14 +42,13 @@ set(stream_headers
   stream/wire/publisher.hpp
   stream/wire/subscriber.hpp
   # what those include
-  stream/expected.hpp
   stream/pipeline/pacer.hpp
   stream/pipeline/producer.hpp
   stream/pipeline/ring_buffer.hpp
   stream/pipeline/thread_options.hpp
   stream/recordings/row_builder.hpp
   stream/run_id.hpp
-  stream/wire/curve.hpp
-  stream/wire/peer_quota.hpp
+  stream/wire/security/curve.hpp
+  stream/wire/security/peer_quota.hpp
   stream/wire/subscriptions.hpp
-  stream/wire/zap.hpp)
+  stream/wire/security/zap.hpp)

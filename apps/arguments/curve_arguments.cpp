@@ -6,7 +6,7 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "stream/wire/certificate.hpp"
+#include "stream/wire/security/certificate.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::app {

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 
 namespace hertzline::app {
 

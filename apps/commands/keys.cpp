@@ -6,7 +6,7 @@
 #include "apps/command.hpp"
 #include "apps/console/output.hpp"
 #include "core/scene/text.hpp"
-#include "stream/wire/certificate.hpp"
+#include "stream/wire/security/certificate.hpp"
 
 namespace hertzline::app {
 

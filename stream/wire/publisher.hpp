@@ -17,12 +17,12 @@
 
 #include <zmq.hpp>
 
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 #include "stream/wire/multipart.hpp"
-#include "stream/wire/peer_quota.hpp"
+#include "stream/wire/security/peer_quota.hpp"
 #include "stream/wire/subscriptions.hpp"
 #include "stream/wire/topics.hpp"
-#include "stream/wire/zap.hpp"
+#include "stream/wire/security/zap.hpp"
 
 namespace hertzline::stream {
 

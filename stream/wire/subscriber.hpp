@@ -12,7 +12,7 @@
 
 #include <zmq.hpp>
 
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 
 namespace hertzline::stream {
 

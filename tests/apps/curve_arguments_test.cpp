@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "stream/wire/certificate.hpp"
+#include "stream/wire/security/certificate.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "tests/apps/program.hpp"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/wire/certificate.hpp"
+#include "stream/wire/security/certificate.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {

@@ -1,6 +1,6 @@
 // A certificate as `hertzline keys` or other programs make it, read as a client's and as our own.
 
-#include "stream/wire/certificate.hpp"
+#include "stream/wire/security/certificate.hpp"
 
 #include <cstdint>
 #include <string>

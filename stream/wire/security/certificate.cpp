@@ -1,4 +1,4 @@
-#include "stream/wire/certificate.hpp"
+#include "stream/wire/security/certificate.hpp"
 
 #include <algorithm>
 #include <array>

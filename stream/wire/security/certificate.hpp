@@ -17,7 +17,7 @@
 
 #include <tl/expected.hpp>
 
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 
 namespace hertzline::stream {
 

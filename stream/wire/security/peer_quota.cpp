@@ -1,4 +1,4 @@
-#include "stream/wire/peer_quota.hpp"
+#include "stream/wire/security/peer_quota.hpp"
 
 #include <sys/socket.h>
 

@@ -11,7 +11,7 @@
 
 #include <zmq.hpp>
 
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 
 namespace hertzline::stream {
 

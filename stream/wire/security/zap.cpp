@@ -1,4 +1,4 @@
-#include "stream/wire/zap.hpp"
+#include "stream/wire/security/zap.hpp"
 
 #include <algorithm>
 #include <cstring>

@@ -1,6 +1,6 @@
 // Encryption, and who is let in: the handler by itself, and publishers and subscribers over real sockets.
 
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 
 #include <chrono>
 #include <optional>
@@ -16,7 +16,7 @@
 #include "stream/wire/publisher.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
-#include "stream/wire/zap.hpp"
+#include "stream/wire/security/zap.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {

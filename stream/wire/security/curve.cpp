@@ -1,4 +1,4 @@
-#include "stream/wire/curve.hpp"
+#include "stream/wire/security/curve.hpp"
 
 #include <stdexcept>
 
