@@ -1,6 +1,5 @@
 #pragma once
-// Where samples come from: all that is needed to make the same bits again. Part of every recording and of the
-// topic meta.
+// Where samples come from: all that is needed to make the same bits again. Part of every recording and of the topic meta.
 
 #include <chrono>
 #include <optional>

@@ -14,8 +14,7 @@ namespace hertzline::stream {
 namespace fs = std::filesystem;
 namespace {
 
-/// The number that follows `key` in a file of "key number ..." lines; the first number of the file for an
-/// empty key.
+/// The number that follows `key` in a file of "key number ..." lines; the first number of the file for an empty key.
 std::optional<std::uint64_t> number_in(const fs::path& file, const std::string& key) {
     std::ifstream in(file);
     std::string word;

@@ -7,8 +7,7 @@
 
 namespace hertzline::stream {
 
-/// {"drive": {"material": "steel", ...}, ...}; unset members are null, materials that are the scene's own in
-/// "materials".
+/// {"drive": {"material": "steel", ...}, ...}; unset members are null, materials that are the scene's own in "materials".
 nlohmann::ordered_json scene_json(const Scene& scene);
 
 }  // namespace hertzline::stream

@@ -11,9 +11,8 @@
 namespace hertzline::stream {
 namespace {
 
-// Fourfold padding puts a bin within 1/8 of the record's resolution of any line; a parabola through the three
-// bins around it then errs by less than 0.01 dB, even for a tone that is cut off sharply (0.28 dB at twofold
-// padding).
+// Fourfold padding puts a bin within 1/8 of the record's resolution of any line; a parabola through the three bins
+// around it then errs by less than 0.01 dB, even for a tone that is cut off sharply (0.28 dB at twofold padding).
 constexpr std::size_t padding = 4;
 constexpr std::size_t max_samples = std::size_t{1} << 28;  // FFTW's plain interface counts in int
 
@@ -102,8 +101,7 @@ SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) :
 SpectrumAnalyser::~SpectrumAnalyser() = default;
 
 double SpectrumAnalyser::bytes_needed(double samples) noexcept {
-    // The padded record in place and, while it is transformed, somewhat more than that for FFTW: 2.2 times
-    // were seen.
+    // The padded record in place and, while it is transformed, somewhat more than that for FFTW: 2.2 times were seen.
     return 2.5 * static_cast<double>(padding) * sizeof(double) * samples;
 }
 

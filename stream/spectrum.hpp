@@ -33,8 +33,7 @@ struct SpectrumSummary {
     std::vector<double> harmonics_db;  ///< k = 1, 2, ... up to ten or Nyquist; [dB] under the largest of them
     std::optional<double> subharmonic_db;  ///< at f/2; [dB] under the largest harmonic
     std::optional<double> thd_r;  ///< sqrt(sum_{k>=2} V_k^2) / sqrt(sum_{k>=1} V_k^2), over the same ten
-    /// Lowest to highest frequency with at least 10^(-6/20) of the spectrum's maximum; 0 Hz counts like any
-    /// other.
+    /// Lowest to highest frequency with at least 10^(-6/20) of the spectrum's maximum; 0 Hz counts like any other.
     std::optional<Band> band_6db;
     std::optional<Band> band_20db;  ///< the same with 10^(-20/20)
 };

@@ -6,8 +6,8 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "stream/wire/security/certificate.hpp"
 #include "stream/wire/endpoint.hpp"
+#include "stream/wire/security/certificate.hpp"
 
 namespace hertzline::app {
 

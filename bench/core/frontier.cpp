@@ -13,8 +13,7 @@ namespace hertzline::bench {
 
 namespace {
 
-/// Time that this thread has had on a processor [s]: the wall time on an idle machine, and little more on a
-/// busy one.
+/// Time that this thread has had on a processor [s]: the wall time on an idle machine, and little more on a busy one.
 double processor_time() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

@@ -35,8 +35,7 @@ public:
     Field(const Field&) = delete;  // the solvers refer to the problem in here
     Field& operator=(const Field&) = delete;
 
-    /// All solvers' results. Each round runs every solver in turn, so that what else the machine does meets
-    /// all alike.
+    /// All solvers' results. Each round runs every solver in turn, so that what else the machine does meets all alike.
     std::vector<Result> measure(int rounds) const;
 
     /// The solver of that name at the last, tightest, of its settings, run once for its errors; empty if

@@ -42,8 +42,7 @@ Scene long_scene(std::int64_t spheres) {
     return scene;
 }
 
-/// Seconds per step with every sphere flying about at up to 0.1 m/s: contacts open and close all along the
-/// chain.
+/// Seconds per step with every sphere flying about at up to 0.1 m/s: contacts open and close all along the chain.
 double all_moving(std::int64_t spheres) {
     const Scene scene = long_scene(spheres);
     const Chain chain(scene);
@@ -82,8 +81,7 @@ double all_moving(std::int64_t spheres) {
     return least / (batches * ToneBurst::batch_steps);
 }
 
-/// Seconds per step of a simulation while the horn's wave is on its first 1000 spheres, and how many of them
-/// move then.
+/// Seconds per step of a simulation while the horn's wave is on its first 1000 spheres, and how many of them move then.
 struct Wave {
     double step_s;
     std::int64_t moving;

@@ -2,8 +2,7 @@
 //
 //     bench_random_scenes [--json FILE] [COUNT [SEED]]
 //
-// Scene number i has the seed SEED + i: one that is found is run again by bench_random_scenes 1 SEED, which
-// prints it.
+// Scene number i has the seed SEED + i: one that is found is run again by bench_random_scenes 1 SEED, which prints it.
 
 #include <algorithm>
 #include <cstdio>

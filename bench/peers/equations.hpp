@@ -93,8 +93,7 @@ private:
     struct HornMotion {
         double x, v;
     };
-    /// A hann burst, x_h = A (1 - cos(2 pi t/T))/2 sin(2 pi f t) (docs/model.md, section 5), and its
-    /// derivative.
+    /// A hann burst, x_h = A (1 - cos(2 pi t/T))/2 sin(2 pi f t) (docs/model.md, section 5), and its derivative.
     HornMotion horn_at(double t) const {
         if (t <= 0 || t >= burst_) {
             return {0, 0};

@@ -1,5 +1,4 @@
-// Boost.odeint as it comes: adaptive methods with dense output, and fixed steps that divide the sample
-// period.
+// Boost.odeint as it comes: adaptive methods with dense output, and fixed steps that divide the sample period.
 
 #include "bench/peers/sampling.hpp"
 #include <boost/numeric/odeint.hpp>
@@ -24,7 +23,7 @@ template <std::size_t Lanes, class Stepper>
 Contender dense(const Problem& problem, const char* name, double tolerance, Stepper stepper) {
     return {Kind::as_it_comes, name, tolerance_text(tolerance),
             [&problem, equations = Plain<Lanes>(problem), stepper](Trace& trace) mutable {
-                RowBuilder<Lanes> recorder(problem, trace);
+                SampleRecorder<Lanes> recorder(problem, trace);
                 State<Lanes> state{};
                 stepper.initialize(state, 0.0, first_step);
                 while (!recorder.done()) {
@@ -42,7 +41,7 @@ template <std::size_t Lanes, class Stepper>
 Contender controlled(const Problem& problem, const char* name, double tolerance, Stepper fresh) {
     return {Kind::as_it_comes, name, tolerance_text(tolerance),
             [&problem, equations = Plain<Lanes>(problem), fresh](Trace& trace) {
-                RowBuilder<Lanes> recorder(problem, trace);
+                SampleRecorder<Lanes> recorder(problem, trace);
                 State<Lanes> state{};
                 Stepper stepper = fresh;
                 double t = 0;
@@ -73,7 +72,7 @@ template <std::size_t Lanes, class Stepper>
 Contender fixed(const Problem& problem, const char* name, int steps_per_sample, Stepper fresh) {
     return {Kind::as_it_comes, name, step_text(problem, steps_per_sample),
             [&problem, equations = Plain<Lanes>(problem), steps_per_sample, fresh](Trace& trace) {
-                RowBuilder<Lanes> recorder(problem, trace);
+                SampleRecorder<Lanes> recorder(problem, trace);
                 State<Lanes> state{};
                 Stepper stepper = fresh;
                 const double h = problem.sample_period / steps_per_sample;
@@ -92,7 +91,7 @@ Contender verlet(const Problem& problem, int steps_per_sample) {
     using Half = std::array<double, Lanes>;
     return {Kind::as_it_comes, "odeint velocity_verlet", step_text(problem, steps_per_sample),
             [&problem, equations = Plain<Lanes>(problem), steps_per_sample](Trace& trace) {
-                RowBuilder<Lanes> recorder(problem, trace);
+                SampleRecorder<Lanes> recorder(problem, trace);
                 std::pair<Half, Half> moving{};
                 odeint::velocity_verlet<Half> stepper;
                 const auto second_order = [&equations](const Half& x, const Half& v, Half& a, double t) {

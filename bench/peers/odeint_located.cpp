@@ -21,7 +21,7 @@ public:
               odeint::make_dense_output(tolerance, tolerance, odeint::runge_kutta_dopri5<State<Lanes>>())) {}
 
     void operator()(Trace& trace) {
-        RowBuilder<Lanes> recorder(problem_, trace);
+        SampleRecorder<Lanes> recorder(problem_, trace);
         const auto system = [this](const State<Lanes>& state, State<Lanes>& slope, double t) {
             equations_.derivative(state.data(), slope.data(), t);
         };

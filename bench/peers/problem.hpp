@@ -34,8 +34,8 @@ struct Problem {
     double transmission;       ///< sqrt(T_m T_w), from the last sphere into the medium
 };
 
-/// @throws std::invalid_argument for what the peers have not been taught: repeated or other than hann bursts,
-/// clamped tension.
+/// @throws std::invalid_argument for what the peers have not been taught: repeated or other than hann
+/// bursts, clamped tension.
 Problem problem(const Scene& scene, std::size_t samples);
 
 /// The sampled outputs [m/s]; without a plate only v_last.

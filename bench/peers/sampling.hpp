@@ -1,6 +1,5 @@
 #pragma once
-// What the peers share around the right-hand side: the chain's size made known to the compiler, and the
-// samples.
+// What the peers share around the right-hand side: the chain's size made known to the compiler, and the samples.
 
 #include <cmath>
 #include <cstdio>
@@ -28,9 +27,9 @@ auto with_lanes(const Problem& problem, Use use) {
 
 /// Puts states down as samples.
 template <std::size_t Lanes>
-class RowBuilder {
+class SampleRecorder {
 public:
-    RowBuilder(const Problem& problem, Trace& trace) : problem_(problem), trace_(trace) {}
+    SampleRecorder(const Problem& problem, Trace& trace) : problem_(problem), trace_(trace) {}
 
     bool done() const { return next_ == problem_.samples; }
     /// Time of the next sample [us]; counted, not added up.

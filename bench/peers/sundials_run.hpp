@@ -41,7 +41,7 @@ public:
     }
 
     void operator()(Trace& trace) {
-        RowBuilder<Lanes> recorder(problem_, trace);
+        SampleRecorder<Lanes> recorder(problem_, trace);
         equations_.close_all();
         N_VConst(0, y_.get());
         method_->begin(y_.get());

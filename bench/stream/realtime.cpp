@@ -130,8 +130,7 @@ struct Heard {
     std::uint64_t end_frames = 0;  // of each stream, as the end told
 };
 
-/// Listens until the end of the run, or until nothing has come for a while (the end itself may have been
-/// lost).
+/// Listens until the end of the run, or until nothing has come for a while (the end itself may have been lost).
 Heard hear(Subscriber& subscriber, std::size_t streams) {
     std::map<std::string, Tap, std::less<>> taps;
     for (std::size_t i = 0; i < streams; ++i) {

@@ -2,10 +2,9 @@
 //
 //     bench_ring [--json FILE]
 //
-// One thread writes blocks, another reads them and adds them up, each kept on a processor of its own. Both
-// queues get the same work: the writer makes a block, number by number; the reader looks at every number. Our
-// ring is filled in place; Boost's takes a copy of what was made and is read in place (consume_one). Rounds
-// alternate; medians.
+// One thread writes blocks, another reads them and adds them up, each kept on a processor of its own. Both queues get the
+// same work: the writer makes a block, number by number; the reader looks at every number. Our ring is filled in place;
+// Boost's takes a copy of what was made and is read in place (consume_one). Rounds alternate; medians.
 
 #include <algorithm>
 #include <array>

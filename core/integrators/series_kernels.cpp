@@ -1,5 +1,4 @@
-// One copy of the Taylor series per instruction set; the widest that this processor has is chosen at run
-// time.
+// One copy of the Taylor series per instruction set; the widest that this processor has is chosen at run time.
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/integrators/series_kernels.cpp"

@@ -107,8 +107,7 @@ struct SampleTimes {
 };
 
 struct SeriesKernels {
-    /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its
-    /// end.
+    /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its end.
     void (*piece)(SimdChain& chain, SeriesPiece& piece);
     /// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride`
     /// doubles apart. Without the onset force.

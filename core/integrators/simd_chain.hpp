@@ -10,8 +10,7 @@
 //                    row 0          b0  b2  b4  b6
 //                    row 1          b1  b3  b5  pad     the last slot is always a pad that never moves
 //
-// Only the part of the chain that can have moved is laid out: what lies ahead of the wavefront is at rest
-// exactly.
+// Only the part of the chain that can have moved is laid out: what lies ahead of the wavefront is at rest exactly.
 //
 // Linear: long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which row k holds
 // neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard both ends. All of the

@@ -11,8 +11,7 @@ namespace hertzline {
 
 namespace {
 
-/// Gershgorin's bound on the eigenvalues of M^-1/2 K M^-1/2 for a chain of couplings k(c) [N/m or kg/s]; NaN
-/// stays NaN.
+/// Gershgorin's bound on the eigenvalues of M^-1/2 K M^-1/2 for a chain of couplings k(c) [N/m or kg/s]; NaN stays NaN.
 template <class Coupling>
 double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling,
                       double spring_weight) noexcept {

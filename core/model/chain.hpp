@@ -5,8 +5,7 @@
 // contact 0 is horn - sphere 1, contact N is sphere N - end. So a body and its left contact share an index,
 // and bodies() == contacts() == N + 1.
 //
-// Forces are kept relative to the static state: a chain at rest then has forces of exactly zero and stays at
-// rest.
+// Forces are kept relative to the static state: a chain at rest then has forces of exactly zero and stays at rest.
 
 #include <Eigen/Core>
 

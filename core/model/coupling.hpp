@@ -16,8 +16,7 @@ double plate_stiffness(const Solid& material, const End& end) noexcept;
 /// Power transmission from impedance a into b: 1 - ((Zb - Za)/(Zb + Za))^2.
 double transmission(double impedance_a, double impedance_b) noexcept;
 
-/// sqrt(T_m T_w): amplitude factor from the last sphere through the disc into the medium (docs/model.md,
-/// section 6).
+/// sqrt(T_m T_w): amplitude factor from the last sphere through the disc into the medium (docs/model.md, section 6).
 double output_transmission(const Scene& scene);
 
 }  // namespace hertzline

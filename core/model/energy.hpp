@@ -1,6 +1,5 @@
 #pragma once
-// The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost must stay
-// zero.
+// The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost must stay zero.
 
 #include "core/model/chain.hpp"
 #include "core/model/state.hpp"

@@ -1,6 +1,5 @@
 #pragma once
-// Hertz's law between elastic bodies (K. L. Johnson, Contact Mechanics, 1985, chapter 4): force k
-// delta^(3/2).
+// Hertz's law between elastic bodies (K. L. Johnson, Contact Mechanics, 1985, chapter 4): force k delta^(3/2).
 
 #include <cmath>
 
@@ -28,8 +27,7 @@ inline double static_overlap(double stiffness, double force_n) noexcept {
     return std::cbrt((force_n / stiffness) * (force_n / stiffness));
 }
 
-/// Elastic force [N] at an overlap [m]; zero when apart. x*sqrt(x), not pow: the same bits as the SIMD
-/// kernels.
+/// Elastic force [N] at an overlap [m]; zero when apart. x*sqrt(x), not pow: the same bits as the SIMD kernels.
 inline double elastic_force(double stiffness, double overlap_m) noexcept {
     const double pressed = overlap_m > 0 ? overlap_m : 0;
     return (stiffness * pressed) * std::sqrt(pressed);

@@ -53,13 +53,11 @@ public:
     /// The piece that begins or goes on at (step + fraction) h.
     SmoothDrive smooth(std::int64_t step, double fraction) const noexcept;
 
-    /// Fraction of the step at which the next piece begins, looking from `after`; >= 1 when none does in this
-    /// step.
+    /// Fraction of the step at which the next piece begins, looking from `after`; >= 1 when none does in this step.
     double next_break(std::int64_t step, double after) const noexcept;
 
-    /// The motion over `count` steps from `first`. Batches should start at multiples of batch_steps, so that
-    /// the bits do not depend on how a run is cut into blocks. @returns whether the horn rests in all of
-    /// them.
+    /// The motion over `count` steps from `first`. Batches should start at multiples of batch_steps, so that the
+    /// bits do not depend on how a run is cut into blocks. @returns whether the horn rests in all of them.
     bool fill(std::int64_t first, HornStep* steps, int count) const noexcept;
 
     static constexpr int batch_steps = 64;
@@ -87,8 +85,7 @@ private:
     double ramp_omega_ = 0;  ///< the envelope's angular frequency [rad/s]
     double repetition_hz_;
     bool hann_;
-    // cos and sin of carrier and envelope at multiples of half a step, so that a batch needs four calls of
-    // sin
+    // cos and sin of carrier and envelope at multiples of half a step, so that a batch needs four calls of sin
     std::vector<double> carrier_cos_, carrier_sin_, ramp_cos_, ramp_sin_;
 };
 

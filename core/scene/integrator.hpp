@@ -29,13 +29,12 @@ struct Method {
     std::string_view source;
 };
 
-/// Bounds of leapfrog: h omega = 2; the explicit midpoint rule, by which the dashpots act, decays up to 2.
-/// Of chin4a: sqrt(12), since the trace of its step on a harmonic oscillator is 2 - u + u^2/12 - u^3/432 with
-/// u = (h omega)^2; two Taylor polynomials of degree 4 decay up to 2 * 2.785.
-/// Of a series of order p: a piece maps (x, v) by Taylor polynomials of degree p + 1 and p. On an oscillation
-/// its spectral radius passes 1 at 3.085 (p = 8) and 3.654 (p = 12; near pi it exceeds 1 by less than 1e-4); a
-/// polynomial of degree p decays up to 4.314 and 5.823. No series is run near them: its error ends a piece
-/// before.
+/// Bounds of leapfrog: h omega = 2; the explicit midpoint rule, by which the dashpots act, decays up to 2. Of
+/// chin4a: sqrt(12), since the trace of its step on a harmonic oscillator is 2 - u + u^2/12 - u^3/432 with u
+/// = (h omega)^2; two Taylor polynomials of degree 4 decay up to 2 * 2.785. Of a series of order p: a piece
+/// maps (x, v) by Taylor polynomials of degree p + 1 and p. On an oscillation its spectral radius passes 1 at
+/// 3.085 (p = 8) and 3.654 (p = 12; near pi it exceeds 1 by less than 1e-4); a polynomial of degree p decays
+/// up to 4.314 and 5.823. No series is run near them: its error ends a piece before.
 ///
 /// Reach of leapfrog: two looks at the dashpots. Of chin4a: twelve (eight powers of the drift, two forces, one
 /// gradient), doubled for a step that is split. What a step of many splits carries further has fallen by a

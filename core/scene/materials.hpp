@@ -38,8 +38,7 @@ std::span<const BuiltInMaterial> built_in_materials() noexcept;
 /// Plane-strain modulus E / (1 - nu^2) [Pa], the theta of Hertz's contact law (Johnson 1985, eq. 4.20).
 double plane_strain_modulus(const Solid& solid) noexcept;
 
-/// Specific acoustic impedance [Pa s/m]: for a solid sqrt(rho M) with the longitudinal modulus M, for a fluid
-/// rho c.
+/// Specific acoustic impedance [Pa s/m]: for a solid sqrt(rho M) with the longitudinal modulus M, for a fluid rho c.
 double acoustic_impedance(const Material& material) noexcept;
 
 }  // namespace hertzline

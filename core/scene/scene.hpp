@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/integrator.hpp"
 #include "core/scene/fault.hpp"
+#include "core/scene/integrator.hpp"
 #include "core/scene/materials.hpp"
 
 namespace hertzline {

@@ -30,8 +30,7 @@ public:
     /// Adds what a --set option says, in place of what was said before.
     void add_option(const std::string& option);
 
-    /// What was said of the key ("chain.spheres"), or where the section [materials.NAME] begins; nullptr:
-    /// nothing.
+    /// What was said of the key ("chain.spheres"), or where the section [materials.NAME] begins; nullptr: nothing.
     const Setting* find(const std::string& key) const;
 
     /// The NAMEs of all [materials.NAME].

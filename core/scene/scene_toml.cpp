@@ -150,8 +150,7 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
     const std::set<std::string> unclear_materials = read_materials(settings, parsed.scene, faults);
     if (readable) {  // else the options would be judged without what the file says beside them
         for (Fault& fault : validate(parsed.scene)) {
-            // A key that names an unclear material is not at fault: that is reported where the material is
-            // defined.
+            // A key that names an unclear material is not at fault: that is reported where the material is defined.
             if (!unclear_materials.contains(fault.found)) {
                 faults.push_back(parsed.placed(std::move(fault)));
             }

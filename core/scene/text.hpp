@@ -12,15 +12,13 @@ namespace hertzline {
 std::string number_text(double value);
 std::string number_text(std::int64_t value);
 
-/// The text between double quotes, with everything but printable ASCII escaped: a TOML string, safe on a
-/// terminal.
+/// The text between double quotes, with everything but printable ASCII escaped: a TOML string, safe on a terminal.
 std::string quoted(std::string_view text);
 
 /// quoted(), shortened to what fits a message.
 std::string quoted_briefly(std::string_view text);
 
-/// The text without quotes, for a message: what a terminal might act on becomes '?', and what is longer is
-/// cut.
+/// The text without quotes, for a message: what a terminal might act on becomes '?', and what is longer is cut.
 std::string printable(std::string_view text, std::size_t max_length = 120);
 
 /// True for what TOML accepts as a key without quotes: letters, digits, '_' and '-'.

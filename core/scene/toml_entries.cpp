@@ -1,8 +1,7 @@
-// Scene text comes from anywhere, and toml++ 3.3.0 has crashes of its own, so nothing reaches it that a scene
-// does not need. It aborts on NUL and has undefined behaviour on some non-ASCII text: only printable ASCII,
-// tabs and line ends pass, 64 KiB at most. It recurses once per part of a dotted key, and 32 000 parts
-// overflow the stack: a line may hold 32 single dots. (It limits the depth of brackets and braces itself, to
-// 256.)
+// Scene text comes from anywhere, and toml++ 3.3.0 has crashes of its own, so nothing reaches it that a scene does
+// not need. It aborts on NUL and has undefined behaviour on some non-ASCII text: only printable ASCII, tabs and
+// line ends pass, 64 KiB at most. It recurses once per part of a dotted key, and 32 000 parts overflow the stack: a
+// line may hold 32 single dots. (It limits the depth of brackets and braces itself, to 256.)
 
 #include "core/scene/toml_entries.hpp"
 
@@ -11,8 +10,7 @@
 #include <cmath>
 #include <optional>
 
-// Where toml++ is compiled here instead of linked: its assertions abort on "[+a]", which it reports as an
-// error anyway.
+// Where toml++ is compiled here instead of linked: its assertions abort on "[+a]", which it reports as an error anyway.
 #define TOML_ASSERT(condition) static_assert(true)
 #include <toml++/toml.h>
 

@@ -37,8 +37,7 @@ struct TomlEntry {
 /// of the file is for the caller to add.
 tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text);
 
-/// A single value; a bare word that means nothing else in TOML is a string. A fault tells neither key nor
-/// place.
+/// A single value; a bare word that means nothing else in TOML is a string. A fault tells neither key nor place.
 tl::expected<TomlValue, Fault> toml_value(std::string_view text);
 
 /// The value as a message shows it.

@@ -33,8 +33,8 @@ public:
     /// Whether any of these taps follows from the motion of the end.
     static bool any_of(TapSet taps) noexcept;
 
-    /// Columns for the next samples, at most max_count of them. Where the samples hold the velocities themselves they are columns of
-    /// the samples.
+    /// Columns for the next samples, at most max_count of them. Where the samples hold the velocities
+    /// themselves they are columns of the samples.
     EndMotion columns(Samples& samples) noexcept;
 
     /// Computes the taps of the next motion.count samples.

@@ -43,8 +43,7 @@ const ChainState& SteppedSolver::state() noexcept {
     return state_;
 }
 
-/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on
-/// block sizes.
+/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on block sizes.
 void SteppedSolver::begin_batch() noexcept {
     collect_ledger();
     load_active();
@@ -101,8 +100,7 @@ bool SteppedSolver::stable() noexcept {
     if (!simd_chain_.beyond_watched) {
         return true;
     }
-    // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront
-    // nothing changes
+    // peaks only ever grow, so a block that ends within the limit never left it; ahead of the wavefront nothing changes
     for (Eigen::Index b = 0; b < simd_chain_.active(); ++b) {
         state_.peak_overlap[b] = simd_chain_.column(kernels::ChainField::peak_overlap)[simd_chain_.slot(b)];
     }

@@ -43,8 +43,7 @@ Scene with_integrator(Scene scene);
 /// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
 StepAdvice advise_step(const Scene& scene);
 
-/// A valid scene with integrator and step settled and what is to be expected of them, or what is wrong with
-/// its step.
+/// A valid scene with integrator and step settled and what is to be expected of them, or what is wrong with its step.
 struct ResolvedScene {
     Scene scene;  ///< numerics.integrator and step_s set, accuracy unset
     IntegratorReason integrator_reason = IntegratorReason::set_by_scene;

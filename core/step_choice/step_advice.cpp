@@ -23,8 +23,7 @@ constexpr int max_halvings = 8;
 constexpr double grid_safety = 0.5;  // of the wanted accuracy: where contacts switch, errors scatter about
                                      // their power law
 
-/// The largest step not above `step` that divides the sample period or, beyond it, is a multiple of a quarter
-/// of it.
+/// The largest step not above `step` that divides the sample period or, beyond it, is a multiple of a quarter of it.
 double fitted_to_samples(double step, double sample_rate_hz) {
     const double per_sample = 1 / (sample_rate_hz * step);
     constexpr double slack = 1e-9;
@@ -75,8 +74,7 @@ StepAdvice advise_on_grid(const Scene& scene) {
         Pilot fine = run_pilot(plan, integrator, step / 2);
         ++advice.pilots;
         coarser_error = error;
-        // what remains at half the step is at most a third of the difference, by the lowest order in use
-        // (two)
+        // what remains at half the step is at most a third of the difference, by the lowest order in use (two)
         error = largest_difference(coarse, fine) * 4 / 3;
         coarse = std::move(fine);
         taken += 2 * static_cast<double>(plan.samples * bodies) * std::exp2(halvings + 1);

@@ -1,6 +1,5 @@
 #pragma once
-// Which step gives the accuracy that is asked for: pilots with several steps are flown and their errors
-// measured.
+// Which step gives the accuracy that is asked for: pilots with several steps are flown and their errors measured.
 
 #include "core/scene/scene.hpp"
 #include "core/step_choice/reference_pilot.hpp"

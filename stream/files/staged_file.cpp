@@ -124,8 +124,7 @@ void StagedFile::open_temporary() {
         refuse(path_, errno);
     }
     const std::string stem = target_.filename().string().substr(0, max_stem_bytes);
-    // Not mkstemp: its files are private (0600), and the umask cannot be read without changing it for all
-    // threads.
+    // Not mkstemp: its files are private (0600), and the umask cannot be read without changing it for all threads.
     for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
         temporary_ = target_.parent_path() / (stem + random_ending());
         descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);

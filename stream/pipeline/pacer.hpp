@@ -40,8 +40,7 @@ private:
 /// Reads "realtime", "flat-out" or a number from Pace::min_factor to Pace::max_factor.
 tl::expected<Pace, std::string> parse_pace(std::string_view text);
 
-/// Deadlines of samples, in the time of a clock that the caller reads. Never waits and never looks at a
-/// clock.
+/// Deadlines of samples, in the time of a clock that the caller reads. Never waits and never looks at a clock.
 class Pacer {
 public:
     /// @throws std::invalid_argument unless 0 < sample_rate_hz <= 1e12.

@@ -17,8 +17,8 @@ using std::chrono::milliseconds;
 
 constexpr Nanoseconds meters_period = milliseconds(100);
 constexpr Nanoseconds meta_period = milliseconds(1000);
-/// Frames are let go in bursts this far apart: waking up for each of ten thousand frames a second costs more
-/// than sending.
+/// Frames are let go in bursts this far apart: waking up for each of ten thousand frames a second
+/// costs more than sending.
 constexpr double release_period_s = 1e-3;
 /// Subscribers that come together shall all get sample 0.
 constexpr Nanoseconds gathering = milliseconds(200);
@@ -108,8 +108,7 @@ void Pipeline::start_when_ready(Nanoseconds now) {
     }
 }
 
-/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it then
-/// is.
+/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it then is.
 Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>& stop) {
     if (pacer_.flat_out()) {
         return Nanoseconds{0};

@@ -1,7 +1,6 @@
 #pragma once
-// The simulating thread: takes blocks from a source and puts them into the ring, ahead of their time, until
-// the ring is full. It allocates nothing, takes no lock, writes no message, and makes no system call but to
-// sleep.
+// The simulating thread: takes blocks from a source and puts them into the ring, ahead of their time, until the
+// ring is full. It allocates nothing, takes no lock, writes no message, and makes no system call but to sleep.
 
 #include <atomic>
 #include <cstdint>

@@ -1,7 +1,6 @@
 #pragma once
-// A bounded queue between exactly one writing and one reading thread, without locks. The slots are
-// constructed once and filled and read in place, so that samples are never copied on their way and nothing is
-// allocated.
+// A bounded queue between exactly one writing and one reading thread, without locks. The slots are constructed once
+// and filled and read in place, so that samples are never copied on their way and nothing is allocated.
 //
 //     writer                                  reader
 //     if (Slot* slot = ring.try_claim()) {    if (Slot* slot = ring.try_front()) {

@@ -10,8 +10,7 @@
 
 namespace hertzline::stream {
 
-/// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's
-/// business.
+/// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's business.
 inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
 
 /// Frames of a topic.

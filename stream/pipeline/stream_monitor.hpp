@@ -23,8 +23,7 @@ public:
     /// A block went out so long after it was due.
     void count(const Block& block, Nanoseconds lateness) noexcept;
 
-    /// Blocks that were discarded before they had frames, since the start: one frame of each topic that is
-    /// wanted.
+    /// Blocks that were discarded before they had frames, since the start: one frame of each topic that is wanted.
     void count_dropped(std::uint64_t dropped, const TopicDemand& demand) noexcept;
 
     void look_at(const RingBuffer<Block>& ring) noexcept;

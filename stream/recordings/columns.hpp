@@ -1,6 +1,5 @@
 #pragma once
-// The columns of recordings: which there are, and their names. They are the same in every format: those of the
-// CSV.
+// The columns of recordings: which there are, and their names. They are the same in every format: those of the CSV.
 
 #include <cstddef>
 #include <string>

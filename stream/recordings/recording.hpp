@@ -48,8 +48,7 @@ public:
     /// Appends rows, row-major [sample][column], the first of which is sample `first` of the run. A `first`
     /// beyond the sample that was due marks a gap; it never goes back.
     virtual void write(std::int64_t first, std::span<const double> values) = 0;
-    /// Completes the recording. Without it nothing is left under its name, where the format does not promise
-    /// more.
+    /// Completes the recording. Without it nothing is left under its name, where the format does not promise more.
     virtual void commit() = 0;
 };
 

@@ -27,8 +27,7 @@ double recording_bytes(const std::filesystem::path& path, double columns, double
 /// devices: to open a FIFO and close it again would be its end.
 void require_writable(const std::filesystem::path& path);
 
-/// Begins a recording. @throws std::runtime_error that names the path and the reason, for an unknown ending,
-/// too.
+/// Begins a recording. @throws std::runtime_error that names the path and the reason, for an unknown ending, too.
 std::unique_ptr<RecordingWriter> open_recording(const std::filesystem::path& path, const RecordingHead& head);
 
 /// Opens a recording for reading. @throws std::runtime_error like above.

@@ -1,6 +1,5 @@
 #pragma once
-// The head of a recording: what it may be, how formats write it as JSON, and the check of the numbers that
-// follow it.
+// The head of a recording: what it may be, how formats write it as JSON, and the check of the numbers that follow it.
 
 #include <cstddef>
 #include <cstdint>

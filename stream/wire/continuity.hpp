@@ -1,8 +1,7 @@
 #pragma once
 // What a listener has missed. ZeroMQ drops silently at a full queue, so the frames' own numbers are the only
-// account: a step of more than one in seq is a gap; as far as `dropped` grew by it the program itself
-// discarded those frames, the rest was lost on the way. One check per topic, since seq counts a topic's
-// frames.
+// account: a step of more than one in seq is a gap; as far as `dropped` grew by it the program itself discarded
+// those frames, the rest was lost on the way. One check per topic, since seq counts a topic's frames.
 
 #include <cstdint>
 #include <string>

@@ -18,10 +18,9 @@ inline constexpr std::size_t max_header_bytes = 4096;
 /// Longest stream, unit or run name [characters].
 inline constexpr std::size_t max_name_length = 64;
 
-/// Writes the header as JSON into `json`, replacing what it held; allocates only while `json` grows.
-/// The header must be one that decode_header accepts (names of printable ASCII without quotes and
-/// backslashes, fs positive and finite, n and channels at least 1, counts below 2^63); anything else is
-/// misuse.
+/// Writes the header as JSON into `json`, replacing what it held; allocates only while `json` grows. The
+/// header must be one that decode_header accepts (names of printable ASCII without quotes and backslashes, fs
+/// positive and finite, n and channels at least 1, counts below 2^63); anything else is misuse.
 void encode_header(const FrameHeader& header, std::string& json);
 
 /// Reads a header, or says what is wrong with it. Never throws on bad input. `payload_bytes` is the size of

@@ -66,9 +66,8 @@ void Publisher::set_options(const std::string& endpoint, const PublisherOptions&
     socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options.handshake.count()));
     // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
     socket_.set(zmq::sockopt::backlog, 128);
-    // A frozen peer is left to the system to notice. ZeroMQ's heartbeats would, too, but (4.3.4) end the
-    // whole program when one is due on a connection that broke while its subscriptions still waited to be
-    // read.
+    // A frozen peer is left to the system to notice. ZeroMQ's heartbeats would, too, but (4.3.4) end the whole
+    // program when one is due on a connection that broke while its subscriptions still waited to be read.
     socket_.set(zmq::sockopt::tcp_maxrt, static_cast<int>(options.unread.count()));
     // The same for one that nothing is sent to.
     socket_.set(zmq::sockopt::tcp_keepalive, 1);

@@ -17,12 +17,12 @@
 
 #include <zmq.hpp>
 
-#include "stream/wire/security/curve.hpp"
 #include "stream/wire/multipart.hpp"
+#include "stream/wire/security/curve.hpp"
 #include "stream/wire/security/peer_quota.hpp"
+#include "stream/wire/security/zap.hpp"
 #include "stream/wire/subscriptions.hpp"
 #include "stream/wire/topics.hpp"
-#include "stream/wire/security/zap.hpp"
 
 namespace hertzline::stream {
 
@@ -37,9 +37,8 @@ struct PublisherOptions {
     /// A tcp subscriber whose machine has taken nothing of what was sent for so long is gone: also how long
     /// an analyser may pause, once its own buffers are full, without being disconnected.
     std::chrono::milliseconds unread{15000};
-    /// A peer that has not introduced itself by then is cut off: connections that say nothing cost a
-    /// descriptor each. Three round trips and a little arithmetic fit many times, however busy the peer's
-    /// program is.
+    /// A peer that has not introduced itself by then is cut off: connections that say nothing cost a descriptor
+    /// each. Three round trips and a little arithmetic fit many times, however busy the peer's program is.
     std::chrono::milliseconds handshake{5000};
     /// Encrypts, and lets in those who are listed; unset: plain, for whoever can reach the endpoint.
     std::optional<CurveServer> curve{};
@@ -50,8 +49,8 @@ class Publisher {
 public:
     /// Binds.
     /// @param topics all that will ever be sent
-    /// @throws std::runtime_error that names the endpoint and what is wrong: its text, the address in use, no
-    /// such interface
+    /// @throws std::runtime_error that names the endpoint and what is wrong: its text, the address in
+    /// use, no such interface
     explicit Publisher(const std::string& endpoint, std::span<const std::string_view> topics = all_topics,
                        const PublisherOptions& options = {});
 

@@ -66,8 +66,7 @@ void Subscriber::set_options(const std::string& endpoint, const SubscriberOption
     socket_.set(zmq::sockopt::rcvhwm, options.receive_high_water_mark);
     socket_.set(zmq::sockopt::linger, 0);  // nothing that we send is worth waiting for
     socket_.set(zmq::sockopt::maxmsgsize, options.max_part_bytes);
-    // A publisher whose machine is gone is connected anew after a quarter of a minute. No heartbeats: see
-    // publisher.cpp.
+    // A publisher whose machine is gone is connected anew after a quarter of a minute. No heartbeats: see publisher.cpp.
     socket_.set(zmq::sockopt::tcp_keepalive, 1);
     socket_.set(zmq::sockopt::tcp_keepalive_idle, 5);
     socket_.set(zmq::sockopt::tcp_keepalive_intvl, 5);

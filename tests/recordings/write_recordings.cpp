@@ -1,5 +1,4 @@
-// Writes recordings for read_recordings.py and .m, with their numbers as raw bytes:
-// write_recordings FOLDER
+// Writes recordings for read_recordings.py and .m, with their numbers as raw bytes: write_recordings FOLDER
 
 #include <cstdio>
 #include <fstream>

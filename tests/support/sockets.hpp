@@ -1,6 +1,5 @@
 #pragma once
-// Waiting for what comes over real sockets. It is bounded and generous: it decides only how long a failing test
-// takes.
+// Waiting for what comes over real sockets. It is bounded and generous: it decides only how long a failing test takes.
 
 #include <chrono>
 #include <cstddef>

@@ -1,7 +1,6 @@
 #pragma once
-// Leapfrog with fractional contact as a textbook would write it, without SIMD, folding or static forces taken
-// out: something to hold the kernels against. Written from the model's equations; takes only constants from
-// Chain.
+// Leapfrog with fractional contact as a textbook would write it, without SIMD, folding or static forces taken out:
+// something to hold the kernels against. Written from the model's equations; takes only constants from Chain.
 
 #include <algorithm>
 #include <cmath>
@@ -60,8 +59,7 @@ private:
         }
     }
 
-    /// Contact forces f_c (docs/model.md, section 3), the dashpots weighed by the part of the step in
-    /// contact.
+    /// Contact forces f_c (docs/model.md, section 3), the dashpots weighed by the part of the step in contact.
     void contacts(const std::vector<double>& u, double horn_x, double horn_v) {
         for (std::size_t c = 0; c < size(); ++c) {
             const auto i = static_cast<Eigen::Index>(c);

@@ -12,8 +12,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
-/// Displacement, velocity and elastic acceleration (carried over: the end of a step is the start of the
-/// next).
+/// Displacement, velocity and elastic acceleration (carried over: the end of a step is the start of the next).
 template <std::size_t K>
 struct Motion {
     Col<K> x, v, a;

@@ -1,9 +1,8 @@
 // Leapfrog for long chains: the step of leapfrog-inl.hpp as one sweep along the chain, many steps at once.
 //
 // A body after a step depends on two neighbours to either side before it. So a step needs no columns of
-// intermediate results. As row k comes in, its overlaps are worked out, the forces of row k - 1, the
-// velocities at mid-step of row k - 2 and the final motion of row k - 3; what is between them stays in
-// registers:
+// intermediate results. As row k comes in, its overlaps are worked out, the forces of row k - 1, the velocities at
+// mid-step of row k - 2 and the final motion of row k - 3; what is between them stays in registers:
 //
 //     row k        x, v in; overlap and its square root
 //     row k - 1    forces, dashpots at the velocity at the start
@@ -15,10 +14,9 @@
 // block instead of once per step. Every row of every step is worked out from the same numbers in the same way
 // however the steps are grouped, so the bits do not depend on it.
 //
-// The chain's layout is linear (simd_chain.hpp): spheres that the wave has not reached are rows that no sweep
-// gets to. Each step goes two bodies beyond the last row that moves, as far as a step can carry a
-// disturbance, and looks whether they have begun to: a body is at rest when its displacement and velocity are
-// zero, exactly.
+// The chain's layout is linear (simd_chain.hpp): spheres that the wave has not reached are rows that no sweep gets
+// to. Each step goes two bodies beyond the last row that moves, as far as a step can carry a disturbance, and looks
+// whether they have begun to: a body is at rest when its displacement and velocity are zero, exactly.
 #if defined(HERTZLINE_LEAPFROG_SWEEP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_LEAPFROG_SWEEP_INL
 #undef HERTZLINE_LEAPFROG_SWEEP_INL

@@ -44,8 +44,7 @@ struct Newton {
     int max_rounds;
 };
 
-/// Root of a function by Newton's method kept inside its bracket. @param function (z, slope) -> value, sets
-/// the slope
+/// Root of a function by Newton's method kept inside its bracket. @param function (z, slope) -> value, sets the slope
 template <class Function>
 HWY_INLINE Vec bracketed_newton(const Function& function, const Newton& start) {
     Vec z = start.guess;

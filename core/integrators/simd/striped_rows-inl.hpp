@@ -1,5 +1,4 @@
-// A striped chain (simd_chain.hpp) in vector registers: columns, neighbours, horn. Included once per SIMD
-// target.
+// A striped chain (simd_chain.hpp) in vector registers: columns, neighbours, horn. Included once per SIMD target.
 #if defined(HERTZLINE_STRIPED_ROWS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_STRIPED_ROWS_INL
 #undef HERTZLINE_STRIPED_ROWS_INL
@@ -82,8 +81,7 @@ public:
     HWY_INLINE Vec left(const Col<K>& col, std::size_t k) const {
         return k > 0 ? col[k - 1] : rotation_.up(col[count() - 1]);
     }
-    /// Values of the right neighbours of row k; meaningless in the last slot, which is a pad without
-    /// mobility.
+    /// Values of the right neighbours of row k; meaningless in the last slot, which is a pad without mobility.
     HWY_INLINE Vec right(const Col<K>& col, std::size_t k) const {
         return k + 1 < count() ? col[k + 1] : rotation_.down(col[0]);
     }

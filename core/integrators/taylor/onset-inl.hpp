@@ -18,8 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
-/// (a/b)^(numerator/denominator) within 6 %, from the bits of the exponents: enough for the length of a
-/// piece.
+/// (a/b)^(numerator/denominator) within 6 %, from the bits of the exponents: enough for the length of a piece.
 HWY_INLINE double rough_power(double a, double b, std::int64_t numerator, std::int64_t denominator) {
     const std::int64_t exponent = std::bit_cast<std::int64_t>(a) - std::bit_cast<std::int64_t>(b);
     return std::bit_cast<double>(exponent / denominator * numerator + std::bit_cast<std::int64_t>(1.0));

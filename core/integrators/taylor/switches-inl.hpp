@@ -107,8 +107,7 @@ HWY_INLINE Vec inverse_cubic(Vec start, Vec rise, Vec from, Vec to) {
     return straight + bend;
 }
 
-/// Root of the overlap between 0 and `end`. A root at 0 itself, of a contact that has just switched, is
-/// divided out.
+/// Root of the overlap between 0 and `end`. A root at 0 itself, of a contact that has just switched, is divided out.
 template <std::size_t K, int Degree>
 HWY_INLINE Vec crossing(const Overlaps<K, Degree>& contacts, std::size_t k, Vec end, Flags wanted) {
     constexpr int max_rounds = 8;
@@ -139,8 +138,7 @@ HWY_INLINE Vec crossing(const Overlaps<K, Degree>& contacts, std::size_t k, Vec 
                                       .max_rounds = max_rounds});
 }
 
-/// The first moment at which a contact opens or closes. Contacts that do so within the shortest piece do so
-/// together.
+/// The first moment at which a contact opens or closes. Contacts that do so within the shortest piece do so together.
 template <std::size_t K, int Degree>
 HWY_NOINLINE double first_crossing(const Overlaps<K, Degree>& contacts, double negligible, double length) {
     Vec first = splat(length);

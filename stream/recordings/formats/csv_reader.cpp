@@ -38,8 +38,7 @@ std::vector<std::string> split(std::string_view line) {
     }
 }
 
-/// The rate that the times of two neighbours tell. They have lost digits by then, rates are seldom that
-/// crooked.
+/// The rate that the times of two neighbours tell. They have lost digits by then, rates are seldom that crooked.
 double rate_between(double t0, double t1) {
     double rate = 0;
     const std::string rounded = fmt::format("{:.9g}", 1 / (t1 - t0));

@@ -21,9 +21,8 @@ namespace hertzline::stream {
 std::unique_ptr<RecordingWriter> open_npy_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
-/// Reads what the writer wrote, and one- or two-dimensional arrays of float32 or float64 in C order by
-/// others: those have columns channel_1, channel_2... without units, and as the file does not tell,
-/// sample_rate_hz 0.
+/// Reads what the writer wrote, and one- or two-dimensional arrays of float32 or float64 in C order by others:
+/// those have columns channel_1, channel_2... without units, and as the file does not tell, sample_rate_hz 0.
 std::unique_ptr<RecordingReader> open_npy_reader(const std::filesystem::path& path);
 
 }  // namespace hertzline::stream

@@ -1,6 +1,6 @@
 #pragma once
-// The header of a .npy array (format versions 1.0 and 2.0): a Python dictionary of type, order and shape.
-// https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
+// The header of a .npy array (format versions 1.0 and 2.0): a Python dictionary of type,
+// order and shape. https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 
 #include <cstdint>
 #include <string>
@@ -30,8 +30,7 @@ struct NpyHeader {
 /// Names and types are written as they are: nothing in them may need escaping.
 std::string npy_header(const NpyHeader& header);
 
-/// Reads a header and leaves the file at the array's first byte. @throws std::runtime_error with path and
-/// place.
+/// Reads a header and leaves the file at the array's first byte. @throws std::runtime_error with path and place.
 NpyHeader read_npy_header(InputFile& file);
 
 }  // namespace hertzline::stream

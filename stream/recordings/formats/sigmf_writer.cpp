@@ -134,8 +134,7 @@ private:
         save_meta();
     }
 
-    /// A capture is known before its samples are there: the other way round they would pass for its
-    /// predecessor's.
+    /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
     void flush() {
         if (meta_is_stale_) {
             save_meta();

@@ -35,8 +35,7 @@ struct KeyFiles {
 /// @throws std::system_error that names the file when one is there or cannot be written
 KeyFiles write_key_files(const std::string& name, const KeyPair& pair);
 
-/// The public key of a certificate. A file that holds a secret key is refused: it should not have left its
-/// owner.
+/// The public key of a certificate. A file that holds a secret key is refused: it should not have left its owner.
 tl::expected<CurveKey, std::string> read_public_key(const std::filesystem::path& file);
 
 /// Both keys of a secret certificate. Refused when anybody but us may read it, or it is another user's.

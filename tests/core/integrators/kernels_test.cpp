@@ -118,8 +118,7 @@ TEST_P(LocatingKernels, DoTheSameOnEveryTargetForEveryLayout) {
     for (const std::int64_t spheres : lengths) {
         for (const auto& [variant, scene] : variants(GetParam(), spheres)) {
             const std::vector<double> expected = recorded(scene, steps + 1).chain_v;
-            // without preload all contacts ahead of the wave just touch, and which of them rounding opens
-            // differs
+            // without preload all contacts ahead of the wave just touch, and which of them rounding opens differs
             const double bound = variant == "no preload" ? 5e-8 : 5e-14;
             for (const std::int64_t target : targets()) {
                 const OnlyTarget only(target);
@@ -167,8 +166,7 @@ TEST(Kernels, OneMoreBodyThanARegisterHoldsChangesNothingForTheOthers) {
 }
 
 TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
-    // 600 spheres are laid out by and by, as the wave advances; the textbook works on all of them from the
-    // start
+    // 600 spheres are laid out by and by, as the wave advances; the textbook works on all of them from the start
     for (const Integrator integrator : choices<Integrator>) {
         Scene scene = short_burst(integrator, 600);
         scene.chain.damping_kg_per_s = 0.01;

@@ -48,8 +48,7 @@ TEST_P(EveryReference, LeapfrogAt12NanosecondsIsSecondOrderGood) {
     scene.numerics.step_s = 12.5e-9;
     scene.numerics.integrator = Integrator::leapfrog;
     const Comparison errors = run(scene);
-    // 1e-4 but for the scenes that amplify errors: 2.2e-4 (2 mm), 5.4e-4 (free end), 1.1e-4 (sonic vacuum)
-    // were seen
+    // 1e-4 but for the scenes that amplify errors: 2.2e-4 (2 mm), 5.4e-4 (free end), 1.1e-4 (sonic vacuum) were seen
     const bool amplifies = GetParam().file == "vitreous_carbon_2mm" || GetParam().file == "free_end" ||
                            GetParam().file == "sonic_vacuum_10";
     EXPECT_LE(errors.v_last, amplifies ? 1e-3 : 1e-4);

@@ -230,8 +230,7 @@ TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {
         const auto energy_after = [&](double step) -> double {
             Scene stepped = with_step(scene, integrator, step);
             stepped.output.sample_rate_hz = 1 / step;
-            // the horn - sphere contact is stiffer than the others and binds one mode: hence not exactly at
-            // the bound
+            // the horn - sphere contact is stiffer than the others and binds one mode: hence not exactly at the bound
             Simulation simulation(stepped);
             Samples part = simulation.make_samples(1000);
             for (int i = 0; i < 20; ++i) {

@@ -16,8 +16,7 @@ namespace {
 constexpr std::int64_t many = 10'000'000'000;
 
 TEST(TimeKeeping, SampleTenThousandMillionLiesWhereItWasMeantToBe) {
-    // the moment of sample k in steps, k/(rate h), by numbers of 64 bits; FixedTime has 64 behind the
-    // point
+    // the moment of sample k in steps, k/(rate h), by numbers of 64 bits; FixedTime has 64 behind the point
     for (const double steps : {3.3, 0.7, 1 / 0.3, 12.345678901234567}) {
         const FixedTime period = FixedTime::of(steps);
         const FixedTime last = period.times(many);

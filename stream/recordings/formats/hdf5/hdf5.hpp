@@ -7,9 +7,8 @@
 //                                 the first entry is always there, each further one is a gap
 //     attributes of the root      sample_rate_hz; columns, provenance: JSON
 //
-// The HDF5 library is not thread-safe. A writer or reader belongs to one thread at a time; several of them
-// may be in several threads, since each waits for the others here, as long as nobody else in the process uses
-// HDF5.
+// The HDF5 library is not thread-safe. A writer or reader belongs to one thread at a time; several of them may be
+// in several threads, since each waits for the others here, as long as nobody else in the process uses HDF5.
 
 #include <filesystem>
 #include <memory>

@@ -114,8 +114,7 @@ TEST_F(Wav, OtherSoundFilesAreNone) {
     EXPECT_THROW(open_wav_reader(file), std::runtime_error);
 }
 
-/// By hand, since it writes 4.4 GB: test_stream --gtest_also_run_disabled_tests
-/// --gtest_filter='Wav.DISABLED*'
+/// By hand, since it writes 4.4 GB: test_stream --gtest_also_run_disabled_tests --gtest_filter='Wav.DISABLED*'
 TEST_F(Wav, DISABLED_BeyondFourGibibytesIsRf64) {
     const RecordingHead head = test::recording_head(NumberType::float32);
     const std::size_t portion = 500'000, portions = 1100;

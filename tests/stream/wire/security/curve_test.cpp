@@ -14,9 +14,9 @@
 #include <zmq.hpp>
 
 #include "stream/wire/publisher.hpp"
+#include "stream/wire/security/zap.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
-#include "stream/wire/security/zap.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {
