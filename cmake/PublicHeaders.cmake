@@ -42,13 +42,20 @@ set(stream_headers
   stream/wire/publisher.hpp
   stream/wire/subscriber.hpp
   # what those include
+  stream/pipeline/frame_sender.hpp
   stream/pipeline/pacer.hpp
   stream/pipeline/producer.hpp
   stream/pipeline/ring_buffer.hpp
+  stream/pipeline/stream_meters.hpp
+  stream/pipeline/stream_monitor.hpp
   stream/pipeline/thread_options.hpp
+  stream/pipeline/topic_demand.hpp
+  stream/recordings/columns.hpp
   stream/recordings/row_builder.hpp
   stream/run_id.hpp
+  stream/wire/multipart.hpp
   stream/wire/security/curve.hpp
   stream/wire/security/peer_quota.hpp
+  stream/wire/security/zap.hpp
   stream/wire/subscriptions.hpp
-  stream/wire/security/zap.hpp)
+  stream/wire/topics.hpp)
