@@ -14,9 +14,11 @@ namespace hertzline::test {
 namespace {
 
 bool finite(const Samples& block) {
-    return std::all_of(block.holds.begin(), block.holds.end(), [&block](Tap tap) {
-        return std::ranges::all_of(block[tap], [](double v) { return std::isfinite(v); });
-    });
+    bool all = true;
+    for (const Tap tap : block.holds) {
+        all = all && std::ranges::all_of(block[tap], [](double v) { return std::isfinite(v); });
+    }
+    return all;
 }
 
 /// Steps that a run calls for: by the rates of what moves in it, by its contact events, and those asked for.

@@ -168,7 +168,7 @@ TEST(Energy, IsKeptByAnUndampedChainOnceTheHornRests) {
 }
 
 TEST(Energy, DampingOnlyEverLoses) {
-    Simulation simulation(with_step(Scene{}, Integrator::chin4a, 50e-9), everything);
+    Simulation simulation(with_step(Scene{}, Integrator::chin4a, 50e-9), {.taps = everything});
     Samples part = simulation.make_samples(10);
     double lost = 0;
     for (int i = 0; i < 500; ++i) {

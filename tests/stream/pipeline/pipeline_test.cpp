@@ -73,7 +73,7 @@ private:
 
 struct Stream {
     explicit Stream(StreamOptions with)
-        : source(scene, false),
+        : source(scene, TapSet()),
           publisher("tcp://127.0.0.1:*"),
           pipeline(std::move(with), source, publisher, nullptr) {}
 

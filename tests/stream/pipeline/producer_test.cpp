@@ -72,7 +72,7 @@ TEST(Producer, NumbersGoOnPastWhatWasDiscarded) {
     EXPECT_GE(blocks[slots].dropped, 10U);
     for (const Block& block : blocks) {
         EXPECT_EQ(block.samples.first, static_cast<std::int64_t>(block.seq) * format.frame_samples);
-        EXPECT_EQ(block.samples.v_out[0], static_cast<double>(block.samples.first));
+        EXPECT_EQ(block.samples[Tap::v_out][0], static_cast<double>(block.samples.first));
     }
     EXPECT_EQ(blocks.size() + producer.dropped(), 100'000U);
 }
