@@ -87,7 +87,7 @@ struct Wave {
     std::int64_t moving;
 };
 Wave wave(std::int64_t spheres, WavefrontTracking tracking, std::int64_t from, std::int64_t steps) {
-    Simulation simulation(long_scene(spheres), {}, tracking);
+    Simulation simulation(long_scene(spheres), {.tracking = tracking});
     Wave result{std::numeric_limits<double>::infinity(), 0};
     for (int repetition = 0; repetition < 12; ++repetition) {
         simulation.reset();
