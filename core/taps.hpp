@@ -19,6 +19,7 @@ enum class Tap : unsigned {
     v_plate,  ///< of the plate [m/s]
     v_chain,  ///< of all spheres [m/s], row-major [sample][sphere], horn side first
     x_chain,  ///< displacements of all spheres from static equilibrium [m], as v_chain
+    v_horn,   ///< of the horn: the drive [m/s]
 };
 
 /// How many channels a tap has.
@@ -83,6 +84,14 @@ inline constexpr std::array tap_rows{
            .recorded = Recorded::on_request,
            .streamed = true,
            .column = "v#_m_per_s"},
+    TapRow{.tap = Tap::v_horn,
+           .name = "v_horn",
+           .unit = "m/s",
+           .extent = Extent::one,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "v_horn_m_per_s"},
 };
 inline constexpr std::size_t tap_count = tap_rows.size();
 

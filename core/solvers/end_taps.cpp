@@ -22,6 +22,13 @@ void output_velocity(const Source& source, double* out) noexcept {
     }
 }
 
+/// docs/model.md, section 5.
+void horn_velocity(const Source& source, double* out) noexcept {
+    for (std::size_t i = 0; i < source.motion.count; ++i) {
+        out[i] = source.horn.velocity(source.motion.first + static_cast<std::int64_t>(i));
+    }
+}
+
 /// A tap and how it is computed. v_last and v_plate need no formula: they are the velocities themselves.
 struct Formula {
     Tap tap;
@@ -30,6 +37,7 @@ struct Formula {
 };
 constexpr std::array formulas{
     Formula{Tap::v_out, false, output_velocity},
+    Formula{Tap::v_horn, false, horn_velocity},
 };
 
 constexpr TapSet velocities = TapSet(Tap::v_last) | Tap::v_plate;

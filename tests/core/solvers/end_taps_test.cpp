@@ -2,7 +2,9 @@
 
 #include "core/solvers/end_taps.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -52,6 +54,60 @@ TEST_P(EndTapsOf, TheLastSphereIsTheLastOfTheChain) {
     const Record record = recorded(with_step(Scene{}, GetParam(), 50e-9), 2000);
     for (std::size_t k = 0; k < record.v_last.size(); ++k) {
         ASSERT_EQ(record.v_last[k], record.chain_v[6 * k + 5]) << k;
+    }
+}
+
+/// Derivative of A e(t) sin(2 pi f t) (docs/model.md, section 5), t since the burst's start.
+double burst_velocity(const Drive& drive, double t) {
+    const double duration = drive.cycles / drive.frequency_hz;
+    if (t < 0 || t >= duration) {
+        return 0;
+    }
+    const double pi = std::numbers::pi;
+    double e = 1;
+    double slope = 0;
+    const double ramp = drive.envelope == Envelope::hann    ? duration / 2
+                        : drive.envelope == Envelope::tukey ? drive.taper * duration / 2
+                                                            : 0;
+    const double from_edge = std::min(t, duration - t);
+    if (from_edge < ramp) {
+        e = (1 - std::cos(pi * from_edge / ramp)) / 2;
+        slope = (t < duration / 2 ? 1 : -1) * pi / (2 * ramp) * std::sin(pi * from_edge / ramp);
+    }
+    const double omega = 2 * pi * drive.frequency_hz;
+    return drive.amplitude_m * (slope * std::sin(omega * t) + e * omega * std::cos(omega * t));
+}
+
+TEST_P(EndTapsOf, TheHornsVelocityIsTheDerivativeOfTheBurst) {
+    for (const Envelope envelope : choices<Envelope>) {
+        Scene scene = with_step(Scene{}, GetParam(), 50e-9);
+        scene.drive.envelope = envelope;
+        scene.drive.cycles = 7.3;
+        scene.drive.taper = 0.4;
+        scene.drive.repetition_hz = 7e3;
+        Simulation simulation(scene, {.taps = TapSet(Tap::v_horn)});
+        Samples samples = simulation.make_samples(3000);
+        ASSERT_EQ(simulation.advance(samples, 3000), Status::running);
+        for (std::size_t k = 0; k < samples.count; ++k) {
+            const double t = static_cast<double>(k) / scene.output.sample_rate_hz;
+            const double since_burst =
+                t - std::floor(t * scene.drive.repetition_hz) / scene.drive.repetition_hz;
+            ASSERT_NEAR(samples[Tap::v_horn][k], burst_velocity(scene.drive, since_burst), 1e-9)
+                << word(envelope) << ", sample " << k;
+        }
+    }
+}
+
+TEST_P(EndTapsOf, TheHornsVelocityDoesNotDependOnHowSamplesAreCutIntoBlocks) {
+    const Scene scene = with_step(Scene{}, GetParam(), 50e-9);
+    Simulation whole(scene, {.taps = TapSet(Tap::v_horn)});
+    Samples all = whole.make_samples(2000);
+    ASSERT_EQ(whole.advance(all, 2000), Status::running);
+    Simulation cut(scene, {.taps = TapSet(Tap::v_horn)});
+    Samples part = cut.make_samples(37);
+    for (std::size_t done = 0; done + 37 <= 2000; done += 37) {
+        ASSERT_EQ(cut.advance(part, 37), Status::running);
+        ASSERT_TRUE(std::ranges::equal(part[Tap::v_horn], all[Tap::v_horn].subspan(done, 37))) << done;
     }
 }
 
