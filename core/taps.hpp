@@ -20,6 +20,7 @@ enum class Tap : unsigned {
     v_chain,  ///< of all spheres [m/s], row-major [sample][sphere], horn side first
     x_chain,  ///< displacements of all spheres from static equilibrium [m], as v_chain
     v_horn,   ///< of the horn: the drive [m/s]
+    f_last,   ///< force of the last contact, positive when it pushes [N]
 };
 
 /// How many channels a tap has.
@@ -92,6 +93,14 @@ inline constexpr std::array tap_rows{
            .recorded = Recorded::on_request,
            .streamed = true,
            .column = "v_horn_m_per_s"},
+    TapRow{.tap = Tap::f_last,
+           .name = "f_last",
+           .unit = "N",
+           .extent = Extent::one,
+           .required = Requires::last_contact,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "f_last_n"},
 };
 inline constexpr std::size_t tap_count = tap_rows.size();
 

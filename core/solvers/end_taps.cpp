@@ -1,6 +1,9 @@
 #include "core/solvers/end_taps.hpp"
 
 #include <algorithm>
+#include <limits>
+
+#include "core/model/hertz.hpp"
 
 namespace hertzline {
 
@@ -29,6 +32,19 @@ void horn_velocity(const Source& source, double* out) noexcept {
     }
 }
 
+/// docs/model.md, section 3.
+void last_contact_force(const Source& source, double* out) noexcept {
+    const Chain& chain = source.chain;
+    const Eigen::Index c = chain.spheres();
+    const EndMotion& at = source.motion;
+    const double lowest = chain.tension == Tension::clamped ? 0 : -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < at.count; ++i) {
+        const double overlap = chain.static_overlap[c] + (at.x_last[i] - at.x_end[i]);
+        const double dashpot = overlap > 0 ? chain.damping[c] * (at.v_last[i] - at.v_end[i]) : 0;
+        out[i] = std::max(elastic_force(chain.stiffness[c], overlap) + dashpot, lowest);
+    }
+}
+
 /// A tap and how it is computed. v_last and v_plate need no formula: they are the velocities themselves.
 struct Formula {
     Tap tap;
@@ -38,6 +54,7 @@ struct Formula {
 constexpr std::array formulas{
     Formula{Tap::v_out, false, output_velocity},
     Formula{Tap::v_horn, false, horn_velocity},
+    Formula{Tap::f_last, true, last_contact_force},
 };
 
 constexpr TapSet velocities = TapSet(Tap::v_last) | Tap::v_plate;

@@ -111,5 +111,75 @@ TEST_P(EndTapsOf, TheHornsVelocityDoesNotDependOnHowSamplesAreCutIntoBlocks) {
     }
 }
 
+TEST(EndTaps, TheLastContactsForceIsHertzsLawAndTheDashpot) {
+    for (const EndKind kind : {EndKind::plate, EndKind::wall}) {
+        Simulation simulation(with_step(with_end(kind), Integrator::chin4a, 25e-9),
+                              {.taps = TapSet(Tap::f_last)});
+        Samples sample = simulation.make_samples(1);
+        const Chain& chain = simulation.chain();
+        const Eigen::Index n = chain.spheres();
+        double lowest = 0;
+        for (int k = 0; k < 3000; ++k) {
+            ASSERT_EQ(simulation.advance(sample, 1), Status::running);
+            const ChainState& state = simulation.state();
+            const double overlap = chain.static_overlap[n] + (state.x[n - 1] - state.x[n]);
+            const double force = overlap > 0 ? chain.stiffness[n] * std::pow(overlap, 1.5) +
+                                                   chain.damping[n] * (state.v[n - 1] - state.v[n])
+                                             : 0;
+            ASSERT_NEAR(sample[Tap::f_last][0], force, 1e-9 + 1e-9 * std::abs(force)) << k;
+            ASSERT_TRUE(k > 0 || std::abs(force - chain.preload_n) < 1e-12) << "at rest it is the preload";
+            lowest = std::min(lowest, force);
+        }
+        EXPECT_LT(lowest, -1e-3) << "as printed, the law pulls before a contact opens";
+    }
+}
+
+// Newton's law for the plate: the impulse of the last contact is what the plate, its spring and the preload take up.
+TEST_P(EndTapsOf, TheLastContactsForceMovesThePlate) {
+    Scene scene;
+    scene.output.sample_rate_hz = 200e6;
+    scene = with_step(scene, GetParam(), 5e-9);
+    const TapSet taps = TapSet(Tap::f_last) | Tap::v_plate;
+    Simulation simulation(scene, {.taps = taps});
+    const Chain& chain = simulation.chain();
+    const double mass = 1 / chain.inv_mass[chain.spheres()];
+    const double spring = chain.spring[chain.spheres()];
+    const double dt = 1 / scene.output.sample_rate_hz;
+    Samples samples = simulation.make_samples(40'000);
+    ASSERT_EQ(simulation.advance(samples, 40'000), Status::running);
+    const auto v = samples[Tap::v_plate];
+    const auto f = samples[Tap::f_last];
+    double x = 0;
+    double impulse = 0;  // of what pushes the plate, by the trapezoidal rule
+    double largest_error = 0;
+    double largest_momentum = 0;
+    for (std::size_t k = 1; k < samples.count; ++k) {
+        const double x_before = x;
+        x += dt * (v[k - 1] + v[k]) / 2;
+        impulse += dt * ((f[k - 1] + f[k]) / 2 - chain.preload_n - spring * (x_before + x) / 2);
+        largest_error = std::max(largest_error, std::abs(mass * v[k] - impulse));
+        largest_momentum = std::max(largest_momentum, std::abs(mass * v[k]));
+    }
+    EXPECT_LT(largest_error, 2e-3 * largest_momentum);
+}
+
+TEST_P(EndTapsOf, WithoutTensionTheLastContactNeverPulls) {
+    Scene scene = with_step(Scene{}, GetParam(), 50e-9);
+    scene.chain.tension = Tension::clamped;
+    Simulation simulation(scene, {.taps = TapSet(Tap::f_last)});
+    Samples samples = simulation.make_samples(3000);
+    ASSERT_EQ(simulation.advance(samples, 3000), Status::running);
+    EXPECT_GE(*std::ranges::min_element(samples[Tap::f_last]), 0);
+    EXPECT_GT(*std::ranges::max_element(samples[Tap::f_last]), 1);
+}
+
+TEST(EndTaps, AFreeEndHasNoLastContact) {
+    EXPECT_FALSE(taps_of(EndKind::free).contains(Tap::f_last));
+    EXPECT_TRUE(taps_of(EndKind::wall).contains(Tap::f_last));
+    Simulation simulation(with_step(with_end(EndKind::free), Integrator::taylor8, 900e-9),
+                          {.taps = everything});
+    EXPECT_FALSE(simulation.taps().contains(Tap::f_last));
+}
+
 }  // namespace
 }  // namespace hertzline::test
