@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/model/energy.hpp"
+#include "core/scene/text.hpp"
 #include "core/solvers/sampler.hpp"
 #include "core/step_choice/resolve.hpp"
 
@@ -13,24 +14,39 @@ namespace hertzline {
 
 namespace {
 
-/// The scene as it can be simulated: what it leaves open is chosen.
-Scene simulable(const Scene& scene) {
-    std::vector<Fault> faults = validate(scene);
-    if (faults.empty() && scene.numerics.integrator && scene.numerics.step_s) {
-        return scene;
-    }
-    if (faults.empty()) {
-        ResolvedScene resolved = resolve(scene);
-        if (resolved.faults.empty()) {
-            return std::move(resolved.scene);
-        }
-        faults = std::move(resolved.faults);
-    }
+[[noreturn]] void refuse(const std::vector<Fault>& faults) {
     std::string all = "the scene cannot be simulated";
     for (const Fault& fault : faults) {
         all += "\n" + fault.key + ": found " + fault.found + ", allowed: " + fault.allowed;
     }
     throw std::invalid_argument(all);
+}
+
+/// What is wrong with a scene whose integrator and step are set. A step that was chosen may be shorter than one may ask for.
+std::vector<Fault> faults_of_resolved(Scene scene) {
+    const double step_s = *scene.numerics.step_s;
+    scene.numerics.step_s.reset();
+    std::vector<Fault> faults = validate(scene);
+    if (!(step_s > 0) || !std::isfinite(step_s)) {
+        faults.push_back({"numerics.step_s", number_text(step_s), "a finite number above 0"});
+    }
+    return faults;
+}
+
+/// The scene as it can be simulated: what it leaves open is chosen.
+Scene simulable(const Scene& scene) {
+    const bool resolved = scene.numerics.integrator && scene.numerics.step_s;
+    if (const auto faults = resolved ? faults_of_resolved(scene) : validate(scene); !faults.empty()) {
+        refuse(faults);
+    }
+    if (resolved) {
+        return scene;
+    }
+    ResolvedScene result = resolve(scene);
+    if (!result.faults.empty()) {
+        refuse(result.faults);
+    }
+    return std::move(result.scene);
 }
 
 SimulationOptions possible(SimulationOptions options, EndKind end) noexcept {

@@ -22,7 +22,7 @@ ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sampl
 void ReplaySource::find_columns() {
     const std::vector<Column>& columns = head().columns;
     for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (const auto tap = tap_named(columns[i].quantity)) {
+        if (const auto tap = tap_named(columns[i].quantity); tap && row_of(*tap).streamed) {
             columns_[static_cast<std::size_t>(*tap)].push_back(i);
             format_.taps |= *tap;
         }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/integrators/kernels.hpp"
+#include "core/integrators/series_piece.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/integrators/trace.hpp"
 #include "core/model/energy.hpp"
@@ -30,15 +31,10 @@ public:
     void advance(std::int64_t steps) {
         close_where_touching();
         simd_chain_.load(chain, state, chain.bodies());
-        kernels::Trace nothing;
-        nothing.capacity = kernels::max_rows_per_step;
-        nothing.bodies = chain.bodies();
-        while (steps > 0) {
-            const int count = static_cast<int>(std::min<std::int64_t>(steps, ToneBurst::batch_steps));
-            kernels::kernel(integrator_, simd_chain_.rows())(simd_chain_, burst_, horn_.data(), state.step,
-                                                             count, nothing);
-            state.step += count;
-            steps -= count;
+        if (is_series(integrator_)) {
+            take_pieces(steps);
+        } else {
+            take_steps(steps);
         }
         simd_chain_.store(state);
         for (std::size_t s = 0; s < simd_chain_.ledger_slots(); ++s) {
@@ -60,6 +56,36 @@ public:
     double lost = 0;  ///< in the dashpots so far [J]
 
 private:
+    void take_steps(std::int64_t steps) {
+        kernels::Trace nothing;
+        nothing.capacity = kernels::max_rows_per_step;
+        nothing.bodies = chain.bodies();
+        while (steps > 0) {
+            const int count = static_cast<int>(std::min<std::int64_t>(steps, ToneBurst::batch_steps));
+            kernels::kernel(integrator_, simd_chain_.rows())(simd_chain_, burst_, horn_.data(), state.step,
+                                                             count, nothing);
+            state.step += count;
+            steps -= count;
+        }
+    }
+
+    /// So many steps' time in pieces that are good to rounding.
+    void take_pieces(std::int64_t steps) {
+        constexpr double exact = 1e-14;  // error of a piece, of the fastest body's velocity
+        kernels::SeriesPiece piece(simd_chain_.slots(), kernels::series_degree(integrator_),
+                                   kernels::HornWaves(burst_.frequencies_hz(), step_s_));
+        piece.unit_s = step_s_;
+        piece.per_unit = 1 / step_s_;
+        piece.tolerance = std::max(1e-100, exact * state.v.abs().maxCoeff() * step_s_);
+        piece.response = 1 + 2 * step_s_ * (chain.damping * chain.inv_mass).maxCoeff();
+        const kernels::SeriesKernels series = kernels::series_kernels(integrator_, simd_chain_.rows());
+        for (auto left = static_cast<double>(steps); left > 1e-9; left -= piece.length) {
+            piece.reach = std::min(1.0, left);
+            series.piece(simd_chain_, piece);
+        }
+        state.step += steps;
+    }
+
     static Drive silent(Drive drive) {
         drive.amplitude_m = 0;
         return drive;

@@ -142,7 +142,7 @@ Trial tried(const Scene& asked) {
     }
     constexpr double steps_between_looks = 50;
     double& rate = scene.output.sample_rate_hz;
-    rate = std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s));
+    rate = std::min(std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s)), 1e12);
     trial = run(scene);
     const double bound = trial.integrator == Integrator::leapfrog ? 1e-1 : 2e-2;
     if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_booked(scene)) {

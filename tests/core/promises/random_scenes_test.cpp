@@ -58,7 +58,7 @@ TEST(RandomScenes, ASeriesThatHardlyGoesOnIsStoppedWithAReason) {
         EXPECT_EQ(simulation.advance(part, 64), Status::unstable);
         EXPECT_EQ(part.count, 0U);
         const std::string failure = simulation.failure();
-        for (const char* what : {"step of at most 1e-06 s", "t = ", "contact "}) {
+        for (const char* what : {"steps of at most 1e-06 s", "t = ", "contact "}) {
             EXPECT_NE(failure.find(what), std::string::npos) << failure;
         }
         EXPECT_EQ(simulation.advance(part, 64), Status::unstable);
