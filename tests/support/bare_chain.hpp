@@ -71,12 +71,17 @@ private:
 
     /// So many steps' time in pieces that are good to rounding.
     void take_pieces(std::int64_t steps) {
-        constexpr double exact = 1e-14;  // error of a piece, of the fastest body's velocity
+        constexpr double exact =
+            1e-13;  // error of a piece, of the velocity that all energy would give a body
         kernels::SeriesPiece piece(simd_chain_.slots(), kernels::series_degree(integrator_),
                                    kernels::HornWaves(burst_.frequencies_hz(), step_s_));
         piece.unit_s = step_s_;
         piece.per_unit = 1 / step_s_;
-        piece.tolerance = std::max(1e-100, exact * state.v.abs().maxCoeff() * step_s_);
+        const double mobility = chain.inv_mass.maxCoeff();
+        const double error = exact * std::sqrt(2 * energy() * mobility);  // [m/s]
+        piece.tolerance = error * step_s_;
+        piece.negligible =
+            std::pow(1e-3 * error / (chain.stiffness.maxCoeff() * mobility * step_s_), 2.0 / 3);
         piece.response = 1 + 2 * step_s_ * (chain.damping * chain.inv_mass).maxCoeff();
         const kernels::SeriesKernels series = kernels::series_kernels(integrator_, simd_chain_.rows());
         for (auto left = static_cast<double>(steps); left > 1e-9; left -= piece.length) {

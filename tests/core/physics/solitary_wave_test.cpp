@@ -96,7 +96,8 @@ TEST_P(SolitaryPulse, KeepsShapeSpeedMomentumAndEnergy) {
     EXPECT_NEAR(early.peak_overlap / 1e-7, 1, 1e-4);  // the launch is as good as the theory's table
     EXPECT_NEAR(late.peak_overlap / early.peak_overlap, 1, bound());
     EXPECT_NEAR(late.speed / early.speed, 1, bound());
-    EXPECT_NEAR(chain.state.v.sum() / momentum, 1, 1e-13);
+    // series leave out the forces of overlaps that do not count
+    EXPECT_NEAR(chain.state.v.sum() / momentum, 1, is_series(GetParam()) ? 1e-11 : 1e-13);
     EXPECT_NEAR(chain.energy() / energy, 1, 1e-2 * bound());
     EXPECT_LE(chain.state.v.head(190).abs().maxCoeff() / chain.state.v.maxCoeff(),
               1e-4);  // all is in the pulse
