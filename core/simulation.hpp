@@ -15,7 +15,7 @@ namespace hertzline {
 /// A scene in motion. Owns all that it needs; not for several threads at once.
 class Simulation {
 public:
-    /// @param scene what it leaves open (integrator, step) is chosen by resolve(), which takes the time of some bursts.
+    /// @param scene what it leaves open (integrator, step) is chosen by resolve(), which takes as long as simulating a few bursts.
     /// @throws std::invalid_argument with every fault of the scene, a line each; std::bad_alloc
     explicit Simulation(const Scene& scene, const SimulationOptions& options = {});
 

@@ -47,11 +47,12 @@ struct ListenOptions {
 };
 
 Tap tap_of(const ListenOptions& options) {
-    if (const auto tap = tap_named(options.stream)) {
+    const TapSet offered = streamed_taps(EndKind::plate);
+    if (const auto tap = tap_named(options.stream); tap && offered.contains(*tap)) {
         return *tap;
     }
     std::vector<std::string> names;
-    for (const Tap tap : streamed_taps(EndKind::plate)) {
+    for (const Tap tap : offered) {
         names.emplace_back(row_of(tap).name);
     }
     throw WrongUse(fmt::format("--stream: found {}, allowed: {}{}", quoted_briefly(options.stream),
@@ -167,7 +168,7 @@ Run listen_command(CLI::App& app) {
         ->type_name("ENDPOINT")
         ->capture_default_str();
     add_curve_options(app, options->curve);
-    app.add_option("--stream", options->stream, "v_out, v_last, v_plate or v_chain")
+    app.add_option("--stream", options->stream, "the stream's name, as hertzline stream prints it")
         ->type_name("NAME")
         ->capture_default_str();
     app.add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")

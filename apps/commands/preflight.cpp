@@ -37,11 +37,16 @@ double rows_of_run(const Scene& scene) noexcept {
     return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
 }
 
+TapSet taps_of_run(TapSet recorded) noexcept {
+    return recorded | Tap::v_last | Tap::v_out;
+}
+
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
     return static_cast<std::size_t>(std::clamp(block_numbers / numbers_of(scene, taps), 1.0, longest_block));
 }
 
-double memory_of_run(const Scene& scene, TapSet taps) noexcept {
+double memory_of_run(const Scene& scene, TapSet recorded) noexcept {
+    const TapSet taps = taps_of_run(recorded);
     const double rows = rows_of_run(scene);
     const double block_bytes =
         static_cast<double>(block_of_run(scene, taps)) * sizeof(double) * numbers_of(scene, taps);
@@ -63,18 +68,18 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
     }
 }
 
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet taps) {
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded) {
     const double rows = rows_of_run(scene);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
-    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, taps))) {
+    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, recorded))) {
         throw std::runtime_error(*shortage);
     }
     if (rows > max_rows) {
         throw std::runtime_error(
             fmt::format("{} is too long: the spectrum takes at most {} rows", run, number_text(max_rows)));
     }
-    refuse_disk_shortages(scene, rows, files, taps);
+    refuse_disk_shortages(scene, rows, files, recorded);
 }
 
 void refuse_wrong_files(std::span<const std::string> files) {

@@ -14,11 +14,14 @@ namespace hertzline::app {
 /// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
 double rows_of_run(const Scene& scene) noexcept;
 
+/// What a run simulates: the taps that it records, and those that its summary is made of.
+TapSet taps_of_run(TapSet recorded) noexcept;
+
 /// Samples that are simulated, then written, at a time.
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 
 /// The simulation, its blocks, the record of v_out and its spectrum.
-double memory_of_run(const Scene& scene, TapSet taps) noexcept;
+double memory_of_run(const Scene& scene, TapSet recorded) noexcept;
 
 /// Bytes of a recording of the taps in the format of that file, at most.
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps);
@@ -28,7 +31,7 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
                            TapSet taps);
 
 /// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet taps);
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded);
 
 /// @throws WrongUse that names every file whose ending is no recording's, or that is named twice
 void refuse_wrong_files(std::span<const std::string> files);

@@ -97,11 +97,6 @@ TapSet asked_taps(const RunOptions& options, EndKind end) {
     return taps;
 }
 
-/// Those and what the summary is made of.
-TapSet needed_taps(TapSet recorded) noexcept {
-    return recorded | Tap::v_last | Tap::v_out;
-}
-
 RunRecord simulate(Simulation& simulation, TapSet recorded, stream::RecordingSet& recordings) {
     const Scene& scene = simulation.scene();
     stream::RowBuilder row_builder(recordings, recorded);
@@ -188,12 +183,15 @@ Json summarise(Simulation& simulation, const RunRecord& record, const ResolvedSc
 
 Exit run(const RunOptions& options) {
     refuse_wrong_files(options.files);
+    if (options.files.empty() && !options.taps.empty()) {
+        throw WrongUse("--tap: found no -o FILE to save it to, allowed: together with -o");
+    }
     const ResolvedScene resolved = resolved_scene(options.scene);
     const Scene& scene = resolved.scene;
     const TapSet recorded = asked_taps(options, scene.end.kind);
-    refuse_shortages(scene, options.files, needed_taps(recorded));
+    refuse_shortages(scene, options.files, recorded);
     stop_asked();  // from here on there are files to be cleaned up
-    Simulation simulation(scene, {.taps = needed_taps(recorded)});
+    Simulation simulation(scene, {.taps = taps_of_run(recorded)});
     const stream::RecordingHead head{
         .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,

@@ -28,7 +28,8 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Streams: v_out, v_last, v_plate, v_chain, each as NAME/np and NAME/raw; topics meta, meters, end.\n"
+    "Streams: v_out, v_last, v_plate, v_chain, v_horn, f_last, each as NAME/np and NAME/raw.\n"
+    "Topics beside them: meta, meters, end.\n"
     "Ctrl-C ends the stream with recordings saved and a summary.\n"
     "Examples:\n"
     "  hertzline stream paper-stream\n"

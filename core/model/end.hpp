@@ -25,11 +25,11 @@ struct EndModel {
     std::vector<EndMode> modes;    ///< the end's displacement is their sum
     EndLoad loaded = EndLoad::none;
     bool has_plate = false;  ///< whether the end's velocity is an output
-    double transmission =
-        1;  ///< sqrt(T_m T_w): part of the last sphere's velocity that goes into the medium directly
+    /// sqrt(T_m T_w): part of the last sphere's velocity that goes into the medium directly
+    double transmission = 1;
 
-    /// Displacement of what touches the last sphere, and its velocity, are those of the end. v_out (docs/model.md, section 6): the
-    /// velocity transmitted into the medium [m/s]. @param closed whether the last contact touches
+    /// v_out, the velocity transmitted into the medium [m/s] (docs/model.md, section 6).
+    /// @param closed whether the last contact touches
     double output_velocity(double v_last, double v_end, bool closed) const noexcept {
         return has_plate ? (closed ? transmission * v_last : 0) + v_end : v_last;
     }

@@ -287,8 +287,11 @@ void SeriesSolver::emit_end(Samples& samples, std::int64_t count) noexcept {
 void SeriesSolver::emit(Samples& samples, std::int64_t count) noexcept {
     const std::size_t spheres = samples.spheres();
     const auto put_chain = [&](Tap tap, Quantity quantity) {
+        if (!samples.holds.contains(tap)) {
+            return;
+        }
         double* const out = samples.room(tap).data() + samples.count * spheres;
-        for (std::size_t s = 0; samples.holds.contains(tap) && s < spheres; ++s) {
+        for (std::size_t s = 0; s < spheres; ++s) {
             put(static_cast<Eigen::Index>(s), quantity, times_from(next_sample_),
                 static_cast<std::size_t>(count), out + s, spheres);
         }

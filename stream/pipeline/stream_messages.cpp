@@ -30,7 +30,7 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
                      {"frame_samples", format.frame_samples},
                      {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
                      {"streams", streams},
-                     {"units", {{"velocity", "m/s"}, {"time", "s"}, {"frequency", "Hz"}}}});
+                     {"units", {{"velocity", "m/s"}, {"force", "N"}, {"time", "s"}, {"frequency", "Hz"}}}});
     return meta.dump();
 }
 

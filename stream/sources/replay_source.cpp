@@ -22,10 +22,16 @@ ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sampl
 void ReplaySource::find_columns() {
     const std::vector<Column>& columns = head().columns;
     for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (const auto tap = tap_named(columns[i].quantity); tap && row_of(*tap).streamed) {
-            columns_[static_cast<std::size_t>(*tap)].push_back(i);
-            format_.taps |= *tap;
+        const auto tap = tap_named(columns[i].quantity);
+        if (!tap || !row_of(*tap).streamed) {
+            continue;
         }
+        if (row_of(*tap).extent == Extent::one && format_.taps.contains(*tap)) {
+            throw std::runtime_error("the recording has two columns of " + columns[i].quantity + ": \"" +
+                                     columns[i].name + "\" is the second");
+        }
+        columns_[static_cast<std::size_t>(*tap)].push_back(i);
+        format_.taps |= *tap;
     }
     if (format_.taps.empty()) {
         const Tap tap = columns.size() == 1 ? Tap::v_out : Tap::v_chain;

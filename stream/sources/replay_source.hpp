@@ -15,9 +15,9 @@ namespace hertzline::stream {
 /// Unlike a simulation it reads a file, in the simulating thread.
 class ReplaySource : public SampleSource {
 public:
-    /// Columns v_out, v_last, v_plate and v_chain become the streams of that name; others are passed over.
+    /// Columns of taps that are streamed become the streams of that name; others are passed over.
     /// When there is none of them, a recording of somebody else, one column is streamed as v_out and several
-    /// as v_chain. @throws std::runtime_error when the recording holds no samples or is damaged
+    /// as v_chain. @throws std::runtime_error when the recording holds no samples, two columns of one tap, or is damaged
     ReplaySource(std::unique_ptr<RecordingReader> reader, double sample_rate_hz, std::int64_t frame_samples);
 
     const RecordingHead& head() const noexcept { return reader_->head(); }

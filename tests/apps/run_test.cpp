@@ -105,9 +105,16 @@ TEST(Run, TapsAreSavedOnRequestBesideTheUsualColumns) {
                                                           Key("v_out_m_per_s"), Key("x1_m"), Key("x2_m")));
 }
 
+TEST(Run, ATapWithoutAFileIsRefused) {
+    const Outcome outcome = hertzline({"run", "paper-wall", "--tap", "v_horn"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--tap"));
+}
+
 TEST(Run, ATapThatTheSceneLacksIsRefused) {
     for (const char* name : {"v_plate", "v_outt"}) {
-        const Outcome outcome = hertzline({"run", "paper-wall", "--tap", name});
+        const TemporaryFolder folder;
+        const Outcome outcome = hertzline({"run", "paper-wall", "-o", folder.file("a.csv"), "--tap", name});
         EXPECT_EQ(outcome.status, 2);
         EXPECT_THAT(outcome.err,
                     AllOf(HasSubstr("--tap: found \"" + std::string(name) + "\""), HasSubstr("v_chain")));

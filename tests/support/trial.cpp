@@ -55,7 +55,11 @@ Trial run(const Scene& scene) {
     trial.integrator = *scene.numerics.integrator;
     Simulation simulation(scene, {.taps = all_taps});
     Samples part = simulation.make_samples(block);
-    const double samples = std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, 20e3);
+    constexpr double max_steps = 1e6;
+    const double steps_per_sample = 1 / (scene.output.sample_rate_hz * *scene.numerics.step_s);
+    const double max_samples = std::clamp(max_steps / steps_per_sample, 1.0, 20e3);
+    const double samples =
+        std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, max_samples);
     double moved = 0;
     double work = 0;
     while (static_cast<double>(simulation.next_sample()) < samples) {

@@ -106,6 +106,19 @@ TEST(ReplaySource, AFrameEndsAtAGapAndTheIndicesJump) {
     EXPECT_EQ(frames, (std::vector<std::pair<std::int64_t, std::size_t>>{{100, 10}, {110, 3}, {1000, 4}}));
 }
 
+TEST(ReplaySource, TwoColumnsOfOneTapAreRefused) {
+    for (const char* tap : {"v_out", "v_last", "v_horn", "f_last"}) {
+        EXPECT_THROW(source({{"a", tap, ""}, {"b", tap, ""}}, {counted(0, 25, 2)}), std::runtime_error)
+            << tap;
+    }
+}
+
+TEST(ReplaySource, WhatIsNotStreamedIsPassedOver) {
+    ReplaySource replay =
+        source({{"x1_m", "x_chain", "m"}, {"v_last_m_per_s", "v_last", "m/s"}}, {counted(0, 25, 2)});
+    EXPECT_EQ(replay.format().taps, TapSet(Tap::v_last));
+}
+
 TEST(ReplaySource, SkippingGoesByTheIndexGapsIncluded) {
     ReplaySource replay = source(outputs, {counted(0, 13, 5), counted(50, 20, 5)});
     EXPECT_TRUE(replay.skip(12));
