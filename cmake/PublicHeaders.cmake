@@ -35,6 +35,7 @@ set(stream_headers
   stream/recordings/recording_set.hpp
   stream/sources/sample_source.hpp
   stream/sources/simulation_source.hpp
+  stream/float32.hpp
   stream/spectrum.hpp
   stream/wire/continuity.hpp
   stream/wire/frame.hpp
