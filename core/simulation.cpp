@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "core/model/energy.hpp"
-#include "core/scene/text.hpp"
 #include "core/solvers/sampler.hpp"
 #include "core/step_choice/resolve.hpp"
 
@@ -22,25 +21,13 @@ namespace {
     throw std::invalid_argument(all);
 }
 
-/// What is wrong with a scene whose integrator and step are set. A step that was chosen may be shorter than one may ask for.
-std::vector<Fault> faults_of_resolved(Scene scene) {
-    const double step_s = *scene.numerics.step_s;
-    scene.numerics.step_s.reset();
-    std::vector<Fault> faults = validate(scene);
-    if (!(step_s > 0) || !std::isfinite(step_s)) {
-        faults.push_back({"numerics.step_s", number_text(step_s), "a finite number above 0"});
-    }
-    return faults;
-}
-
-/// The scene as it can be simulated: what it leaves open is chosen.
+/// The scene as it can be simulated: what it leaves open is chosen. One that leaves nothing open has been through resolve().
 Scene simulable(const Scene& scene) {
-    const bool resolved = scene.numerics.integrator && scene.numerics.step_s;
-    if (const auto faults = resolved ? faults_of_resolved(scene) : validate(scene); !faults.empty()) {
-        refuse(faults);
-    }
-    if (resolved) {
+    if (scene.numerics.integrator && scene.numerics.step_s) {
         return scene;
+    }
+    if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
+        refuse(faults);
     }
     ResolvedScene result = resolve(scene);
     if (!result.faults.empty()) {

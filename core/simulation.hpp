@@ -16,6 +16,7 @@ namespace hertzline {
 class Simulation {
 public:
     /// @param scene what it leaves open (integrator, step) is chosen by resolve(), which takes as long as simulating a few bursts.
+    /// One that leaves nothing open is taken as it is: it has passed validate() and resolve().
     /// @throws std::invalid_argument with every fault of the scene, a line each; std::bad_alloc
     explicit Simulation(const Scene& scene, const SimulationOptions& options = {});
 

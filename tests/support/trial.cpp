@@ -55,11 +55,7 @@ Trial run(const Scene& scene) {
     trial.integrator = *scene.numerics.integrator;
     Simulation simulation(scene, {.taps = all_taps});
     Samples part = simulation.make_samples(block);
-    constexpr double max_steps = 1e6;
-    const double steps_per_sample = 1 / (scene.output.sample_rate_hz * *scene.numerics.step_s);
-    const double max_samples = std::clamp(max_steps / steps_per_sample, 1.0, 20e3);
-    const double samples =
-        std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, max_samples);
+    const double samples = std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, 20e3);
     double moved = 0;
     double work = 0;
     while (static_cast<double>(simulation.next_sample()) < samples) {
@@ -146,7 +142,7 @@ Trial tried(const Scene& asked) {
     }
     constexpr double steps_between_looks = 50;
     double& rate = scene.output.sample_rate_hz;
-    rate = std::min(std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s)), 1e12);
+    rate = std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s));
     trial = run(scene);
     const double bound = trial.integrator == Integrator::leapfrog ? 1e-1 : 2e-2;
     if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_booked(scene)) {
