@@ -13,7 +13,7 @@
 namespace hertzline::test {
 
 /// How long a test waits that fails.
-inline constexpr std::chrono::seconds patience{20};
+inline constexpr std::chrono::seconds patience{120};
 
 /// Tries until the condition holds; false when it does not in good time.
 template <class Condition>
