@@ -21,4 +21,17 @@ set(HERTZLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,u
 if(HERTZLINE_SANITIZE)
   add_compile_options(-fsanitize=${HERTZLINE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HERTZLINE_SANITIZE})
+  # What a sanitizer adds to a function hides from g++ that a variable is set; it then warns of what is not so. The release build
+  # gives the same warnings of the code as it is.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(hertzline_flags INTERFACE -Wno-maybe-uninitialized)
+  endif()
 endif()
+
+# The large headers of a target, compiled once for all its sources. Only with the sanitizers: the release build gives each source
+# what it includes itself, so a missing include does not go unseen.
+function(hertzline_precompile target)
+  if(HERTZLINE_SANITIZE)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
