@@ -16,7 +16,7 @@ namespace {
 [[noreturn]] void refuse(const std::vector<Fault>& faults) {
     std::string all = "the scene cannot be simulated";
     for (const Fault& fault : faults) {
-        all += "\n" + fault.key + ": found " + fault.found + ", allowed: " + fault.allowed;
+        all += '\n' + fault.message();
     }
     throw std::invalid_argument(all);
 }

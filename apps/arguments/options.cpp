@@ -21,6 +21,23 @@ CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
+std::vector<std::string> names_of(TapSet taps) {
+    std::vector<std::string> names;
+    for (const Tap tap : taps) {
+        names.emplace_back(row_of(tap).name);
+    }
+    return names;
+}
+
+Tap tap_argument(const char* option, const std::string& name, TapSet allowed) {
+    if (const auto tap = tap_named(name); tap && allowed.contains(*tap)) {
+        return *tap;
+    }
+    const std::vector<std::string> names = names_of(allowed);
+    throw WrongUse(fmt::format("{}: found {}, allowed: {}{}", option, quoted_briefly(name),
+                               comma_separated(names), suggestion(name, names)));
+}
+
 void require_positive(const char* option, double value) {
     if (!(value > 0) || !std::isfinite(value)) {
         throw WrongUse(

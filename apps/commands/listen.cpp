@@ -47,16 +47,7 @@ struct ListenOptions {
 };
 
 Tap tap_of(const ListenOptions& options) {
-    const TapSet offered = streamed_taps(EndKind::plate);
-    if (const auto tap = tap_named(options.stream); tap && offered.contains(*tap)) {
-        return *tap;
-    }
-    std::vector<std::string> names;
-    for (const Tap tap : offered) {
-        names.emplace_back(row_of(tap).name);
-    }
-    throw WrongUse(fmt::format("--stream: found {}, allowed: {}{}", quoted_briefly(options.stream),
-                               comma_separated(names), suggestion(options.stream, names)));
+    return tap_argument("--stream", options.stream, streamed_taps(EndKind::plate));
 }
 
 void refuse_wrong_use(const ListenOptions& options) {

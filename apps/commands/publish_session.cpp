@@ -6,11 +6,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/stream_messages.hpp"
 #include "stream/wire/endpoint.hpp"
@@ -43,13 +43,9 @@ std::string local_endpoint(std::string endpoint) {
 }
 
 void announce(const stream::Publisher& publisher, const stream::Pipeline& pipeline) {
-    std::vector<std::string_view> streams;
-    for (const Tap tap : pipeline.format().taps) {
-        streams.push_back(row_of(tap).name);
-    }
     spdlog::info("endpoint {}", publisher.endpoint());
-    spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end", fmt::join(streams, ", "),
-                 pipeline.format().sample_rate_hz);
+    spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end",
+                 comma_separated(names_of(pipeline.format().taps)), pipeline.format().sample_rate_hz);
     spdlog::info("run {}", pipeline.options().run);
     const bool encrypted = publisher.security() == stream::Security::curve;
     spdlog::info("to listen: hertzline listen --connect {}{}", local_endpoint(publisher.endpoint()),

@@ -68,31 +68,14 @@ void keep(const Samples& block, RunRecord& record) {
     record.v_out.insert(record.v_out.end(), block[Tap::v_out].begin(), block[Tap::v_out].end());
 }
 
-std::string tap_names() {
-    std::vector<std::string> names;
-    for (const Tap tap : all_taps) {
-        names.emplace_back(row_of(tap).name);
-    }
-    return comma_separated(names);
-}
-
 /// The taps that the recordings hold. @throws WrongUse for a name that is no tap of the scene
 TapSet asked_taps(const RunOptions& options, EndKind end) {
     TapSet taps = recorded_taps(end);
     if (options.all_bodies) {
         taps |= TapSet(Tap::v_chain) | Tap::x_chain;
     }
-    std::vector<std::string> names;
-    for (const Tap tap : taps_of(end)) {
-        names.emplace_back(row_of(tap).name);
-    }
     for (const std::string& name : options.taps) {
-        const auto tap = tap_named(name);
-        if (!tap || !taps_of(end).contains(*tap)) {
-            throw WrongUse(fmt::format("--tap: found {}, allowed: {}{}", quoted_briefly(name),
-                                       comma_separated(names), suggestion(name, names)));
-        }
-        taps |= *tap;
+        taps |= tap_argument("--tap", name, taps_of(end));
     }
     return taps;
 }
@@ -220,7 +203,8 @@ Run run_command(CLI::App& app) {
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
         ->type_name("FILE");
     app.add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
-    add_repeatable_option(app, "--tap", options->taps, "save this output too; repeatable: " + tap_names())
+    add_repeatable_option(app, "--tap", options->taps,
+                          "save this output too; repeatable: " + comma_separated(names_of(all_taps)))
         ->type_name("NAME");
     add_format_option(app, options->format, "print the summary as one JSON object");
     app.footer(examples);
