@@ -14,39 +14,6 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
-/// Values of a body's series, or of its slope, at vectors of samples.
-class BodySeries {
-public:
-    HWY_INLINE BodySeries(const SeriesPiece& piece, std::size_t slot)
-        : degree_(piece.degree()),
-          stride_(piece.displacement(1) - piece.displacement(0)),
-          terms_(piece.displacement(0) + slot),
-          per_unit_(hn::Set(Doubles(), piece.per_unit)) {}
-
-    HWY_INLINE Vec displacement(Vec z) const {
-        Vec sum = term(degree_);
-        for (int n = degree_ - 1; n >= 0; --n) {
-            sum = hn::MulAdd(sum, z, term(n));
-        }
-        return sum;
-    }
-    HWY_INLINE Vec velocity(Vec z) const {
-        Vec sum = hn::Mul(hn::Set(Doubles(), degree_), term(degree_));
-        for (int n = degree_ - 1; n >= 1; --n) {
-            sum = hn::MulAdd(sum, z, hn::Mul(hn::Set(Doubles(), n), term(n)));
-        }
-        return hn::Mul(per_unit_, sum);
-    }
-
-private:
-    HWY_INLINE Vec term(int n) const { return hn::Set(Doubles(), terms_[n * stride_]); }
-
-    int degree_;
-    std::ptrdiff_t stride_;
-    const double* terms_;
-    Vec per_unit_;
-};
-
 HWY_INLINE Vec moments(const SampleTimes& times, std::size_t i) {
     const Doubles d;
     const Vec number = hn::Iota(d, times.first_after_base + static_cast<double>(i));
@@ -71,12 +38,38 @@ HWY_INLINE void put_down(Vec values, double* out, std::size_t count, std::size_t
     }
 }
 
+/// Values of a polynomial, lowest term first, times a factor.
+template <std::size_t Terms>
+HWY_INLINE void sample_polynomial(const std::array<double, Terms>& terms, double factor,
+                                  const SampleTimes& times, std::size_t count, double* out,
+                                  std::size_t stride) {
+    const Doubles d;
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+        const Vec z = moments(times, i);
+        Vec sum = hn::Set(d, terms[Terms - 1]);
+        for (std::size_t n = Terms - 1; n-- > 0;) {
+            sum = hn::MulAdd(sum, z, hn::Set(d, terms[n]));
+        }
+        put_down(hn::Mul(hn::Set(d, factor), sum), out + i * stride, count - i, stride);
+    }
+}
+
+/// A body's displacement or velocity.
+template <int Degree>
 void sample_body(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
                  std::size_t count, double* out, std::size_t stride) {
-    const BodySeries body(piece, slot);
-    for (std::size_t i = 0; i < count; i += hn::Lanes(Doubles())) {
-        const Vec z = moments(times, i);
-        put_down(velocities ? body.velocity(z) : body.displacement(z), out + i * stride, count - i, stride);
+    if (velocities) {
+        std::array<double, Degree> slope;
+        for (int n = 1; n <= Degree; ++n) {
+            slope[n - 1] = n * piece.displacement(n)[slot];
+        }
+        sample_polynomial(slope, piece.per_unit, times, count, out, stride);
+    } else {
+        std::array<double, Degree + 1> terms;
+        for (int n = 0; n <= Degree; ++n) {
+            terms[n] = piece.displacement(n)[slot];
+        }
+        sample_polynomial(terms, 1, times, count, out, stride);
     }
 }
 
@@ -84,11 +77,11 @@ template <int Degree>
 SeriesKernels for_rows(std::size_t rows) {
     switch (rows) {
         case 1:
-            return {take_piece<1, Degree>, sample_body};
+            return {take_piece<1, Degree>, sample_body<Degree>};
         case 2:
-            return {take_piece<2, Degree>, sample_body};
+            return {take_piece<2, Degree>, sample_body<Degree>};
         default:
-            return {take_piece<0, Degree>, sample_body};
+            return {take_piece<0, Degree>, sample_body<Degree>};
     }
 }
 

@@ -11,7 +11,7 @@
 
 namespace hertzline {
 
-/// The last sphere and the end at successive samples; columns of `count` numbers.
+/// The last sphere and the end at successive samples: columns, the first `count` numbers of which are there.
 struct EndMotion {
     std::int64_t first = 0;    ///< index of the first sample
     std::size_t count = 0;     ///< samples
@@ -33,18 +33,59 @@ public:
     /// Whether any of these taps follows from the motion of the end.
     static bool any_of(TapSet taps) noexcept;
 
-    /// Columns for the next samples, at most max_count of them. Where the samples hold the velocities
-    /// themselves they are columns of the samples.
-    EndMotion columns(Samples& samples) noexcept;
+private:
+    friend class EndTapsWriter;
 
-    /// Computes the taps of the next motion.count samples.
+    EndMotion columns(Samples& samples) noexcept;
     void fill(Samples& samples, const EndMotion& motion) noexcept;
 
-private:
     const Chain& chain_;
     HornAtSamples horn_;
     std::array<double, max_count> v_last_{}, v_end_{}, x_last_{}, x_end_{};
     std::array<bool, max_count> closed_{};
+};
+
+/// Adds samples to a block: a solver puts the motion of the end into motion(), and the taps are computed from it, many samples at
+/// a time. The block's count is right when the writer is gone.
+class EndTapsWriter {
+public:
+    EndTapsWriter(EndTaps& taps, Samples& samples) noexcept
+        : taps_(taps),
+          samples_(samples),
+          motion_(taps.columns(samples)),
+          shows_end_(EndTaps::any_of(samples.holds)) {}
+    EndTapsWriter(const EndTapsWriter&) = delete;
+    EndTapsWriter& operator=(const EndTapsWriter&) = delete;
+    ~EndTapsWriter() { fill(); }
+
+    Samples& samples() const noexcept { return samples_; }
+    /// Whether the block holds a tap that follows from the motion of the end.
+    bool shows_end() const noexcept { return shows_end_; }
+    /// Index in the block of the sample that comes next.
+    std::size_t next() const noexcept { return samples_.count + motion_.count; }
+    /// Samples that may be put into motion() before advance(), 1 at least.
+    std::size_t room() const noexcept { return EndTaps::max_count - motion_.count; }
+    /// The next sample is put at [count]. Where the samples hold the velocities themselves, they are columns of the samples.
+    const EndMotion& motion() const noexcept { return motion_; }
+    /// So many samples have been put. @param count at most room()
+    void advance(std::size_t count) noexcept {
+        motion_.count += count;
+        if (motion_.count == EndTaps::max_count) {
+            fill();
+            motion_ = taps_.columns(samples_);
+        }
+    }
+
+private:
+    void fill() noexcept {
+        taps_.fill(samples_, motion_);
+        samples_.count += motion_.count;
+    }
+
+    EndTaps& taps_;
+    Samples& samples_;
+    EndMotion motion_;
+    bool shows_end_;
 };
 
 }  // namespace hertzline

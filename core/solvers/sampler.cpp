@@ -78,73 +78,53 @@ class Sampler::Writer {
 public:
     /// @param bodies in a row of the trace; the last is the end
     Writer(Samples& samples, EndTaps& end_taps, const Chain& chain, std::size_t bodies) noexcept
-        : samples_(samples),
-          end_taps_(end_taps),
-          v_chain_(column(Tap::v_chain)),
-          x_chain_(column(Tap::x_chain)),
-          motion_(end_taps.columns(samples)),
-          shows_end_(EndTaps::any_of(samples.holds)),
+        : end_taps_(end_taps, samples),
+          v_chain_(samples.holds.contains(Tap::v_chain) ? samples.room(Tap::v_chain).data() : nullptr),
+          x_chain_(samples.holds.contains(Tap::x_chain) ? samples.room(Tap::x_chain).data() : nullptr),
+          spheres_(samples.spheres()),
           end_overlap_(chain.static_overlap[chain.spheres()]),
           end_(bodies - 1) {}
-    Writer(const Writer&) = delete;
-    Writer& operator=(const Writer&) = delete;
-    ~Writer() { fill(); }
 
     template <class Moment>
     void put(const Moment& moment) noexcept {
         put_chain(moment);
-        if (shows_end_) {
+        if (end_taps_.shows_end()) {
             put_end(moment);
         }
-        if (++motion_.count == EndTaps::max_count) {
-            fill();
-        }
+        end_taps_.advance(1);
     }
 
 private:
-    double* column(Tap tap) const noexcept {
-        return samples_.holds.contains(tap) ? samples_.room(tap).data() : nullptr;
-    }
-
     template <class Moment>
     void put_chain(const Moment& moment) const noexcept {
-        const std::size_t spheres = samples_.spheres();
-        const std::size_t at = (samples_.count + motion_.count) * spheres;
-        for (std::size_t s = 0; v_chain_ != nullptr && s < spheres; ++s) {
+        const std::size_t at = end_taps_.next() * spheres_;
+        for (std::size_t s = 0; v_chain_ != nullptr && s < spheres_; ++s) {
             v_chain_[at + s] = moment.velocity(s);
         }
-        for (std::size_t s = 0; x_chain_ != nullptr && s < spheres; ++s) {
+        for (std::size_t s = 0; x_chain_ != nullptr && s < spheres_; ++s) {
             x_chain_[at + s] = moment.displacement(s);
         }
     }
 
     template <class Moment>
     void put_end(const Moment& moment) const noexcept {
-        const std::size_t i = motion_.count;
+        const EndMotion& motion = end_taps_.motion();
+        const std::size_t i = motion.count;
         const double x_last = moment.displacement(end_ - 1);
         const double x_end = moment.displacement(end_);
-        motion_.v_last[i] = moment.velocity(end_ - 1);
-        motion_.v_end[i] = moment.velocity(end_);
-        motion_.closed[i] = end_overlap_ + (x_last - x_end) > 0;
-        if (motion_.x_last != nullptr) {
-            motion_.x_last[i] = x_last;
-            motion_.x_end[i] = x_end;
+        motion.v_last[i] = moment.velocity(end_ - 1);
+        motion.v_end[i] = moment.velocity(end_);
+        motion.closed[i] = end_overlap_ + (x_last - x_end) > 0;
+        if (motion.x_last != nullptr) {
+            motion.x_last[i] = x_last;
+            motion.x_end[i] = x_end;
         }
     }
 
-    /// The taps of what was put down so far.
-    void fill() noexcept {
-        end_taps_.fill(samples_, motion_);
-        samples_.count += motion_.count;
-        motion_ = end_taps_.columns(samples_);
-    }
-
-    Samples& samples_;
-    EndTaps& end_taps_;
+    EndTapsWriter end_taps_;
     double* v_chain_;
     double* x_chain_;
-    EndMotion motion_;
-    bool shows_end_;
+    std::size_t spheres_;
     double end_overlap_;
     std::size_t end_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
@@ -213,15 +214,17 @@ bool SeriesSolver::finite() const noexcept {
 }
 
 Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
+    std::optional<EndTapsWriter> writer;
+    if (samples != nullptr) {
+        writer.emplace(end_taps_, *samples);
+    }
     const std::int64_t end = next_sample_ + count;
     while (next_sample_ < end) {
         // samples k with begin <= k < end lie in the present piece
         const std::int64_t beyond = std::min(end, end_.rounded_up());
         if (next_sample_ < beyond) {
-            if (samples != nullptr) {
-                emit(*samples, beyond - next_sample_);
-            }
-            next_sample_ = beyond;
+            const std::int64_t available = beyond - next_sample_;
+            next_sample_ += writer ? static_cast<std::int64_t>(emit(*writer, available)) : available;
         } else {
             next_piece();
             if (!(piece_.largest < 1e300) || stands_still()) {
@@ -261,48 +264,44 @@ void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::Samp
     }
 }
 
-/// The taps of the chain's far end, at samples of the present piece.
-void SeriesSolver::emit_end(Samples& samples, std::int64_t count) noexcept {
+/// The motion of the chain's far end, at samples of the present piece.
+void SeriesSolver::emit_end(const EndMotion& motion, std::size_t count) const noexcept {
     const Eigen::Index end = chain_.spheres();
-    const bool closed = simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0;
-    for (std::int64_t done = 0; done < count;) {
-        EndMotion motion = end_taps_.columns(samples);
-        motion.count = std::min(static_cast<std::size_t>(count - done), EndTaps::max_count);
-        const kernels::SampleTimes times = times_from(next_sample_ + done);
-        put(end - 1, Quantity::velocity, times, motion.count, motion.v_last, 1);
-        if (chain_.end.has_plate || motion.x_last != nullptr) {
-            put(end, Quantity::velocity, times, motion.count, motion.v_end, 1);
-        }
-        if (motion.x_last != nullptr) {
-            put(end - 1, Quantity::displacement, times, motion.count, motion.x_last, 1);
-            put(end, Quantity::displacement, times, motion.count, motion.x_end, 1);
-        }
-        std::fill_n(motion.closed, motion.count, closed);
-        end_taps_.fill(samples, motion);
-        samples.count += motion.count;
-        done += static_cast<std::int64_t>(motion.count);
+    const std::size_t at = motion.count;
+    const kernels::SampleTimes times = times_from(next_sample_);
+    put(end - 1, Quantity::velocity, times, count, motion.v_last + at, 1);
+    if (chain_.end.has_plate || motion.x_last != nullptr) {
+        put(end, Quantity::velocity, times, count, motion.v_end + at, 1);
     }
+    if (motion.x_last != nullptr) {
+        put(end - 1, Quantity::displacement, times, count, motion.x_last + at, 1);
+        put(end, Quantity::displacement, times, count, motion.x_end + at, 1);
+    }
+    const bool closed = simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0;
+    std::fill_n(motion.closed + at, count, closed);
 }
 
-void SeriesSolver::emit(Samples& samples, std::int64_t count) noexcept {
+/// Samples of the present piece, as many as there are and find room. @return how many
+std::size_t SeriesSolver::emit(EndTapsWriter& writer, std::int64_t available) const noexcept {
+    const auto count = static_cast<std::size_t>(std::min<std::int64_t>(available, writer.room()));
+    Samples& samples = writer.samples();
     const std::size_t spheres = samples.spheres();
     const auto put_chain = [&](Tap tap, Quantity quantity) {
         if (!samples.holds.contains(tap)) {
             return;
         }
-        double* const out = samples.room(tap).data() + samples.count * spheres;
+        double* const out = samples.room(tap).data() + writer.next() * spheres;
         for (std::size_t s = 0; s < spheres; ++s) {
-            put(static_cast<Eigen::Index>(s), quantity, times_from(next_sample_),
-                static_cast<std::size_t>(count), out + s, spheres);
+            put(static_cast<Eigen::Index>(s), quantity, times_from(next_sample_), count, out + s, spheres);
         }
     };
     put_chain(Tap::v_chain, Quantity::velocity);
     put_chain(Tap::x_chain, Quantity::displacement);
-    if (EndTaps::any_of(samples.holds)) {
-        emit_end(samples, count);
-    } else {
-        samples.count += static_cast<std::size_t>(count);
+    if (writer.shows_end()) {
+        emit_end(writer.motion(), count);
     }
+    writer.advance(count);
+    return count;
 }
 
 double SeriesSolver::time_s() const noexcept {

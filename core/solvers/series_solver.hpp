@@ -43,8 +43,8 @@ private:
     void sleep() noexcept;
     bool stands_still() noexcept;
     bool finite() const noexcept;
-    void emit(Samples& samples, std::int64_t count) noexcept;
-    void emit_end(Samples& samples, std::int64_t count) noexcept;
+    std::size_t emit(EndTapsWriter& writer, std::int64_t available) const noexcept;
+    void emit_end(const EndMotion& motion, std::size_t count) const noexcept;
     void put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times, std::size_t count,
              double* out, std::size_t stride) const noexcept;
     void add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times, std::size_t count,

@@ -11,6 +11,9 @@ RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(reco
 }
 
 void RowBuilder::write(const Samples& block) {
+    if (!recordings_.any_left()) {
+        return;
+    }
     rows_.clear();
     const std::size_t spheres = per_sphere_.empty() ? 0 : block.spheres();
     for (std::size_t i = 0; i < block.count; ++i) {
