@@ -26,8 +26,8 @@ struct Band {
     double width_hz() const noexcept { return high_hz - low_hz; }
 };
 
-/// Absent values are those that the record cannot tell: nothing at all is told by a record that is silent or
-/// that contains a value that is not finite; nothing is told above half the sample rate.
+/// A value is absent where the record does not determine it: above half the sample rate, and everywhere when the
+/// record is silent or contains a value that is not finite.
 struct SpectrumSummary {
     double fundamental_hz = 0;
     std::vector<double> harmonics_db;  ///< k = 1, 2, ... up to ten or Nyquist; [dB] under the largest of them

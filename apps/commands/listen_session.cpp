@@ -59,7 +59,7 @@ const char* word(EndReason reason) {
     return "";
 }
 
-/// What the user is told about a frame; empty when there is nothing to tell.
+/// The message about a frame; empty when there is nothing to say.
 /// @param expected the sample that was due @param before the totals without this frame, `now` with it
 std::string notice(stream::Arrival arrival, const stream::FrameHeader& frame, std::uint64_t expected,
                    const stream::ContinuityTotals& before, const stream::ContinuityTotals& now) {
@@ -253,7 +253,7 @@ void ListenSession::save() {
 bool ListenSession::sound() const noexcept {
     const bool whole = end_reason_ != EndReason::silence && end_reason_ != EndReason::run_broke_off &&
                        end_reason_ != EndReason::refused;
-    return heard_samples() && check_.unbroken() && missing_at_end_ == 0 && malformed_ == 0 && whole;
+    return heard_samples() && check_.gapless() && missing_at_end_ == 0 && malformed_ == 0 && whole;
 }
 
 std::string ListenSession::text() const {

@@ -1,4 +1,4 @@
-// Scenes drawn at random: does any give NaN, stop without saying why, chatter, or lose energy from its books?
+// Scenes drawn at random: does any give NaN, stop without saying why, chatter, or lose energy unseen?
 //
 //     bench_random_scenes [--json FILE] [COUNT [SEED]]
 //

@@ -38,9 +38,9 @@ constexpr std::int64_t max_pieces = 65536;
 /// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
 /// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
 double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
-    constexpr double hardly = 1e-3;
+    constexpr double share = 1e-3;
     const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
-    const double overlap = std::pow(hardly * tolerance / (stiffest * step), 2.0 / 3);
+    const double overlap = std::pow(share * tolerance / (stiffest * step), 2.0 / 3);
     return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
 }
 
@@ -90,7 +90,7 @@ void SeriesSolver::reset() noexcept {
     ledger_ = {};
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
     set_horn(0);
-    meet_horn(0);
+    add_work_of_jump(0);
 }
 
 const ChainState& SeriesSolver::state() noexcept {
@@ -131,7 +131,7 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
 }
 
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
-void SeriesSolver::meet_horn(double before_m) noexcept {
+void SeriesSolver::add_work_of_jump(double before_m) noexcept {
     const double horn = piece_.waves.displacement;
     const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
     const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (before_m - x));
@@ -160,7 +160,7 @@ void SeriesSolver::next_piece() noexcept {
         smooth_from_ = begin_;
         since_look_up = 0;
         set_horn(0);
-        meet_horn(before);
+        add_work_of_jump(before);
     } else if (!piece_.waves.turns || state_.step % turned_pieces == 0) {
         set_horn(since_look_up);
     }
@@ -177,7 +177,7 @@ void SeriesSolver::next_piece() noexcept {
     end_.advance(FixedTime::of(piece_.length * samples_per_unit_));
 }
 
-/// Whether the pieces have become so short that time hardly goes on: looked into once in max_pieces.
+/// Whether the pieces have become so short that time stands still: checked once in max_pieces.
 bool SeriesSolver::stands_still() noexcept {
     if (state_.step % max_pieces != 0) {
         return false;

@@ -38,7 +38,7 @@ private:
 
     void next_piece() noexcept;
     void set_horn(double since_look_up) noexcept;
-    void meet_horn(double before) noexcept;
+    void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
     bool stands_still() noexcept;

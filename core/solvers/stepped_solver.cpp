@@ -43,7 +43,7 @@ const ChainState& SteppedSolver::state() noexcept {
     return state_;
 }
 
-/// At every multiple of batch_steps: books, wavefront and drive. Depends on the step count alone, never on block sizes.
+/// At every multiple of batch_steps: ledger, wavefront and drive. Depends on the step count alone, never on block sizes.
 void SteppedSolver::begin_batch() noexcept {
     collect_ledger();
     load_active();

@@ -27,7 +27,7 @@ struct Pilot {
 /// @throws std::bad_alloc
 Pilot run_pilot(const PilotPlan& plan, Integrator integrator, double step_s);
 
-/// Largest relative L2 difference of any column. Bodies that hardly move are judged by the scale of the
+/// Largest relative L2 difference of any column. Bodies that move next to nothing are judged by the scale of the
 /// others. Infinite if one of the pilots was unstable.
 double largest_difference(const Pilot& pilot, const Pilot& better) noexcept;
 

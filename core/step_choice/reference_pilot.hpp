@@ -1,5 +1,5 @@
 #pragma once
-// A scene's first burst, flown as exactly as can be had: what pilots with longer steps are compared with.
+// A scene's first burst, computed as exactly as can be had: what pilots with longer steps are compared with.
 
 #include <optional>
 

@@ -1,7 +1,7 @@
 #pragma once
 // Choosing integrator and step: what a scene leaves open is settled here, by measuring instead of guessing.
 //
-// A pilot runs the scene over its first burst. One is flown as exactly as can be had, as a reference
+// A pilot runs the scene over its first burst. One runs as exactly as can be had, as a reference
 // (reference_pilot.hpp); how far another one is from it is the error of its step. Steps on a grid are chosen
 // without it: there a pilot is compared with one of half the step, and halving goes on until the difference,
 // extrapolated with the method's order, is below the wanted accuracy. Pilots together cost about as much as
@@ -49,7 +49,7 @@ struct ResolvedScene {
     IntegratorReason integrator_reason = IntegratorReason::set_by_scene;
     bool step_set_by_scene = false;
     StepAdvice advice;
-    int pilots = 0;  ///< all that were flown: the reference, those of the advice, that of the step in use
+    int pilots = 0;  ///< all that ran: the reference, those of the advice, that of the step in use
     /// Of the step in use, relative L2 of the worst velocity: what a pilot at that step differs from the
     /// reference. Of a long chain the first 128 spheres are looked at. None if the pilot would take too long.
     std::optional<double> estimated_error;

@@ -1,5 +1,5 @@
 #pragma once
-// Which step gives the accuracy that is asked for: pilots with several steps are flown and their errors measured.
+// Which step gives the accuracy that is asked for: pilots run with several steps, and their errors are measured.
 
 #include "core/scene/scene.hpp"
 #include "core/step_choice/reference_pilot.hpp"
@@ -19,7 +19,7 @@ struct StepAdvice {
     double estimated_error = 0;          ///< relative L2, of the worst velocity at that step
     double largest_stable_step_s = 0;    ///< with the largest overlaps of the pilots
     bool accuracy_met = true;            ///< false: not even the smallest step tried can be shown to
-    int pilots = 0;                      ///< flown to find this out, beside the reference,
+    int pilots = 0;                      ///< run to find this out, beside the reference,
     double pilot_duration_s = 0;         ///< each over this simulated time
 };
 

@@ -60,7 +60,7 @@ void ContinuityCheck::expect_after(const FrameHeader& frame) noexcept {
     dropped_ = frame.dropped;
 }
 
-bool ContinuityCheck::unbroken() const noexcept {
+bool ContinuityCheck::gapless() const noexcept {
     return totals_.missing_samples + totals_.dropped_by_sender + totals_.lost_on_the_way + totals_.repeated +
                totals_.out_of_order + totals_.inconsistent ==
            0;
@@ -80,7 +80,7 @@ std::string ContinuityCheck::text() const {
     add(totals_.out_of_order, "frames out of order");
     add(totals_.inconsistent, "frames inconsistent");
     add(totals_.runs > 1 ? totals_.runs : 0, "runs");
-    return unbroken() ? line + ", nothing missing" : line;
+    return gapless() ? line + ", nothing missing" : line;
 }
 
 }  // namespace hertzline::stream

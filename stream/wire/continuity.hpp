@@ -44,7 +44,7 @@ public:
     const ContinuityTotals& totals() const noexcept { return totals_; }
 
     /// Nothing is missing and nothing was odd.
-    bool unbroken() const noexcept;
+    bool gapless() const noexcept;
 
     /// The totals as one line: "1000 frames, 1024000 samples, nothing missing".
     std::string text() const;

@@ -79,14 +79,14 @@ Trial run(const Scene& scene) {
         }
     }
     trial.simulated_s = simulation.time_s();
-    const Ledger books = simulation.ledger();
+    const Ledger ledger = simulation.ledger();
     const double pressed =
         elastic_energy(simulation.chain().stiffness[0], simulation.state().peak_overlap[0]);
     // a sphere that moves with a thousand-millionth of the horn's speed does so by rounding
     const double horn_speed = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
     const double rounding = 0.5 / simulation.chain().inv_mass[0] * std::pow(1e-9 * horn_speed, 2);
-    const double turned_over = moved + books.lost + std::abs(books.at_start) + pressed + rounding;
-    const double scale = std::max(std::abs(books.work), books.lost);
+    const double turned_over = moved + ledger.lost + std::abs(ledger.at_start) + pressed + rounding;
+    const double scale = std::max(std::abs(ledger.work), ledger.lost);
     trial.residual = turned_over > 0 ? simulation.energy_residual() * scale / turned_over : 0;
     if (trial.outcome == Outcome::ran && !std::isfinite(trial.residual)) {
         trial.findings.emplace_back("the ledger is not finite");

@@ -58,7 +58,7 @@ HWY_NOINLINE void take_split_step(SimdChain& chain, const ToneBurst& burst, cons
             if (from > 0) {
                 record_row(0);
             }
-            meet_horn(chin, begin);
+            add_work_of_jump(chin, begin);
             rebuild(chin, begin);
             record_row(0);
         }

@@ -182,7 +182,7 @@ HWY_INLINE void advance_located(Chin4aChain<K>& c, const HornCurve& horn, Trial 
 /// The horn's motion may jump where a smooth part of it begins: contact 0 is looked at anew. What a jump of
 /// the horn adds to the energy stored there is work.
 template <std::size_t K>
-HWY_INLINE void meet_horn(Chin4aChain<K>& c, const HornMotion& horn) {
+HWY_INLINE void add_work_of_jump(Chin4aChain<K>& c, const HornMotion& horn) {
     const Vec stiffness = c.rows.load(ChainField::stiffness)[0];
     const Vec overlap = c.rows.difference(c.static_overlap[0], c.now.x, 0, horn.x);
     const Vec gained = elastic_energy(stiffness, overlap) - elastic_energy(stiffness, c.node.overlap[0]);

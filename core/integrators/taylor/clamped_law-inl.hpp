@@ -33,8 +33,8 @@ HWY_INLINE void settle_grazing_force(Expansion<K, Degree>& e, std::size_t k) {
     const Vec force = MulAdd(damping, e.d[1][k], e.u[0][k]);
     const Vec elastic_slope = splat(1.5) * e.u[0][k] * (e.per_overlap[k] * e.d[1][k]);
     const Vec slope = MulAdd(damping + damping, e.d[2][k], elastic_slope);
-    const Flags hardly = Le(Abs(force), splat(at_zero) * Abs(slope));
-    const Flags undecided = And(And(hardly, Gt(e.u[0][k], zero())), Gt(e.stiffness[k], zero()));
+    const Flags near_zero = Le(Abs(force), splat(at_zero) * Abs(slope));
+    const Flags undecided = And(And(near_zero, Gt(e.u[0][k], zero())), Gt(e.stiffness[k], zero()));
     const Vec decided = one_where(Gt(slope, zero()));
     e.closed.set(k, IfThenElse(undecided, decided, e.closed[k]));
     e.decay.set(k, e.closed[k] * damping * splat(e.square));
@@ -49,9 +49,9 @@ HWY_INLINE Flags would_push(const Expansion<K, Degree>& e, std::size_t k, Vec z)
     const Vec dashpot = damping * slope_at(e.d, k, z);
     const Vec parts = splat(cancelled) * (Abs(elastic) + Abs(dashpot));
     const Vec velocity = splat(rounding) * Abs(e.x[1][k]);
-    const Vec hardly = MulAdd(damping, velocity, parts);
+    const Vec rounding_error = MulAdd(damping, velocity, parts);
     const Vec of_closed = splat(1.0) - (e.closed[k] + e.closed[k]);  // -1, else 1
-    return Gt(dashpot + elastic, of_closed * hardly);
+    return Gt(dashpot + elastic, of_closed * rounding_error);
 }
 
 /// Elastic force that such a contact does not pass on: what it stores is lost as it relaxes.

@@ -1,6 +1,6 @@
 #pragma once
 // CURVE: ZeroMQ's encryption, where each side has a key pair and knows the other's public key
-// (rfc.zeromq.org/spec/26). What both ends need to know, and how a socket is told.
+// (rfc.zeromq.org/spec/26). The keys of both ends, and how a socket is set up with them.
 
 #include <array>
 #include <cstdint>

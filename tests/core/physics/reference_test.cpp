@@ -73,7 +73,7 @@ TEST_P(EveryReference, AnAskedForAccuracyIsMetWithinAFactorOfThree) {
 }
 
 TEST_P(EveryReference, TheEstimatedErrorIsTheTrueOneWithinAFactorOfThree) {
-    // where hardly anything moves, the worst velocity errs more than the last sphere's, which is compared
+    // where next to nothing moves, the worst velocity errs more than the last sphere's, which is compared
     const double spread = GetParam().file == "small_amplitude_wall" ? 6 : 3;
     constexpr double shown_by_references = 5e-9;
     const auto expect_agreement = [&](const Scene& scene) {

@@ -48,7 +48,7 @@ TEST(RandomScenes, DivergedRunsNameStepTimeAndContact) {
     }
 }
 
-TEST(RandomScenes, ASeriesThatHardlyGoesOnIsStoppedWithAReason) {
+TEST(RandomScenes, ASeriesThatStallsIsStoppedWithAReason) {
     // a step of 1 us where the dashpots ask for pieces below 1e-12 s
     for (const Integrator integrator : series_integrators()) {
         Scene scene = with_step(Scene{}, integrator, 1e-6);

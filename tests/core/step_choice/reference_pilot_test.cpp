@@ -1,4 +1,4 @@
-// The error that a scene is told to have with the step in use, chosen or given. Against the
+// The estimated error of the step in use, chosen or given. Against the
 // references of tests/reference: reference_test.cpp.
 
 #include "core/step_choice/reference_pilot.hpp"

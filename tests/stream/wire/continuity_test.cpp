@@ -34,7 +34,7 @@ TEST(ContinuityCheck, AnUnbrokenStreamMissesNothing) {
         EXPECT_EQ(check.take(frame(seq)), Arrival::in_order);
     }
     EXPECT_EQ(check.totals(), (ContinuityTotals{.frames = 1000, .samples = 100'000, .runs = 1}));
-    EXPECT_TRUE(check.unbroken());
+    EXPECT_TRUE(check.gapless());
     EXPECT_EQ(check.text(), "1000 frames, 100000 samples, nothing missing");
 }
 
@@ -42,7 +42,7 @@ TEST(ContinuityCheck, JoiningMidRunIsNoLoss) {
     ContinuityCheck check;
     EXPECT_EQ(check.take(frame(5000, 17)), Arrival::joined);
     EXPECT_EQ(check.take(frame(5001, 17)), Arrival::in_order);
-    EXPECT_TRUE(check.unbroken());
+    EXPECT_TRUE(check.gapless());
 }
 
 TEST(ContinuityCheck, AGapThatDroppedExplainsIsTheSenders) {
@@ -52,7 +52,7 @@ TEST(ContinuityCheck, AGapThatDroppedExplainsIsTheSenders) {
     EXPECT_EQ(check.totals().dropped_by_sender, 4u);
     EXPECT_EQ(check.totals().lost_on_the_way, 0u);
     EXPECT_EQ(check.totals().missing_samples, 400u);
-    EXPECT_FALSE(check.unbroken());
+    EXPECT_FALSE(check.gapless());
 }
 
 TEST(ContinuityCheck, AGapThatDroppedDoesNotExplainWasLostOnTheWay) {
@@ -78,7 +78,7 @@ TEST(ContinuityCheck, ANewRunCountsAnew) {
     EXPECT_EQ(check.take(frame(1, 0, "b")), Arrival::in_order);
     EXPECT_EQ(check.totals().runs, 2u);
     EXPECT_EQ(check.totals().frames, 3u);
-    EXPECT_TRUE(check.unbroken());
+    EXPECT_TRUE(check.gapless());
     EXPECT_THAT(check.text(), HasSubstr("2 runs"));
 }
 
@@ -91,7 +91,7 @@ TEST(ContinuityCheck, RepeatedAndLateFramesDoNotMoveIt) {
     EXPECT_EQ(check.take(frame(12)), Arrival::in_order);
     EXPECT_EQ(check.totals(),
               (ContinuityTotals{.frames = 3, .samples = 300, .runs = 1, .repeated = 1, .out_of_order = 1}));
-    EXPECT_FALSE(check.unbroken());
+    EXPECT_FALSE(check.gapless());
 }
 
 TEST(ContinuityCheck, SamplesMissingWithoutAMissingFrameAreAGap) {
@@ -114,7 +114,7 @@ TEST(ContinuityCheck, SamplesThatContradictTheFrameNumberAreInconsistent) {
     crowded.sample = overlapping.sample + frame_samples + 2;
     EXPECT_EQ(check.take(crowded), Arrival::inconsistent);
     EXPECT_EQ(check.totals().inconsistent, 2u);
-    EXPECT_FALSE(check.unbroken());
+    EXPECT_FALSE(check.gapless());
 }
 
 TEST(ContinuityCheck, FramesMayChangeTheirLength) {
@@ -125,7 +125,7 @@ TEST(ContinuityCheck, FramesMayChangeTheirLength) {
     FrameHeader second = frame(1);
     second.sample = 40;
     EXPECT_EQ(check.take(second), Arrival::in_order);
-    EXPECT_TRUE(check.unbroken());
+    EXPECT_TRUE(check.gapless());
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class Hdf5Library {
 public:
     Hdf5Library() : Hdf5Library(nullptr) {}
     /// For files of hdf5_access(): the first system error while writing is left in `write_failure`, and as
-    /// long as that is not 0 nothing is written any more, while the library is told that it was.
+    /// long as that is not 0 nothing is written any more, although the library takes it as written.
     explicit Hdf5Library(int* write_failure);
     ~Hdf5Library();
     Hdf5Library(const Hdf5Library&) = delete;

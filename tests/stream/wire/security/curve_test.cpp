@@ -177,7 +177,7 @@ protected:
         EXPECT_EQ(message->text(0), text);
         EXPECT_FALSE(subscriber.refusal());
     }
-    /// Subscribes, is told why not, and is not heard of.
+    /// Subscribes, gets the reason for the refusal, and is not among the peers.
     static Refusal refusal_of(Publisher& publisher, const SubscriberOptions& options) {
         Subscriber subscriber(publisher.endpoint(), options);
         subscriber.subscribe(topic);
