@@ -1,15 +1,21 @@
 #include "tests/support/reference.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
+#include "core/scene/scene_toml.hpp"
 #include "core/step_choice/resolve.hpp"
 
 namespace hertzline::test {
 
 namespace {
+
+const std::string folder = HERTZLINE_SOURCE_DIR "/tests/reference/";
 
 Scene plate(const std::string& material) {
     Scene scene;
@@ -64,7 +70,7 @@ const Scene& reference_scene(const std::string& file) {
 }
 
 Reference read_reference(const std::string& file) {
-    std::ifstream in(std::string(HERTZLINE_SOURCE_DIR "/tests/reference/") + file + ".csv");
+    std::ifstream in(folder + file + ".csv");
     std::string line;
     if (!std::getline(in, line)) {
         throw std::runtime_error("cannot read the reference " + file);
@@ -74,11 +80,14 @@ Reference read_reference(const std::string& file) {
     while (std::getline(in, line)) {
         std::istringstream cells(line);
         std::string cell;
-        std::getline(cells, cell, ',');  // t_s
         const auto next = [&] {
             std::getline(cells, cell, ',');
             return std::stod(cell);
         };
+        const double time_s = next();
+        if (reference.v_last.size() == 1) {
+            reference.interval_s = time_s;
+        }
         reference.v_last.push_back(next());
         if (has_plate) {
             reference.v_plate.push_back(next());
@@ -86,6 +95,27 @@ Reference read_reference(const std::string& file) {
         }
     }
     return reference;
+}
+
+std::vector<std::string> random_references() {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder + "accuracy")) {
+        if (entry.path().extension() == ".toml") {
+            names.push_back("accuracy/" + entry.path().stem().string());
+        }
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+Scene random_reference_scene(const std::string& file) {
+    std::ifstream in(folder + file + ".toml");
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const auto parsed = parse_scene(text, file);
+    if (!in || !parsed) {
+        throw std::runtime_error("cannot read the scene " + file);
+    }
+    return parsed->scene;
 }
 
 double relative_l2(std::span<const double> a, std::span<const double> b) {

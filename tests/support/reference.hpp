@@ -24,8 +24,15 @@ const Scene& reference_scene(const std::string& file);
 /// A reference's columns, [row]; those that a scene lacks are empty.
 struct Reference {
     std::vector<double> v_last, v_plate, v_out;
+    double interval_s = 0;  ///< between rows
 };
 Reference read_reference(const std::string& file);
+
+/// Scenes drawn at random that have a reference: their names for read_reference(), "accuracy/random_019" and so on.
+std::vector<std::string> random_references();
+
+/// The scene of such a name. Throws std::runtime_error.
+Scene random_reference_scene(const std::string& file);
 
 /// ||a - b|| / ||b||.
 double relative_l2(std::span<const double> a, std::span<const double> b);
