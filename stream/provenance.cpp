@@ -18,9 +18,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 12> keys{
-    "program", "version",    "git_hash",   "compiler", "simd_target",     "start_time",
-    "run",     "scene_hash", "integrator", "step_s",   "estimated_error", "scene"};
+constexpr std::array<std::string_view, 13> keys{
+    "program",    "version",    "git_hash", "compiler",        "simd_target",      "start_time", "run",
+    "scene_hash", "integrator", "step_s",   "estimated_error", "estimated_over_s", "scene"};
 
 }  // namespace
 
@@ -54,9 +54,14 @@ Json provenance_json(const Provenance& provenance) {
     json["scene_hash"] = scene_hash(scene);
     json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
     json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
-    json["estimated_error"] = provenance.estimated_error ? Json(*provenance.estimated_error) : Json(nullptr);
+    add_estimate(json, provenance.estimate);
     json["scene"] = scene_json(scene);
     return json;
+}
+
+void add_estimate(Json& json, const std::optional<ErrorEstimate>& estimate) {
+    json["estimated_error"] = estimate ? Json(estimate->error) : Json(nullptr);
+    json["estimated_over_s"] = estimate ? Json(estimate->over_s) : Json(nullptr);
 }
 
 Json provenance_of_meta(const Json& meta) {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene.hpp"
+#include "core/step_choice/reference_pilot.hpp"
 
 namespace hertzline::stream {
 
@@ -22,13 +23,16 @@ std::string utc_text(std::chrono::system_clock::time_point time);
 /// Where samples come from; provenance_json() turns it into JSON.
 struct Provenance {
     const Scene& scene;                     ///< resolved (core/step_choice/resolve.hpp)
-    std::optional<double> estimated_error;  ///< of the velocities, relative L2; unset: unknown
+    std::optional<ErrorEstimate> estimate;  ///< of the velocities; unset: unknown
     std::string start_time;                 ///< when the run was set up (utc_text)
     std::optional<std::string> run = {};    ///< its id; unset: it has none
 };
 
+/// Adds estimated_error and estimated_over_s; null: unknown.
+void add_estimate(nlohmann::ordered_json& json, const std::optional<ErrorEstimate>& estimate);
+
 /// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator,
-/// step_s, estimated_error (null: unknown), scene.
+/// step_s, estimated_error and estimated_over_s (null: unknown), scene.
 nlohmann::ordered_json provenance_json(const Provenance& provenance);
 
 /// The provenance in a message of the topic meta: those of the keys above that it has.

@@ -90,16 +90,22 @@ SceneText find_text(const std::string& name) {
 }
 
 void warn_of_missed_accuracy(const std::string& origin, const ResolvedScene& resolved) {
-    const StepAdvice& advice = resolved.advice;
-    if (!advice.accuracy_met && !resolved.step_set_by_scene) {
-        spdlog::warn(
-            "{}: no step could be shown to reach the requested accuracy of {:g} (estimated error: {:.2g}){}",
-            origin, advice.accuracy, advice.estimated_error,
-            advice.estimated_error > chaotic_error
-                ? "; the motion is chaotic, so judge it by energy_residual and statistics, not sample "
-                  "by sample"
-                : "");
+    if (!resolved.misses_accuracy()) {
+        return;
     }
+    const double asked = resolved.advice.accuracy;
+    if (!resolved.estimate) {
+        spdlog::warn("{}: the error could not be estimated; requested: {:g}", origin, asked);
+        return;
+    }
+    const ErrorEstimate& estimate = *resolved.estimate;
+    spdlog::warn(
+        "{}: the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
+        origin, estimate.over_s, estimate.error, asked,
+        estimate.amplifies
+            ? "; the motion amplifies rounding errors, so that no step is good enough: judge it "
+              "by energy_residual and statistics, not sample by sample"
+            : "");
 }
 
 }  // namespace
@@ -112,7 +118,7 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
         ->type_name("");
 }
 
-ResolvedScene resolved_scene(const SceneRequest& request) {
+ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
     const SceneText source = find_text(request.scene);
     const auto parsed = parse_scene(source.text, source.origin, request.settings);
     if (!parsed) {
@@ -122,7 +128,8 @@ ResolvedScene resolved_scene(const SceneRequest& request) {
                                                       Simulation::memory_bytes(parsed->scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    ResolvedScene resolved = hertzline::resolve(parsed->scene);
+    ResolvedScene resolved = lasting == Lasting::duration ? hertzline::resolve(parsed->scene)
+                                                          : hertzline::resolve(parsed->scene, std::nullopt);
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
             fault = parsed->placed(fault);

@@ -20,9 +20,12 @@ struct SceneRequest {
 /// Adds SCENE and --set to a subcommand. `request` must outlive the parsing.
 CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request);
 
+/// Over what the error of a scene is estimated: a run of output.duration_s, or what pilots watch of a motion without an end.
+enum class Lasting { duration, endless };
+
 /// The scene with integrator and step settled. Warns where the requested accuracy is out of reach. Takes as
 /// long as the pilot runs of core/step_choice do.
 /// @throws WrongUse that names every fault at once, std::runtime_error when there is too little memory
-ResolvedScene resolved_scene(const SceneRequest& request);
+ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting = Lasting::duration);
 
 }  // namespace hertzline::app

@@ -139,19 +139,20 @@ void add_spectrum(Json& summary, const RunRecord& record, const Scene& scene) {
     summary["band_20db_high_hz"] = edge(spectrum.band_20db, &stream::Band::high_hz);
 }
 
-Json summarise(Simulation& simulation, const RunRecord& record, const ResolvedScene& resolved,
+Json summarise(Simulation& simulation, double setup_s, const RunRecord& record, const ResolvedScene& resolved,
                const stream::RecordingSet& recordings) {
     const Scene& scene = resolved.scene;
     const double simulated_s = static_cast<double>(record.v_out.size() - 1) / scene.output.sample_rate_hz;
     const double wall_s = record.wall_s();
     Json summary;
     summary["simulated_s"] = simulated_s;
+    summary["setup_s"] = setup_s;
     summary["wall_s"] = wall_s;
     summary["real_time_factor"] = wall_s > 0 ? Json(simulated_s / wall_s) : Json(nullptr);
     summary["steps"] = simulation.steps();
     summary["step_s"] = simulation.step_s();
     summary["integrator"] = word(*scene.numerics.integrator);
-    summary["estimated_error"] = number_or_null(resolved.estimated_error);
+    stream::add_estimate(summary, resolved.estimate);
     summary["contact_events"] = simulation.contact_events();
     summary["energy_residual"] = simulation.energy_residual();
     summary["peak_v_last_m_per_s"] = record.peak_v_last;
@@ -165,6 +166,7 @@ Json summarise(Simulation& simulation, const RunRecord& record, const ResolvedSc
 }
 
 Exit run(const RunOptions& options) {
+    const stream::Nanoseconds start = stream::MonotonicClock::now();
     refuse_wrong_files(options.files);
     if (options.files.empty() && !options.taps.empty()) {
         throw WrongUse("--tap: found no -o FILE to save it to, allowed: together with -o");
@@ -178,18 +180,18 @@ Exit run(const RunOptions& options) {
     const stream::RecordingHead head{
         .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,
-        .provenance =
-            stream::provenance_json({scene, resolved.estimated_error,
-                                     stream::utc_text(std::chrono::system_clock::now()), std::nullopt})};
+        .provenance = stream::provenance_json(
+            {scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), std::nullopt})};
     stream::RecordingSet recordings(options.files, head,
                                     [](const std::string& text) { spdlog::error(text); });
+    const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
     const RunRecord record = simulate(simulation, recorded, recordings);
     if (record.stopped) {
         spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }
     recordings.commit();
-    print_summary(summarise(simulation, record, resolved, recordings), options.format);
+    print_summary(summarise(simulation, setup_s, record, resolved, recordings), options.format);
     return recordings.sound() ? Exit::done : Exit::failed;
 }
 

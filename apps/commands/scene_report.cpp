@@ -115,13 +115,18 @@ void add_time_scales(Report& report, const Scene& scene, const Chain& chain) {
 
 void add_accuracy(Report& report, const ResolvedScene& resolved) {
     const StepAdvice& advice = resolved.advice;
-    const Value estimate = if_any(resolved.estimated_error.has_value(), resolved.estimated_error.value_or(0));
+    const ErrorEstimate estimate = resolved.estimate.value_or(ErrorEstimate{});
+    const bool known = resolved.estimate.has_value();
     report.push_back({"accuracy", "requested relative error", "wanted_accuracy", "", advice.accuracy});
-    report.push_back({"accuracy", "estimated with this step", "estimated_error", "", estimate});
-    report.push_back({"accuracy", "request can be met", "accuracy_met", "", advice.accuracy_met});
+    report.push_back(
+        {"accuracy", "estimated with this step", "estimated_error", "", if_any(known, estimate.error)});
+    report.push_back(
+        {"accuracy", "estimated over the first", "estimated_over_s", "s", if_any(known, estimate.over_s)});
+    report.push_back({"accuracy", "request can be met", "accuracy_met", "",
+                      advice.accuracy_met && !resolved.misses_accuracy()});
     report.push_back({"accuracy", "pilot runs", "pilots", "", static_cast<double>(resolved.pilots)});
     report.push_back(
-        {"accuracy", "duration of each pilot run", "pilot_duration_s", "s", advice.pilot_duration_s});
+        {"accuracy", "pilots choose the step over", "pilot_duration_s", "s", advice.pilot_duration_s});
 }
 
 std::string reason_text(IntegratorReason reason) {

@@ -45,11 +45,11 @@ void list_scenes(Format format) {
 
 /// A scene file that says what its step is good for.
 std::string annotated_toml(const ResolvedScene& resolved, const SceneRequest& request) {
-    const auto error = resolved.estimated_error;
     return fmt::format("# {} with every default resolved; step_s was {}: estimated relative error {}\n\n{}",
                        printable(request.scene),
                        resolved.step_set_by_scene ? "given" : "chosen by the program",
-                       error ? fmt::format("{:.1e}", *error) : "unknown", to_toml(resolved.scene));
+                       resolved.estimate ? fmt::format("{:.1e}", resolved.estimate->error) : "unknown",
+                       to_toml(resolved.scene));
 }
 
 Exit scenes(const ScenesOptions& options) {

@@ -58,13 +58,13 @@ void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
 /// What meta and recordings say of the samples.
 Json about(const ResolvedScene& resolved, const std::string& run) {
     return stream::provenance_json(
-        {resolved.scene, resolved.estimated_error, stream::utc_text(std::chrono::system_clock::now()), run});
+        {resolved.scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), run});
 }
 
 Exit stream(const StreamArguments& arguments) {
     refuse_wrong_files(arguments.recordings);
     const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish);
-    const ResolvedScene resolved = resolved_scene(arguments.scene);
+    const ResolvedScene resolved = resolved_scene(arguments.scene, Lasting::endless);
     const Scene& scene = resolved.scene;
     const double rate = scene.output.sample_rate_hz;
     stream::StreamOptions options =
@@ -97,7 +97,7 @@ Exit stream(const StreamArguments& arguments) {
                            summary["steps"] = meters.account.steps;
                            summary["step_s"] = *scene.numerics.step_s;
                            summary["integrator"] = word(*scene.numerics.integrator);
-                           summary["estimated_error"] = number_or_null(resolved.estimated_error);
+                           stream::add_estimate(summary, resolved.estimate);
                            summary["scene_hash"] = scene_hash(scene);
                            summary["version"] = stream::program_version();
                        });

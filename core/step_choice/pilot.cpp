@@ -3,65 +3,121 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include "core/solvers/solver.hpp"
+#include <utility>
 
 namespace hertzline {
 
-Pilot run_pilot(const PilotPlan& plan, Integrator integrator, double step_s) {
-    Scene scene = plan.scene;
+namespace {
+
+constexpr std::size_t block_samples = 256;
+
+Scene with_step(Scene scene, Integrator integrator, double step_s) {
     scene.numerics.integrator = integrator;
     scene.numerics.step_s = step_s;
-    constexpr std::size_t block = 256;
-    const Chain chain(scene);
-    const TapSet outputs = chain.end.has_plate ? TapSet(Tap::v_plate) | Tap::v_out : TapSet();
-    const TapSet taps = outputs | Tap::v_chain;
-    const auto solver = make_solver(scene, chain, {.taps = taps, .ledger = LedgerKeeping::off});
-    Samples part(taps, static_cast<std::size_t>(chain.spheres()), block);
-    Pilot result;
-    result.columns = static_cast<std::size_t>(channels_of(taps, static_cast<double>(chain.spheres())));
-    result.velocities.reserve(plan.samples * result.columns);
-    for (std::size_t done = 0; done < plan.samples && result.stable; done += block) {
-        result.stable = solver->fill(part, std::min(block, plan.samples - done), taps) == Status::running;
-        for (std::size_t i = 0; i < part.count; ++i) {
-            const auto row = part[Tap::v_chain].subspan(i * part.spheres(), part.spheres());
-            result.velocities.insert(result.velocities.end(), row.begin(), row.end());
-            if (chain.end.has_plate) {
-                result.velocities.push_back(part[Tap::v_plate][i]);
-                result.velocities.push_back(part[Tap::v_out][i]);
-            }
-        }
-    }
-    result.peak_overlap = solver->state().peak_overlap;
-    result.steps = solver->state().step;
-    return result;
+    return scene;
 }
 
-double largest_difference(const Pilot& pilot, const Pilot& better) noexcept {
-    if (!pilot.stable || !better.stable) {
-        return std::numeric_limits<double>::infinity();
-    }
-    double largest_norm = 0;
-    const auto over_columns = [&](auto&& use) {
-        for (std::size_t column = 0; column < better.columns; ++column) {
-            double difference = 0;
-            double norm = 0;
-            for (std::size_t i = column; i < better.velocities.size(); i += better.columns) {
-                const double d = pilot.velocities[i] - better.velocities[i];
-                difference += d * d;
-                norm += better.velocities[i] * better.velocities[i];
-            }
-            use(difference, norm);
+TapSet taps_of_pilot(const Chain& chain) noexcept {
+    const TapSet outputs = chain.end.has_plate ? TapSet(Tap::v_plate) | Tap::v_out : TapSet();
+    return outputs | Tap::v_chain;
+}
+
+/// Samples of the output on the wrong side of a switching.
+struct WrongSides {
+    double count = 0;    // to be expected
+    double jumps = 0;    // sum of what they err by, expected [m/s]
+    double squares = 0;  // sum of the squares, expected [m^2/s^2]
+};
+
+/// @param jump least of the output [m/s]
+WrongSides wrong_sides(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump) noexcept {
+    const std::size_t last = better.spheres() - 1;
+    const std::size_t plate = better.spheres();
+    const std::size_t out = plate + 1;
+    WrongSides wrong;
+    double shift = 0;    // of the last sphere against the plate, between the pilots [samples * m/s]
+    double through = 0;  // what the last contact handed on in the sample before [m/s]
+    for (std::size_t i = 0; i < samples; ++i) {
+        const double* const a = pilot.row(i);
+        const double* const b = better.row(i);
+        const double approach = b[last] - b[plate];
+        shift += (a[last] - a[plate]) - approach;
+        const double before = std::exchange(through, b[out] - b[plate]);
+        const double step = std::abs(before == 0 ? through : before);
+        if ((before == 0) != (through == 0) && step >= jump) {
+            const double share = std::min(1.0, std::abs(shift) / std::max(std::abs(approach), 1e-300));
+            wrong.count += share;
+            wrong.jumps += share * step;
+            wrong.squares += share * step * step;
         }
+    }
+    return wrong;
+}
+
+}  // namespace
+
+Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
+    : scene_(with_step(std::move(scene), integrator, step_s)),
+      chain_(std::make_unique<const Chain>(scene_)),
+      taps_(taps_of_pilot(*chain_)),
+      solver_(make_solver(scene_, *chain_, {.taps = taps_, .ledger = LedgerKeeping::off})),
+      block_(taps_, static_cast<std::size_t>(chain_->spheres()), block_samples),
+      spheres_(static_cast<std::size_t>(chain_->spheres())),
+      columns_(spheres_ + (chain_->end.has_plate ? 2 : 0)) {}
+
+void Pilot::run_to(std::size_t samples) {
+    velocities_.reserve(samples * columns_);
+    while (stable_ && this->samples() < samples) {
+        const std::size_t wanted = std::min(block_samples, samples - this->samples());
+        stable_ = solver_->fill(block_, wanted, taps_) == Status::running;
+        for (std::size_t i = 0; i < block_.count; ++i) {
+            const auto row = block_[Tap::v_chain].subspan(i * spheres_, spheres_);
+            velocities_.insert(velocities_.end(), row.begin(), row.end());
+            if (has_plate()) {
+                velocities_.push_back(block_[Tap::v_plate][i]);
+                velocities_.push_back(block_[Tap::v_out][i]);
+            }
+        }
+    }
+}
+
+Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump) {
+    if (pilot.samples() < samples || better.samples() < samples) {
+        constexpr double infinite = std::numeric_limits<double>::infinity();
+        return {infinite, infinite, 0, 0};
+    }
+    const std::size_t columns = better.columns();
+    std::vector<double> wrong(columns);
+    std::vector<double> norm(columns);
+    for (std::size_t i = 0; i < samples; ++i) {
+        const double* const a = pilot.row(i);
+        const double* const b = better.row(i);
+        for (std::size_t c = 0; c < columns; ++c) {
+            const double d = a[c] - b[c];
+            wrong[c] += d * d;
+            norm[c] += b[c] * b[c];
+        }
+    }
+    const double floor = quiet_column * quiet_column * *std::max_element(norm.begin(), norm.end());
+    const auto relative = [floor](double squares, double of_column) {
+        const double scale = std::max(of_column, floor);
+        return scale > 0 ? std::sqrt(squares / scale) : 0;
     };
-    over_columns([&](double, double norm) { largest_norm = std::max(largest_norm, norm); });
-    constexpr double floor = 1e-6;  // of the largest energy
-    double worst = 0;
-    over_columns([&](double difference, double norm) {
-        const double scale = std::max(norm, floor * largest_norm);
-        worst = scale > 0 ? std::max(worst, difference / scale) : worst;
-    });
-    return std::sqrt(worst);
+    Difference result;
+    for (std::size_t c = 0; c < columns; ++c) {
+        const double error = relative(wrong[c], norm[c]);
+        result.of_any = std::max(result.of_any, error);
+        result.of_output = c + 1 < better.spheres() ? 0 : std::max(result.of_output, error);
+    }
+    if (better.has_plate()) {
+        const double loudness = std::sqrt(std::max(norm.back(), floor));
+        const WrongSides sides = wrong_sides(pilot, better, samples, jump * loudness);
+        result.wrong_sides = sides.count;
+        // the L2 norm that is to be expected: of many such samples the root of the squares, of one the jump times its probability
+        const double norm_expected = std::min(sides.jumps, std::sqrt(sides.squares));
+        result.by_wrong_sides = loudness > 0 ? norm_expected / loudness : 0;
+    }
+    return result;
 }
 
 }  // namespace hertzline

@@ -1,34 +1,68 @@
 #pragma once
 // A scene simulated for a while to see what a step does to it: pilots with different steps are compared.
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "core/samples.hpp"
 #include "core/scene/scene.hpp"
+#include "core/solvers/solver.hpp"
 
 namespace hertzline {
 
-/// What a pilot simulates, and how it is sampled.
-struct PilotPlan {
-    Scene scene;  ///< integrator and step are filled in for each pilot
-    std::size_t samples = 0;
+/// A simulation whose velocities are kept: those of all spheres, and with a plate those of the plate and the output.
+class Pilot {
+public:
+    /// @throws std::bad_alloc
+    Pilot(Scene scene, Integrator integrator, double step_s);
+
+    /// Goes on until there are so many samples, or the integration fails. @throws std::bad_alloc
+    void run_to(std::size_t samples);
+
+    bool stable() const noexcept { return stable_; }
+    std::size_t samples() const noexcept { return velocities_.size() / columns_; }
+    double sample_rate_hz() const noexcept { return scene_.output.sample_rate_hz; }
+    double duration_s() const noexcept { return static_cast<double>(samples()) / sample_rate_hz(); }
+    std::int64_t steps() { return solver_->state().step; }
+    /// Largest overlap of each contact so far [m].
+    Eigen::ArrayXd peak_overlap() { return solver_->state().peak_overlap; }
+
+    std::size_t spheres() const noexcept { return spheres_; }
+    std::size_t columns() const noexcept { return columns_; }
+    bool has_plate() const noexcept { return columns_ > spheres_; }
+    /// The velocities at a sample [m/s]: the spheres', the plate's, the output.
+    const double* row(std::size_t sample) const noexcept { return velocities_.data() + sample * columns_; }
+
+private:
+    Scene scene_;
+    std::unique_ptr<const Chain> chain_;
+    TapSet taps_;
+    std::unique_ptr<Solver> solver_;
+    Samples block_;
+    std::size_t spheres_;
+    std::size_t columns_;
+    std::vector<double> velocities_;  // [sample][column]
+    bool stable_ = true;
 };
 
-/// Velocities over a pilot, [sample][column]: all spheres, and with a plate the plate and the output.
-struct Pilot {
-    std::vector<double> velocities;
-    std::size_t columns = 0;
-    Eigen::ArrayXd peak_overlap;  ///< largest overlap of each contact [m]
-    std::int64_t steps = 0;
-    bool stable = true;
+/// How two pilots differ: relative L2, infinite if one of them failed.
+struct Difference {
+    double of_any = 0;     ///< the column where it is largest
+    double of_output = 0;  ///< the same of v_last, v_plate and v_out alone
+    /// How many samples of v_out are expected to fall on the wrong side of a switching of the last contact, of those that would err
+    /// by the jump asked for or more. v_out jumps there, and the pilots' difference in position decides on the side.
+    double wrong_sides = 0;
+    double by_wrong_sides = 0;  ///< the error of v_out that these samples are expected to make
 };
 
-/// @throws std::bad_alloc
-Pilot run_pilot(const PilotPlan& plan, Integrator integrator, double step_s);
+/// Over the first samples. A column below quiet_column of the loudest is judged on that scale. @throws std::bad_alloc
+/// @param jump of v_out within a sample, over its L2 norm
+Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump);
 
-/// Largest relative L2 difference of any column. Bodies that move next to nothing are judged by the scale of the
-/// others. Infinite if one of the pilots was unstable.
-double largest_difference(const Pilot& pilot, const Pilot& better) noexcept;
+/// A column's L2 norm over that of the loudest column, below which its relative error says nothing.
+inline constexpr double quiet_column = 1e-6;
 
 }  // namespace hertzline

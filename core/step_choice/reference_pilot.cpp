@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/integrators/stability.hpp"
 #include "core/solvers/series_solver.hpp"
@@ -13,38 +14,73 @@ namespace {
 constexpr Integrator best = Integrator::taylor12;
 constexpr double as_good_as_exact = 1e-13;  // error of a piece
 constexpr double finer = 0.7;               // pieces that show the error of the reference
-constexpr double max_samples = 40e3;        // in a pilot,
-constexpr double max_pieces = 20e3;         // and the longest pieces that it may last
-constexpr double min_samples = 16;
-constexpr double samples_per_period = 16;      // at least
-constexpr double paper_bodies = 7;             // for which the samples are meant; more bodies, fewer samples
-constexpr double affordable_body_steps = 1e7;  // about a second of a series, less of other methods
-constexpr std::int64_t pilot_spheres = 128;
-constexpr double bursts_watched = 1.5;
+constexpr std::int64_t pilot_spheres = 500;
 constexpr double series_drive_periods = 0.11;
 
-double stable_step_expected(const Chain& chain, const Drive& drive) {
-    return largest_stable_step(chain, expected_overlaps(chain, drive), best);
+// How long pilots watch, in pieces of the reference, and in pieces times bodies.
+struct Budget {
+    double pieces;
+    double body_pieces;
+    double seconds(double piece_s, double bodies) const noexcept {
+        return piece_s * std::min(pieces, body_pieces / bodies);
+    }
+};
+constexpr Budget for_bursts{30e3, 1e6};  // burst, way and periods
+constexpr Budget for_ringing{5e3, 2e5};  // the ring-down
+constexpr Budget for_run{30e3, 1e6};     // the run over which the error is estimated
+
+constexpr double affordable_body_steps = 1e7;  // about a second of a series, less of other methods
+
+constexpr double rung_down = 0.01;         // of the largest energy
+constexpr double max_values = 2e6;         // in a pilot
+constexpr double samples_per_period = 16;  // at least
+constexpr std::size_t min_samples = 16;
+
+/// Times ten once rounding is amplified: a pair of such motions differs by chance. Motions that have nothing in common any more
+/// differ by about one.
+double careful(double own_error) noexcept {
+    return own_error > amplified_rounding ? std::min(10 * own_error, std::max(1.0, own_error)) : own_error;
 }
 
-/// Sampled as the scene is, so that samples beside a contact's switching count as they will.
-PilotPlan plan_for(const Scene& asked) {
-    PilotPlan plan{shortened(asked), 0};
-    const double longest_piece = stable_step_expected(Chain(plan.scene), asked.drive);
-    const double watched = std::min(watched_s(asked.drive), max_pieces * longest_piece);
-    const auto bodies = static_cast<double>(plan.scene.chain.spheres + 1);
-    double& rate = plan.scene.output.sample_rate_hz;
-    rate = std::max({std::min(rate, max_samples * paper_bodies / bodies / watched),
-                     samples_per_period * asked.drive.frequency_hz, min_samples / watched});
-    plan.samples = static_cast<std::size_t>(std::clamp(std::ceil(watched * rate), min_samples, max_samples));
-    return plan;
+/// The burst and the wave's way, a half more for what is slower than the stiffest contacts; or two bursts' periods [s].
+double burst_and_way_s(const Scene& scene, const Chain& chain) {
+    const Drive& drive = scene.drive;
+    const double omega = fastest_frequency(chain, expected_overlaps(chain, drive));
+    const double way_s = omega > 0 ? 2 / omega * static_cast<double>(chain.spheres()) : 0;
+    const double first_s = 1.5 * (drive.cycles / drive.frequency_hz + way_s);
+    return drive.repetition_hz > 0 ? std::max(first_s, 2 / drive.repetition_hz) : first_s;
 }
 
-double step_of_reference(const Scene& scene) {
-    const Chain chain(scene);
-    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+/// Sampled as the scene is, so that samples beside a contact's switching count as they will; else at a whole part or multiple of its
+/// rate, on which the same steps fall.
+Scene sampled_for(Scene scene, double watched_s) {
+    const double columns = static_cast<double>(scene.chain.spheres) + 2;
+    double& rate = scene.output.sample_rate_hz;
+    const double affordable = max_values / columns / watched_s;
+    const double needed =
+        std::max(samples_per_period * scene.drive.frequency_hz, static_cast<double>(min_samples) / watched_s);
+    const double wanted = std::max(std::min(rate, affordable), needed);
+    rate = wanted < rate ? rate / std::floor(rate / wanted) : rate * std::ceil(wanted / rate);
+    return scene;
+}
+
+double step_of_reference(const Scene& scene, const Chain& chain) {
+    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
+    const double omega = fastest_frequency(chain, overlaps);
     return std::min({SeriesSolver::phase_for(as_good_as_exact) / omega, longest_for_drive(scene.drive),
-                     0.98 * stable_step_expected(chain, scene.drive)});
+                     0.98 * largest_stable_step(chain, overlaps, best)});
+}
+
+/// Of the spheres, over some samples; in no unit.
+double kinetic(const Pilot& pilot, std::size_t from, std::size_t to) noexcept {
+    double sum = 0;
+    for (std::size_t i = from; i < to; ++i) {
+        const double* const v = pilot.row(i);
+        for (std::size_t s = 0; s < pilot.spheres(); ++s) {
+            sum += v[s] * v[s];
+        }
+    }
+    return sum;
 }
 
 }  // namespace
@@ -59,30 +95,98 @@ Scene shortened(Scene scene) {
     return scene;
 }
 
-double watched_s(const Drive& drive) noexcept {
-    return bursts_watched * drive.cycles / drive.frequency_hz;
+ReferencePilot::ReferencePilot(const Scene& scene, double accuracy)
+    : ReferencePilot(scene, accuracy, Chain(shortened(scene))) {}
+
+ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain& chain)
+    : accuracy_(accuracy),
+      step_s_(step_of_reference(scene, chain)),
+      watched_s_(std::min(burst_and_way_s(scene, chain),
+                          for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
+      scene_(sampled_for(shortened(scene), watched_s_)),
+      motion_(scene_, best, step_s_),
+      finer_(scene_, best, finer * step_s_),
+      shortened_(scene.chain.spheres > pilot_spheres) {
+    motion_.run_to(samples_in(watched_s_));
+    if (scene.drive.repetition_hz == 0) {
+        ring_down();
+    }
+    peak_overlap_ = motion_.peak_overlap();
+    finer_.run_to(motion_.samples());
+    watched_ = motion_.stable() && finer_.stable() ? motion_.samples() : 0;
+    judged_ = watched_;
+    const double good_enough = std::max(accuracy / 2, amplified_rounding / 10);
+    const auto judge = [this] { return careful(own_error(judged_).of_any); };
+    for (judged_error_ = judge(); judged_ > min_samples && judged_error_ > good_enough;
+         judged_error_ = judge()) {
+        judged_ = std::max(min_samples, judged_ * 7 / 8);
+    }
 }
 
-ReferencePilot::ReferencePilot(const Scene& scene)
-    : plan_(plan_for(scene)),
-      step_s_(step_of_reference(plan_.scene)),
-      motion_(run_pilot(plan_, best, step_s_)),
-      error_(largest_difference(run_pilot(plan_, best, finer * step_s_), motion_)) {}
+std::size_t ReferencePilot::samples_in(double time_s) const noexcept {
+    return std::max(min_samples, static_cast<std::size_t>(std::ceil(time_s * scene_.output.sample_rate_hz)));
+}
 
-double ReferencePilot::duration_s() const noexcept {
-    return static_cast<double>(plan_.samples) / plan_.scene.output.sample_rate_hz;
+/// Goes on until the spheres have a hundredth of the kinetic energy that they had at most, by drive periods.
+void ReferencePilot::ring_down() {
+    const std::size_t period = std::min(samples_in(1 / scene_.drive.frequency_hz), motion_.samples());
+    const std::size_t most = motion_.samples() + samples_in(for_ringing.seconds(
+                                                     step_s_, static_cast<double>(motion_.spheres() + 1)));
+    double largest = 0;
+    for (std::size_t from = 0; from + period <= motion_.samples(); from += period) {
+        largest = std::max(largest, kinetic(motion_, from, from + period));
+    }
+    while (motion_.stable() && motion_.samples() < most &&
+           kinetic(motion_, motion_.samples() - period, motion_.samples()) > rung_down * largest) {
+        motion_.run_to(std::min(motion_.samples() + period, most));
+    }
+}
+
+Difference ReferencePilot::own_error(std::size_t samples) const {
+    return difference(finer_, motion_, samples, accuracy_);
 }
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
-    const Pilot pilot = run_pilot(plan_, integrator, step_s);
-    return {step_s, std::max(largest_difference(pilot, motion_), error_),
-            static_cast<double>(pilot.steps) / duration_s()};
+    Trial result{Pilot(scene_, integrator, step_s), step_s};
+    result.pilot.run_to(judged_);
+    if (judged_ == 0) {
+        result.error = std::numeric_limits<double>::infinity();
+        return result;
+    }
+    const Difference found = difference(result.pilot, motion_, judged_, accuracy_);
+    result.error = std::max(found.of_any, judged_error_);
+    result.wrong_sides = found.wrong_sides;
+    result.steps_per_s = static_cast<double>(result.pilot.steps()) / duration_s();
+    return result;
 }
 
 std::optional<Trial> ReferencePilot::affordable_trial(Integrator integrator, double step_s) const {
-    const auto bodies = static_cast<double>(plan_.scene.chain.spheres + 1);
-    return bodies * duration_s() / step_s <= affordable_body_steps ? std::optional(trial(integrator, step_s))
-                                                                   : std::nullopt;
+    return duration_s() <= affordable_s(step_s) ? std::optional(trial(integrator, step_s)) : std::nullopt;
+}
+
+double ReferencePilot::affordable_s(double step_s) const noexcept {
+    return affordable_body_steps * step_s / static_cast<double>(scene_.chain.spheres + 1);
+}
+
+ErrorEstimate ReferencePilot::estimate(Trial& trial, std::optional<double> run_s) {
+    const double bodies = static_cast<double>(scene_.chain.spheres) + 1;
+    const double rate = scene_.output.sample_rate_hz;
+    const double watched_s = static_cast<double>(watched_) / rate;
+    const double longest_s = std::min(for_run.seconds(step_s_, bodies), max_values / (bodies + 1) / rate);
+    const double over_s =
+        std::min({run_s.value_or(watched_s), std::max(watched_s, longest_s), affordable_s(trial.step_s)});
+    const std::size_t samples = samples_in(over_s);
+    motion_.run_to(samples);
+    finer_.run_to(samples);
+    trial.pilot.run_to(samples);
+    // the outputs of a chain that was shortened are not its own
+    const double own = shortened_ ? own_error(samples).of_any : own_error(samples).of_output;
+    const bool amplifies = own > amplified_rounding;
+    const Difference found = difference(trial.pilot, motion_, samples, accuracy_);
+    const double output = shortened_ ? found.of_any : found.of_output;
+    constexpr double improbable = 0.005;  // samples on the wrong side
+    const double beside = !amplifies && found.wrong_sides > improbable ? found.by_wrong_sides : 0;
+    return {std::max({output, beside, careful(own)}), static_cast<double>(samples) / rate, amplifies};
 }
 
 }  // namespace hertzline

@@ -1,5 +1,5 @@
 #pragma once
-// A scene's first burst, computed as exactly as can be had: what pilots with longer steps are compared with.
+// A scene computed as exactly as can be had: what pilots with longer steps are compared with.
 
 #include <optional>
 
@@ -10,28 +10,41 @@ namespace hertzline {
 /// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s].
 double longest_for_drive(const Drive& drive) noexcept;
 
-/// The first spheres of a long chain, whose motion is decided near the horn.
+/// The first spheres of a long chain.
 Scene shortened(Scene scene);
 
-/// What a pilot watches: a burst and, since the chain rings on, half of another [s].
-double watched_s(const Drive& drive) noexcept;
+/// An error of the reference itself above this is rounding that the motion amplifies [relative L2].
+inline constexpr double amplified_rounding = 1e-8;
 
-/// What a pilot with some step showed.
+/// A pilot with some step, and what it showed over the stretch on which steps are chosen.
 struct Trial {
+    Pilot pilot;
     double step_s = 0;
-    double error = 0;  ///< relative L2 of the worst velocity, at least the reference's; infinite if the pilot
-                       ///< was unstable
+    double error =
+        0;  ///< relative L2 of the worst velocity, at least the reference's; infinite if the pilot failed
+    double wrong_sides =
+        0;  ///< samples of the output to be expected on the wrong side of a switching (pilot.hpp)
     double steps_per_s = 0;  ///< steps or pieces in a simulated second
 };
 
-/// Flies when it is made, and once more with shorter pieces, to know its own error: nothing can be shown to
-/// be better than that. It is below 1e-9, unless the motion is chaotic.
+/// An error and the stretch from the start over which it was found.
+struct ErrorEstimate {
+    double error = 0;        ///< relative L2 of the worst velocity
+    double over_s = 0;       ///< [s]
+    bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
+};
+
+/// The stretch that it watches is a property of the scene, not of output.duration_s, so that runs of any length get the same step: the
+/// burst, the wave's way along the chain and the time in which the motion rings down to a hundredth of its energy; of a burst that
+/// repeats two periods. It is computed twice, the second time with shorter pieces, to know its own error: nothing can be shown to be
+/// better than that.
 class ReferencePilot {
 public:
     static constexpr int pilots = 2;
 
+    /// @param accuracy steps are chosen as far as the reference is good enough to judge it
     /// @throws std::bad_alloc
-    explicit ReferencePilot(const Scene& scene);
+    ReferencePilot(const Scene& scene, double accuracy);
 
     /// A pilot with that step, compared with the reference. @throws std::bad_alloc
     Trial trial(Integrator integrator, double step_s) const;
@@ -39,16 +52,35 @@ public:
     /// The same, or nothing if the pilot would take longer than about a second.
     std::optional<Trial> affordable_trial(Integrator integrator, double step_s) const;
 
+    /// The error of a trial's step over a run, or over as much of it as is affordable. @throws std::bad_alloc
+    /// @param run_s length of the run; none: what was watched
+    ErrorEstimate estimate(Trial& trial, std::optional<double> run_s);
+
     double step_s() const noexcept { return step_s_; }  ///< its longest piece
-    double error() const noexcept { return error_; }    ///< its own, relative L2
-    double duration_s() const noexcept;
-    const Eigen::ArrayXd& peak_overlap() const noexcept { return motion_.peak_overlap; }  ///< [m], contacts()
+    std::size_t spheres() const noexcept { return motion_.spheres(); }
+    /// Over which steps are chosen [s].
+    double duration_s() const noexcept { return static_cast<double>(judged_) / motion_.sample_rate_hz(); }
+    const Eigen::ArrayXd& peak_overlap() const noexcept { return peak_overlap_; }  ///< [m], contacts()
 
 private:
-    PilotPlan plan_;
+    ReferencePilot(const Scene& scene, double accuracy, const Chain& chain);
+
+    void ring_down();
+    std::size_t samples_in(double time_s) const noexcept;
+    double affordable_s(double step_s) const noexcept;
+    Difference own_error(std::size_t samples) const;
+
+    double accuracy_;
     double step_s_;
+    double watched_s_;  // without the ring-down
+    Scene scene_;       // sampled as pilots are
     Pilot motion_;
-    double error_;
+    Pilot finer_;
+    Eigen::ArrayXd peak_overlap_;
+    std::size_t watched_ = 0;  // samples; 0: the reference itself failed
+    bool shortened_ = false;   // the chain is longer than the pilots'
+    double judged_error_ = 0;  // of the reference, over:
+    std::size_t judged_ = 0;   // the first of them, over which steps are chosen
 };
 
 }  // namespace hertzline

@@ -21,19 +21,8 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
     return {"numerics.step_s", found.data(), allowed.data()};
 }
 
-/// One more pilot, with the step in use.
-void expect(ResolvedScene& result, const ReferencePilot& reference) {
-    const Numerics& numerics = result.scene.numerics;
-    const Drive& drive = result.scene.drive;
-    const double burst_s = drive.cycles / drive.frequency_hz;
-    result.steps_per_burst = burst_s / *numerics.step_s;
-    if (const auto trial = reference.affordable_trial(*numerics.integrator, *numerics.step_s)) {
-        ++result.pilots;
-        result.steps_per_burst = burst_s * trial->steps_per_s;
-        if (std::isfinite(trial->error)) {
-            result.estimated_error = trial->error;
-        }
-    }
+ReferencePilot reference_for(const Scene& scene) {
+    return {scene, scene.numerics.accuracy.value_or(default_accuracy)};
 }
 
 }  // namespace
@@ -42,10 +31,11 @@ IntegratorChoice integrator_choice(const Scene& scene) noexcept {
     if (scene.numerics.integrator) {
         return {*scene.numerics.integrator, IntegratorReason::set_by_scene};
     }
-    if (scene.chain.spheres > short_chain_spheres) {
+    const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
+    if (scene.chain.spheres > short_chain_spheres && accuracy >= default_accuracy) {
         return {Integrator::leapfrog, IntegratorReason::long_chain};
     }
-    if (scene.numerics.accuracy.value_or(default_accuracy) < high_accuracy) {
+    if (accuracy < high_accuracy) {
         return {Integrator::taylor12, IntegratorReason::high_accuracy};
     }
     return {Integrator::taylor8, IntegratorReason::short_chain};
@@ -58,34 +48,49 @@ Scene with_integrator(Scene scene) {
 
 StepAdvice advise_step(const Scene& asked) {
     const Scene scene = with_integrator(asked);
-    return is_series(*scene.numerics.integrator) ? advise_series(scene, ReferencePilot(scene))
-                                                 : advise_on_grid(scene);
+    return advise(scene, reference_for(scene)).advice;
 }
 
-ResolvedScene resolve(const Scene& asked) {
+ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
     ResolvedScene result;
     result.scene = with_integrator(asked);
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
-    const ReferencePilot reference(result.scene);
+    ReferencePilot reference = reference_for(result.scene);
+    AdvisedStep advised = advise(result.scene, reference);
+    result.advice = advised.advice;
+    result.pilots = ReferencePilot::pilots + advised.advice.pilots;
     Numerics& numerics = result.scene.numerics;
-    result.advice = is_series(*numerics.integrator) ? advise_series(result.scene, reference)
-                                                    : advise_on_grid(result.scene);
-    result.pilots = ReferencePilot::pilots + result.advice.pilots;
     if (numerics.rest_tolerance > 0 && !is_series(*numerics.integrator)) {
         result.faults.push_back({"numerics.rest_tolerance",
                                  "the integrator " + std::string(word(*numerics.integrator)),
                                  "0 unless the integrator is taylor8 or taylor12"});
     }
     numerics.accuracy.reset();
+    std::optional<Trial> trial;
     if (!result.step_set_by_scene) {
         numerics.step_s = result.advice.recommended_step_s;
+        trial.emplace(std::move(advised.trial));
     } else if (*numerics.step_s > result.advice.largest_stable_step_s) {
         result.faults.push_back(beyond_stability(*numerics.step_s, result.advice));
         return result;
+    } else {
+        trial = reference.affordable_trial(*numerics.integrator, *numerics.step_s);
+        result.pilots += trial ? 1 : 0;
     }
-    expect(result, reference);
+    const double burst_s = result.scene.drive.cycles / result.scene.drive.frequency_hz;
+    result.steps_per_burst = burst_s * (trial ? trial->steps_per_s : 1 / *numerics.step_s);
+    if (trial) {
+        const ErrorEstimate estimate = reference.estimate(*trial, run_s);
+        if (std::isfinite(estimate.error)) {
+            result.estimate = estimate;
+        }
+    }
     return result;
+}
+
+ResolvedScene resolve(const Scene& scene) {
+    return resolve(scene, scene.output.duration_s);
 }
 
 }  // namespace hertzline

@@ -1,11 +1,9 @@
 #pragma once
 // Choosing integrator and step: what a scene leaves open is settled here, by measuring instead of guessing.
 //
-// A pilot runs the scene over its first burst. One runs as exactly as can be had, as a reference
-// (reference_pilot.hpp); how far another one is from it is the error of its step. Steps on a grid are chosen
-// without it: there a pilot is compared with one of half the step, and halving goes on until the difference,
-// extrapolated with the method's order, is below the wanted accuracy. Pilots together cost about as much as
-// simulating a few milliseconds. The contacts' largest overlaps in them tell the largest stable step.
+// A pilot runs the scene over its burst and until it has rung down. One runs as exactly as can be had, as a reference
+// (reference_pilot.hpp); how far another one is from it is the error of its step. Pilots together cost about as much as simulating a
+// few milliseconds. The contacts' largest overlaps in them tell the largest stable step.
 
 #include <optional>
 #include <vector>
@@ -25,7 +23,7 @@ enum class IntegratorReason {
 };
 
 /// Longest chain that gets a series.
-inline constexpr std::int64_t short_chain_spheres = 30;  // four AVX-512 registers
+inline constexpr std::int64_t short_chain_spheres = 500;
 /// A wanted error below this gets order 12.
 inline constexpr double high_accuracy = 1e-6;
 
@@ -50,12 +48,21 @@ struct ResolvedScene {
     bool step_set_by_scene = false;
     StepAdvice advice;
     int pilots = 0;  ///< all that ran: the reference, those of the advice, that of the step in use
-    /// Of the step in use, relative L2 of the worst velocity: what a pilot at that step differs from the
-    /// reference. Of a long chain the first 128 spheres are looked at. None if the pilot would take too long.
-    std::optional<double> estimated_error;
+    /// Of the step in use: what a pilot at that step differs from the reference. Of a long chain the first 500 spheres are looked at.
+    /// None if the pilot would take too long, or fails.
+    std::optional<ErrorEstimate> estimate;
     double steps_per_burst = 0;  ///< to be expected: steps, or pieces of a series
     std::vector<Fault> faults;   ///< step beyond the stability limit
+
+    /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none.
+    bool misses_accuracy() const noexcept {
+        return !step_set_by_scene && !(estimate && estimate->error <= advice.accuracy);
+    }
 };
+
+/// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch. @throws std::bad_alloc
+ResolvedScene resolve(const Scene& scene, std::optional<double> run_s);
+/// Over output.duration_s.
 ResolvedScene resolve(const Scene& scene);
 
 }  // namespace hertzline

@@ -23,13 +23,16 @@ struct StepAdvice {
     double pilot_duration_s = 0;         ///< each over this simulated time
 };
 
-/// For leapfrog and chin4a: the step is halved until two successive pilots agree. @param scene its integrator
-/// is set. @throws std::bad_alloc
-StepAdvice advise_on_grid(const Scene& scene);
+/// An advice, and the pilot with the recommended step.
+struct AdvisedStep {
+    StepAdvice advice;
+    Trial trial;
+};
 
-/// For series: the longest pieces whose pilot differs from the reference by a tenth to the half of the
-/// accuracy. Where nothing switches the longest piece allowed may be better than that already. @param scene
-/// its integrator is set. @throws std::bad_alloc
-StepAdvice advise_series(const Scene& scene, const ReferencePilot& reference);
+/// The longest steps whose pilot differs from the reference by less than the accuracy. For leapfrog and chin4a the step is halved until
+/// it does; for series the longest pieces are looked for that bring the error to between a tenth and the half of the accuracy. Where
+/// nothing switches the longest piece allowed may be better than that already.
+/// @param scene its integrator is set. @throws std::bad_alloc
+AdvisedStep advise(const Scene& scene, const ReferencePilot& reference);
 
 }  // namespace hertzline

@@ -213,8 +213,11 @@ TEST(Promises, AdviceDoesNotDependOnTheDuration) {
 TEST(Promises, AnUndampedChainIsSaidToBeChaotic) {
     Scene scene;
     scene.chain.damping_kg_per_s = 0;
-    EXPECT_FALSE(advise_step(scene).accuracy_met);
-    EXPECT_TRUE(advise_step(Scene{}).accuracy_met);
+    const ResolvedScene settled = resolve(scene);
+    ASSERT_TRUE(settled.estimate.has_value());
+    EXPECT_TRUE(settled.misses_accuracy());
+    EXPECT_TRUE(settled.estimate->amplifies);
+    EXPECT_FALSE(resolve(Scene{}).misses_accuracy());
 }
 
 TEST(Stability, TheLimitIsWhereALinearChainBlowsUp) {

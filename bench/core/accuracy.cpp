@@ -1,0 +1,144 @@
+// Is the accuracy that is asked for met over a whole run, and does the program say so where it is not?
+//
+//     bench_accuracy [--json FILE] [--threads N] [COUNT [SEED]]
+//     bench_accuracy --scene SEED INDEX
+//
+// First come the scenes of tests/reference/accuracy/, which have independent solutions, then COUNT scenes drawn at
+// random over what somebody might design. There the truth is taylor12 with the shortest pieces that are of use, and
+// again with shorter ones, to know how true it is. An error is the relative L2 norm of the worst of v_last, v_plate
+// and v_out over all of the run. --scene prints a scene.
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <fstream>
+#include <future>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/core/accuracy_tables.hpp"
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "tests/support/design_scene.hpp"
+#include "tests/support/judged_scene.hpp"
+#include "tests/support/reference.hpp"
+
+namespace {
+
+using namespace hertzline;
+using bench::JudgedScene;
+using Json = nlohmann::ordered_json;
+
+constexpr std::array accuracies{1e-3, 1e-4, 1e-6};
+
+/// All results of a job, in the order of their numbers, whoever computes them.
+template <class Job>
+std::vector<JudgedScene> in_parallel(std::size_t count, unsigned threads, Job job) {
+    std::vector<JudgedScene> results(count);
+    std::atomic<std::size_t> next = 0;
+    std::vector<std::future<void>> workers;
+    for (unsigned i = 0; i < threads; ++i) {
+        workers.push_back(std::async(std::launch::async, [&] {
+            for (std::size_t number = next++; number < count; number = next++) {
+                results[number] = job(number);
+            }
+        }));
+    }
+    for (std::future<void>& worker : workers) {
+        worker.get();
+    }
+    return results;
+}
+
+JudgedScene judged(std::string name, test::DesignScene design, const test::Truth& truth) {
+    JudgedScene result{std::move(name), std::move(design), {}};
+    for (const double accuracy : accuracies) {
+        result.judgements.push_back(test::judged(result.design.scene, truth, accuracy));
+    }
+    return result;
+}
+
+JudgedScene judged_reference(const std::string& name) {
+    const Scene scene = test::random_reference_scene(name);
+    return judged(name, {scene}, test::independent_truth_of(scene, name));
+}
+
+JudgedScene judged_design(std::uint64_t seed, std::uint64_t index) {
+    const test::DesignScene design = test::design_scene(seed, index);
+    return judged(std::to_string(index), design, test::truth_of(design.scene));
+}
+
+Json json(const std::vector<JudgedScene>& scenes) {
+    Json rows = Json::array();
+    for (const JudgedScene& scene : scenes) {
+        for (const test::Judgement& judgement : scene.judgements) {
+            rows.push_back({{"scene", scene.name},
+                            {"description", test::description(scene.design.scene)},
+                            {"near_paper", scene.design.near_paper},
+                            {"integrator", word(judgement.integrator)},
+                            {"accuracy", judgement.accuracy},
+                            {"error", judgement.error},
+                            {"truth_error", judgement.truth_error},
+                            {"estimated_error", judgement.estimate ? Json(*judgement.estimate) : Json()},
+                            {"warned", judgement.warned},
+                            {"amplifies", judgement.amplifies()}});
+        }
+    }
+    return rows;
+}
+
+/// What the drawn scenes show.
+void print(const std::vector<JudgedScene>& scenes) {
+    if (scenes.empty()) {
+        return;
+    }
+    bench::print_groups(scenes);
+    bench::print_silent_misses(scenes);
+    bench::print_estimates(scenes);
+    bench::print_misses(scenes);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::size_t count = 100;
+    std::uint64_t seed = 1;
+    unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+    std::vector<std::uint64_t> wanted;
+    std::string json_file;
+    CLI::App app("Accuracy asked for, estimated and true, of whole runs");
+    app.add_option("COUNT", count, "scenes to draw")->capture_default_str();
+    app.add_option("SEED", seed, "of the scenes")->capture_default_str();
+    app.add_option("--threads", threads, "that work on them")
+        ->check(CLI::Range(1, 1024))
+        ->capture_default_str();
+    app.add_option("--scene", wanted, "SEED and INDEX of a scene to print")->expected(2);
+    app.add_option("--json", json_file, "file for all results");
+    CLI11_PARSE(app, argc, argv);
+    if (!wanted.empty()) {
+        const Scene scene = test::design_scene(wanted[0], wanted[1]).scene;
+        std::printf("# %s\n%s", test::description(scene).c_str(), to_toml(scene).c_str());
+        return 0;
+    }
+
+    std::printf("outputs below %.0e of the loudest velocity are judged on that scale\n\n",
+                test::quietest_output);
+    const std::vector<std::string> names = test::random_references();
+    const std::vector<JudgedScene> references = in_parallel(
+        names.size(), threads, [&](std::size_t number) { return judged_reference(names[number]); });
+    bench::print_scenes(references);
+    std::fflush(stdout);
+    const std::vector<JudgedScene> designs =
+        in_parallel(count, threads, [&](std::size_t index) { return judged_design(seed, index); });
+    print(designs);
+    if (!json_file.empty()) {
+        std::ofstream(json_file) << Json{{"references", json(references)}, {"drawn", json(designs)}}.dump(2)
+                                 << '\n';
+    }
+    return 0;
+}

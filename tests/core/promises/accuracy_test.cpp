@@ -1,0 +1,65 @@
+// The accuracy asked for is kept over the whole run, or the program says that it may not be.
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/design_scene.hpp"
+#include "tests/support/judged_scene.hpp"
+#include "tests/support/reference.hpp"
+
+namespace hertzline::test {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::uint64_t drawn_scenes = 6;
+#else
+constexpr std::uint64_t drawn_scenes = 60;
+#endif
+
+void expect_kept_or_warned(const Judgement& judgement) {
+    EXPECT_TRUE(judgement.met() || judgement.warned)
+        << "asked " << judgement.accuracy << ", error " << judgement.error << ", estimate "
+        << judgement.estimate.value_or(0);
+}
+
+class RandomReference : public ::testing::TestWithParam<std::string> {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RandomReference, ::testing::ValuesIn(random_references()),
+                         [](const auto& instance) {
+                             return instance.param.substr(instance.param.find('/') + 1);
+                         });
+
+TEST_P(RandomReference, AccuracyIsKeptToTheEndOfTheRunOrWarnedOf) {
+    const Scene scene = random_reference_scene(GetParam());
+    const Truth truth = independent_truth_of(scene, GetParam());
+    for (const double accuracy : {1e-3, 1e-4, 1e-6}) {
+        expect_kept_or_warned(judged(scene, truth, accuracy));
+    }
+}
+
+TEST(DrawnScenes, KeepTheAccuracyOrAreWarnedOfAndTheEstimateHolds) {
+    int judgements = 0;
+    int within_three = 0;
+    for (std::uint64_t index = 0; index < drawn_scenes; ++index) {
+        const Scene scene = design_scene(2, index).scene;
+        SCOPED_TRACE(description(scene));
+        const Truth truth = truth_of(scene);
+        for (const double accuracy : {1e-3, 1e-4, 1e-6}) {
+            const Judgement judgement = judged(scene, truth, accuracy);
+            expect_kept_or_warned(judgement);
+            if (!judgement.amplifies()) {
+                ASSERT_TRUE(judgement.estimate.has_value());
+                const double error = std::max(judgement.error, indistinguishable);
+                const double estimate = std::max(*judgement.estimate, indistinguishable);
+                ++judgements;
+                within_three += estimate <= 3 * error && error <= 3 * estimate ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GE(within_three, 0.95 * judgements);
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,216 @@
+#include "tests/support/design_scene.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <utility>
+
+#include "core/integrators/stability.hpp"
+#include "core/scene/scene_words.hpp"
+#include "tests/support/draw.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+enum class Kind { near_paper, short_chain, long_chain };
+
+/// Solids that are not built in, with usual values.
+const std::array<std::pair<std::string, Solid>, 9> own_solids{{
+    {"brass", {105e9, 0.34, 8500}},
+    {"copper", {120e9, 0.34, 8960}},
+    {"tungsten_carbide", {600e9, 0.22, 15600}},
+    {"fused_silica", {72e9, 0.17, 2200}},
+    {"sapphire", {400e9, 0.27, 3980}},
+    {"pmma", {3.1e9, 0.37, 1180}},
+    {"polystyrene", {3.3e9, 0.34, 1050}},
+    {"cork", {20e6, 0.01, 200}},
+    {"auxetic", {100e6, -0.5, 500}},
+}};
+const std::array<std::string, 6> built_in{"aluminium", "pyrex",           "vitreous_carbon",
+                                          "acrylic",   "silicone_rubber", "steel"};
+
+constexpr double longest_s = 2e-3;  // that is simulated
+
+double rounded(double value, double digits = 3) {
+    if (value == 0) {
+        return 0;
+    }
+    const double unit = std::pow(10, std::floor(std::log10(value)) + 1 - digits);
+    // a power of ten below one is not exact: dividing by its inverse gives the number that its digits give
+    return unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
+}
+
+double size(Draw& draw, double least, double most) {
+    return rounded(draw.magnitude(least, most));
+}
+
+std::string any_solid(Draw& draw, Scene& scene) {
+    if (!draw.one_in(4)) {
+        return draw.any(built_in);
+    }
+    const auto solid = draw.any(own_solids);
+    scene.materials[solid.first] = solid.second;
+    return solid.first;
+}
+
+std::string sphere_material(Draw& draw, Scene& scene, Kind kind) {
+    static const std::array<std::string, 3> usual{"aluminium", "aluminium", "steel"};
+    const std::string often = draw.any(usual);
+    return kind != Kind::near_paper && draw.one_in(3) ? any_solid(draw, scene) : often;
+}
+
+void draw_chain(Draw& draw, Scene& scene, Kind kind) {
+    Spheres& chain = scene.chain;
+    chain.material = sphere_material(draw, scene, kind);
+    const bool undamped = kind != Kind::near_paper && draw.one_in(3);
+    const bool loose = draw.one_in(3);
+    if (kind == Kind::near_paper) {
+        chain.spheres = draw.whole(1, 14);
+        chain.diameter_m = rounded(draw.between(0.5e-3, 1.5e-3));
+        chain.damping_kg_per_s = size(draw, 0.05, 0.7);
+        chain.preload_n = size(draw, 0.01, 1);
+    } else {
+        const bool is_long = kind == Kind::long_chain;
+        chain.spheres = is_long ? draw.whole(60, 200) : draw.whole(1, draw.one_in(3) ? 40 : 16);
+        chain.diameter_m = size(draw, 0.3e-3, is_long ? 1.5e-3 : 4.3e-3);
+        // with more than that nothing of the wave arrives at a long chain's end
+        const double damping = is_long ? size(draw, 0.005, 0.01) : size(draw, 0.005, 0.9);
+        chain.damping_kg_per_s = undamped ? 0 : damping;
+        chain.preload_n = loose ? 0 : size(draw, 1e-4, 5);
+    }
+    chain.tension = draw.one_in(6) ? Tension::clamped : Tension::allowed;
+}
+
+void draw_drive(Draw& draw, Scene& scene, Kind kind) {
+    Drive& drive = scene.drive;
+    const std::string other = any_solid(draw, scene);
+    drive.material = draw.one_in(6) ? other : "steel";
+    drive.amplitude_m = size(draw, 10e-9, 10e-6);
+    drive.envelope = draw.any(choices<Envelope>);
+    if (drive.envelope == Envelope::tukey) {
+        drive.taper = rounded(draw.between(0.05, 1), 2);
+    }
+    if (kind == Kind::long_chain) {
+        drive.frequency_hz = size(draw, 40e3, 200e3);
+        drive.cycles = static_cast<double>(draw.whole(1, 5));
+        return;
+    }
+    const bool near_paper = kind == Kind::near_paper;
+    drive.frequency_hz = near_paper ? size(draw, 40e3, 100e3) : size(draw, 20e3, 400e3);
+    const auto whole = static_cast<double>(draw.whole(1, 25));
+    drive.cycles = near_paper || !draw.one_in(3) ? whole : rounded(draw.between(1, 25));
+    const double most_hz = std::min(0.95 * drive.frequency_hz / drive.cycles, 20e3);
+    if (draw.one_in(5) && most_hz > 500) {
+        drive.repetition_hz = size(draw, 500, most_hz);
+    }
+}
+
+void draw_end(Draw& draw, Scene& scene) {
+    End& end = scene.end;
+    end.kind = draw.one_in(4) ? draw.any(std::array{EndKind::wall, EndKind::free}) : EndKind::plate;
+    if (end.kind != EndKind::free) {
+        end.material = any_solid(draw, scene);
+    }
+    if (end.kind != EndKind::plate) {
+        return;
+    }
+    end.radius_m = draw.one_in(2) ? 5e-3 : rounded(draw.between(2e-3, 10e-3), 2);
+    end.thickness_m = size(draw, 0.1e-3, 3e-3);
+    if (draw.one_in(4)) {
+        end.stiffness_n_per_m = size(draw, 1e3, 1e7);
+    }
+    end.preload = draw.one_in(5) ? PlatePreload::as_printed : PlatePreload::balanced;
+    if (draw.one_in(6)) {
+        scene.materials["oil"] = Fluid{870, 1440};
+        scene.medium.material = "oil";
+    }
+}
+
+/// Time that a wave takes to the end, roughly [s]: without preload it is slower than its first impact says.
+double travel_s(const Scene& scene) {
+    const Chain chain(scene);
+    const Eigen::ArrayXd overlaps =
+        scene.chain.preload_n > 0 ? chain.static_overlap : expected_overlaps(chain, scene.drive);
+    const auto contact = std::min<Eigen::Index>(1, chain.spheres() - 1);
+    const double tangent = 1.5 * chain.stiffness[contact] * std::sqrt(overlaps[contact]);
+    const double slower = scene.chain.preload_n > 0 ? 1 : 2;
+    return slower * static_cast<double>(chain.spheres()) / std::sqrt(tangent * chain.inv_mass[0]);
+}
+
+/// Long enough for the bursts, for the wave to arrive, and for ringing after it.
+double duration_s(const Scene& scene, Kind kind) {
+    const Drive& drive = scene.drive;
+    const double burst = drive.cycles / drive.frequency_hz;
+    const double travel = travel_s(scene);
+    if (kind == Kind::long_chain) {
+        return std::max(100e-6, 1.2 * (burst + travel));
+    }
+    const double periods = drive.repetition_hz > 0 ? 2.2 / drive.repetition_hz : 0;
+    return std::min(longest_s, std::max({500e-6, 2 * burst + travel, periods}));
+}
+
+/// Only the materials that are in use.
+void drop_unused(Scene& scene) {
+    std::erase_if(scene.materials, [&](const auto& own) {
+        return own.first != scene.drive.material && own.first != scene.chain.material &&
+               own.first != scene.end.material && own.first != scene.medium.material;
+    });
+}
+
+/// Nothing if it is not valid, or if no wave would arrive while it lasts.
+std::optional<DesignScene> drawn(Draw draw) {
+    const bool near_paper = draw.one_in(7);
+    const Kind other = draw.one_in(5) ? Kind::long_chain : Kind::short_chain;
+    const Kind kind = near_paper ? Kind::near_paper : other;
+    DesignScene design{Scene{}, near_paper};
+    Scene& scene = design.scene;
+    draw_drive(draw, scene, kind);
+    draw_chain(draw, scene, kind);
+    draw_end(draw, scene);
+    drop_unused(scene);
+    if (draw.one_in(8)) {
+        scene.output.sample_rate_hz = draw.any(std::array{1e6, 2e6, 25e6});
+    }
+    if (!validate(scene).empty()) {
+        return std::nullopt;
+    }
+    scene.output.duration_s = std::round(1e7 * duration_s(scene, kind)) / 1e7;
+    return scene.output.duration_s <= longest_s ? std::optional(design) : std::nullopt;
+}
+
+}  // namespace
+
+DesignScene design_scene(std::uint64_t seed, std::uint64_t index) {
+    const Draw draw = Draw(seed).branch(index);
+    for (std::uint64_t attempt = 0;; ++attempt) {
+        if (auto design = drawn(draw.branch(attempt))) {
+            return *std::move(design);
+        }
+    }
+}
+
+std::string description(const Scene& scene) {
+    const Drive& drive = scene.drive;
+    const Spheres& chain = scene.chain;
+    const End& end = scene.end;
+    std::array<char, 512> text{};
+    std::snprintf(text.data(), text.size(), "%lld %s %.3g mm, F0 %.3g, l %.3g, %.3g kHz x%.3g %s %.3g um",
+                  static_cast<long long>(chain.spheres), chain.material.c_str(), 1e3 * chain.diameter_m,
+                  chain.preload_n, chain.damping_kg_per_s, 1e-3 * drive.frequency_hz, drive.cycles,
+                  std::string(word(drive.envelope)).c_str(), 1e6 * drive.amplitude_m);
+    std::string all = text.data();
+    if (drive.repetition_hz > 0) {
+        std::snprintf(text.data(), text.size(), " repeated at %.3g Hz", drive.repetition_hz);
+        all += text.data();
+    }
+    all += ", " + std::string(word(end.kind)) + (end.kind == EndKind::free ? "" : " " + end.material);
+    all += end.kind == EndKind::plate && end.preload == PlatePreload::as_printed ? ", as_printed" : "";
+    all += chain.tension == Tension::clamped ? ", clamped" : "";
+    std::snprintf(text.data(), text.size(), ", %.4g us", 1e6 * scene.output.duration_s);
+    return all + text.data();
+}
+
+}  // namespace hertzline::test

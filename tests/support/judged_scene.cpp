@@ -1,0 +1,155 @@
+#include "tests/support/judged_scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/integrators/stability.hpp"
+#include "core/simulation.hpp"
+#include "core/solvers/series_solver.hpp"
+#include "tests/support/reference.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+constexpr double as_good_as_exact = 1e-13;  // error of a piece
+constexpr double finer = 0.7;               // pieces that show the error of the truth
+constexpr std::array output_taps{Tap::v_last, Tap::v_plate, Tap::v_out};
+
+std::size_t samples_of(const Scene& scene) {
+    return 1 + static_cast<std::size_t>(std::llround(scene.output.duration_s * scene.output.sample_rate_hz));
+}
+
+double mean_square(double sum, std::size_t count) {
+    return sum / static_cast<double>(count);
+}
+
+/// Squares of velocities, summed up for each sphere and output.
+class Loudness {
+public:
+    void add(const Samples& block) {
+        for (const Tap tap : block.holds) {
+            const std::size_t channels = channels_of(tap, block.spheres());
+            std::vector<double>& sums = sums_[static_cast<std::size_t>(tap)];
+            sums.resize(channels);
+            for (std::size_t i = 0; i < block[tap].size(); ++i) {
+                sums[i % channels] += block[tap][i] * block[tap][i];
+            }
+        }
+    }
+    double largest_sum() const {
+        double largest = 0;
+        for (const std::vector<double>& sums : sums_) {
+            largest = sums.empty() ? largest : std::max(largest, std::ranges::max(sums));
+        }
+        return largest;
+    }
+
+private:
+    std::array<std::vector<double>, tap_count> sums_;
+};
+
+/// @param scene resolved
+Outputs outputs_of(const Scene& scene) {
+    constexpr std::size_t block = 512;
+    const bool has_plate = scene.end.kind == EndKind::plate;
+    const TapSet plate_taps = has_plate ? TapSet(Tap::v_plate) | Tap::v_out : TapSet();
+    const TapSet outputs = plate_taps | Tap::v_last;
+    Simulation simulation(scene, {.taps = outputs | Tap::v_chain});
+    Samples part = simulation.make_samples(block);
+    Outputs result;
+    Loudness loudness;
+    const std::size_t samples = samples_of(scene);
+    result.complete = true;
+    for (std::size_t done = 0; done < samples && result.complete; done += block) {
+        result.complete = simulation.advance(part, std::min(block, samples - done)) == Status::running;
+        loudness.add(part);
+        for (std::size_t i = 0; i < output_taps.size(); ++i) {
+            const auto values = part[output_taps[i]];
+            result.columns[i].insert(result.columns[i].end(), values.begin(), values.end());
+        }
+    }
+    result.loudest = std::sqrt(mean_square(loudness.largest_sum(), samples));
+    return result;
+}
+
+Scene as_exact_as_can_be(Scene scene, double shortening) {
+    const Chain chain(scene);
+    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
+    const double by_chain = SeriesSolver::phase_for(as_good_as_exact) / fastest_frequency(chain, overlaps);
+    const double stable = 0.98 * largest_stable_step(chain, overlaps, Integrator::taylor12);
+    scene.numerics = Numerics{};
+    scene.numerics.integrator = Integrator::taylor12;
+    scene.numerics.step_s = shortening * std::min({by_chain, longest_for_drive(scene.drive), stable});
+    return scene;
+}
+
+}  // namespace
+
+double difference(const Outputs& run, const Outputs& truth) {
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    if (!run.complete || !truth.complete) {
+        return infinite;
+    }
+    const double floor = std::pow(quietest_output * truth.loudest, 2);
+    double worst = 0;
+    for (std::size_t column = 0; column < truth.columns.size(); ++column) {
+        const std::vector<double>& exact = truth.columns[column];
+        const std::vector<double>& found = run.columns[column];
+        if (exact.empty()) {
+            continue;
+        }
+        if ((found.size() - 1) / truth.samples_per_row + 1 != exact.size()) {
+            throw std::runtime_error("records of different lengths are compared");
+        }
+        double wrong = 0;
+        double all = 0;
+        for (std::size_t row = 0; row < exact.size(); ++row) {
+            const double d = found[row * truth.samples_per_row] - exact[row];
+            wrong += d * d;
+            all += exact[row] * exact[row];
+        }
+        const double scale = std::max(mean_square(all, exact.size()), floor);
+        const double error = scale > 0 ? mean_square(wrong, exact.size()) / scale : wrong;
+        worst = std::isfinite(error) ? std::max(worst, error) : infinite;
+    }
+    return std::sqrt(worst);
+}
+
+Truth truth_of(const Scene& scene) {
+    Truth truth{outputs_of(as_exact_as_can_be(scene, finer))};
+    truth.error = difference(outputs_of(as_exact_as_can_be(scene, 1)), truth.outputs);
+    return truth;
+}
+
+Truth independent_truth_of(const Scene& scene, const std::string& file) {
+    const Outputs ours = outputs_of(as_exact_as_can_be(scene, finer));
+    const Reference reference = read_reference(file);
+    Truth truth;
+    truth.outputs.columns = {reference.v_last, reference.v_plate, reference.v_out};
+    truth.outputs.samples_per_row =
+        static_cast<std::size_t>(std::lround(reference.interval_s * scene.output.sample_rate_hz));
+    truth.outputs.loudest = ours.loudest;
+    truth.outputs.complete = ours.complete;
+    truth.error = difference(ours, truth.outputs);
+    return truth;
+}
+
+Judgement judged(const Scene& asked, const Truth& truth, double accuracy) {
+    Scene scene = asked;
+    scene.numerics.accuracy = accuracy;
+    const ResolvedScene resolved = resolve(scene);
+    if (!resolved.faults.empty()) {
+        throw std::runtime_error(resolved.faults.front().message());
+    }
+    return {.accuracy = accuracy,
+            .error = difference(outputs_of(resolved.scene), truth.outputs),
+            .truth_error = truth.error,
+            .estimate = resolved.estimate ? std::optional(resolved.estimate->error) : std::nullopt,
+            .warned = resolved.misses_accuracy(),
+            .integrator = *resolved.scene.numerics.integrator};
+}
+
+}  // namespace hertzline::test
