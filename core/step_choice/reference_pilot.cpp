@@ -106,7 +106,8 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain&
       scene_(sampled_for(shortened(scene), watched_s_)),
       motion_(scene_, best, step_s_),
       finer_(scene_, best, finer * step_s_),
-      shortened_(scene.chain.spheres > pilot_spheres) {
+      shortened_(scene.chain.spheres > pilot_spheres),
+      same_samples_(!shortened_ && scene_.output.sample_rate_hz == scene.output.sample_rate_hz) {
     motion_.run_to(samples_in(watched_s_));
     if (scene.drive.repetition_hz == 0) {
         ring_down();
@@ -155,7 +156,7 @@ Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
     }
     const Difference found = difference(result.pilot, motion_, judged_, accuracy_);
     result.error = std::max(found.of_any, judged_error_);
-    result.wrong_sides = found.wrong_sides;
+    result.wrong_sides = same_samples_ ? 0 : found.wrong_sides;
     result.steps_per_s = static_cast<double>(result.pilot.steps()) / duration_s();
     return result;
 }
@@ -185,7 +186,8 @@ ErrorEstimate ReferencePilot::estimate(Trial& trial, std::optional<double> run_s
     const Difference found = difference(trial.pilot, motion_, samples, accuracy_);
     const double output = shortened_ ? found.of_any : found.of_output;
     constexpr double improbable = 0.005;  // samples on the wrong side
-    const double beside = !amplifies && found.wrong_sides > improbable ? found.by_wrong_sides : 0;
+    const bool by_chance = !same_samples_ && !amplifies && found.wrong_sides > improbable;
+    const double beside = by_chance ? found.by_wrong_sides : 0;
     return {std::max({output, beside, careful(own)}), static_cast<double>(samples) / rate, amplifies};
 }
 

@@ -77,10 +77,11 @@ private:
     Pilot motion_;
     Pilot finer_;
     Eigen::ArrayXd peak_overlap_;
-    std::size_t watched_ = 0;  // samples; 0: the reference itself failed
-    bool shortened_ = false;   // the chain is longer than the pilots'
-    double judged_error_ = 0;  // of the reference, over:
-    std::size_t judged_ = 0;   // the first of them, over which steps are chosen
+    std::size_t watched_ = 0;   // samples; 0: the reference itself failed
+    bool shortened_ = false;    // the chain is longer than the pilots'
+    bool same_samples_ = true;  // the pilots' are those of the run
+    double judged_error_ = 0;   // of the reference, over:
+    std::size_t judged_ = 0;    // the first of them, over which steps are chosen
 };
 
 }  // namespace hertzline

@@ -46,7 +46,7 @@ TEST(Check, SaysWhatWasPickedAndWhy) {
          {Case{"chain.spheres=6", "taylor8", "short chain", "longest piece", "accuracy", 1e-4},
           Case{"numerics.accuracy=1e-7", "taylor12", "accuracy below 1e-06", "longest piece", "accuracy",
                1e-7},
-          Case{"chain.spheres=40", "leapfrog", "long chain", "step", "accuracy", 1e-4},
+          Case{"chain.spheres=501", "leapfrog", "long chain", "step", "accuracy", 1e-4},
           Case{"numerics.integrator=chin4a", "chin4a", "set by the scene", "step", "accuracy", 1e-4},
           Case{"numerics.step_s=400e-9", "taylor8", "short chain", "longest piece", "scene", 1e-4}}) {
         const auto derived = hertzline({"check", "paper-wall", "--json", "--set", c.setting}).json();
@@ -56,8 +56,9 @@ TEST(Check, SaysWhatWasPickedAndWhy) {
         EXPECT_EQ(derived["step_chosen_by"], c.chosen_by);
         EXPECT_EQ(derived["wanted_accuracy"], c.wanted);
         EXPECT_LE(derived["estimated_error"].get<double>(), c.wanted) << c.setting;
-        EXPECT_GE(derived["pilots"].get<double>(), 4) << c.setting;  // the reference is two
-        EXPECT_NEAR(derived["pilot_duration_s"].get<double>(), 1.5 * 25 / 73e3, 1e-6);
+        EXPECT_GE(derived["pilots"].get<double>(), 3) << c.setting;  // the reference is two
+        EXPECT_GE(derived["pilot_duration_s"].get<double>(), 25 / 73e3) << c.setting;
+        EXPECT_GE(derived["estimated_over_s"].get<double>(), 25 / 73e3) << c.setting;
         const double grid = 25 / 73e3 / derived["step_s"].get<double>();
         const double expected = derived["steps_per_burst"].get<double>();
         EXPECT_GE(expected, 0.999 * grid) << c.setting;

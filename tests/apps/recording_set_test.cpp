@@ -116,8 +116,9 @@ TEST(RecordingSet, EachSaysWhereItComesFrom) {
     const std::string hash = stream.wait().json()["scene_hash"];
     for (const char* file : {"s.sigmf-meta", "l.csv"}) {
         const json provenance = open_reader(folder.file(file))->head().provenance;
-        for (const char* key : {"program", "version", "git_hash", "compiler", "simd_target", "start_time",
-                                "run", "scene_hash", "integrator", "step_s", "estimated_error", "scene"}) {
+        for (const char* key :
+             {"program", "version", "git_hash", "compiler", "simd_target", "start_time", "run", "scene_hash",
+              "integrator", "step_s", "estimated_error", "estimated_over_s", "scene"}) {
             EXPECT_TRUE(provenance.contains(key)) << file << " " << key;
             EXPECT_EQ(provenance.value(key, json()), meta.value(key, json())) << file << " " << key;
         }

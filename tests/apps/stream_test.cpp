@@ -137,13 +137,15 @@ TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
     EXPECT_EQ(end, outcome.json());
     for (const char* name :
          {"simulated_s", "wall_s", "real_time_factor", "steps", "step_s", "integrator", "estimated_error",
-          "contact_events", "energy_residual", "frames", "late_frames", "dropped_frames", "samples", "load",
-          "scene_hash", "version", "run", "endpoint"}) {
+          "estimated_over_s", "contact_events", "energy_residual", "frames", "late_frames", "dropped_frames",
+          "samples", "load", "scene_hash", "version", "run", "endpoint"}) {
         EXPECT_TRUE(end.contains(name)) << name;
     }
     EXPECT_EQ(end["samples"], 20'000);
     EXPECT_LE(meta["estimated_error"].get<double>(), 1e-4);
     EXPECT_EQ(end["estimated_error"], meta["estimated_error"]);
+    EXPECT_EQ(end["estimated_over_s"], meta["estimated_over_s"]);
+    EXPECT_GT(meta["estimated_over_s"].get<double>(), 0);
     EXPECT_EQ(end["run"], meta["run"]);
     EXPECT_EQ(end["scene_hash"], meta["scene_hash"]);
 }
