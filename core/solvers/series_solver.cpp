@@ -283,7 +283,8 @@ void SeriesSolver::emit_end(const EndMotion& motion, std::size_t count) const no
 
 /// Samples of the present piece, as many as there are and find room. @return how many
 std::size_t SeriesSolver::emit(EndTapsWriter& writer, std::int64_t available) const noexcept {
-    const auto count = static_cast<std::size_t>(std::min<std::int64_t>(available, writer.room()));
+    const auto count =
+        static_cast<std::size_t>(std::min(available, static_cast<std::int64_t>(writer.room())));
     Samples& samples = writer.samples();
     const std::size_t spheres = samples.spheres();
     const auto put_chain = [&](Tap tap, Quantity quantity) {

@@ -16,7 +16,8 @@ namespace HWY_NAMESPACE {
 /// instruction, for which Highway has no word.
 class LinearRows {
 public:
-    HWY_INLINE LinearRows() {}  // an implicit one would be compiled for the baseline
+    // NOLINTNEXTLINE(modernize-use-equals-default): a defaulted one would be compiled for the baseline
+    HWY_INLINE LinearRows() {}
 
     /// Values to the left of a row's; of the row before only the last counts.
     HWY_INLINE Vec left(Vec before, Vec row) const {
