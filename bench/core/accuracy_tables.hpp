@@ -20,7 +20,7 @@ struct JudgedScene {
 /// A line for each scene: error and estimate at each accuracy.
 void print_scenes(const std::vector<JudgedScene>& scenes);
 
-/// How many meet the accuracy, and who is warned of a miss, in groups.
+/// Counts for each group of scenes: the accuracy is met, or missed with and without a warning.
 void print_groups(const std::vector<JudgedScene>& scenes);
 
 /// Misses far beyond the accuracy and the estimate, without a warning.

@@ -20,16 +20,16 @@ inline constexpr double amplified_rounding = 1e-8;
 struct Trial {
     Pilot pilot;
     double step_s = 0;
-    double error =
-        0;  ///< relative L2 of the worst velocity, at least the reference's; infinite if the pilot failed
-    double wrong_sides =
-        0;  ///< samples of the output to be expected on the wrong side of a switching (pilot.hpp)
+    /// Relative L2 of the worst velocity, at least the reference's; infinite if the pilot failed.
+    double error = 0;
+    /// Samples of v_out to be expected on the wrong side of a switching (pilot.hpp).
+    double wrong_sides = 0;
     double steps_per_s = 0;  ///< steps or pieces in a simulated second
 };
 
 /// An error and the stretch from the start over which it was found.
 struct ErrorEstimate {
-    double error = 0;        ///< relative L2 of the worst velocity
+    double error = 0;        ///< relative L2 of the worst of v_last, v_plate and v_out
     double over_s = 0;       ///< [s]
     bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
 };

@@ -16,13 +16,14 @@ namespace hertzline {
 /// Why a scene gets its integrator.
 enum class IntegratorReason {
     set_by_scene,
-    short_chain,    ///< fits into registers: a series, which has the lowest error for its time
-    high_accuracy,  ///< the same, but below high_accuracy: a series of order 12
+    short_chain,    ///< up to short_chain_spheres, or an accuracy below the default: a series, which has the
+                    ///< lowest error for its time
+    high_accuracy,  ///< an accuracy below high_accuracy: a series of order 12
     long_chain,     ///< somewhere a contact switches in almost every step: locating each would cost more than
                     ///< it gains, so leapfrog
 };
 
-/// Longest chain that gets a series.
+/// Longest chain that gets a series whatever the accuracy; below default_accuracy every chain gets one.
 inline constexpr std::int64_t short_chain_spheres = 500;
 /// A wanted error below this gets order 12.
 inline constexpr double high_accuracy = 1e-6;
