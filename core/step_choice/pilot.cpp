@@ -22,38 +22,6 @@ TapSet taps_of_pilot(const Chain& chain) noexcept {
     return outputs | Tap::v_chain;
 }
 
-/// Samples of the output on the wrong side of a switching.
-struct WrongSides {
-    double count = 0;    // to be expected
-    double jumps = 0;    // sum of what they err by, expected [m/s]
-    double squares = 0;  // sum of the squares, expected [m^2/s^2]
-};
-
-/// @param jump least of the output [m/s]
-WrongSides wrong_sides(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump) noexcept {
-    const std::size_t last = better.spheres() - 1;
-    const std::size_t plate = better.spheres();
-    const std::size_t out = plate + 1;
-    WrongSides wrong;
-    double shift = 0;    // of the last sphere against the plate, between the pilots [samples * m/s]
-    double through = 0;  // what the last contact handed on in the sample before [m/s]
-    for (std::size_t i = 0; i < samples; ++i) {
-        const double* const a = pilot.row(i);
-        const double* const b = better.row(i);
-        const double approach = b[last] - b[plate];
-        shift += (a[last] - a[plate]) - approach;
-        const double before = std::exchange(through, b[out] - b[plate]);
-        const double step = std::abs(before == 0 ? through : before);
-        if ((before == 0) != (through == 0) && step >= jump) {
-            const double share = std::min(1.0, std::abs(shift) / std::max(std::abs(approach), 1e-300));
-            wrong.count += share;
-            wrong.jumps += share * step;
-            wrong.squares += share * step * step;
-        }
-    }
-    return wrong;
-}
-
 }  // namespace
 
 Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
@@ -81,10 +49,10 @@ void Pilot::run_to(std::size_t samples) {
     }
 }
 
-Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump) {
+Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples) {
     if (pilot.samples() < samples || better.samples() < samples) {
         constexpr double infinite = std::numeric_limits<double>::infinity();
-        return {infinite, infinite, 0, 0};
+        return {infinite, infinite, 0};
     }
     const std::size_t columns = better.columns();
     std::vector<double> wrong(columns);
@@ -99,25 +67,46 @@ Difference difference(const Pilot& pilot, const Pilot& better, std::size_t sampl
         }
     }
     const double floor = quiet_column * quiet_column * *std::max_element(norm.begin(), norm.end());
-    const auto relative = [floor](double squares, double of_column) {
-        const double scale = std::max(of_column, floor);
-        return scale > 0 ? std::sqrt(squares / scale) : 0;
-    };
     Difference result;
     for (std::size_t c = 0; c < columns; ++c) {
-        const double error = relative(wrong[c], norm[c]);
+        const double scale = std::max(norm[c], floor);
+        const double error = scale > 0 ? std::sqrt(wrong[c] / scale) : 0;
         result.of_any = std::max(result.of_any, error);
         result.of_output = c + 1 < better.spheres() ? 0 : std::max(result.of_output, error);
     }
-    if (better.has_plate()) {
-        const double loudness = std::sqrt(std::max(norm.back(), floor));
-        const WrongSides sides = wrong_sides(pilot, better, samples, jump * loudness);
-        result.wrong_sides = sides.count;
-        // the L2 norm that is to be expected: of many such samples the root of the squares, of one the jump times its probability
-        const double norm_expected = std::min(sides.jumps, std::sqrt(sides.squares));
-        result.by_wrong_sides = loudness > 0 ? norm_expected / loudness : 0;
-    }
+    result.loudness = better.has_plate() ? std::sqrt(std::max(norm.back(), floor)) : 0;
     return result;
+}
+
+WrongSides wrong_sides(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump) noexcept {
+    WrongSides wrong;
+    if (!better.has_plate()) {
+        return wrong;
+    }
+    const std::size_t last = better.spheres() - 1;
+    const std::size_t plate = better.spheres();
+    const std::size_t out = plate + 1;
+    double shift = 0;    // of the last sphere against the plate, between the pilots [samples * m/s]
+    double through = 0;  // what the last contact handed on in the sample before [m/s]
+    double jumps = 0;    // expected sum of what they err by [m/s]
+    double squares = 0;  // and of the squares [m^2/s^2]
+    for (std::size_t i = 0; i < samples; ++i) {
+        const double* const a = pilot.row(i);
+        const double* const b = better.row(i);
+        const double approach = b[last] - b[plate];
+        shift += (a[last] - a[plate]) - approach;
+        const double before = std::exchange(through, b[out] - b[plate]);
+        const double step = std::abs(before == 0 ? through : before);
+        if ((before == 0) != (through == 0) && step >= jump) {
+            const double share = std::min(1.0, std::abs(shift) / std::max(std::abs(approach), 1e-300));
+            wrong.count += share;
+            jumps += share * step;
+            squares += share * step * step;
+        }
+    }
+    // of many such samples the root of the squares, of one the jump times its probability
+    wrong.norm = std::min(jumps, std::sqrt(squares));
+    return wrong;
 }
 
 }  // namespace hertzline

@@ -25,7 +25,6 @@ public:
     bool stable() const noexcept { return stable_; }
     std::size_t samples() const noexcept { return velocities_.size() / columns_; }
     double sample_rate_hz() const noexcept { return scene_.output.sample_rate_hz; }
-    double duration_s() const noexcept { return static_cast<double>(samples()) / sample_rate_hz(); }
     std::int64_t steps() { return solver_->state().step; }
     /// Largest overlap of each contact so far [m].
     Eigen::ArrayXd peak_overlap() { return solver_->state().peak_overlap; }
@@ -52,15 +51,22 @@ private:
 struct Difference {
     double of_any = 0;     ///< the column where it is largest
     double of_output = 0;  ///< the same of v_last, v_plate and v_out alone
-    /// How many samples of v_out are expected to fall on the wrong side of a switching of the last contact, of those that would err
-    /// by the jump asked for or more. v_out jumps there, and the pilots' difference in position decides on the side.
-    double wrong_sides = 0;
-    double by_wrong_sides = 0;  ///< the error of v_out that these samples are expected to make
+    double loudness =
+        0;  ///< L2 norm of v_out, or what it is judged by if it is quiet [m/s]; 0 without a plate
 };
 
 /// Over the first samples. A column below quiet_column of the loudest is judged on that scale. @throws std::bad_alloc
-/// @param jump of v_out within a sample, over its L2 norm
-Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump);
+Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples);
+
+/// Samples of v_out that fall on the wrong side of a switching of the last contact. v_out jumps there, and the pilots'
+/// difference in position decides on the side.
+struct WrongSides {
+    double count = 0;  ///< to be expected
+    double norm = 0;   ///< L2 norm of what they are expected to err by [m/s]
+};
+
+/// Over the first samples of two pilots that have not failed. @param jump least jump of v_out that counts [m/s]
+WrongSides wrong_sides(const Pilot& pilot, const Pilot& better, std::size_t samples, double jump) noexcept;
 
 /// A column's L2 norm over that of the loudest column, below which its relative error says nothing.
 inline constexpr double quiet_column = 1e-6;

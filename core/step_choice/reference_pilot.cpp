@@ -64,13 +64,6 @@ Scene sampled_for(Scene scene, double watched_s) {
     return scene;
 }
 
-double step_of_reference(const Scene& scene, const Chain& chain) {
-    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
-    const double omega = fastest_frequency(chain, overlaps);
-    return std::min({SeriesSolver::phase_for(as_good_as_exact) / omega, longest_for_drive(scene.drive),
-                     0.98 * largest_stable_step(chain, overlaps, best)});
-}
-
 /// Of the spheres, over some samples; in no unit.
 double kinetic(const Pilot& pilot, std::size_t from, std::size_t to) noexcept {
     double sum = 0;
@@ -87,6 +80,13 @@ double kinetic(const Pilot& pilot, std::size_t from, std::size_t to) noexcept {
 
 double longest_for_drive(const Drive& drive) noexcept {
     return series_drive_periods / drive.frequency_hz;
+}
+
+double step_of_reference(const Scene& scene, const Chain& chain) {
+    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
+    const double omega = fastest_frequency(chain, overlaps);
+    return std::min({SeriesSolver::phase_for(as_good_as_exact) / omega, longest_for_drive(scene.drive),
+                     0.98 * largest_stable_step(chain, overlaps, best)});
 }
 
 Scene shortened(Scene scene) {
@@ -144,7 +144,15 @@ void ReferencePilot::ring_down() {
 }
 
 Difference ReferencePilot::own_error(std::size_t samples) const {
-    return difference(finer_, motion_, samples, accuracy_);
+    return difference(finer_, motion_, samples);
+}
+
+/// Pilots that take the samples of the run show such an error where it happens, and failed ones show nothing.
+WrongSides ReferencePilot::unseen_wrong_sides(const Pilot& pilot, std::size_t samples,
+                                              const Difference& found) const noexcept {
+    return same_samples_ || !std::isfinite(found.of_any)
+               ? WrongSides{}
+               : wrong_sides(pilot, motion_, samples, accuracy_ * found.loudness);
 }
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
@@ -154,9 +162,9 @@ Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
         result.error = std::numeric_limits<double>::infinity();
         return result;
     }
-    const Difference found = difference(result.pilot, motion_, judged_, accuracy_);
+    const Difference found = difference(result.pilot, motion_, judged_);
     result.error = std::max(found.of_any, judged_error_);
-    result.wrong_sides = same_samples_ ? 0 : found.wrong_sides;
+    result.wrong_sides = unseen_wrong_sides(result.pilot, judged_, found).count;
     result.steps_per_s = static_cast<double>(result.pilot.steps()) / duration_s();
     return result;
 }
@@ -181,14 +189,15 @@ ErrorEstimate ReferencePilot::estimate(Trial& trial, std::optional<double> run_s
     finer_.run_to(samples);
     trial.pilot.run_to(samples);
     // the outputs of a chain that was shortened are not its own
-    const double own = shortened_ ? own_error(samples).of_any : own_error(samples).of_output;
+    const auto of_run = shortened_ ? &Difference::of_any : &Difference::of_output;
+    const double own = own_error(samples).*of_run;
     const bool amplifies = own > amplified_rounding;
-    const Difference found = difference(trial.pilot, motion_, samples, accuracy_);
-    const double output = shortened_ ? found.of_any : found.of_output;
+    const Difference found = difference(trial.pilot, motion_, samples);
+    const WrongSides wrong = unseen_wrong_sides(trial.pilot, samples, found);
     constexpr double improbable = 0.005;  // samples on the wrong side
-    const bool by_chance = !same_samples_ && !amplifies && found.wrong_sides > improbable;
-    const double beside = by_chance ? found.by_wrong_sides : 0;
-    return {std::max({output, beside, careful(own)}), static_cast<double>(samples) / rate, amplifies};
+    const bool by_chance = !amplifies && wrong.count > improbable && found.loudness > 0;
+    const double beside = by_chance ? wrong.norm / found.loudness : 0;
+    return {std::max({found.*of_run, beside, careful(own)}), static_cast<double>(samples) / rate, amplifies};
 }
 
 }  // namespace hertzline

@@ -3,12 +3,16 @@
 
 #include <optional>
 
+#include "core/model/chain.hpp"
 #include "core/step_choice/pilot.hpp"
 
 namespace hertzline {
 
 /// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s].
 double longest_for_drive(const Drive& drive) noexcept;
+
+/// Longest piece of taylor12 that is as good as exact, with a chain of the scene [s].
+double step_of_reference(const Scene& scene, const Chain& chain);
 
 /// The first spheres of a long chain.
 Scene shortened(Scene scene);
@@ -69,6 +73,8 @@ private:
     std::size_t samples_in(double time_s) const noexcept;
     double affordable_s(double step_s) const noexcept;
     Difference own_error(std::size_t samples) const;
+    WrongSides unseen_wrong_sides(const Pilot& pilot, std::size_t samples,
+                                  const Difference& found) const noexcept;
 
     double accuracy_;
     double step_s_;

@@ -134,15 +134,16 @@ std::optional<Trial> longest_good(const TrialOf& trial_of, double accuracy, doub
     return best;
 }
 
-AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference) {
+/// @param largest_stable_s the largest stable step with the overlaps of the reference
+AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, const Chain& chain,
+                          double largest_stable_s) {
     const Integrator integrator = *scene.numerics.integrator;
     const double accuracy = asked_accuracy(scene);
-    const Chain chain(shortened(scene));
     const Eigen::ArrayXd expected = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, expected);
     const double limit =
-        std::min({0.98 * largest_stable_step(chain, reference.peak_overlap(), integrator),
-                  0.98 * largest_stable_step(chain, expected, integrator), longest_for_drive(scene.drive)});
+        std::min({0.98 * largest_stable_s, 0.98 * largest_stable_step(chain, expected, integrator),
+                  longest_for_drive(scene.drive)});
     const double finest = std::min(reference.step_s(), limit);
     StepAdvice advice;
     const auto trial_of = [&](double step) {
@@ -168,15 +169,16 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference) {
 
 AdvisedStep advise(const Scene& scene, const ReferencePilot& reference) {
     const Integrator integrator = *scene.numerics.integrator;
-    AdvisedStep advised =
-        is_series(integrator) ? advise_series(scene, reference) : advise_on_grid(scene, reference);
+    const Chain chain(shortened(scene));
+    const double largest_stable_s = largest_stable_step(chain, reference.peak_overlap(), integrator);
+    AdvisedStep advised = is_series(integrator) ? advise_series(scene, reference, chain, largest_stable_s)
+                                                : advise_on_grid(scene, reference);
     StepAdvice& advice = advised.advice;
     advice.accuracy = asked_accuracy(scene);
     advice.recommended_step_s = advised.trial.step_s;
     advice.estimated_error = advised.trial.error;
     advice.accuracy_met = advised.trial.error <= advice.accuracy;
-    advice.largest_stable_step_s =
-        largest_stable_step(Chain(shortened(scene)), reference.peak_overlap(), integrator);
+    advice.largest_stable_step_s = largest_stable_s;
     advice.pilot_duration_s = reference.duration_s();
     return advised;
 }

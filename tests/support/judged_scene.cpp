@@ -5,17 +5,15 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/integrators/stability.hpp"
+#include "core/model/chain.hpp"
 #include "core/simulation.hpp"
-#include "core/solvers/series_solver.hpp"
 #include "tests/support/reference.hpp"
 
 namespace hertzline::test {
 
 namespace {
 
-constexpr double as_good_as_exact = 1e-13;  // error of a piece
-constexpr double finer = 0.7;               // pieces that show the error of the truth
+constexpr double finer = 0.7;  // pieces that show the error of the truth
 constexpr std::array output_taps{Tap::v_last, Tap::v_plate, Tap::v_out};
 
 std::size_t samples_of(const Scene& scene) {
@@ -54,10 +52,7 @@ private:
 /// @param scene resolved
 Outputs outputs_of(const Scene& scene) {
     constexpr std::size_t block = 512;
-    const bool has_plate = scene.end.kind == EndKind::plate;
-    const TapSet plate_taps = has_plate ? TapSet(Tap::v_plate) | Tap::v_out : TapSet();
-    const TapSet outputs = plate_taps | Tap::v_last;
-    Simulation simulation(scene, {.taps = outputs | Tap::v_chain});
+    Simulation simulation(scene, {.taps = recorded_taps(scene.end.kind) | Tap::v_chain});
     Samples part = simulation.make_samples(block);
     Outputs result;
     Loudness loudness;
@@ -76,13 +71,9 @@ Outputs outputs_of(const Scene& scene) {
 }
 
 Scene as_exact_as_can_be(Scene scene, double shortening) {
-    const Chain chain(scene);
-    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
-    const double by_chain = SeriesSolver::phase_for(as_good_as_exact) / fastest_frequency(chain, overlaps);
-    const double stable = 0.98 * largest_stable_step(chain, overlaps, Integrator::taylor12);
     scene.numerics = Numerics{};
     scene.numerics.integrator = Integrator::taylor12;
-    scene.numerics.step_s = shortening * std::min({by_chain, longest_for_drive(scene.drive), stable});
+    scene.numerics.step_s = shortening * step_of_reference(scene, Chain(scene));
     return scene;
 }
 
