@@ -70,16 +70,29 @@ void Program::send(int signal) const {
     ASSERT_EQ(kill(process_, signal), 0);
 }
 
-std::string Program::messages_with(const std::string& text) const {
+template <class Found>
+std::string Program::messages_when(Found found, const std::string& wanted) const {
     std::string messages;
-    const bool found = wait_until(
+    const bool in_time = wait_until(
         [&] {
             messages = file_text(folder_.file("err"));
-            return messages.find(text) != std::string::npos;
+            return found(messages);
         },
         long_enough);
-    EXPECT_TRUE(found) << "never said '" << text << "' but: " << messages;
+    EXPECT_TRUE(in_time) << "never said " << wanted << " but: " << messages;
     return messages;
+}
+
+std::string Program::messages_with(const std::string& text) const {
+    return messages_when(
+        [&text](const std::string& messages) { return messages.find(text) != std::string::npos; },
+        "'" + text + "'");
+}
+
+std::string Program::messages_with(const std::regex& pattern) const {
+    return messages_when(
+        [&pattern](const std::string& messages) { return std::regex_search(messages, pattern); },
+        "what was waited for");
 }
 
 std::string Program::endpoint() const {

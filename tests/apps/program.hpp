@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 #include <map>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,6 +41,7 @@ public:
 
     /// What it has written to stderr, as soon as that contains `text`. Fails the test when it never does.
     std::string messages_with(const std::string& text) const;
+    std::string messages_with(const std::regex& pattern) const;
 
     /// The endpoint that a stream has bound.
     std::string endpoint() const;
@@ -47,6 +49,10 @@ public:
     Outcome wait(Seconds limit = long_enough);
 
 private:
+    /// @param found asked of all that was written @param wanted named in the failure
+    template <class Found>
+    std::string messages_when(Found found, const std::string& wanted) const;
+
     TemporaryFolder folder_;
     pid_t process_ = -1;
 };
