@@ -37,6 +37,13 @@ std::string text_in(const Json& object, const char* key) {
     return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : "";
 }
 
+/// A whole number above 0; 0 when there is none.
+std::uint64_t count_in(const Json& object, const char* key) {
+    const auto found = object.find(key);
+    const bool whole = found != object.end() && found->is_number_integer();
+    return whole ? static_cast<std::uint64_t>(std::max(std::int64_t{0}, found->get<std::int64_t>())) : 0;
+}
+
 const char* word(EndReason reason) {
     switch (reason) {
         case EndReason::none:
@@ -148,13 +155,14 @@ void ListenSession::take_end(const stream::Message& message) {
     if (heard_samples() && text_in(summary, "run") != run_) {
         return;
     }
-    // The queue may have been full to the very end: then no later frame shows the gap.
-    const auto sent = summary.find("samples");
-    if (heard_samples() && sent != summary.end() && sent->is_number_integer()) {
-        const auto total = sent->get<std::int64_t>();
-        if (total > 0 && static_cast<std::uint64_t>(total) > next_sample_) {
-            missing_at_end_ = static_cast<std::uint64_t>(total) - next_sample_;
+    // No later frame shows what is missing after the last one that came.
+    if (heard_samples()) {
+        if (const std::uint64_t total = count_in(summary, "samples"); total > next_sample_) {
+            missing_at_end_ = total - next_sample_;
             notify_(fmt::format("{} samples are missing before the end", missing_at_end_));
+        }
+        if (const std::uint64_t dropped = check_.take_end(count_in(summary, "dropped_frames")); dropped > 0) {
+            notify_(fmt::format("{} frames were dropped by the sender before the end", dropped));
         }
     }
     end(EndReason::end_of_run);

@@ -52,7 +52,9 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     }
     deliver(stop);
     producer_.stop();
+    // No header follows that tells of blocks that were discarded last: the end does.
     monitor_.count_dropped(producer_.dropped(), demand_);
+    monitor_.pass(producer_.discarded_to());
     if (start_time_) {
         monitor_.measure_all(MonotonicClock::now(), *start_time_, producer_.busy());
     }

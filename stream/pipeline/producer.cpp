@@ -24,8 +24,8 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
                ? origin_ + *samples
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
-      ring_(slots, [&source] { return Block{.samples = source.make_block(), .demand = {}, .account = {}}; }) {
-}
+      ring_(slots, [&source] { return Block{.samples = source.make_block(), .demand = {}, .account = {}}; }),
+      discarded_to_(origin_) {}
 
 Producer::~Producer() {
     stop();
@@ -111,6 +111,7 @@ void Producer::produce() noexcept {
         if (slot == nullptr) {
             dropped_.store(++dropped, std::memory_order_relaxed);
             running = source_.skip(count);
+            discarded_to_.store(source_.next_sample(), std::memory_order_relaxed);
         } else {
             running = fill(*slot, count);
         }

@@ -68,6 +68,8 @@ public:
     void want_residual() noexcept { residual_wanted_.store(true, std::memory_order_relaxed); }
 
     std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+    /// Index of the sample after the last one that was discarded; the source's first sample when none was.
+    std::int64_t discarded_to() const noexcept { return discarded_to_.load(std::memory_order_relaxed); }
     /// Time spent on work so far [ns].
     Nanoseconds busy() const noexcept { return Nanoseconds{busy_ns_.load(std::memory_order_relaxed)}; }
 
@@ -97,6 +99,7 @@ private:
     std::atomic<bool> stopping_{false};
     std::atomic<bool> finished_{false};
     std::atomic<std::uint64_t> dropped_{0};
+    std::atomic<std::int64_t> discarded_to_;
     std::atomic<std::int64_t> busy_ns_{0};
     std::thread thread_;
 };

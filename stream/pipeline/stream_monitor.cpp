@@ -22,10 +22,14 @@ void StreamMonitor::count(const Block& block, Nanoseconds lateness) noexcept {
     ++meters_.frames;
     meters_.late_frames += lateness > late_after ? 1 : 0;
     meters_.largest_lateness_s = std::max(meters_.largest_lateness_s, seconds(lateness));
-    meters_.samples = block.samples.first + static_cast<std::int64_t>(block.samples.count);
-    meters_.simulated_s = static_cast<double>(meters_.samples - origin_) / sample_rate_hz_;
+    pass(block.samples.first + static_cast<std::int64_t>(block.samples.count));
     meters_.account = block.account;
     meters_.energy_residual = block.energy_residual;
+}
+
+void StreamMonitor::pass(std::int64_t sample) noexcept {
+    meters_.samples = std::max(meters_.samples, sample);
+    meters_.simulated_s = static_cast<double>(meters_.samples - origin_) / sample_rate_hz_;
 }
 
 void StreamMonitor::count_dropped(std::uint64_t dropped, const TopicDemand& demand) noexcept {

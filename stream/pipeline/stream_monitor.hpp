@@ -26,6 +26,9 @@ public:
     /// Blocks that were discarded before they had frames, since the start: one frame of each topic that is wanted.
     void count_dropped(std::uint64_t dropped, const TopicDemand& demand) noexcept;
 
+    /// All samples before this one have been due, though nobody may have sent them.
+    void pass(std::int64_t sample) noexcept;
+
     void look_at(const RingBuffer<Block>& ring) noexcept;
 
     /// The load since the last time, and how long the stream has run.

@@ -60,6 +60,13 @@ void ContinuityCheck::expect_after(const FrameHeader& frame) noexcept {
     dropped_ = frame.dropped;
 }
 
+std::uint64_t ContinuityCheck::take_end(std::uint64_t dropped) noexcept {
+    const std::uint64_t last = dropped > dropped_ ? dropped - dropped_ : 0;
+    totals_.dropped_by_sender += last;
+    dropped_ += last;
+    return last;
+}
+
 bool ContinuityCheck::gapless() const noexcept {
     return totals_.missing_samples + totals_.dropped_by_sender + totals_.lost_on_the_way + totals_.repeated +
                totals_.out_of_order + totals_.inconsistent ==

@@ -41,6 +41,10 @@ public:
     /// Takes the topic's next frame, as it arrived.
     Arrival take(const FrameHeader& frame);
 
+    /// The sender's summary came: so many frames of the run it has discarded in all. Those that no frame told of were
+    /// the last ones. @returns how many these are
+    std::uint64_t take_end(std::uint64_t dropped) noexcept;
+
     const ContinuityTotals& totals() const noexcept { return totals_; }
 
     /// Nothing is missing and nothing was odd.

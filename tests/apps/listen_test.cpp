@@ -56,8 +56,9 @@ public:
     void send_text(std::string_view to, const Parts&... parts) {
         EXPECT_TRUE(publisher_.send(to, std::string_view(parts)...));
     }
-    Outcome end(std::int64_t samples) {
-        send_text("end", json{{"run", frame_.run}, {"samples", samples}}.dump());
+    Outcome end(std::int64_t samples, std::int64_t dropped_frames = 0) {
+        send_text("end",
+                  json{{"run", frame_.run}, {"samples", samples}, {"dropped_frames", dropped_frames}}.dump());
         return fall_silent();
     }
     Outcome fall_silent() { return listener_.wait(); }
@@ -103,6 +104,16 @@ TEST(Listen, TheEndTellsOfSamplesThatNeverCame) {
     FakeStream stream;
     stream.send(0, 0);
     expect_account(stream.end(30), 1, {{"missing_samples", 20}, {"ended_by", "end of run"}});
+}
+
+TEST(Listen, TheEndTellsOfFramesThatTheSenderDroppedLast) {
+    FakeStream stream;
+    stream.send(0, 0);
+    stream.send(3, 30, 2);
+    const Outcome outcome = stream.end(40, 7);
+    expect_account(outcome, 1,
+                   {{"frames_dropped_by_sender", 7}, {"frames_lost_on_the_way", 0}, {"gapless", false}});
+    EXPECT_THAT(outcome.err, HasSubstr("5 frames were dropped by the sender before the end"));
 }
 
 TEST(Listen, AStreamThatFallsSilentWasNotHeardToItsEnd) {

@@ -152,6 +152,24 @@ TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
     EXPECT_GT(meters.largest_lateness_s, 0.5);
 }
 
+TEST(Pipeline, WhatIsDiscardedAtTheVeryEndIsInTheEnd) {
+    // 0.2 s long; the sender wakes up long after that
+    Stream stream(options(Pace::factor(0.1), 200'000, StreamStart::with_first_subscriber));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out});
+    bool stalled = false;
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) {
+        if (!stalled && now.frames > 0) {
+            stalled = true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(800));
+        }
+    });
+    listener.join();
+    EXPECT_GT(meters.dropped_frames, 0);
+    EXPECT_LT(listener.samples[Tap::v_out].size(), 200'000U);
+    EXPECT_EQ(meters.samples, 200'000);
+    EXPECT_DOUBLE_EQ(meters.simulated_s, 0.02);
+}
+
 TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
     StreamOptions patient = options(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
     patient.on_overrun = OnOverrun::wait;
