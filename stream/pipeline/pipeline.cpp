@@ -62,7 +62,7 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     if (!source_.failure().empty()) {
         throw std::runtime_error(source_.failure());
     }
-    publisher_.send(end_topic, events.summary(monitor_.meters()));
+    publisher_.send_last(end_topic, events.summary(monitor_.meters()));
     return monitor_.meters();
 }
 

@@ -1,7 +1,9 @@
 #include "stream/wire/publisher.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <stdexcept>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -30,7 +32,7 @@ std::string bind_failure(const std::string& endpoint, const zmq::error_t& error)
 
 Publisher::Publisher(const std::string& endpoint, std::span<const std::string_view> topics,
                      const PublisherOptions& options)
-    : socket_(context_, zmq::socket_type::xpub), subscriptions_(topics) {
+    : socket_(context_, zmq::socket_type::xpub), linger_(options.linger), subscriptions_(topics) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
         throw std::runtime_error(*fault);
     }
@@ -98,6 +100,24 @@ std::size_t Publisher::poll_subscriptions() {
         }
     }
     return subscribed;
+}
+
+void Publisher::send_last(std::string_view topic, std::string_view text) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds period{100};
+    constexpr std::chrono::milliseconds nap{5};  // a subscriber that has it leaves, then nobody is waited for
+    const Clock::time_point end = Clock::now() + linger_;
+    Clock::time_point next = Clock::now();
+    do {
+        if (Clock::now() >= next) {
+            send(topic, text);
+            next += period;
+        }
+        std::this_thread::sleep_for(nap);
+        poll_subscriptions();
+    } while (wanted(topic) && Clock::now() + period < end);
+    const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
+    socket_.set(zmq::sockopt::linger, static_cast<int>(std::max(left, std::chrono::milliseconds(0)).count()));
 }
 
 }  // namespace hertzline::stream

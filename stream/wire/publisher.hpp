@@ -31,8 +31,8 @@ struct PublisherOptions {
     /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
     /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
     int send_high_water_mark = 4096;
-    /// How long the destructor waits for subscribers to take what was sent last. With all the rest it is to
-    /// stay below the second in which Ctrl-C ends a stream.
+    /// How long send_last() and the destructor together wait for subscribers to take what was sent last. With all
+    /// the rest it is to stay below the second in which Ctrl-C ends a stream.
     std::chrono::milliseconds linger{600};
     /// A tcp subscriber whose machine has taken nothing of what was sent for so long is gone: also how long
     /// an analyser may pause, once its own buffers are full, without being disconnected.
@@ -75,6 +75,10 @@ public:
         return send_parts(socket_, message);
     }
 
+    /// Sends the last message of all. A subscriber whose queue is full does not get it, and nothing tells of that, so it
+    /// is sent again every 100 ms while somebody subscribes to the topic, for as long as the publisher may linger.
+    void send_last(std::string_view topic, std::string_view text);
+
     Security security() const noexcept { return gate_ ? Security::curve : Security::none; }
 
     /// Who asked to come in with a key that is not listed. (A wrong server key or none ends the handshake
@@ -92,6 +96,7 @@ private:
     zmq::context_t context_;
     std::optional<ZapHandler> gate_;  // before the socket, which nobody may reach without it
     zmq::socket_t socket_;
+    std::chrono::milliseconds linger_;
     Subscriptions subscriptions_;
     PeerQuota quota_{100};  // far more than any client has use for
     std::string endpoint_;

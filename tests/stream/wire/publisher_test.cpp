@@ -144,6 +144,38 @@ TEST_P(OverEachTransport, EveryFrameThatASlowSubscriberLosesIsAccountedFor) {
     EXPECT_EQ(check.totals().dropped_by_sender + check.totals().inconsistent, 0u);
 }
 
+TEST(Publisher, TheLastMessageReachesOneWhoseQueueWasFull) {
+    const TemporaryFolder folder;
+    std::optional<Publisher> publisher;
+    publisher.emplace("ipc://" + folder.file("s"), all_topics,
+                      PublisherOptions{.send_high_water_mark = 10, .linger = 20s});
+    std::optional<Subscriber> subscriber;
+    subscriber.emplace(publisher->endpoint(), SubscriberOptions{.receive_high_water_mark = 10});
+    subscriber->subscribe("v_out/raw");
+    subscriber->subscribe("end");
+    subscriptions_until_wanted(*publisher, "v_out/raw");
+    subscriptions_until_wanted(*publisher, "end");
+    const std::vector<float> samples(4096);
+    for (int i = 0; i < 2000; ++i) {  // nobody reads: the queue fills
+        publisher->send("v_out/raw", samples);
+    }
+    bool came = false;
+    std::thread reader([&] {
+        std::this_thread::sleep_for(300ms);
+        const Message* message = nullptr;
+        while (!came && (message = subscriber->receive(25s)) != nullptr) {
+            came = message->topic() == "end";
+        }
+        subscriber.reset();
+    });
+    const auto begin = std::chrono::steady_clock::now();
+    publisher->send_last("end", "{}");
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s) << "waits although nobody is there any more";
+    publisher.reset();
+    reader.join();
+    EXPECT_TRUE(came);
+}
+
 TEST(Publisher, AnyFreePortIsResolved) {
     const Publisher publisher("tcp://127.0.0.1:*");
     EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);
