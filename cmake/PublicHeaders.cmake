@@ -47,7 +47,7 @@ set(stream_headers
   stream/pipeline/pacer.hpp
   stream/pipeline/producer.hpp
   stream/pipeline/ring_buffer.hpp
-  stream/pipeline/stream_meters.hpp
+  stream/pipeline/sleeper.hpp
   stream/pipeline/stream_monitor.hpp
   stream/pipeline/thread_options.hpp
   stream/pipeline/topic_demand.hpp

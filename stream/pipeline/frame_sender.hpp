@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "stream/pipeline/producer.hpp"
-#include "stream/pipeline/stream_meters.hpp"
+#include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/topic_demand.hpp"
 #include "stream/sources/sample_source.hpp"
 #include "stream/wire/frame.hpp"

@@ -24,8 +24,8 @@ constexpr double release_period_s = 1e-3;
 constexpr Nanoseconds gathering = milliseconds(200);
 /// Flat out there is no rest between two blocks; looking for subscriptions takes a system call.
 constexpr Nanoseconds subscriptions_period = microseconds(200);
-constexpr Nanoseconds idle_nap = milliseconds(1);
-constexpr Nanoseconds empty_ring_nap = microseconds(200);
+/// While there are no blocks, subscriptions and the stop flag are looked at this often.
+constexpr Nanoseconds idle_period = milliseconds(1);
 
 }  // namespace
 
@@ -67,20 +67,19 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
 }
 
 void Pipeline::deliver(const std::atomic<bool>& stop) {
-    RingBuffer<Block>& ring = producer_.ring();
     Nanoseconds listened{0};
     while (!stop.load(std::memory_order_relaxed)) {
         const Nanoseconds now = MonotonicClock::now();
         start_when_ready(now);
         report(now);
         const bool finished = producer_.finished();
-        const Block* block = ring.try_front();
+        const Block* block = producer_.front();
         if (block == nullptr) {
             if (finished) {
                 return;
             }
             listen_for_subscriptions();
-            MonotonicClock::sleep_until(now + (pacer_.flat_out() ? empty_ring_nap : idle_nap));
+            producer_.wait_for_block(now + idle_period);
             continue;
         }
         const Nanoseconds lateness = hold_until_due(*block, stop);
@@ -94,7 +93,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
         }
         release(*block);
         monitor_.count(*block, lateness);
-        ring.pop();
+        producer_.pop();
     }
 }
 

@@ -16,7 +16,6 @@
 #include "stream/pipeline/frame_sender.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
-#include "stream/pipeline/stream_meters.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/stream_options.hpp"
 #include "stream/pipeline/topic_demand.hpp"

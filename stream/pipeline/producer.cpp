@@ -7,13 +7,6 @@
 
 namespace hertzline::stream {
 
-namespace {
-
-constexpr Nanoseconds before_go_nap = std::chrono::milliseconds(1);
-constexpr Nanoseconds full_ring_nap = std::chrono::microseconds(200);
-
-}  // namespace
-
 Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
                    std::optional<std::int64_t> samples, OnOverrun on_overrun)
     : source_(source),
@@ -25,6 +18,7 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
       ring_(slots, [&source] { return Block{.samples = source.make_block(), .demand = {}, .account = {}}; }),
+      quarter_(std::max<std::size_t>(1, slots / 4)),
       discarded_to_(origin_) {}
 
 Producer::~Producer() {
@@ -36,12 +30,14 @@ std::vector<std::string> Producer::start(const ThreadOptions& options) {
         pthread_setname_np(pthread_self(), simulating_thread_name);
         produce();
         finished_.store(true, std::memory_order_release);
+        emptying_.wake();
     });
     return apply(options, thread_.native_handle());
 }
 
 void Producer::stop() noexcept {
     stopping_.store(true, std::memory_order_relaxed);
+    filling_.wake();
     if (thread_.joinable()) {
         thread_.join();
     }
@@ -56,31 +52,41 @@ std::uint32_t Producer::want(TapSet taps) noexcept {
     return demand.generation;
 }
 
-bool Producer::wait_for_go() const noexcept {
-    while (!going_.load(std::memory_order_acquire)) {
-        if (stopping()) {
-            return false;
-        }
-        MonotonicClock::sleep_until(MonotonicClock::now() + before_go_nap);
-    }
-    return true;
+void Producer::go() noexcept {
+    going_.store(true, std::memory_order_release);
+    filling_.wake();
+}
+
+void Producer::pop() noexcept {
+    ring_.pop();
+    filling_.wake_if([this] { return has_room(); });
+}
+
+void Producer::wait_for_block(Nanoseconds deadline) noexcept {
+    emptying_.wait_until(deadline, [this] { return has_enough() || finished(); });
+}
+
+bool Producer::wait_for_go() noexcept {
+    filling_.wait_until(never, [this] { return going_.load(std::memory_order_acquire) || stopping(); });
+    return !stopping();
 }
 
 /// The slot for the next block; nullptr when the block must be discarded (its time has passed and there is no
 /// room) or the stream is stopping.
 Block* Producer::wait_for_slot(std::int64_t first, std::int64_t count) noexcept {
-    const auto due_with = static_cast<std::uint64_t>(first + count - origin_);
-    while (!stopping()) {
-        if (Block* slot = ring_.try_claim()) {
-            return slot;
-        }
-        if (on_overrun_ == OnOverrun::drop &&
-            pacer_.lateness(MonotonicClock::now(), due_with) > Nanoseconds{0}) {
+    if (Block* slot = ring_.try_claim()) {
+        return slot;
+    }
+    Nanoseconds deadline = never;
+    if (on_overrun_ == OnOverrun::drop) {
+        const auto due_with = static_cast<std::uint64_t>(first + count - origin_);
+        if (pacer_.lateness(MonotonicClock::now(), due_with) > Nanoseconds{0}) {
             return nullptr;
         }
-        MonotonicClock::sleep_until(MonotonicClock::now() + full_ring_nap);
+        deadline = pacer_.due(due_with);
     }
-    return nullptr;
+    filling_.wait_until(deadline, [this] { return has_room() || stopping(); });
+    return ring_.try_claim();
 }
 
 bool Producer::fill(Block& block, std::int64_t count) noexcept {
@@ -120,6 +126,7 @@ void Producer::produce() noexcept {
             slot->seq = seq;
             slot->dropped = dropped;
             ring_.publish();
+            emptying_.wake_if([this] { return has_enough(); });
         }
         ++seq;
     }

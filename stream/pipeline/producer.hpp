@@ -1,6 +1,7 @@
 #pragma once
 // The simulating thread: takes blocks from a source and puts them into the ring, ahead of their time, until the
-// ring is full. It allocates nothing, takes no lock, writes no message, and makes no system call but to sleep.
+// ring is full. It allocates nothing, takes no lock, writes no message, and makes no system call but to sleep and to
+// wake the sending thread.
 
 #include <atomic>
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
+#include "stream/pipeline/sleeper.hpp"
 #include "stream/pipeline/thread_options.hpp"
 #include "stream/sources/sample_source.hpp"
 
@@ -54,11 +56,19 @@ public:
 
     /// Makes the thread, which waits for go(). @returns a sentence for each option that the system refused.
     std::vector<std::string> start(const ThreadOptions& options);
-    void go() noexcept { going_.store(true, std::memory_order_release); }
+    void go() noexcept;
     /// Ends the thread; afterwards the source is the caller's.
     void stop() noexcept;
 
-    RingBuffer<Block>& ring() noexcept { return ring_; }
+    const RingBuffer<Block>& ring() const noexcept { return ring_; }
+    /// The oldest block; nullptr when there is none. It stays until pop(). For one thread, as the next two.
+    const Block* front() noexcept { return ring_.try_front(); }
+    /// Gives the oldest block back.
+    void pop() noexcept;
+    /// Waits for a block, until the deadline or the end. Flat out it waits for several: waking up for each one costs
+    /// more than sending it.
+    void wait_for_block(Nanoseconds deadline) noexcept;
+
     /// Nothing more will be put into the ring.
     bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
@@ -78,10 +88,12 @@ public:
 
 private:
     void produce() noexcept;
-    bool wait_for_go() const noexcept;
+    bool wait_for_go() noexcept;
     Block* wait_for_slot(std::int64_t first, std::int64_t count) noexcept;
     bool fill(Block& block, std::int64_t count) noexcept;
     bool stopping() const noexcept { return stopping_.load(std::memory_order_relaxed); }
+    bool has_room() const noexcept { return ring_.capacity() - ring_.size() >= quarter_; }
+    bool has_enough() const noexcept { return ring_.size() >= (pacer_.flat_out() ? quarter_ : 1); }
 
     SampleSource& source_;
     const Pacer& pacer_;
@@ -91,6 +103,11 @@ private:
     OnOverrun on_overrun_;
     double last_residual_ = 0;
     RingBuffer<Block> ring_;
+    /// Slots that have to be free before a full ring is filled again: waking up for each one costs more than
+    /// filling it.
+    std::size_t quarter_;
+    Sleeper filling_;   // the simulating thread waits here
+    Sleeper emptying_;  // the thread that takes the blocks
 
     std::atomic<Demand> demand_{Demand()};
     static_assert(std::atomic<Demand>::is_always_lock_free);

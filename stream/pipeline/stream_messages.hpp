@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/taps.hpp"
-#include "stream/pipeline/stream_meters.hpp"
+#include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/stream_options.hpp"
 #include "stream/sources/sample_source.hpp"
 

@@ -2,11 +2,15 @@
 
 #include "stream/pipeline/producer.hpp"
 
+#include <filesystem>
+#include <fstream>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/counting_source.hpp"
+#include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
@@ -35,9 +39,9 @@ std::vector<Block> drained(Producer& producer) {
     std::vector<Block> blocks;
     while (true) {
         const bool finished = producer.finished();
-        if (const Block* block = producer.ring().try_front()) {
+        if (const Block* block = producer.front()) {
             blocks.push_back(*block);
-            producer.ring().pop();
+            producer.pop();
         } else if (finished) {
             return blocks;
         }
@@ -116,6 +120,43 @@ TEST(Producer, StopsWhileItWaitsForASlotAndBeforeItBegan) {
     }
     full.stop();
     EXPECT_TRUE(full.finished());
+}
+
+/// How often the simulating thread of this process has gone to sleep.
+long sleeps_of_the_simulating_thread() {
+    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+        std::ifstream status(task.path() / "status");
+        std::string name;
+        std::string key;
+        for (status >> key >> name; name == simulating_thread_name && status >> key;) {
+            if (long count = 0; key == "voluntary_ctxt_switches:" && status >> count) {
+                return count;
+            }
+        }
+    }
+    ADD_FAILURE() << "no such thread";
+    return 0;
+}
+
+TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
+    constexpr std::size_t many = 64;
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, many, std::nullopt, OnOverrun::wait);
+    producer.start({});
+    producer.go();
+    const auto full = [&] { return producer.ring().size() == many; };
+    ASSERT_TRUE(eventually(full));
+    MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(10));
+    const long before = sleeps_of_the_simulating_thread();
+    MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(100));
+    EXPECT_EQ(sleeps_of_the_simulating_thread(), before) << "it wakes up although nothing has changed";
+    for (std::size_t taken = 0; taken < many / 4; ++taken) {
+        EXPECT_LT(producer.ring().size(), many + 1 - taken);
+        ASSERT_NE(producer.front(), nullptr);
+        producer.pop();
+    }
+    EXPECT_TRUE(eventually(full));
 }
 
 TEST(Producer, TellsWhichThreadOptionsTheSystemRefusesAndGoesOn) {
