@@ -2,6 +2,7 @@
 
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 #include "stream/float32.hpp"
 #include "stream/wire/frame_codec.hpp"
@@ -15,37 +16,46 @@ void add(TopicCount& count, bool sent) noexcept {
     ++(sent ? count.sent : count.dropped);
 }
 
+/// The samples of a tap as they go on the wire.
+zmq::message_t payload_of(const Block& block, Tap tap) {
+    const std::span<const double> values = block.samples[tap];
+    zmq::message_t payload(values.size() * sizeof(float));
+    if (to_float32(values, {payload.data<float>(), values.size()}) != 0) {
+        throw std::runtime_error("a sample of " + std::string(row_of(tap).name) + " does not fit float32");
+    }
+    return payload;
+}
+
+/// Another handle of the same bytes.
+zmq::message_t shared(zmq::message_t& payload) {
+    zmq::message_t other;
+    other.copy(payload);
+    return other;
+}
+
 }  // namespace
 
 FrameSender::FrameSender(Publisher& publisher, const StreamFormat& format, const std::string& run)
     : publisher_(publisher) {
     frame_.run = run;
     frame_.fs = format.sample_rate_hz;
-    payload_.reserve(static_cast<std::size_t>(format.frame_samples) * format.spheres);
 }
 
 void FrameSender::send(const Block& block, const TopicDemand& demand, StreamMeters& meters) {
     for (const Tap tap : demand.met_by(block.demand)) {
-        const std::span<const double> values = block.samples[tap];
-        payload_.resize(values.size());
-        if (to_float32(values, payload_) != 0) {
-            throw std::runtime_error("a sample of " + std::string(row_of(tap).name) +
-                                     " does not fit float32");
-        }
+        zmq::message_t payload = payload_of(block, tap);
         if (demand.raw().contains(tap)) {
-            send_raw(tap, meters);
+            add(meters.raw(tap), publisher_.send_frame(topics_of(tap).raw, shared(payload)));
         }
         if (demand.np().contains(tap)) {
-            send_np(block, tap, meters);
+            describe(block, tap);
+            add(meters.np(tap), publisher_.send_frame(topics_of(tap).np, header_, std::move(payload)));
         }
     }
 }
 
-void FrameSender::send_raw(Tap tap, StreamMeters& meters) {
-    add(meters.raw(tap), publisher_.send(topics_of(tap).raw, wire_bytes(payload_)));
-}
-
-void FrameSender::send_np(const Block& block, Tap tap, StreamMeters& meters) {
+/// Writes the header of the tap's frame.
+void FrameSender::describe(const Block& block, Tap tap) {
     const TapRow& row = row_of(tap);
     frame_.stream = row.name;
     frame_.unit = row.unit;
@@ -53,9 +63,8 @@ void FrameSender::send_np(const Block& block, Tap tap, StreamMeters& meters) {
     frame_.seq = block.seq;
     frame_.dropped = block.dropped;
     frame_.n = block.samples.count;
-    frame_.channels = payload_.size() / block.samples.count;
+    frame_.channels = block.samples[tap].size() / block.samples.count;
     encode_header(frame_, header_);
-    add(meters.np(tap), publisher_.send(topics_of(tap).np, header_, wire_bytes(payload_)));
 }
 
 }  // namespace hertzline::stream

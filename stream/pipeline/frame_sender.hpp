@@ -2,7 +2,8 @@
 // From a block's samples to frames on the wire.
 
 #include <string>
-#include <vector>
+
+#include <zmq.hpp>
 
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
@@ -13,8 +14,8 @@
 
 namespace hertzline::stream {
 
-/// Sends a tap's samples as a raw frame (samples alone) and as an np frame (header and samples). Keeps its
-/// buffers from block to block.
+/// Sends a tap's samples as a raw frame (samples alone) and as an np frame (header and samples). They are written
+/// as float32 into the message that ZeroMQ sends, which both frames share.
 class FrameSender {
 public:
     /// @param run the run's id @param publisher outlives the sender
@@ -25,13 +26,11 @@ public:
     void send(const Block& block, const TopicDemand& demand, StreamMeters& meters);
 
 private:
-    void send_raw(Tap tap, StreamMeters& meters);
-    void send_np(const Block& block, Tap tap, StreamMeters& meters);
+    void describe(const Block& block, Tap tap);
 
     Publisher& publisher_;
     FrameHeader frame_;
     std::string header_;
-    std::vector<float> payload_;  // of the tap that is being sent
 };
 
 }  // namespace hertzline::stream

@@ -17,17 +17,31 @@ int uninterrupted(Call call) noexcept {
     return status;
 }
 
+bool send_part(zmq::socket_t& socket, std::span<const std::byte> part, int flags) noexcept {
+    return uninterrupted([&] {
+               return zmq_send(socket.handle(), part.data(), part.size(), ZMQ_DONTWAIT | flags);
+           }) >= 0;
+}
+
 }  // namespace
 
 bool send_parts(zmq::socket_t& socket, std::span<const std::span<const std::byte>> parts) noexcept {
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        const int flags = ZMQ_DONTWAIT | (i + 1 < parts.size() ? ZMQ_SNDMORE : 0);
-        if (uninterrupted(
-                [&] { return zmq_send(socket.handle(), parts[i].data(), parts[i].size(), flags); }) < 0) {
+        if (!send_part(socket, parts[i], i + 1 < parts.size() ? ZMQ_SNDMORE : 0)) {
             return false;
         }
     }
     return true;
+}
+
+bool send_parts(zmq::socket_t& socket, std::span<const std::span<const std::byte>> parts,
+                zmq::message_t last) noexcept {
+    for (const std::span<const std::byte> part : parts) {
+        if (!send_part(socket, part, ZMQ_SNDMORE)) {
+            return false;
+        }
+    }
+    return uninterrupted([&] { return zmq_msg_send(last.handle(), socket.handle(), ZMQ_DONTWAIT); }) >= 0;
 }
 
 std::size_t receive_parts(zmq::socket_t& socket, std::span<zmq::message_t> parts) noexcept {

@@ -14,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 
 #include <zmq.hpp>
 
@@ -73,6 +74,14 @@ public:
         const std::array<std::span<const std::byte>, 1 + sizeof...(parts)> message{bytes_of(topic),
                                                                                    bytes_of(parts)...};
         return send_parts(socket_, message);
+    }
+
+    /// The same with a payload that is a message of ZeroMQ's already: it is handed over, not copied.
+    bool send_frame(std::string_view topic, zmq::message_t payload) noexcept {
+        return send_parts(socket_, std::array{bytes_of(topic)}, std::move(payload));
+    }
+    bool send_frame(std::string_view topic, std::string_view header, zmq::message_t payload) noexcept {
+        return send_parts(socket_, std::array{bytes_of(topic), bytes_of(header)}, std::move(payload));
     }
 
     /// Sends the last message of all. A subscriber whose queue is full does not get it, and nothing tells of that, so it
