@@ -43,6 +43,7 @@ set(stream_headers
   stream/wire/publisher.hpp
   stream/wire/subscriber.hpp
   # what those include
+  stream/pipeline/capacity.hpp
   stream/pipeline/frame_sender.hpp
   stream/pipeline/pacer.hpp
   stream/pipeline/producer.hpp

@@ -9,30 +9,50 @@ namespace {
 constexpr double reserve_s = 0.05;                     // of wall time that the ring's samples last,
 constexpr double max_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this;
 constexpr double cached_ring_bytes = 1024.0 * 1024;    // flat out nothing is held back: it stays in cache
-constexpr double min_slots = 4;
-constexpr double max_slots = 4096;
+constexpr double min_blocks = 4;
+constexpr double release_period_s = 1e-3;
+constexpr double max_blocks = 4096;
 
-double slot_bytes(const StreamFormat& format) noexcept {
+double block_bytes(const StreamFormat& format, TapSet taps) noexcept {
     return static_cast<double>(format.frame_samples) * sizeof(double) *
-           channels_of(format.taps, static_cast<double>(format.spheres));
+           channels_of(taps, static_cast<double>(format.spheres));
+}
+
+TapSet small_taps(const StreamFormat& format) noexcept {
+    return format.taps - format.chain_taps();
 }
 
 /// Not rounded to a whole number: the estimate of the memory is given in this.
-double slots_for(const StreamFormat& format, Pace pace) noexcept {
+double blocks_with(TapSet taps, const StreamFormat& format, Pace pace) noexcept {
     const double frame_rate = format.sample_rate_hz / static_cast<double>(format.frame_samples);
-    const double by_time = pace.is_flat_out() ? max_slots : reserve_s * pace.times() * frame_rate;
-    const double by_memory = (pace.is_flat_out() ? cached_ring_bytes : max_ring_bytes) / slot_bytes(format);
-    return std::clamp(std::min(by_time, by_memory), min_slots, max_slots);
+    const double by_time = pace.is_flat_out() ? max_blocks : reserve_s * pace.times() * frame_rate;
+    const double by_memory =
+        (pace.is_flat_out() ? cached_ring_bytes : max_ring_bytes) / std::max(1.0, block_bytes(format, taps));
+    return std::clamp(std::min(by_time, by_memory), min_blocks, max_blocks);
 }
 
 }  // namespace
 
-std::size_t ring_slots(const StreamFormat& format, Pace pace) noexcept {
-    return static_cast<std::size_t>(slots_for(format, pace));
+RingSize ring_size(const StreamFormat& format, Pace pace) noexcept {
+    RingSize size{.blocks = static_cast<std::size_t>(blocks_with(small_taps(format), format, pace))};
+    if (!format.chain_taps().empty()) {
+        size.chain_blocks = static_cast<std::size_t>(blocks_with(format.taps, format, pace));
+    }
+    return size;
+}
+
+std::uint64_t samples_per_release(const StreamFormat& format, Pace pace, std::size_t blocks) noexcept {
+    const double quarter = static_cast<double>(blocks) / 4 * static_cast<double>(format.frame_samples);
+    const double by_time = format.sample_rate_hz * pace.times() * release_period_s;
+    return static_cast<std::uint64_t>(std::max(1.0, std::min(by_time, quarter)));
 }
 
 double ring_bytes(const StreamFormat& format, Pace pace) noexcept {
-    return slots_for(format, pace) * slot_bytes(format);
+    const double small =
+        blocks_with(small_taps(format), format, pace) * block_bytes(format, small_taps(format));
+    return format.chain_taps().empty()
+               ? small
+               : small + blocks_with(format.taps, format, pace) * block_bytes(format, format.taps);
 }
 
 PublisherOptions publisher_options(const StreamFormat& format) noexcept {

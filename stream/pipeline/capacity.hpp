@@ -2,6 +2,7 @@
 // How much a stream holds in memory: the ring between its threads, and the queues of slow subscribers.
 
 #include <cstddef>
+#include <cstdint>
 
 #include "stream/pipeline/pacer.hpp"
 #include "stream/sources/sample_source.hpp"
@@ -9,8 +10,19 @@
 
 namespace hertzline::stream {
 
-/// Blocks that the ring holds.
-std::size_t ring_slots(const StreamFormat& format, Pace pace) noexcept;
+/// How many blocks the ring holds. Blocks with samples of every sphere may be thousands of times as large as the
+/// others, and usually nobody wants them. So there is room for fewer of them.
+struct RingSize {
+    std::size_t blocks = 0;        ///< of any kind
+    std::size_t chain_blocks = 0;  ///< of them, with taps that have one channel per sphere
+};
+
+RingSize ring_size(const StreamFormat& format, Pace pace) noexcept;
+
+/// Samples between two releases of blocks, for a ring of so many. It is a millisecond of wall time: waking up for each of
+/// ten thousand frames a second costs more than sending. But four releases at least fit into the ring, or it would be
+/// full between two of them.
+std::uint64_t samples_per_release(const StreamFormat& format, Pace pace, std::size_t blocks) noexcept;
 
 /// Bytes of the ring.
 double ring_bytes(const StreamFormat& format, Pace pace = Pace::realtime()) noexcept;

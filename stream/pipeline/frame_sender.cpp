@@ -18,7 +18,7 @@ void add(TopicCount& count, bool sent) noexcept {
 
 /// The samples of a tap as they go on the wire.
 zmq::message_t payload_of(const Block& block, Tap tap) {
-    const std::span<const double> values = block.samples[tap];
+    const std::span<const double> values = block.samples()[tap];
     zmq::message_t payload(values.size() * sizeof(float));
     if (to_float32(values, {payload.data<float>(), values.size()}) != 0) {
         throw std::runtime_error("a sample of " + std::string(row_of(tap).name) + " does not fit float32");
@@ -59,11 +59,11 @@ void FrameSender::describe(const Block& block, Tap tap) {
     const TapRow& row = row_of(tap);
     frame_.stream = row.name;
     frame_.unit = row.unit;
-    frame_.sample = static_cast<std::uint64_t>(block.samples.first);
+    frame_.sample = static_cast<std::uint64_t>(block.samples().first);
     frame_.seq = block.seq;
     frame_.dropped = block.dropped;
-    frame_.n = block.samples.count;
-    frame_.channels = block.samples[tap].size() / block.samples.count;
+    frame_.n = block.samples().count;
+    frame_.channels = block.samples()[tap].size() / block.samples().count;
     encode_header(frame_, header_);
 }
 

@@ -17,9 +17,6 @@ using std::chrono::milliseconds;
 
 constexpr Nanoseconds meters_period = milliseconds(100);
 constexpr Nanoseconds meta_period = milliseconds(1000);
-/// Frames are let go in bursts this far apart: waking up for each of ten thousand frames a second
-/// costs more than sending.
-constexpr double release_period_s = 1e-3;
 /// Subscribers that come together shall all get sample 0.
 constexpr Nanoseconds gathering = milliseconds(200);
 /// Flat out there is no rest between two blocks; looking for subscriptions takes a system call.
@@ -36,7 +33,7 @@ Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publi
       recorder_(recorder),
       format_(source.format()),
       pacer_(format_.sample_rate_hz, options_.pace),
-      producer_(source, pacer_, ring_slots(format_, options_.pace), options_.samples,
+      producer_(source, pacer_, ring_size(format_, options_.pace), options_.samples,
                 options_.pace.is_flat_out() ? OnOverrun::wait : options_.on_overrun),
       demand_(format_.taps),
       frames_(publisher, format_, options_.run),
@@ -115,10 +112,9 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
         return Nanoseconds{0};
     }
     monitor_.look_at(producer_.ring());
-    const double samples_per_release = format_.sample_rate_hz * options_.pace.times() * release_period_s;
-    const auto grain = static_cast<std::uint64_t>(std::max(1.0, samples_per_release));
+    const std::uint64_t grain = samples_per_release(format_, options_.pace, producer_.room_for(block));
     const auto end =
-        static_cast<std::uint64_t>(block.samples.first - producer_.origin()) + block.samples.count;
+        static_cast<std::uint64_t>(block.samples().first - producer_.origin()) + block.samples().count;
     const std::uint64_t deadline = (end + grain - 1) / grain * grain;
     MonotonicClock clock;
     wait_until_due(clock, pacer_, deadline, [&] {
@@ -131,7 +127,7 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
 
 void Pipeline::release(const Block& block) {
     if (recorder_ != nullptr) {
-        recorder_->write(block.samples);
+        recorder_->write(block.samples());
     }
     monitor_.count_dropped(block.dropped, demand_);
     frames_.send(block, demand_, monitor_.meters());

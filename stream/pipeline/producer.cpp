@@ -7,7 +7,7 @@
 
 namespace hertzline::stream {
 
-Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
+Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
                    std::optional<std::int64_t> samples, OnOverrun on_overrun)
     : source_(source),
       pacer_(pacer),
@@ -17,9 +17,16 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, std::size_t slots,
                ? origin_ + *samples
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
-      ring_(slots, [&source] { return Block{.samples = source.make_block(), .demand = {}, .account = {}}; }),
-      quarter_(std::max<std::size_t>(1, slots / 4)),
-      discarded_to_(origin_) {}
+      ring_(size.blocks,
+            [&source, small = source.format().taps - source.format().chain_taps()] {
+                return Block{.small = source.make_block(small), .demand = {}, .account = {}};
+            }),
+      chain_taps_(source.format().chain_taps()),
+      discarded_to_(origin_) {
+    for (std::size_t i = 0; i < size.chain_blocks; ++i) {
+        chain_blocks_.push_back(source.make_block(source.format().taps));
+    }
+}
 
 Producer::~Producer() {
     stop();
@@ -48,6 +55,8 @@ std::uint32_t Producer::want(TapSet taps) noexcept {
     if (taps != demand.taps) {
         demand = {taps, demand.generation + 1};
         demand_.store(demand, std::memory_order_relaxed);
+        filling_.wake_if(
+            [this] { return has_room(); });  // there may be less room for one kind than for the other
     }
     return demand.generation;
 }
@@ -57,7 +66,22 @@ void Producer::go() noexcept {
     filling_.wake();
 }
 
+std::size_t Producer::free_chain_blocks() const noexcept {
+    const std::uint64_t returned = chain_blocks_returned_.load(std::memory_order_acquire);
+    return chain_blocks_.size() - (chain_blocks_filled_.load(std::memory_order_acquire) - returned);
+}
+
+/// For the next blocks, of the kind that is wanted now.
+bool Producer::has_room() const noexcept {
+    return ring_.capacity() - ring_.size() >= quarter_of(ring_.capacity()) &&
+           (!makes_chain(demand_.load(std::memory_order_relaxed).taps) ||
+            free_chain_blocks() >= quarter_of(chain_blocks_.size()));
+}
+
 void Producer::pop() noexcept {
+    if (ring_.try_front()->chain != nullptr) {
+        chain_blocks_returned_.fetch_add(1, std::memory_order_release);
+    }
     ring_.pop();
     filling_.wake_if([this] { return has_room(); });
 }
@@ -71,10 +95,28 @@ bool Producer::wait_for_go() noexcept {
     return !stopping();
 }
 
+/// A slot with room for what is wanted now; nullptr when there is none.
+Block* Producer::try_claim() noexcept {
+    Block* const block = ring_.try_claim();
+    if (block == nullptr) {
+        return nullptr;
+    }
+    block->demand = demand_.load(std::memory_order_relaxed);
+    block->chain = nullptr;
+    if (makes_chain(block->demand.taps)) {
+        if (free_chain_blocks() == 0) {
+            return nullptr;
+        }
+        const std::uint64_t filled = chain_blocks_filled_.load(std::memory_order_relaxed);
+        block->chain = &chain_blocks_[filled % chain_blocks_.size()];
+    }
+    return block;
+}
+
 /// The slot for the next block; nullptr when the block must be discarded (its time has passed and there is no
 /// room) or the stream is stopping.
 Block* Producer::wait_for_slot(std::int64_t first, std::int64_t count) noexcept {
-    if (Block* slot = ring_.try_claim()) {
+    if (Block* slot = try_claim()) {
         return slot;
     }
     Nanoseconds deadline = never;
@@ -86,12 +128,11 @@ Block* Producer::wait_for_slot(std::int64_t first, std::int64_t count) noexcept 
         deadline = pacer_.due(due_with);
     }
     filling_.wait_until(deadline, [this] { return has_room() || stopping(); });
-    return ring_.try_claim();
+    return try_claim();
 }
 
 bool Producer::fill(Block& block, std::int64_t count) noexcept {
-    block.demand = demand_.load(std::memory_order_relaxed);
-    if (!source_.read(block.samples, static_cast<std::size_t>(count), block.demand.taps)) {
+    if (!source_.read(block.samples(), static_cast<std::size_t>(count), block.demand.taps)) {
         return false;
     }
     block.account = source_.account();
@@ -125,6 +166,9 @@ void Producer::produce() noexcept {
         if (slot != nullptr && running) {
             slot->seq = seq;
             slot->dropped = dropped;
+            if (slot->chain != nullptr) {
+                chain_blocks_filled_.fetch_add(1, std::memory_order_release);
+            }
             ring_.publish();
             emptying_.wake_if([this] { return has_enough(); });
         }

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
 #include "stream/pipeline/sleeper.hpp"
@@ -36,19 +37,23 @@ struct Demand {
 
 /// What travels through the ring.
 struct Block {
-    Samples samples;
+    Samples small;              ///< room for the taps with one channel
+    Samples* chain = nullptr;   ///< of a block that holds others, too: room for all; else there is none
     Demand demand;              ///< of the moment when it was made
     std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
     std::uint64_t dropped = 0;  ///< of the run, before this one
     SourceAccount account;
     double energy_residual = 0;
+
+    Samples& samples() noexcept { return chain != nullptr ? *chain : small; }
+    const Samples& samples() const noexcept { return chain != nullptr ? *chain : small; }
 };
 
 /// The simulating thread and the ring that it fills.
 class Producer {
 public:
     /// @param pacer says when a sample is due; started before go() @param samples unset: to the source's end
-    Producer(SampleSource& source, const Pacer& pacer, std::size_t slots, std::optional<std::int64_t> samples,
+    Producer(SampleSource& source, const Pacer& pacer, RingSize size, std::optional<std::int64_t> samples,
              OnOverrun on_overrun);
     ~Producer();
     Producer(const Producer&) = delete;
@@ -63,6 +68,10 @@ public:
     const RingBuffer<Block>& ring() const noexcept { return ring_; }
     /// The oldest block; nullptr when there is none. It stays until pop(). For one thread, as the next two.
     const Block* front() noexcept { return ring_.try_front(); }
+    /// How many blocks of its kind the ring holds.
+    std::size_t room_for(const Block& block) const noexcept {
+        return block.chain != nullptr ? chain_blocks_.size() : ring_.capacity();
+    }
     /// Gives the oldest block back.
     void pop() noexcept;
     /// Waits for a block, until the deadline or the end. Flat out it waits for several: waking up for each one costs
@@ -89,11 +98,19 @@ public:
 private:
     void produce() noexcept;
     bool wait_for_go() noexcept;
+    Block* try_claim() noexcept;
     Block* wait_for_slot(std::int64_t first, std::int64_t count) noexcept;
     bool fill(Block& block, std::int64_t count) noexcept;
     bool stopping() const noexcept { return stopping_.load(std::memory_order_relaxed); }
-    bool has_room() const noexcept { return ring_.capacity() - ring_.size() >= quarter_; }
-    bool has_enough() const noexcept { return ring_.size() >= (pacer_.flat_out() ? quarter_ : 1); }
+    bool makes_chain(TapSet taps) const noexcept { return !(taps & chain_taps_).empty(); }
+    std::size_t free_chain_blocks() const noexcept;
+    bool has_room() const noexcept;
+    bool has_enough() const noexcept {
+        return ring_.size() >= (pacer_.flat_out() ? quarter_of(ring_.capacity()) : 1);
+    }
+    /// So many of the ring's slots have to be free before it is filled again when it was full: waking up for each one
+    /// costs more than filling it.
+    static std::size_t quarter_of(std::size_t blocks) noexcept { return blocks < 4 ? 1 : blocks / 4; }
 
     SampleSource& source_;
     const Pacer& pacer_;
@@ -103,11 +120,13 @@ private:
     OnOverrun on_overrun_;
     double last_residual_ = 0;
     RingBuffer<Block> ring_;
-    /// Slots that have to be free before a full ring is filled again: waking up for each one costs more than
-    /// filling it.
-    std::size_t quarter_;
-    Sleeper filling_;   // the simulating thread waits here
-    Sleeper emptying_;  // the thread that takes the blocks
+    // Used in turn, by the blocks that hold taps of every sphere.
+    TapSet chain_taps_;
+    std::vector<Samples> chain_blocks_;
+    std::atomic<std::uint64_t> chain_blocks_filled_{0};    // written by the simulating thread
+    std::atomic<std::uint64_t> chain_blocks_returned_{0};  // written by the thread that takes the blocks
+    Sleeper filling_;                                      // the simulating thread waits here
+    Sleeper emptying_;                                     // the thread that takes the blocks
 
     std::atomic<Demand> demand_{Demand()};
     static_assert(std::atomic<Demand>::is_always_lock_free);

@@ -22,7 +22,7 @@ void StreamMonitor::count(const Block& block, Nanoseconds lateness) noexcept {
     ++meters_.frames;
     meters_.late_frames += lateness > late_after ? 1 : 0;
     meters_.largest_lateness_s = std::max(meters_.largest_lateness_s, seconds(lateness));
-    pass(block.samples.first + static_cast<std::int64_t>(block.samples.count));
+    pass(block.samples().first + static_cast<std::int64_t>(block.samples().count));
     meters_.account = block.account;
     meters_.energy_residual = block.energy_residual;
 }

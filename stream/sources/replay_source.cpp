@@ -43,10 +43,6 @@ void ReplaySource::find_columns() {
     format_.spheres = columns_[static_cast<std::size_t>(Tap::v_chain)].size();
 }
 
-Samples ReplaySource::make_block() const {
-    return {format_.taps, format_.spheres, static_cast<std::size_t>(format_.frame_samples)};
-}
-
 /// Makes sure that there is a row to hand on. False at the end and after a failure.
 bool ReplaySource::refill() noexcept {
     if (rows_left() > 0) {

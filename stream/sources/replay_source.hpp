@@ -23,7 +23,6 @@ public:
     const RecordingHead& head() const noexcept { return reader_->head(); }
 
     StreamFormat format() const override { return format_; }
-    Samples make_block() const override;
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return next_; }

@@ -24,6 +24,10 @@ struct StreamFormat {
     std::int64_t frame_samples = 0;
 
     std::size_t channels(Tap tap) const noexcept { return channels_of(tap, spheres); }
+    /// The taps with one channel per sphere.
+    TapSet chain_taps() const noexcept {
+        return taps & taps_where([](const TapRow& row) { return row.extent == Extent::per_sphere; });
+    }
 };
 
 /// Everything but the construction happens in the simulating thread.
@@ -33,8 +37,11 @@ public:
 
     virtual StreamFormat format() const = 0;
 
-    /// Room for a frame of all taps, which read() fills.
-    virtual Samples make_block() const = 0;
+    /// Room for a frame of these taps, which read() fills.
+    Samples make_block(TapSet taps) const {
+        const StreamFormat is = format();
+        return {taps & is.taps, is.spheres, static_cast<std::size_t>(is.frame_samples)};
+    }
 
     /// The next samples of the wanted taps, at most `count` and fewer only where the source has a gap; their
     /// index is in samples.first. False when there are no more, at the end or after a failure.

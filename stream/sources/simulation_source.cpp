@@ -18,10 +18,6 @@ SimulationSource::SimulationSource(const Scene& scene, TapSet always)
       always_(always & format_.taps),
       simulation_(scene, SimulationOptions{.taps = format_.taps}) {}
 
-Samples SimulationSource::make_block() const {
-    return simulation_.make_samples(static_cast<std::size_t>(format_.frame_samples));
-}
-
 bool SimulationSource::read(Samples& samples, std::size_t count, TapSet wanted) noexcept {
     return simulation_.advance(samples, count, wanted | always_) == Status::running;
 }

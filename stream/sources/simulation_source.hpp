@@ -10,11 +10,10 @@ namespace hertzline::stream {
 class SimulationSource : public SampleSource {
 public:
     /// @param scene resolved (core/step_choice/resolve.hpp)
-    /// @param always taps that are computed although nobody subscribes to them
+    /// @param always taps that are computed although nobody subscribes to them, if there is room for them
     SimulationSource(const Scene& scene, TapSet always);
 
     StreamFormat format() const override { return format_; }
-    Samples make_block() const override;
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return simulation_.next_sample(); }

@@ -16,10 +16,6 @@ public:
 
     stream::StreamFormat format() const override { return format_; }
 
-    Samples make_block() const override {
-        return {format_.taps, format_.spheres, static_cast<std::size_t>(format_.frame_samples)};
-    }
-
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override {
         samples.first = next_;
         samples.count = std::min(count, static_cast<std::size_t>(end_ - next_));

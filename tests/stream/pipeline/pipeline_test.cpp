@@ -15,6 +15,7 @@
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/counting_source.hpp"
 
 namespace hertzline::test {
 
@@ -227,6 +228,19 @@ TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
     Simulation simulation(stream.scene);
     simulation.skip(10'000);
     EXPECT_EQ(meters.account.steps, simulation.steps());
+}
+
+TEST(Pipeline, DiscardsNothingOfALongChainWhoseSpheresNobodyWants) {
+    CountingSource source(
+        {.taps = everything, .spheres = 1500, .sample_rate_hz = 1e7, .frame_samples = 1024});
+    Publisher publisher("tcp://127.0.0.1:*");
+    Pipeline pipeline(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher, nullptr);
+    const std::atomic<bool> stop{false};
+    const StreamMeters meters = pipeline.run(stop, {.progress = [](const StreamMeters&) {},
+                                                    .warn = [](const std::string&) {},
+                                                    .summary = [](const StreamMeters&) { return "{}"; }});
+    // None on a machine that is not loaded. It was every second one.
+    EXPECT_LT(meters.dropped_frames, meters.frames / 10);
 }
 
 TEST(Pipeline, StopsWhenAsked) {

@@ -18,6 +18,7 @@ using namespace stream;
 namespace {
 
 constexpr std::size_t slots = 4;
+constexpr RingSize four{.blocks = slots};
 constexpr StreamFormat format{
     .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e6, .frame_samples = 10};
 
@@ -51,7 +52,7 @@ std::vector<Block> drained(Producer& producer) {
 TEST(Producer, DiscardsAndCountsWhatIsLateWhileTheRingIsFull) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
-    Producer producer(source, pacer, slots, 1000, OnOverrun::drop);
+    Producer producer(source, pacer, four, 1000, OnOverrun::drop);
     producer.want(format.taps);
     producer.start({});
     producer.go();
@@ -64,7 +65,7 @@ TEST(Producer, DiscardsAndCountsWhatIsLateWhileTheRingIsFull) {
 TEST(Producer, NumbersGoOnPastWhatWasDiscarded) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
-    Producer producer(source, pacer, slots, 1'000'000, OnOverrun::drop);
+    Producer producer(source, pacer, four, 1'000'000, OnOverrun::drop);
     producer.want(format.taps);
     producer.start({});
     producer.go();
@@ -75,8 +76,8 @@ TEST(Producer, NumbersGoOnPastWhatWasDiscarded) {
     ASSERT_GT(blocks.size(), slots);
     EXPECT_GE(blocks[slots].dropped, 10U);
     for (const Block& block : blocks) {
-        EXPECT_EQ(block.samples.first, static_cast<std::int64_t>(block.seq) * format.frame_samples);
-        EXPECT_EQ(block.samples[Tap::v_out][0], static_cast<double>(block.samples.first));
+        EXPECT_EQ(block.samples().first, static_cast<std::int64_t>(block.seq) * format.frame_samples);
+        EXPECT_EQ(block.samples()[Tap::v_out][0], static_cast<double>(block.samples().first));
     }
     EXPECT_EQ(blocks.size() + producer.dropped(), 100'000U);
 }
@@ -84,7 +85,7 @@ TEST(Producer, NumbersGoOnPastWhatWasDiscarded) {
 TEST(Producer, WaitsRatherThanDiscardWhenToldSo) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
-    Producer producer(source, pacer, slots, 1000, OnOverrun::wait);
+    Producer producer(source, pacer, four, 1000, OnOverrun::wait);
     producer.start({});
     producer.go();
     MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(20));
@@ -97,22 +98,22 @@ TEST(Producer, WaitsRatherThanDiscardWhenToldSo) {
 TEST(Producer, EndsWithTheSource) {
     CountingSource source(format, 55);
     const Pacer pacer = long_ago();
-    Producer producer(source, pacer, slots, std::nullopt, OnOverrun::wait);
+    Producer producer(source, pacer, four, std::nullopt, OnOverrun::wait);
     producer.start({});
     producer.go();
     const std::vector<Block> blocks = drained(producer);
     ASSERT_EQ(blocks.size(), 6U);
-    EXPECT_EQ(blocks.back().samples.count, 5U);
+    EXPECT_EQ(blocks.back().samples().count, 5U);
 }
 
 TEST(Producer, StopsWhileItWaitsForASlotAndBeforeItBegan) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
-    Producer waiting(source, pacer, slots, std::nullopt, OnOverrun::wait);
+    Producer waiting(source, pacer, four, std::nullopt, OnOverrun::wait);
     waiting.start({});
     waiting.stop();
     EXPECT_EQ(source.next_sample(), 0);
-    Producer full(source, pacer, slots, std::nullopt, OnOverrun::wait);
+    Producer full(source, pacer, four, std::nullopt, OnOverrun::wait);
     full.start({});
     full.go();
     while (full.ring().size() < slots) {
@@ -142,7 +143,7 @@ TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
     constexpr std::size_t many = 64;
     CountingSource source(format);
     const Pacer pacer = long_ago();
-    Producer producer(source, pacer, many, std::nullopt, OnOverrun::wait);
+    Producer producer(source, pacer, {.blocks = many}, std::nullopt, OnOverrun::wait);
     producer.start({});
     producer.go();
     const auto full = [&] { return producer.ring().size() == many; };
@@ -159,10 +160,38 @@ TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
     EXPECT_TRUE(eventually(full));
 }
 
+TEST(Producer, HasRoomOfItsOwnForBlocksWithEverySphere) {
+    const StreamFormat chain{
+        .taps = TapSet(Tap::v_out) | Tap::v_chain, .spheres = 3, .sample_rate_hz = 1e6, .frame_samples = 10};
+    CountingSource source(chain);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, {.blocks = 40, .chain_blocks = 4}, 1000, OnOverrun::wait);
+    producer.want(chain.taps);
+    producer.start({});
+    producer.go();
+    EXPECT_TRUE(eventually([&] { return producer.ring().size() == 4; }));
+    producer.want(TapSet(Tap::v_out));  // wakes it up: of these there is room for more
+    EXPECT_TRUE(eventually([&] { return producer.ring().size() == 40; }));
+    producer.want(chain.taps);
+    std::int64_t next = 0;
+    while (const Block* block = producer.front()) {
+        const Samples& samples = block->samples();
+        EXPECT_EQ(samples.first, next);
+        next += static_cast<std::int64_t>(samples.count);
+        for (const Tap tap : block->demand.taps) {
+            EXPECT_EQ(samples[tap].size(), samples.count * chain.channels(tap));
+            EXPECT_EQ(samples[tap].back(), static_cast<double>(next - 1));
+        }
+        producer.pop();
+        producer.wait_for_block(MonotonicClock::now() + std::chrono::seconds(60));
+    }
+    EXPECT_EQ(next, 1000);
+}
+
 TEST(Producer, TellsWhichThreadOptionsTheSystemRefusesAndGoesOn) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
-    Producer producer(source, pacer, slots, 1000, OnOverrun::wait);
+    Producer producer(source, pacer, four, 1000, OnOverrun::wait);
     producer.want(format.taps);
     // granted or not, by whoever runs the tests
     for (const std::string& refused : producer.start({.realtime_priority = true, .cpu = 0})) {

@@ -73,7 +73,7 @@ TEST(ReplaySource, ColumnsBecomeTheStreamsOfTheirName) {
     ReplaySource replay = source(outputs, {counted(0, 25, 5)});
     EXPECT_EQ(replay.format().taps, TapSet(Tap::v_last) | Tap::v_chain);
     EXPECT_EQ(replay.format().spheres, 2U);
-    Samples samples = replay.make_block();
+    Samples samples = replay.make_block(replay.format().taps);
     ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_EQ(samples.count, 10U);
     EXPECT_EQ(samples[Tap::v_last][9], 9.0);
@@ -83,7 +83,7 @@ TEST(ReplaySource, ColumnsBecomeTheStreamsOfTheirName) {
 
 TEST(ReplaySource, FramesAreFullUntilTheEnd) {
     ReplaySource replay = source(outputs, {counted(0, 25, 5)});
-    Samples samples = replay.make_block();
+    Samples samples = replay.make_block(replay.format().taps);
     std::vector<std::size_t> counts;
     while (replay.read(samples, 10, replay.format().taps)) {
         counts.push_back(samples.count);
@@ -96,7 +96,7 @@ TEST(ReplaySource, FramesAreFullUntilTheEnd) {
 TEST(ReplaySource, AFrameEndsAtAGapAndTheIndicesJump) {
     ReplaySource replay = source(outputs, {counted(100, 13, 5), counted(1000, 4, 5)});
     EXPECT_EQ(replay.next_sample(), 100);
-    Samples samples = replay.make_block();
+    Samples samples = replay.make_block(replay.format().taps);
     std::vector<std::pair<std::int64_t, std::size_t>> frames;
     while (replay.read(samples, 10, replay.format().taps)) {
         frames.emplace_back(samples.first, samples.count);
@@ -124,7 +124,7 @@ TEST(ReplaySource, SkippingGoesByTheIndexGapsIncluded) {
     EXPECT_TRUE(replay.skip(12));
     EXPECT_EQ(replay.next_sample(), 12);
     EXPECT_TRUE(replay.skip(43));
-    Samples samples = replay.make_block();
+    Samples samples = replay.make_block(replay.format().taps);
     ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_EQ(samples.first, 55);
     EXPECT_EQ(samples[Tap::v_last][0], 55.0);
@@ -144,7 +144,7 @@ TEST(ReplaySource, AnEmptyRecordingIsRefused) {
 
 TEST(ReplaySource, DamageEndsTheStreamWithItsReason) {
     ReplaySource replay = source(outputs, {counted(0, 13, 5)}, true);
-    Samples samples = replay.make_block();
+    Samples samples = replay.make_block(replay.format().taps);
     EXPECT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_EQ(samples.count, 3U);

@@ -1,0 +1,40 @@
+#include "stream/pipeline/capacity.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hertzline::test {
+
+using namespace stream;
+namespace {
+
+StreamFormat chain_of(std::size_t spheres) {
+    return {.taps = streamed_taps(EndKind::plate),
+            .spheres = spheres,
+            .sample_rate_hz = 1e7,
+            .frame_samples = 1024};
+}
+
+TEST(RingSize, LastsFiftyMillisecondsHoweverLongTheChain) {
+    for (const std::size_t spheres : {1U, 6U, 1000U, 10'000U}) {
+        const RingSize size = ring_size(chain_of(spheres), Pace::realtime());
+        EXPECT_NEAR(static_cast<double>(size.blocks) * 1024 / 1e7, 0.05, 1e-3) << spheres;
+        EXPECT_LE(size.chain_blocks, size.blocks);
+        EXPECT_GE(size.chain_blocks, 4U);
+    }
+}
+
+TEST(RingSize, HasNoRoomForSpheresWhereNoTapHasThem) {
+    StreamFormat format = chain_of(1000);
+    format.taps = TapSet(Tap::v_out);
+    EXPECT_EQ(ring_size(format, Pace::realtime()).chain_blocks, 0U);
+}
+
+TEST(SamplesPerRelease, AreAMillisecondUnlessTheRingIsTooShort) {
+    EXPECT_EQ(samples_per_release(chain_of(1), Pace::realtime(), 488), 10'000U);
+    EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(0.1), 488), 1000U);
+    EXPECT_EQ(samples_per_release(chain_of(1), Pace::realtime(), 4), 1024U);
+    EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(1e-6), 4), 1U);
+}
+
+}  // namespace
+}  // namespace hertzline::test
