@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "apps/command.hpp"
@@ -58,6 +59,15 @@ void occupy_closed_standard_streams() {
         if (::fcntl(stream, F_GETFD) < 0) {
             ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest number
         }
+    }
+}
+
+/// Each client takes one, and many systems allow 1024 unless a program asks for more.
+void ask_for_all_descriptors() {
+    rlimit descriptors{};
+    if (::getrlimit(RLIMIT_NOFILE, &descriptors) == 0) {
+        descriptors.rlim_cur = descriptors.rlim_max;
+        ::setrlimit(RLIMIT_NOFILE, &descriptors);
     }
 }
 
@@ -149,6 +159,7 @@ Exit run_guarded(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     hertzline::app::occupy_closed_standard_streams();
+    hertzline::app::ask_for_all_descriptors();
     hertzline::app::send_messages_to_stderr();
     return static_cast<int>(hertzline::app::run_guarded(argc, argv));
 }

@@ -56,7 +56,9 @@ set(stream_headers
   stream/recordings/row_builder.hpp
   stream/run_id.hpp
   stream/wire/multipart.hpp
+  stream/wire/security/connections.hpp
   stream/wire/security/curve.hpp
+  stream/wire/socket_monitor.hpp
   stream/wire/security/peer_quota.hpp
   stream/wire/security/zap.hpp
   stream/wire/subscriptions.hpp

@@ -1,5 +1,6 @@
 #include "apps/commands/publish_session.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -7,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
@@ -31,6 +33,14 @@ std::optional<std::int64_t> samples_of(std::optional<double> duration_s, double 
                         *duration_s, samples, max_samples));
     }
     return static_cast<std::int64_t>(std::max(1.0, samples));
+}
+
+/// Connections that leave enough descriptors for files and for ZeroMQ.
+int most_clients() {
+    constexpr rlim_t others = 40;
+    rlimit descriptors{};
+    getrlimit(RLIMIT_NOFILE, &descriptors);
+    return static_cast<int>(std::clamp<rlim_t>(descriptors.rlim_cur, others + 1, 1 << 20) - others);
 }
 
 /// Where a listener on this machine connects; on others the host's name takes the place of 127.0.0.1.
@@ -101,6 +111,16 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
                                         {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
                 .description(""))
         ->type_name("WORD");
+    app.add_option(
+           "--queue-memory", request.queue_bytes,
+           "memory for what slow subscribers have not taken yet, all together, as 200MiB (default: an "
+           "eighth of what is available, at most 1GiB)")
+        ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+        ->type_name("BYTES");
+    app.add_option(
+           "--max-clients", request.max_clients,
+           "connections at a time (default: 64); at the limit those that subscribe to nothing go first")
+        ->type_name("N");
     app.add_flag("--realtime-priority", request.thread.realtime_priority,
                  "run the simulating thread with real-time priority, and keep memory from being swapped");
     app.add_option("--cpu", request.thread.cpu, "run the simulating thread on this processor only")
@@ -114,6 +134,14 @@ std::optional<stream::CurveServer> checked_curve(const PublishRequest& request) 
     }
     if (request.duration_s) {
         require_positive("--duration", *request.duration_s);
+    }
+    if (request.max_clients && (*request.max_clients < 1 || *request.max_clients > most_clients())) {
+        throw WrongUse(fmt::format(
+            "--max-clients: found {}, allowed: 1 to {}, of the descriptors that this process may have",
+            *request.max_clients, most_clients()));
+    }
+    if (request.queue_bytes && *request.queue_bytes == 0) {
+        throw WrongUse("--queue-memory: found 0, allowed: more");
     }
     if (const auto fault = request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt) {
         throw WrongUse("--cpu: " + *fault);
@@ -134,11 +162,20 @@ stream::StreamOptions stream_options(const PublishRequest& request, double sampl
             .thread = request.thread};
 }
 
-stream::PublisherOptions publisher_options(const stream::StreamFormat& format,
+stream::PublisherOptions publisher_options(const PublishRequest& request, const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve) {
-    stream::PublisherOptions options = stream::publisher_options(format);
+    stream::PublisherOptions options;
+    options.queue_bytes =
+        request.queue_bytes ? static_cast<double>(*request.queue_bytes) : stream::usual_queue_bytes();
+    options.max_clients = request.max_clients.value_or(std::min(options.max_clients, most_clients()));
+    options.largest_message = stream::largest_frame_bytes(format);
     options.curve = std::move(curve);
     return options;
+}
+
+double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
+                    const stream::PublisherOptions& options) noexcept {
+    return stream::ring_bytes(format, pace) + stream::most_queued_bytes(options);
 }
 
 void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,

@@ -23,6 +23,8 @@ struct PublishRequest {
     std::optional<double> duration_s;
     stream::StreamStart start = stream::StreamStart::at_once;
     std::optional<stream::OnOverrun> on_overrun;
+    std::optional<std::uint64_t> queue_bytes;
+    std::optional<int> max_clients;
     stream::ThreadOptions thread;
     Format format = Format::text;
 };
@@ -38,8 +40,12 @@ std::optional<stream::CurveServer> checked_curve(const PublishRequest& request);
 stream::StreamOptions stream_options(const PublishRequest& request, double sample_rate_hz,
                                      stream::OnOverrun on_overrun);
 
-stream::PublisherOptions publisher_options(const stream::StreamFormat& format,
+stream::PublisherOptions publisher_options(const PublishRequest& request, const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve);
+
+/// Ring and queues, at most [bytes].
+double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
+                    const stream::PublisherOptions& options) noexcept;
 
 /// Publishes to the end, shows progress and warnings, and prints the summary, to which `add` adds what only
 /// the caller knows.

@@ -9,7 +9,6 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/pipeline/capacity.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/resources.hpp"
@@ -84,13 +83,13 @@ Exit replay(const ReplayArguments& arguments) {
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
-    if (const auto shortage = stream::memory_shortage("replaying " + arguments.file,
-                                                      stream::ring_bytes(source.format(), options.pace))) {
+    const stream::PublisherOptions publishing = publisher_options(arguments.publish, source.format(), curve);
+    if (const auto shortage = stream::memory_shortage(
+            "replaying " + arguments.file, stream_bytes(source.format(), options.pace, publishing))) {
         throw std::runtime_error(*shortage);
     }
     stop_asked();
-    stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics,
-                                publisher_options(source.format(), curve));
+    stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
     stream::Pipeline pipeline(options, source, publisher, nullptr);
     publish_to_the_end(pipeline, publisher, line, arguments.publish.format,

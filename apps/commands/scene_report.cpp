@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "apps/commands/preflight.hpp"
+#include "apps/commands/publish_session.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/coupling.hpp"
@@ -16,7 +17,6 @@
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
-#include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/sources/simulation_source.hpp"
@@ -176,9 +176,12 @@ void add_costs(Report& report, const Scene& scene) {
     report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
     report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",
                       csv_bytes(recorded | Tap::v_chain | Tap::x_chain)});
-    report.push_back({"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
-                      stream::SimulationSource::memory_bytes(scene) +
-                          stream::ring_bytes(stream::SimulationSource::format_of(scene))});
+    report.push_back(
+        {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
+         stream::SimulationSource::memory_bytes(scene) +
+             stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
+                          publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
+                                            std::nullopt))});
     report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 

@@ -15,7 +15,6 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
-#include "stream/pipeline/capacity.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/row_builder.hpp"
@@ -43,9 +42,9 @@ struct StreamArguments {
 };
 
 void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
-                      const stream::StreamOptions& options) {
+                      const stream::StreamOptions& options, const stream::PublisherOptions& publishing) {
     const double memory = stream::SimulationSource::memory_bytes(scene) +
-                          stream::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
+                          stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
@@ -71,12 +70,13 @@ Exit stream(const StreamArguments& arguments) {
         stream_options(arguments.publish, rate,
                        arguments.recordings.empty() ? stream::OnOverrun::drop : stream::OnOverrun::wait);
     options.about = about(resolved, options.run);
-    refuse_shortages(arguments, scene, options);
+    const stream::PublisherOptions publishing =
+        publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), curve);
+    refuse_shortages(arguments, scene, options, publishing);
     stop_asked();  // from here on there are files to be cleaned up
     const TapSet recorded = recorded_taps(scene.end.kind);
     stream::SimulationSource source(scene, arguments.recordings.empty() ? TapSet() : recorded);
-    stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics,
-                                publisher_options(source.format(), curve));
+    stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
     stream::RecordingSet recordings(
         arguments.recordings,

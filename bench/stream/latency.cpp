@@ -93,7 +93,9 @@ struct Measured {
 
 Measured stream(const Scene& scene, Tap tap, double seconds) {
     SimulationSource source(scene, TapSet());
-    Publisher publisher("tcp://127.0.0.1:*", all_topics, publisher_options(source.format()));
+    Publisher publisher(
+        "tcp://127.0.0.1:*", all_topics,
+        {.queue_bytes = usual_queue_bytes(), .largest_message = largest_frame_bytes(source.format())});
     Pipeline pipeline({.about = nlohmann::ordered_json::object(),
                        .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
                        .start = StreamStart::with_first_subscriber},

@@ -105,10 +105,14 @@ Received measure(const std::string& endpoint, std::string_view topic, double sec
     return received;
 }
 
+PublisherOptions queues(const StreamFormat& format) {
+    return {.queue_bytes = usual_queue_bytes(), .largest_message = largest_frame_bytes(format)};
+}
+
 double ours(std::int64_t frame_samples, std::string_view topic, double seconds) {
     StillSource source(
         {.taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples});
-    PublisherOptions options = publisher_options(source.format());
+    PublisherOptions options = queues(source.format());
     options.linger = std::chrono::milliseconds(0);
     Publisher publisher(any_port, all_topics, options);
     Pipeline pipeline({.about = nlohmann::ordered_json::object(),
@@ -129,7 +133,7 @@ double plain(std::int64_t frame_samples, double seconds) {
         .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples};
     zmq::context_t context;
     zmq::socket_t socket(context, zmq::socket_type::pub);
-    socket.set(zmq::sockopt::sndhwm, publisher_options(format).send_high_water_mark);
+    socket.set(zmq::sockopt::sndhwm, queue_length(queues(format)));
     socket.set(zmq::sockopt::linger, 0);
     socket.bind(any_port);
     const std::vector<float> frame(static_cast<std::size_t>(frame_samples), 1.0F);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "stream/resources.hpp"
+
 namespace hertzline::stream {
 
 namespace {
@@ -55,15 +57,15 @@ double ring_bytes(const StreamFormat& format, Pace pace) noexcept {
                : small + blocks_with(format.taps, format, pace) * block_bytes(format, format.taps);
 }
 
-PublisherOptions publisher_options(const StreamFormat& format) noexcept {
-    constexpr double max_queued_bytes = 512.0 * 1024 * 1024;  // for one subscriber that does not keep up
-    const double largest_frame = static_cast<double>(format.frame_samples) *
-                                 static_cast<double>(std::max<std::size_t>(1, format.spheres)) *
-                                 sizeof(float);
-    PublisherOptions options;
-    options.send_high_water_mark =
-        static_cast<int>(std::clamp(max_queued_bytes / largest_frame, 16.0, 65536.0));
-    return options;
+double largest_frame_bytes(const StreamFormat& format) noexcept {
+    return static_cast<double>(format.frame_samples) *
+           static_cast<double>(std::max<std::size_t>(1, format.spheres)) * sizeof(float);
+}
+
+double usual_queue_bytes() {
+    constexpr double most = 1024.0 * 1024 * 1024;
+    const auto available = available_memory_bytes();
+    return available ? std::min(most, static_cast<double>(*available) / 8) : most;
 }
 
 }  // namespace hertzline::stream

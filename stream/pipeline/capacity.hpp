@@ -6,7 +6,6 @@
 
 #include "stream/pipeline/pacer.hpp"
 #include "stream/sources/sample_source.hpp"
-#include "stream/wire/publisher.hpp"
 
 namespace hertzline::stream {
 
@@ -27,8 +26,10 @@ std::uint64_t samples_per_release(const StreamFormat& format, Pace pace, std::si
 /// Bytes of the ring.
 double ring_bytes(const StreamFormat& format, Pace pace = Pace::realtime()) noexcept;
 
-/// How long a queue the publisher shall keep for a slow subscriber: half a second of the small streams, and at
-/// most half a GiB of the large ones.
-PublisherOptions publisher_options(const StreamFormat& format) noexcept;
+/// Bytes of the largest frame.
+double largest_frame_bytes(const StreamFormat& format) noexcept;
+
+/// Memory for the queues of slow subscribers when the user does not say: an eighth of what is available, at most 1 GiB.
+double usual_queue_bytes();
 
 }  // namespace hertzline::stream

@@ -17,9 +17,9 @@ void add(TopicCount& count, bool sent) noexcept {
 }
 
 /// The samples of a tap as they go on the wire.
-zmq::message_t payload_of(const Block& block, Tap tap) {
+zmq::message_t payload_of(Publisher& publisher, const Block& block, Tap tap) {
     const std::span<const double> values = block.samples()[tap];
-    zmq::message_t payload(values.size() * sizeof(float));
+    zmq::message_t payload = publisher.payload(values.size() * sizeof(float));
     if (to_float32(values, {payload.data<float>(), values.size()}) != 0) {
         throw std::runtime_error("a sample of " + std::string(row_of(tap).name) + " does not fit float32");
     }
@@ -43,7 +43,7 @@ FrameSender::FrameSender(Publisher& publisher, const StreamFormat& format, const
 
 void FrameSender::send(const Block& block, const TopicDemand& demand, StreamMeters& meters) {
     for (const Tap tap : demand.met_by(block.demand)) {
-        zmq::message_t payload = payload_of(block, tap);
+        zmq::message_t payload = payload_of(publisher_, block, tap);
         if (demand.raw().contains(tap)) {
             add(meters.raw(tap), publisher_.send_frame(topics_of(tap).raw, shared(payload)));
         }

@@ -154,7 +154,7 @@ void Pipeline::report(Nanoseconds now) {
         }
         if (publisher_.wanted(meters_topic)) {
             producer_.want_residual();
-            publisher_.send(meters_topic, meters_json(monitor_.meters(), format_.taps, options_.run));
+            publisher_.send_text(meters_topic, meters_json(monitor_.meters(), format_.taps, options_.run));
         }
         events_->progress(monitor_.meters());
     }
@@ -167,7 +167,7 @@ void Pipeline::report(Nanoseconds now) {
 }
 
 void Pipeline::send_meta() {
-    publisher_.send(meta_topic, meta_json(options_, format_));
+    publisher_.send_text(meta_topic, meta_json(options_, format_));
 }
 
 }  // namespace hertzline::stream

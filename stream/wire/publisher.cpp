@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
+#include <new>
 #include <stdexcept>
 #include <thread>
 
@@ -28,11 +30,45 @@ std::string bind_failure(const std::string& endpoint, const zmq::error_t& error)
     }
 }
 
+/// What a message of so many bytes takes: header and topic, and what allocators add.
+double bytes_with_all(double message) noexcept {
+    return 1024 + 1.25 * message;
+}
+
+/// Stands in front of a payload.
+struct alignas(std::max_align_t) Buffer {
+    std::atomic<std::size_t>* queued;
+    std::size_t bytes;
+};
+
+/// Called by ZeroMQ, in any thread, when the last subscriber has been sent it.
+void give_back(void* /*data*/, void* hint) {
+    auto* const buffer = static_cast<Buffer*>(hint);
+    buffer->queued->fetch_sub(buffer->bytes, std::memory_order_relaxed);
+    std::free(buffer);
+}
+
 }  // namespace
+
+int queue_length(const PublisherOptions& options) noexcept {
+    constexpr double in_a_pipe = 3 * 64;  // of the three parts of a message
+    const double by_size = options.queue_bytes / 2 / bytes_with_all(options.largest_message);
+    const double by_number = options.queue_bytes / 4 / (options.max_clients * in_a_pipe);
+    return static_cast<int>(
+        std::clamp(std::min(by_size, by_number), 1.0, static_cast<double>(options.max_queue_length)));
+}
+
+double most_queued_bytes(const PublisherOptions& options) noexcept {
+    // Beside the queues a message is on its way to each.
+    return options.queue_bytes + options.max_clients * bytes_with_all(options.largest_message);
+}
 
 Publisher::Publisher(const std::string& endpoint, std::span<const std::string_view> topics,
                      const PublisherOptions& options)
-    : socket_(context_, zmq::socket_type::xpub), linger_(options.linger), subscriptions_(topics) {
+    : options_(options),
+      socket_(context_, zmq::socket_type::xpub),
+      connections_(context_, socket_, static_cast<std::size_t>(options.max_clients)),
+      subscriptions_(topics) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
         throw std::runtime_error(*fault);
     }
@@ -44,7 +80,7 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
         gate_.emplace(context_, options.curve->clients);
         encrypt_as_server(socket_, options.curve->own);
     }
-    set_options(endpoint, options);
+    set_options(endpoint);
     try {
         socket_.bind(bind_address(endpoint));
     } catch (const zmq::error_t& error) {
@@ -53,24 +89,24 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
     endpoint_ = socket_.get(zmq::sockopt::last_endpoint);
 }
 
-void Publisher::set_options(const std::string& endpoint, const PublisherOptions& options) {
-    socket_.set(zmq::sockopt::sndhwm, options.send_high_water_mark);
-    socket_.set(zmq::sockopt::linger, static_cast<int>(options.linger.count()));
+void Publisher::set_options(const std::string& endpoint) {
+    socket_.set(zmq::sockopt::sndhwm, queue_length(options_));
+    socket_.set(zmq::sockopt::linger, static_cast<int>(options_.linger.count()));
     // Tells of every subscriber, not of a topic's first one only: each has to be sent the meta message.
     socket_.set(zmq::sockopt::xpub_verbose, true);
     // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake
     // of CURVE counts, too: its longest command has 257 bytes and what the peer says of itself.
-    socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options.curve ? 1024 : 256});
+    socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options_.curve ? 1024 : 256});
     // A flood of them waits at the peer that sends it. A receiving call takes in all that has arrived and
     // what arrives meanwhile: with a longer queue it would not return before the flood ends.
     socket_.set(zmq::sockopt::rcvhwm, 1);
     socket_.set(zmq::sockopt::rcvbuf, 16 * 1024);
-    socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options.handshake.count()));
+    socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options_.handshake.count()));
     // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
     socket_.set(zmq::sockopt::backlog, 128);
     // A frozen peer is left to the system to notice. ZeroMQ's heartbeats would, too, but (4.3.4) end the whole
     // program when one is due on a connection that broke while its subscriptions still waited to be read.
-    socket_.set(zmq::sockopt::tcp_maxrt, static_cast<int>(options.unread.count()));
+    socket_.set(zmq::sockopt::tcp_maxrt, static_cast<int>(options_.unread.count()));
     // The same for one that nothing is sent to.
     socket_.set(zmq::sockopt::tcp_keepalive, 1);
     socket_.set(zmq::sockopt::tcp_keepalive_idle, 60);
@@ -82,6 +118,7 @@ void Publisher::set_options(const std::string& endpoint, const PublisherOptions&
 std::size_t Publisher::poll_subscriptions() {
     constexpr int max_per_call = 1000;
     std::size_t subscribed = 0;
+    connections_.update();
     for (int i = 0; i < max_per_call; ++i) {
         if (zmq_msg_recv(incoming_.handle(), socket_.handle(), ZMQ_DONTWAIT) < 0) {
             break;  // nothing more, or a signal came: the rest is taken in by the next call
@@ -90,6 +127,7 @@ std::size_t Publisher::poll_subscriptions() {
         switch (subscriptions_.apply({data, incoming_.size()})) {
             case Subscriptions::Change::subscribed:
                 ++subscribed;
+                connections_.note_subscriber(zmq_msg_get(incoming_.handle(), ZMQ_SRCFD));
                 break;
             case Subscriptions::Change::unsubscribed:
                 break;
@@ -99,18 +137,52 @@ std::size_t Publisher::poll_subscriptions() {
                 break;
         }
     }
+    keep_queues_within_memory();
     return subscribed;
+}
+
+/// Which subscriber a message waits for, ZeroMQ does not tell. But one whose connection takes nothing is behind.
+void Publisher::keep_queues_within_memory() {
+    const auto queued = static_cast<double>(queued_.load(std::memory_order_relaxed));
+    if (queued < options_.queue_bytes / 4) {
+        connections_.forget_slow_ones();
+        return;
+    }
+    constexpr std::chrono::milliseconds to_take_effect{20};
+    const auto now = std::chrono::steady_clock::now();
+    connections_.look_for_slow_ones(now);
+    if (queued > options_.queue_bytes / 4 * 3 && now - last_cut_ > to_take_effect) {
+        connections_.cut_off_the_slowest(now);
+        last_cut_ = now;
+    }
+}
+
+zmq::message_t Publisher::payload(std::size_t bytes) {
+    const auto whole = static_cast<std::size_t>(bytes_with_all(static_cast<double>(bytes)));
+    void* const memory = std::malloc(sizeof(Buffer) + bytes);
+    if (memory == nullptr) {
+        throw std::bad_alloc();
+    }
+    auto* const buffer = new (memory) Buffer{&queued_, whole};
+    queued_.fetch_add(whole, std::memory_order_relaxed);
+    return {buffer + 1, bytes, give_back, buffer};
+}
+
+bool Publisher::send_text(std::string_view topic, std::string_view text) {
+    zmq::message_t message = payload(text.size());
+    std::ranges::copy(text, message.data<char>());
+    return send_frame(topic, std::move(message));
 }
 
 void Publisher::send_last(std::string_view topic, std::string_view text) {
     using Clock = std::chrono::steady_clock;
     constexpr std::chrono::milliseconds period{100};
     constexpr std::chrono::milliseconds nap{5};  // a subscriber that has it leaves, then nobody is waited for
-    const Clock::time_point end = Clock::now() + linger_;
+    const Clock::time_point end = Clock::now() + options_.linger;
     Clock::time_point next = Clock::now();
     do {
         if (Clock::now() >= next) {
-            send(topic, text);
+            send_text(topic, text);
             next += period;
         }
         std::this_thread::sleep_for(nap);

@@ -6,6 +6,7 @@
 // inside the frames tell a listener what it has missed; nothing here can.
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +20,7 @@
 #include <zmq.hpp>
 
 #include "stream/wire/multipart.hpp"
+#include "stream/wire/security/connections.hpp"
 #include "stream/wire/security/curve.hpp"
 #include "stream/wire/security/peer_quota.hpp"
 #include "stream/wire/security/zap.hpp"
@@ -29,9 +31,14 @@ namespace hertzline::stream {
 
 /// Limits and keys of a publisher.
 struct PublisherOptions {
-    /// Messages that wait for a slow subscriber before it loses some. Memory: this times a frame's size, for
-    /// each subscriber. At 10 000 frames a second 4096 outlast a hiccup of 0.4 s.
-    int send_high_water_mark = 4096;
+    /// Memory that the queues of all slow subscribers together may take [bytes].
+    double queue_bytes = 256.0 * 1024 * 1024;
+    /// Of the messages [bytes].
+    double largest_message = 4096;
+    /// Connections at a time. At the limit those that have subscribed to nothing go first.
+    int max_clients = 64;
+    /// Messages that wait for a slow subscriber before it loses some, whatever queue_length() says.
+    int max_queue_length = 65536;
     /// How long send_last() and the destructor together wait for subscribers to take what was sent last. With all
     /// the rest it is to stay below the second in which Ctrl-C ends a stream.
     std::chrono::milliseconds linger{600};
@@ -44,6 +51,13 @@ struct PublisherOptions {
     /// Encrypts, and lets in those who are listed; unset: plain, for whoever can reach the endpoint.
     std::optional<CurveServer> curve{};
 };
+
+/// Messages that may wait for one subscriber, at least one. So many of the largest ones fill half of the memory for
+/// all queues. What ZeroMQ itself needs for so many messages to every client fills a quarter.
+int queue_length(const PublisherOptions& options) noexcept;
+
+/// Memory that the queues take at most [bytes].
+double most_queued_bytes(const PublisherOptions& options) noexcept;
 
 /// An XPUB socket that is bound to one endpoint.
 class Publisher {
@@ -76,13 +90,19 @@ public:
         return send_parts(socket_, message);
     }
 
-    /// The same with a payload that is a message of ZeroMQ's already: it is handed over, not copied.
+    /// Room for a payload, to be written and handed to send_frame(). It is counted for as long as it waits in a queue.
+    zmq::message_t payload(std::size_t bytes);
+
+    /// The same with a payload(), which is handed over, not copied.
     bool send_frame(std::string_view topic, zmq::message_t payload) noexcept {
         return send_parts(socket_, std::array{bytes_of(topic)}, std::move(payload));
     }
     bool send_frame(std::string_view topic, std::string_view header, zmq::message_t payload) noexcept {
         return send_parts(socket_, std::array{bytes_of(topic), bytes_of(header)}, std::move(payload));
     }
+
+    /// Sends a text, counted as a payload is.
+    bool send_text(std::string_view topic, std::string_view text);
 
     /// Sends the last message of all. A subscriber whose queue is full does not get it, and nothing tells of that, so it
     /// is sent again every 100 ms while somebody subscribes to the topic, for as long as the publisher may linger.
@@ -100,12 +120,16 @@ private:
         static_assert(!std::is_array_v<Part>, "a literal has a NUL at its end: pass a std::string_view");
         return std::as_bytes(std::span(part));
     }
-    void set_options(const std::string& endpoint, const PublisherOptions& options);
+    void set_options(const std::string& endpoint);
+    void keep_queues_within_memory();
 
+    PublisherOptions options_;
+    std::atomic<std::size_t> queued_{0};  // bytes of payloads that ZeroMQ has; outlives the context
     zmq::context_t context_;
     std::optional<ZapHandler> gate_;  // before the socket, which nobody may reach without it
     zmq::socket_t socket_;
-    std::chrono::milliseconds linger_;
+    Connections connections_;
+    std::chrono::steady_clock::time_point last_cut_{};
     Subscriptions subscriptions_;
     PeerQuota quota_{100};  // far more than any client has use for
     std::string endpoint_;

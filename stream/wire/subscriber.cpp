@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cassert>
-#include <cstring>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -15,6 +14,9 @@ namespace hertzline::stream {
 namespace {
 
 constexpr std::chrono::hours longest{24};  // milliseconds::max() would overflow the clock
+
+constexpr int failed_handshakes = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
 
 /// What a monitor's event of a failed handshake means for the user.
 Refusal refusal_of(int event, std::uint32_t value) {
@@ -45,7 +47,7 @@ std::span<const std::byte> Message::bytes(std::size_t i) const noexcept {
 }
 
 Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& options)
-    : socket_(context_, zmq::socket_type::sub), handshakes_(context_, zmq::socket_type::pair) {
+    : socket_(context_, zmq::socket_type::sub), handshakes_(context_, socket_, failed_handshakes) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
         throw std::runtime_error(*fault);
     }
@@ -53,7 +55,6 @@ Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& opt
         encrypt_as_client(socket_, *options.curve);
     }
     set_options(endpoint, options);
-    watch_handshakes();
     try {
         socket_.connect(endpoint);
     } catch (const zmq::error_t& error) {
@@ -76,30 +77,10 @@ void Subscriber::set_options(const std::string& endpoint, const SubscriberOption
     socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
 }
 
-void Subscriber::watch_handshakes() {
-    constexpr const char* address = "inproc://handshakes";
-    constexpr int failures = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                             ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
-    handshakes_.set(zmq::sockopt::linger, 0);
-    handshakes_.set(zmq::sockopt::rcvhwm, 0);  // at a limit ZeroMQ's own thread would wait for us to read
-    if (zmq_socket_monitor(socket_.handle(), address, failures) != 0) {
-        throw zmq::error_t();
-    }
-    handshakes_.connect(address);
-}
-
 std::optional<Refusal> Subscriber::refusal() {
     std::optional<Refusal> last;
-    zmq::message_t part;
-    while (zmq_msg_recv(part.handle(), handshakes_.handle(), ZMQ_DONTWAIT) >= 0) {
-        // A first part with the event's number and value, a second one with the address.
-        std::uint16_t event = 0;
-        std::uint32_t value = 0;
-        if (part.more() && part.size() == sizeof event + sizeof value) {
-            std::memcpy(&event, part.data(), sizeof event);
-            std::memcpy(&value, static_cast<const char*>(part.data()) + sizeof event, sizeof value);
-            last = refusal_of(event, value);
-        }
+    while (const auto event = handshakes_.next()) {
+        last = refusal_of(event->kind, event->value);
     }
     return last;
 }

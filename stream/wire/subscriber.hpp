@@ -13,6 +13,7 @@
 #include <zmq.hpp>
 
 #include "stream/wire/security/curve.hpp"
+#include "stream/wire/socket_monitor.hpp"
 
 namespace hertzline::stream {
 
@@ -76,11 +77,10 @@ public:
 
 private:
     void set_options(const std::string& endpoint, const SubscriberOptions& options);
-    void watch_handshakes();
 
     zmq::context_t context_;
     zmq::socket_t socket_;
-    zmq::socket_t handshakes_;  // tells of those that fail
+    SocketMonitor handshakes_;  // tells of those that fail
     Message message_;
 };
 

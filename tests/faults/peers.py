@@ -77,10 +77,34 @@ def connections_beyond_the_descriptors(stand):
     few = 100
     with stand.stream(before_exec=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (few, few))) as stream:
         with contextlib.ExitStack() as connections:
-            for _ in range(few + 50):  # those that find no descriptor wait in the system's queue
+            for _ in range(few + 50):
                 connections.enter_context(_connected(stream))
-            wait_until(lambda: stream.footprint()[0] >= few, "used them up")
-            time.sleep(0.5)
+            wait_until(lambda: stream.footprint()[0] < few, "left any for others")
+            stream.first_frame()  # a newcomer is served while they are still there
+
+
+def very_many_strangers(stand):
+    with stand.stream("--max-clients", "8") as stream:
+        with contextlib.ExitStack() as connections:
+            for _ in range(2000):
+                connections.enter_context(_connected(stream))
+            wait_until(lambda: stream.footprint()[0] <= stream.before[0] + 8, "cut them off")
+            stream.first_frame()
+
+
+def subscribers_that_read_nothing(stand):
+    # Over a Unix socket; one after the other, so that each one's queue holds what the others' do not.
+    budget = 16 << 20
+    with _on_a_unix_socket(stand, "--queue-memory", str(budget), scene=stands.BUSY, recorded=False) as stream:
+        stopped = []
+        for _ in range(6):
+            stopped.append(_hearing_peer(stream, "--everything"))
+            stopped[-1].send_signal(signal.SIGSTOP)
+            time.sleep(0.7)
+            memory = stream.footprint()[1] - stream.before[1]
+            check(stand.sanitized or memory < budget + stands.KEPT_BY_ALLOCATOR, f"{memory >> 20} MiB for queues")
+        for peer in stopped:
+            peer.kill()
 
 
 def port_scan(stand):
@@ -154,8 +178,8 @@ def _account(peer):
 
 # Over a Unix socket, in which the system keeps little: what a peer does not read waits in the stream's own queue for it,
 # 3.6 MB in each second for one who subscribes to everything.
-def _on_a_unix_socket(stand, **how):
-    return stand.stream(endpoint=f"ipc://{stand.folder}/socket", **how)
+def _on_a_unix_socket(stand, *words, **how):
+    return stand.stream(*words, endpoint=f"ipc://{stand.folder}/socket", **how)
 
 
 def subscriber_stopped_for_a_while(stand):
@@ -186,7 +210,7 @@ def subscriber_killed(stand):
 
 
 def slow_subscriber(stand):
-    # A thousand spheres, of which a queue may take half a GiB: short for one who listens to v_out alone, so he loses some.
+    # A thousand spheres, of which a queue may take half of the memory for queues: short for one who listens to v_out alone, so he loses some.
     with _on_a_unix_socket(stand, scene=stands.LONG_CHAIN, listener="pyzmq") as stream:
         peer = _hearing_peer(stream, "--slow", 2.5, "--queue", 1)
         time.sleep(3)

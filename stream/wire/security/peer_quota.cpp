@@ -1,6 +1,6 @@
 #include "stream/wire/security/peer_quota.hpp"
 
-#include <sys/socket.h>
+#include "stream/wire/security/connections.hpp"
 
 namespace hertzline::stream {
 
@@ -24,10 +24,11 @@ void PeerQuota::charge(zmq::message_t& message) {
     if (connection.charged == 0 || connection_of(connection.first) != properties) {
         connection.first.copy(message);
         connection.charged = 0;
+        connection.cookie = socket_cookie(descriptor);
     }
-    // Once only: later the descriptor may be another's.
+    // Messages may be read long after their peer has left: by then the descriptor may be another's.
     if (connection.charged == allowed_) {
-        ::shutdown(descriptor, SHUT_RDWR);
+        cut_off(descriptor, connection.cookie);
     }
     ++connection.charged;
 }

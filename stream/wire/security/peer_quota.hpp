@@ -6,6 +6,8 @@
 // send a peer away. So its connection is shut down under libzmq, which then forgets the peer and all that it
 // kept for it.
 
+#include <cstdint>
+#include <optional>
 #include <unordered_map>
 
 #include <zmq.hpp>
@@ -26,6 +28,7 @@ private:
     struct Connection {
         zmq::message_t first;  // holds on to what libzmq knows of the connection, by which it is recognised
         int charged = 0;
+        std::optional<std::uint64_t> cookie;
     };
     int allowed_;
     std::unordered_map<int, Connection> connections_;  // by descriptor, so there are never many

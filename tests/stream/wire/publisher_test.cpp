@@ -100,7 +100,7 @@ TEST_P(OverEachTransport, ASecondPublisherIsRefusedAndTheFirstLivesOn) {
 }
 
 TEST_P(OverEachTransport, EveryFrameThatASlowSubscriberLosesIsAccountedFor) {
-    Publisher publisher(endpoint(), all_topics, {.send_high_water_mark = 10});
+    Publisher publisher(endpoint(), all_topics, {.max_queue_length = 10});
     Subscriber subscriber(publisher.endpoint(), {.receive_high_water_mark = 10});
     subscriber.subscribe("v_out/np");
     subscriptions_until_wanted(publisher, "v_out/np");
@@ -148,7 +148,7 @@ TEST(Publisher, TheLastMessageReachesOneWhoseQueueWasFull) {
     const TemporaryFolder folder;
     std::optional<Publisher> publisher;
     publisher.emplace("ipc://" + folder.file("s"), all_topics,
-                      PublisherOptions{.send_high_water_mark = 10, .linger = 20s});
+                      PublisherOptions{.max_queue_length = 10, .linger = 20s});
     std::optional<Subscriber> subscriber;
     subscriber.emplace(publisher->endpoint(), SubscriberOptions{.receive_high_water_mark = 10});
     subscriber->subscribe("v_out/raw");

@@ -1,0 +1,60 @@
+#pragma once
+// Who is connected to a publisher, and that they do not become too many. ZeroMQ takes in everybody: strangers that
+// connect and say nothing would use up the descriptors.
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+#include <zmq.hpp>
+
+#include "stream/wire/socket_monitor.hpp"
+
+namespace hertzline::stream {
+
+/// What tells a connection from a later one with the same descriptor (SO_COOKIE); nothing when it is no socket.
+std::optional<std::uint64_t> socket_cookie(int descriptor) noexcept;
+
+/// Ends the connection, unless the descriptor has become another's. ZeroMQ then forgets the peer and all that it kept
+/// for it.
+void cut_off(int descriptor, std::optional<std::uint64_t> cookie) noexcept;
+
+/// The connections of a socket that is bound. For the thread that uses the socket.
+class Connections {
+public:
+    /// @param socket not bound yet, outlives this @param most how many there may be
+    Connections(zmq::context_t& context, zmq::socket_t& socket, std::size_t most);
+
+    /// Takes in who came and left. Beyond the limit those that have subscribed to nothing are cut off first, and of
+    /// them the oldest; then the newest.
+    void update();
+
+    /// A message of that connection subscribed to something.
+    void note_subscriber(int descriptor) noexcept;
+
+    /// Looks which connections take nothing right now.
+    void look_for_slow_ones(std::chrono::steady_clock::time_point now);
+    /// Nobody is slow.
+    void forget_slow_ones() noexcept;
+    /// Cuts off the connection that has taken nothing for longest, and those that have for half as long.
+    void cut_off_the_slowest(std::chrono::steady_clock::time_point now);
+
+private:
+    struct Connection {
+        std::uint64_t number = 0;  // in the order of their coming
+        std::optional<std::uint64_t> cookie;
+        bool subscribes = false;
+        bool cut = false;
+        std::optional<std::chrono::steady_clock::time_point> full_since;  // has no room for another byte
+    };
+    void keep_to_the_limit();
+
+    SocketMonitor monitor_;
+    std::size_t most_;
+    std::unordered_map<int, Connection> connections_;  // by descriptor
+    std::uint64_t came_ = 0;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,201 @@
+#include "stream/wire/security/connections.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "stream/wire/publisher.hpp"
+#include "stream/wire/security/peer_quota.hpp"
+#include "stream/wire/subscriber.hpp"
+#include "tests/support/sockets.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Connects and says nothing.
+class Stranger {
+public:
+    explicit Stranger(const std::string& path)
+        : descriptor_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        path.copy(address.sun_path, sizeof address.sun_path - 1);
+        EXPECT_EQ(::connect(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    }
+    ~Stranger() { ::close(descriptor_); }
+    Stranger(const Stranger&) = delete;
+    Stranger& operator=(const Stranger&) = delete;
+
+    bool is_cut_off() const {
+        std::array<char, 256> greeting{};
+        ssize_t got = 0;
+        while ((got = ::recv(descriptor_, greeting.data(), greeting.size(), MSG_DONTWAIT)) > 0) {
+        }
+        return got == 0;
+    }
+
+private:
+    int descriptor_;
+};
+
+TEST(Connections, StrangersThatSubscribeToNothingGoFirstAndTheOldestOfThem) {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("s");
+    Publisher publisher("ipc://" + path, all_topics, {.max_clients = 4});
+    std::vector<std::unique_ptr<Stranger>> strangers;
+    const auto come = [&](std::size_t count) {
+        for (std::size_t i = 0; i < count; ++i) {
+            strangers.push_back(std::make_unique<Stranger>(path));
+        }
+    };
+    come(3);
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("end");
+    subscriptions_until_wanted(publisher, "end");
+    come(7);
+    const auto remaining = [&] {
+        publisher.poll_subscriptions();
+        return std::ranges::count_if(strangers, [](const auto& each) { return !each->is_cut_off(); });
+    };
+    EXPECT_TRUE(eventually([&] { return remaining() == 3; }));
+    for (std::size_t i = 0; i < strangers.size(); ++i) {
+        EXPECT_EQ(strangers[i]->is_cut_off(), i < 7) << i;
+    }
+    Subscriber newcomer(publisher.endpoint());
+    newcomer.subscribe("meta");
+    subscriptions_until_wanted(publisher, "meta");
+    publisher.send("end", std::string_view("{}"));
+    publisher.send("meta", std::string_view("{}"));
+    EXPECT_NE(subscriber.receive(patience), nullptr);
+    EXPECT_NE(newcomer.receive(patience), nullptr);
+}
+
+/// Memory of this process's own [bytes].
+double memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string key; status >> key;) {
+        if (double kilobytes = 0; key == "RssAnon:" && status >> kilobytes) {
+            return 1024 * kilobytes;
+        }
+    }
+    return 0;
+}
+
+// Each one begins not to read when the queues of the earlier ones are full, so that they hold different messages.
+TEST(Connections, QueuesOfSubscribersThatDoNotReadTogetherKeepToTheirMemory) {
+    constexpr double budget = 32 << 20;
+    const TemporaryFolder folder;
+    zmq::context_t context;
+    std::vector<zmq::socket_t> idle;
+    Publisher publisher("ipc://" + folder.file("s"), all_topics,
+                        {.queue_bytes = budget, .largest_message = 65536, .linger = 0ms});
+    const double before = memory();
+    for (int i = 0; i < 6; ++i) {
+        zmq::socket_t& reads_nothing = idle.emplace_back(context, zmq::socket_type::xsub);
+        reads_nothing.set(zmq::sockopt::linger, 0);
+        reads_nothing.set(zmq::sockopt::rcvhwm, 1);
+        reads_nothing.connect(publisher.endpoint());
+        reads_nothing.send(zmq::str_buffer("\1v_out/raw"));
+        EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions() > 0; }));
+        for (int frame = 0; frame < 1500; ++frame) {  // 98 MB
+            zmq::message_t samples = publisher.payload(65536);
+            std::ranges::fill(std::span(samples.data<char>(), samples.size()), '\1');
+            publisher.send_frame("v_out/raw", std::move(samples));
+            publisher.poll_subscriptions();
+        }
+    }
+    EXPECT_GT(memory() - before, 0.2 * budget) << "there are no queues: this tests nothing";
+    EXPECT_LT(memory() - before, budget);
+}
+
+TEST(QueueLength, FillsHalfOfTheMemoryWithTheLargestMessages) {
+    PublisherOptions options{.queue_bytes = 1e9, .largest_message = 1e6};
+    EXPECT_NEAR(queue_length(options), 400, 1);
+    options.largest_message = 1e12;
+    EXPECT_EQ(queue_length(options), 1);
+    options.largest_message = 4;
+    EXPECT_LT(queue_length(options) * options.max_clients * 192.0, 0.25e9);
+}
+
+/// An XPUB socket and a peer of it that sends what nobody has use for.
+struct Nonsense {
+    explicit Nonsense(int messages) {
+        publisher.set(zmq::sockopt::xpub_verbose, true);
+        publisher.bind("ipc://" + folder.file("s"));
+        peer.emplace(context, zmq::socket_type::xsub);
+        peer->connect(std::string(publisher.get(zmq::sockopt::last_endpoint)));
+        for (int i = 0; i < messages; ++i) {
+            peer->send(zmq::buffer("\1nothing" + std::to_string(i)));
+        }
+    }
+    zmq::message_t next() {
+        zmq::message_t message;
+        EXPECT_TRUE(publisher.recv(message));
+        return message;
+    }
+    TemporaryFolder folder;
+    zmq::context_t context;
+    zmq::socket_t publisher{context, zmq::socket_type::xpub};
+    std::optional<zmq::socket_t> peer;
+};
+
+TEST(PeerQuota, CutsOffNobodyWhoHasOnlyTheDescriptorOfOneThatHasLeft) {
+    constexpr int allowed = 10;
+    Nonsense nonsense(allowed + 1);
+    PeerQuota quota(allowed);
+    zmq::message_t message;
+    for (int i = 0; i < allowed; ++i) {
+        message = nonsense.next();
+        quota.charge(message);
+    }
+    zmq::message_t last = nonsense.next();
+    const int descriptor = zmq_msg_get(last.handle(), ZMQ_SRCFD);
+    nonsense.peer->set(zmq::sockopt::linger, 0);
+    nonsense.peer.reset();
+    ASSERT_TRUE(eventually([&] { return ::fcntl(descriptor, F_GETFD) < 0; }));
+    std::array<int, 2> innocent{};
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, innocent.data()), 0);
+    if (innocent[0] != descriptor) {
+        ASSERT_EQ(::dup2(innocent[0], descriptor), descriptor);
+        ::close(innocent[0]);
+    }
+    quota.charge(last);
+    EXPECT_EQ(::send(descriptor, "x", 1, MSG_NOSIGNAL), 1) << "cut off";
+    ::close(descriptor);
+    ::close(innocent[1]);
+}
+
+TEST(PeerQuota, CutsOffTheOneThatSendsMoreThanAllowed) {
+    constexpr int allowed = 10;
+    Nonsense nonsense(allowed + 1);
+    PeerQuota quota(allowed);
+    zmq::message_t message;
+    for (int i = 0; i <= allowed; ++i) {
+        message = nonsense.next();
+        quota.charge(message);
+    }
+    const int descriptor = zmq_msg_get(message.handle(), ZMQ_SRCFD);
+    pollfd state{.fd = descriptor, .events = 0, .revents = 0};
+    EXPECT_TRUE(::poll(&state, 1, 0) == 1) << "still connected";
+}
+
+}  // namespace
+}  // namespace hertzline::test
