@@ -95,7 +95,7 @@ def very_many_strangers(stand):
 def subscribers_that_read_nothing(stand):
     # Over a Unix socket; one after the other, so that each one's queue holds what the others' do not.
     budget = 16 << 20
-    with _on_a_unix_socket(stand, "--queue-memory", str(budget), scene=stands.BUSY, recorded=False) as stream:
+    with _on_a_unix_socket(stand, "--queue-memory", str(budget), scene=stands.BUSY) as stream:
         stopped = []
         for _ in range(6):
             stopped.append(_hearing_peer(stream, "--everything"))
@@ -210,7 +210,8 @@ def subscriber_killed(stand):
 
 
 def slow_subscriber(stand):
-    # A thousand spheres, of which a queue may take half of the memory for queues: short for one who listens to v_out alone, so he loses some.
+    # A thousand spheres. Half of the memory for queues holds few frames of them: short for one who listens to v_out alone,
+    # so it loses some.
     with _on_a_unix_socket(stand, scene=stands.LONG_CHAIN, listener="pyzmq") as stream:
         peer = _hearing_peer(stream, "--slow", 2.5, "--queue", 1)
         time.sleep(3)
