@@ -7,8 +7,9 @@
 
 namespace hertzline::stream {
 
-/// Parses JSON that is not trusted.
-/// @throws std::runtime_error when it is not JSON, or nested so deep that following it would exhaust the stack
+/// Parses JSON that is not trusted, in a time that is proportional to its length.
+/// @throws std::runtime_error when it is not JSON, is nested so deep that following it would exhaust the stack, or has
+/// millions of values or objects of thousands of keys
 nlohmann::ordered_json json_from_outside(std::string_view text);
 
 }  // namespace hertzline::stream
