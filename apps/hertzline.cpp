@@ -124,6 +124,7 @@ Exit run_program(int argc, char** argv) {
                              fmt::format("hertzline {} ({})", stream::program_version(), stream::git_hash()));
     program.footer(examples);
     const std::vector<Command> commands = add_subcommands(program);
+    program.require_subcommand(0, 1);
     refuse_unknown_subcommand(argc, argv);
     try {
         program.parse(argc, argv);

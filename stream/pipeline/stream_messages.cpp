@@ -31,7 +31,8 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
                      {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
                      {"streams", streams},
                      {"units", {{"velocity", "m/s"}, {"force", "N"}, {"time", "s"}, {"frequency", "Hz"}}}});
-    return meta.dump();
+    // A file name need not be UTF-8.
+    return meta.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {

@@ -224,6 +224,16 @@ const Mistake mistakes[] = {
 INSTANTIATE_TEST_SUITE_P(Each, WrongUse, testing::ValuesIn(mistakes),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
+TEST(CommandLine, HasOneSubcommandAndNoWordsBehindItThatNobodyReads) {
+    for (const Words& words : {Words{"run", "paper-wall", "check", "paper-acrylic"},
+                               Words{"scenes", "paper-wall", "run", "paper-wall"},
+                               Words{"scenes", "keys", "nobody"}, Words{"check", "paper-wall", "scenes"}}) {
+        const Outcome outcome = hertzline(words);
+        EXPECT_EQ(outcome.status, 2) << words[0] << ' ' << words[1];
+        EXPECT_EQ(outcome.out, "") << words[0] << ' ' << words[1];
+    }
+}
+
 TEST(Endpoints, PortInUseIsAFailureThatNamesIt) {
     const Publisher occupant("tcp://127.0.0.1:*");
     const Outcome outcome = hertzline({"stream", "paper-wall", "--bind", occupant.endpoint()});

@@ -146,6 +146,15 @@ TEST(Replay, WhatIsNoRecordingIsRefusedByName) {
     EXPECT_THAT(damaged.err, HasSubstr("bad.csv"));
 }
 
+TEST(Replay, AFileNameNeedNotBeText) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("b\xfcrst.csv");  // Latin-1
+    write_text(file, "t_s,v_out_m_per_s\n0,1\n1e-6,2\n2e-6,3\n");
+    const Replayed replayed = replay(file, {}, {"--sample-rate", "1e6"});
+    EXPECT_EQ(replayed.replay.status, 0) << replayed.replay.err;
+    EXPECT_THAT(replayed.meta["replay"].get<std::string>(), testing::EndsWith("b\xef\xbf\xbdrst.csv"));
+}
+
 }  // namespace
 
 }  // namespace hertzline::test
