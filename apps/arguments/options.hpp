@@ -6,9 +6,34 @@
 
 #include <CLI/CLI.hpp>
 
+#include "apps/command.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::app {
+
+/// What is wrong with several options, to be told at once.
+class Faults {
+public:
+    /// Keeps what the check throws as WrongUse.
+    template <class Check>
+    void of(Check check) {
+        try {
+            check();
+        } catch (const WrongUse& wrong) {
+            text_ += (text_.empty() ? "" : "\n") + std::string(wrong.what());
+        }
+    }
+    bool none() const noexcept { return text_.empty(); }
+    /// @throws WrongUse when there are any
+    void refuse() const {
+        if (!none()) {
+            throw WrongUse(text_);
+        }
+    }
+
+private:
+    std::string text_;
+};
 
 /// For CLI::Option::check(): the fault of an empty value, "" when there is none. A file needs a name, and an
 /// empty one would mean that the option was not given.

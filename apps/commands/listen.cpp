@@ -50,17 +50,36 @@ Tap tap_of(const ListenOptions& options) {
     return tap_argument("--stream", options.stream, streamed_taps(EndKind::plate));
 }
 
-void refuse_wrong_use(const ListenOptions& options) {
-    if (const auto fault = stream::endpoint_fault(options.endpoint, stream::EndpointUse::connect)) {
-        throw WrongUse("--connect: " + *fault);
-    }
-    if (options.duration_s) {
-        require_positive("--duration", *options.duration_s);
-    }
-    if (options.timeout_s) {
-        require_positive("--timeout", *options.timeout_s);
-    }
-    refuse_wrong_files(options.files);
+/// What the options ask for, checked.
+struct Wanted {
+    Tap tap{};
+    std::optional<stream::CurveClient> curve;
+};
+
+/// @throws WrongUse that names every fault
+Wanted checked(const ListenOptions& options) {
+    Faults faults;
+    Wanted wanted;
+    faults.of([&] {
+        if (const auto fault = stream::endpoint_fault(options.endpoint, stream::EndpointUse::connect)) {
+            throw WrongUse("--connect: " + *fault);
+        }
+    });
+    faults.of([&] { wanted.tap = tap_of(options); });
+    faults.of([&] {
+        if (options.duration_s) {
+            require_positive("--duration", *options.duration_s);
+        }
+    });
+    faults.of([&] {
+        if (options.timeout_s) {
+            require_positive("--timeout", *options.timeout_s);
+        }
+    });
+    faults.of([&] { refuse_wrong_files(options.files); });
+    faults.of([&] { wanted.curve = curve_of(options.curve); });
+    faults.refuse();
+    return wanted;
 }
 
 /// How long a silence may last [s]. A stream that runs sends its meta once a second, so one that was heard
@@ -123,15 +142,14 @@ void complain(const ListenSession& session, const ListenOptions& options) {
 }
 
 Exit listen(const ListenOptions& options) {
-    refuse_wrong_use(options);
-    const Tap tap = tap_of(options);
-    const stream::SubscriberOptions subscriber_options{.curve = curve_of(options.curve)};
+    const Wanted wanted = checked(options);
+    const stream::SubscriberOptions subscriber_options{.curve = wanted.curve};
     stop_asked();
     for (const std::string& file : options.files) {
         stream::require_writable(file);
     }
     ProgressLine line;
-    ListenSession session(tap, options.duration_s, options.files, [&line](const std::string& text) {
+    ListenSession session(wanted.tap, options.duration_s, options.files, [&line](const std::string& text) {
         line.clear();
         spdlog::warn(text);
     });

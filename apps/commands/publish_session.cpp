@@ -129,27 +129,43 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
 }
 
 std::optional<stream::CurveServer> checked_curve(const PublishRequest& request) {
-    if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
-        throw WrongUse("--bind: " + *fault);
-    }
-    if (request.duration_s) {
-        require_positive("--duration", *request.duration_s);
-    }
-    if (request.max_clients && (*request.max_clients < 1 || *request.max_clients > most_clients())) {
-        throw WrongUse(fmt::format(
-            "--max-clients: found {}, allowed: 1 to {}, of the descriptors that this process may have",
-            *request.max_clients, most_clients()));
-    }
-    if (request.queue_bytes && *request.queue_bytes == 0) {
-        throw WrongUse("--queue-memory: found 0, allowed: more");
-    }
-    if (const auto fault = request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt) {
-        throw WrongUse("--cpu: " + *fault);
-    }
-    if (const auto pace = stream::parse_pace(request.pace); !pace) {
-        throw WrongUse("--pace: " + pace.error());
-    }
-    return curve_of(request.curve, request.endpoint);
+    Faults faults;
+    std::optional<stream::CurveServer> curve;
+    faults.of([&] {
+        if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
+            throw WrongUse("--bind: " + *fault);
+        }
+        curve = curve_of(request.curve, request.endpoint);
+    });
+    faults.of([&] {
+        if (request.duration_s) {
+            require_positive("--duration", *request.duration_s);
+        }
+    });
+    faults.of([&] {
+        if (const auto pace = stream::parse_pace(request.pace); !pace) {
+            throw WrongUse("--pace: " + pace.error());
+        }
+    });
+    faults.of([&] {
+        if (request.max_clients && (*request.max_clients < 1 || *request.max_clients > most_clients())) {
+            throw WrongUse(fmt::format(
+                "--max-clients: found {}, allowed: 1 to {}, of the descriptors that this process may have",
+                *request.max_clients, most_clients()));
+        }
+    });
+    faults.of([&] {
+        if (request.queue_bytes && *request.queue_bytes == 0) {
+            throw WrongUse("--queue-memory: found 0, allowed: more");
+        }
+    });
+    faults.of([&] {
+        if (const auto fault = request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt) {
+            throw WrongUse("--cpu: " + *fault);
+        }
+    });
+    faults.refuse();
+    return curve;
 }
 
 stream::StreamOptions stream_options(const PublishRequest& request, double sample_rate_hz,

@@ -70,13 +70,20 @@ Json about(const stream::RecordingHead& head, const std::string& file) {
 }
 
 Exit replay(const ReplayArguments& arguments) {
-    if (arguments.sample_rate_hz) {
-        require_positive("--sample-rate", *arguments.sample_rate_hz);
-    }
-    if (const auto fault = stream::recording_fault(arguments.file)) {
-        throw WrongUse(*fault);
-    }
-    const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish);
+    Faults faults;
+    std::optional<stream::CurveServer> curve;
+    faults.of([&] {
+        if (arguments.sample_rate_hz) {
+            require_positive("--sample-rate", *arguments.sample_rate_hz);
+        }
+    });
+    faults.of([&] {
+        if (const auto fault = stream::recording_fault(arguments.file)) {
+            throw WrongUse(*fault);
+        }
+    });
+    faults.of([&] { curve = checked_curve(arguments.publish); });
+    faults.refuse();
     std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(arguments.file);
     const stream::RecordingHead head = reader->head();
     const double rate = sample_rate(head, arguments);

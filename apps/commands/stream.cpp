@@ -61,9 +61,13 @@ Json about(const ResolvedScene& resolved, const std::string& run) {
 }
 
 Exit stream(const StreamArguments& arguments) {
-    refuse_wrong_files(arguments.recordings);
-    const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish);
-    const ResolvedScene resolved = resolved_scene(arguments.scene, Lasting::endless);
+    Faults faults;
+    std::optional<stream::CurveServer> curve;
+    ResolvedScene resolved;
+    faults.of([&] { refuse_wrong_files(arguments.recordings); });
+    faults.of([&] { curve = checked_curve(arguments.publish); });
+    faults.of([&] { resolved = resolved_scene(arguments.scene, Lasting::endless); });
+    faults.refuse();
     const Scene& scene = resolved.scene;
     const double rate = scene.output.sample_rate_hz;
     stream::StreamOptions options =

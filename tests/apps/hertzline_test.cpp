@@ -224,6 +224,28 @@ const Mistake mistakes[] = {
 INSTANTIATE_TEST_SUITE_P(Each, WrongUse, testing::ValuesIn(mistakes),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
+/// The messages name each of these.
+void expect_all_named(const Words& words, const Words& wrong) {
+    const Outcome outcome = hertzline(words);
+    EXPECT_EQ(outcome.status, 2);
+    for (const std::string& each : wrong) {
+        EXPECT_THAT(outcome.err, testing::HasSubstr(each));
+    }
+}
+
+TEST(WrongOptions, AreNamedAllAtOnce) {
+    expect_all_named(
+        {"stream", "paper-wall", "--bind", "here", "--pace", "warp", "--duration", "-1", "--cpu", "99999",
+         "--max-clients", "0", "--queue-memory", "0", "--record", "a.xyz", "--set", "chain.spheres=0"},
+        {"--bind:", "--pace:", "--duration:", "--cpu:", "--max-clients:", "--queue-memory:", "a.xyz",
+         "chain.spheres"});
+    expect_all_named({"listen", "--connect", "here", "--stream", "v_nothing", "--duration", "-1", "--timeout",
+                      "0", "-o", "a.xyz", "--curve-key", "k"},
+                     {"--connect:", "--stream:", "--duration:", "--timeout:", "a.xyz", "--curve-key:"});
+    expect_all_named({"replay", "a.xyz", "--sample-rate", "0", "--bind", "here", "--pace", "warp"},
+                     {"a.xyz", "--sample-rate:", "--bind:", "--pace:"});
+}
+
 TEST(CommandLine, HasOneSubcommandAndNoWordsBehindItThatNobodyReads) {
     for (const Words& words : {Words{"run", "paper-wall", "check", "paper-acrylic"},
                                Words{"scenes", "paper-wall", "run", "paper-wall"},
