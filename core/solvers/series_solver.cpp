@@ -30,6 +30,10 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) noex
     return std::max(horn, std::isfinite(kick) ? kick : 0);
 }
 
+// What moves less, relative to the velocities of the scene, stands still: it is far below the rounding of what moves.
+constexpr double still_share = 1e-20;
+constexpr Eigen::Index laid_out_at_least = 64;  // bodies
+
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
@@ -56,11 +60,11 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
       burst_(scene.drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
-      simd_chain_(chain, *scene.numerics.integrator, kernels::kernel_lanes()),
+      integrator_(*scene.numerics.integrator),
+      simd_chain_(chain, integrator_, kernels::kernel_lanes()),
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
-             kernels::series_degree(*scene.numerics.integrator),
+             kernels::series_degree(integrator_),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
-      kernels_(kernels::series_kernels(*scene.numerics.integrator, simd_chain_.rows())),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
@@ -74,15 +78,21 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
-    const double rest_velocity = scene.numerics.rest_tolerance * velocity_scale(chain, scene.drive, omega);
-    const bool rests_at_zero = chain.preload_n > 0 && (chain.bias == 0).all();
+    const double scale = velocity_scale(chain, scene.drive, omega);
+    still_ = still_share * scale;
+    const bool starts_at_rest = (chain.bias == 0).all();
+    active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest
+                           ? std::min(chain.bodies(), laid_out_at_least)
+                           : chain.bodies();
+    const double rest_velocity = scene.numerics.rest_tolerance * scale;
+    const bool rests_at_zero = chain.preload_n > 0 && starts_at_rest;
     rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
     reset();
 }
 
 void SeriesSolver::reset() noexcept {
     state_.reset(chain_);
-    simd_chain_.load(chain_, state_, chain_.bodies());
+    lay_out(active_at_start_);
     simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     smooth_ = burst_.smooth(0, 0);
@@ -98,12 +108,38 @@ const ChainState& SeriesSolver::state() noexcept {
     return state_;
 }
 
+void SeriesSolver::lay_out(Eigen::Index active) noexcept {
+    simd_chain_.load(chain_, state_, active);
+    kernels_ = kernels::series_kernels(integrator_, simd_chain_.rows());
+}
+
+/// A piece carries a disturbance no more bodies far than its series has terms. Where twice as many at the far end of what is laid
+/// out stand still, what lies beyond goes on standing still.
+void SeriesSolver::follow_the_wave() noexcept {
+    const Eigen::Index active = simd_chain_.active();
+    if (active == chain_.bodies()) {
+        return;
+    }
+    const double* const x = simd_chain_.column(kernels::ChainField::x);
+    const double* const v = simd_chain_.column(kernels::ChainField::v);
+    for (Eigen::Index b = active - 2 * piece_.degree(); b < active; ++b) {
+        const std::size_t slot = simd_chain_.slot(b);
+        if (std::abs(v[slot]) > still_ || std::abs(x[slot]) > still_ * piece_.unit_s) {
+            ledger_ = ledger();
+            simd_chain_.store(state_);
+            lay_out(std::min(chain_.bodies(), active + std::max(laid_out_at_least, active / 8)));
+            return;
+        }
+    }
+}
+
 Ledger SeriesSolver::ledger() noexcept {
     Ledger now = ledger_;
     for (std::size_t s = 0; s < simd_chain_.slots(); ++s) {
         now.lost += simd_chain_.column(kernels::ChainField::lost)[s];
     }
-    now.work += simd_chain_.column(kernels::ChainField::work)[0];
+    now.work += *simd_chain_.column(kernels::ChainField::work);
+    now.gross_work += *simd_chain_.column(kernels::ChainField::gross_work);
     return now;
 }
 
@@ -132,11 +168,8 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
 
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
 void SeriesSolver::add_work_of_jump(double before_m) noexcept {
-    const double horn = piece_.waves.displacement;
     const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
-    const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (before_m - x));
-    const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
-    ledger_.work += after - before;
+    ledger_.add_work(work_of_jump(chain_, x, before_m, piece_.waves.displacement));
 }
 
 double SeriesSolver::horn_displacement() const noexcept {
@@ -151,6 +184,7 @@ double SeriesSolver::horn_displacement() const noexcept {
 }
 
 void SeriesSolver::next_piece() noexcept {
+    follow_the_wave();
     begin_ = end_;
     double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
     constexpr double sliver = 1e-9;  // [samples]
@@ -198,7 +232,7 @@ void SeriesSolver::sleep() noexcept {
     ledger_ = ledger();
     ledger_.lost += left;
     state_.reset_motion(chain_);
-    simd_chain_.load(chain_, state_, chain_.bodies());
+    lay_out(active_at_start_);
     std::copy_n(simd_chain_.column(kernels::ChainField::closed), simd_chain_.slots(),
                 simd_chain_.column(kernels::ChainField::overlap));
     piece_.reset_motion();
@@ -257,11 +291,25 @@ void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, const kernels
 
 void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
                        std::size_t count, double* out, std::size_t stride) const noexcept {
+    if (body >= simd_chain_.active()) {
+        for (std::size_t i = 0; i < count; ++i) {
+            out[i * stride] = 0;
+        }
+        return;
+    }
     kernels_.samples(piece_, simd_chain_.slot(body), quantity == Quantity::velocity, times, count, out,
                      stride);
     if (piece_.onset) {
         add_onset(body, quantity, times, count, out, stride);
     }
+}
+
+/// Whether the last contact touches, in the present piece.
+bool SeriesSolver::end_is_closed() const noexcept {
+    const Eigen::Index end = chain_.spheres();
+    return end < simd_chain_.active()
+               ? simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0
+               : state_.closed[end] > 0;
 }
 
 /// The motion of the chain's far end, at samples of the present piece.
@@ -277,8 +325,7 @@ void SeriesSolver::emit_end(const EndMotion& motion, std::size_t count) const no
         put(end - 1, Quantity::displacement, times, count, motion.x_last + at, 1);
         put(end, Quantity::displacement, times, count, motion.x_end + at, 1);
     }
-    const bool closed = simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0;
-    std::fill_n(motion.closed + at, count, closed);
+    std::fill_n(motion.closed + at, count, end_is_closed());
 }
 
 /// Samples of the present piece, as many as there are and find room. @return how many
@@ -313,7 +360,7 @@ std::string SeriesSolver::failure() const {
     const bool still = finite() && piece_.largest < 1e300;
     Eigen::Index contact = 0;
     const double* const overlap = simd_chain_.column(kernels::ChainField::peak_overlap);
-    for (Eigen::Index c = 1; c < chain_.bodies(); ++c) {
+    for (Eigen::Index c = 1; c < simd_chain_.active(); ++c) {
         // what is no number wins
         if (!(overlap[simd_chain_.slot(c)] <= overlap[simd_chain_.slot(contact)]) &&
             chain_.stiffness[c] > 0) {

@@ -30,6 +30,8 @@ public:
 
 private:
     void run_until(std::int64_t step, kernels::Trace& trace) noexcept;
+    int take_steps(int count, kernels::Trace& trace) noexcept;
+    void take_in_parts(kernels::Trace& trace) noexcept;
     void begin_batch() noexcept;
     void load_active() noexcept;
     void collect_ledger() noexcept;
