@@ -153,7 +153,10 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
     const auto step_for = [&](double tolerance) {
         return std::min(limit, SeriesSolver::phase_for(tolerance) / omega);
     };
-    std::optional<Trial> best = longest_good(trial_of, accuracy, step_for(accuracy / 30), limit, finest);
+    std::optional<Trial> best;
+    if (reference.error() <= most * accuracy) {
+        best = longest_good(trial_of, accuracy, step_for(accuracy / 30), limit, finest);
+    }
     if (!best) {
         // nothing can be shown to be better than the reference: it is taken for as good as can be had, unless
         // no step makes a difference
