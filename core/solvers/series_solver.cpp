@@ -65,6 +65,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
              kernels::series_degree(integrator_),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
+      samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
@@ -258,7 +259,8 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
         const std::int64_t beyond = std::min(end, end_.rounded_up());
         if (next_sample_ < beyond) {
             const std::int64_t available = beyond - next_sample_;
-            next_sample_ += writer ? static_cast<std::int64_t>(emit(*writer, available)) : available;
+            next_sample_ +=
+                writer ? samples_.put(*writer, kernels_.samples, begin_, next_sample_, available) : available;
         } else {
             next_piece();
             if (!(piece_.largest < 1e300) || stands_still()) {
@@ -267,89 +269,6 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
         }
     }
     return finite() ? Status::running : Status::unstable;
-}
-
-/// Times in the present piece, from that sample on.
-kernels::SampleTimes SeriesSolver::times_from(std::int64_t sample) const noexcept {
-    return {static_cast<double>(sample - begin_.whole), begin_.fraction(), sample_period_s_ / piece_.unit_s};
-}
-
-/// Adds what the contacts that have just closed do, which is no power series.
-void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
-                             std::size_t count, double* out, std::size_t stride) const noexcept {
-    const std::size_t slot = simd_chain_.slot(body);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double z =
-            ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
-        double power = z * z * std::sqrt(z) * piece_.per_unit;
-        for (int n = 0; n < kernels::onset_terms; ++n, power *= z) {
-            const double term = piece_.onset_force(n)[slot] * power / (n + 2.5);
-            out[i * stride] += quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
-        }
-    }
-}
-
-void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
-                       std::size_t count, double* out, std::size_t stride) const noexcept {
-    if (body >= simd_chain_.active()) {
-        for (std::size_t i = 0; i < count; ++i) {
-            out[i * stride] = 0;
-        }
-        return;
-    }
-    kernels_.samples(piece_, simd_chain_.slot(body), quantity == Quantity::velocity, times, count, out,
-                     stride);
-    if (piece_.onset) {
-        add_onset(body, quantity, times, count, out, stride);
-    }
-}
-
-/// Whether the last contact touches, in the present piece.
-bool SeriesSolver::end_is_closed() const noexcept {
-    const Eigen::Index end = chain_.spheres();
-    return end < simd_chain_.active()
-               ? simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0
-               : state_.closed[end] > 0;
-}
-
-/// The motion of the chain's far end, at samples of the present piece.
-void SeriesSolver::emit_end(const EndMotion& motion, std::size_t count) const noexcept {
-    const Eigen::Index end = chain_.spheres();
-    const std::size_t at = motion.count;
-    const kernels::SampleTimes times = times_from(next_sample_);
-    put(end - 1, Quantity::velocity, times, count, motion.v_last + at, 1);
-    if (chain_.end.has_plate || motion.x_last != nullptr) {
-        put(end, Quantity::velocity, times, count, motion.v_end + at, 1);
-    }
-    if (motion.x_last != nullptr) {
-        put(end - 1, Quantity::displacement, times, count, motion.x_last + at, 1);
-        put(end, Quantity::displacement, times, count, motion.x_end + at, 1);
-    }
-    std::fill_n(motion.closed + at, count, end_is_closed());
-}
-
-/// Samples of the present piece, as many as there are and find room. @return how many
-std::size_t SeriesSolver::emit(EndTapsWriter& writer, std::int64_t available) const noexcept {
-    const auto count =
-        static_cast<std::size_t>(std::min(available, static_cast<std::int64_t>(writer.room())));
-    Samples& samples = writer.samples();
-    const std::size_t spheres = samples.spheres();
-    const auto put_chain = [&](Tap tap, Quantity quantity) {
-        if (!samples.holds.contains(tap)) {
-            return;
-        }
-        double* const out = samples.room(tap).data() + writer.next() * spheres;
-        for (std::size_t s = 0; s < spheres; ++s) {
-            put(static_cast<Eigen::Index>(s), quantity, times_from(next_sample_), count, out + s, spheres);
-        }
-    };
-    put_chain(Tap::v_chain, Quantity::velocity);
-    put_chain(Tap::x_chain, Quantity::displacement);
-    if (writer.shows_end()) {
-        emit_end(writer.motion(), count);
-    }
-    writer.advance(count);
-    return count;
 }
 
 double SeriesSolver::time_s() const noexcept {
