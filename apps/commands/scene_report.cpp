@@ -134,7 +134,7 @@ std::string reason_text(IntegratorReason reason) {
         case IntegratorReason::set_by_scene:
             return "set by the scene";
         case IntegratorReason::fastest:
-            return "the fastest for its error: series of order 8";
+            return "fastest at this accuracy: series of order 8";
         case IntegratorReason::high_accuracy:
             return fmt::format("accuracy below {:g}: series of order 12", high_accuracy);
     }
