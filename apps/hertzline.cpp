@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <csignal>
 #include <exception>
-#include <iostream>
 #include <new>
 #include <sstream>
 #include <string>
@@ -12,12 +10,12 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include "apps/command.hpp"
-#include "apps/console/terminal.hpp"
+#include "apps/console/messages.hpp"
+#include "apps/console/output.hpp"
 #include "core/scene/text.hpp"
 #include "stream/provenance.hpp"
 
@@ -59,16 +57,6 @@ void occupy_closed_standard_streams() {
             ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest number
         }
     }
-}
-
-void send_messages_to_stderr() {
-    const auto colour = colour_on_stderr() ? spdlog::color_mode::automatic : spdlog::color_mode::never;
-    auto logger = spdlog::stderr_color_st("hertzline", colour);
-    logger->set_pattern("%^%l%$: %v");
-    spdlog::set_default_logger(std::move(logger));
-    // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
-    std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);  // so is a file that is larger than allowed
 }
 
 void report(const std::string& faults) {
@@ -118,12 +106,17 @@ Exit run_program(int argc, char** argv) {
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return program.exit(error) == 0 ? Exit::done : Exit::wrong_use;
+        std::ostringstream out;
+        std::ostringstream err;
+        const bool asked_for = program.exit(error, out, err) == 0;
+        write_message(err.str());
+        print(out.str());
+        return asked_for ? Exit::done : Exit::wrong_use;
     }
     const auto asked =
         std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
     if (asked == commands.end()) {
-        std::cerr << program.help();
+        write_message(program.help());
         return Exit::wrong_use;
     }
     return asked->run();
@@ -150,5 +143,7 @@ Exit run_guarded(int argc, char** argv) {
 int main(int argc, char** argv) {
     hertzline::app::occupy_closed_standard_streams();
     hertzline::app::send_messages_to_stderr();
-    return static_cast<int>(hertzline::app::run_guarded(argc, argv));
+    const auto status = static_cast<int>(hertzline::app::run_guarded(argc, argv));
+    hertzline::app::finish_messages();
+    return status;
 }

@@ -43,4 +43,8 @@ const std::atomic<bool>& stop_asked() {
     return stop;
 }
 
+bool stop_was_asked() noexcept {
+    return stop.load(std::memory_order_relaxed);
+}
+
 }  // namespace hertzline::app

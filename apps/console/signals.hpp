@@ -8,4 +8,7 @@ namespace hertzline::app {
 /// system calls that wait are interrupted.
 const std::atomic<bool>& stop_asked();
 
+/// Whether the flag is set; catches no signal.
+bool stop_was_asked() noexcept;
+
 }  // namespace hertzline::app
