@@ -187,6 +187,7 @@ Exit run(const RunOptions& options) {
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
     const RunRecord record = simulate(simulation, recorded, recordings);
     if (record.stopped) {
+        recordings.discard();
         spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }

@@ -89,18 +89,23 @@ Exit stream(const StreamArguments& arguments) {
         });
     stream::RowBuilder row_builder(recordings, recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
-    publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
-                       [&](Json& summary, const stream::StreamMeters& meters) {
-                           // Before subscribers receive the end, recordings are complete or known not to be.
-                           recordings.commit();
-                           summary["recordings"] = stream::recordings_json(recordings);
-                           summary["steps"] = meters.account.steps;
-                           summary["step_s"] = *scene.numerics.step_s;
-                           summary["integrator"] = word(*scene.numerics.integrator);
-                           stream::add_estimate(summary, resolved.estimate);
-                           summary["scene_hash"] = scene_hash(scene);
-                           summary["version"] = stream::program_version();
-                       });
+    try {
+        publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
+                           [&](Json& summary, const stream::StreamMeters& meters) {
+                               // Before subscribers receive the end, recordings are complete or known not to be.
+                               recordings.commit();
+                               summary["recordings"] = stream::recordings_json(recordings);
+                               summary["steps"] = meters.account.steps;
+                               summary["step_s"] = *scene.numerics.step_s;
+                               summary["integrator"] = word(*scene.numerics.integrator);
+                               stream::add_estimate(summary, resolved.estimate);
+                               summary["scene_hash"] = scene_hash(scene);
+                               summary["version"] = stream::program_version();
+                           });
+    } catch (...) {
+        recordings.commit();  // what was streamed until then is whole
+        throw;
+    }
     return recordings.sound() ? Exit::done : Exit::failed;
 }
 

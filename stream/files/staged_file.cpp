@@ -153,6 +153,14 @@ void StagedFile::appear() {
     appeared_ = true;
 }
 
+StagedFile::~StagedFile() {
+    if (appeared_) {
+        keep();
+    } else {
+        abandon();
+    }
+}
+
 void StagedFile::keep() noexcept {
     if (descriptor_ >= 0) {
         ::close(std::exchange(descriptor_, -1));
@@ -171,11 +179,6 @@ void StagedFile::abandon() noexcept {
 
 void StagedFile::fail(int reason) {
     failure_ = reason;
-    if (appeared_) {
-        keep();
-    } else {
-        abandon();
-    }
     refuse(path_, reason);
 }
 

@@ -29,11 +29,39 @@ void RecordingSet::each(Action action) {
         try {
             action(*writers_[i], status_[i]);
         } catch (const std::exception& error) {
-            writers_[i].reset();
-            status_[i].failure = error.what();
-            notify_(fmt::format("recording {} ended after {} samples: {}", status_[i].file,
-                                status_[i].samples, error.what()));
+            end(i, error.what());
         }
+    }
+}
+
+void RecordingSet::end(std::size_t recording, const std::string& reason) {
+    Status& status = status_[recording];
+    const KeptRows kept = writers_[recording]->kept();
+    writers_[recording].reset();
+    status.samples = kept.rows;
+    status.failure = reason;
+    if (kept.rows > 0 && kept.file != status.file) {
+        status.failure += fmt::format("; {} samples are in {}", kept.rows, kept.file.string());
+    }
+    notify_(
+        fmt::format("recording {} ended after {} samples: {}", status.file, status.samples, status.failure));
+}
+
+RecordingSet::~RecordingSet() {
+    for (std::size_t i = 0; i < writers_.size(); ++i) {
+        if (writers_[i] != nullptr) {
+            writers_[i]->keep();
+            end(i, "it was not completed");
+        }
+    }
+}
+
+void RecordingSet::discard() noexcept {
+    for (auto& writer : writers_) {
+        if (writer != nullptr) {
+            writer->discard();
+        }
+        writer.reset();
     }
 }
 

@@ -18,20 +18,27 @@ class RecordingSet {
 public:
     struct Status {
         std::string file;
-        std::int64_t samples = 0;  ///< taken before it failed, if it did
-        std::string failure;       ///< empty: none
+        std::int64_t samples = 0;  ///< taken so far; once it has failed: that were saved
+        std::string failure;       ///< empty: none; else with the name of the file that holds what was saved
     };
 
     /// Begins all of them. @throws std::runtime_error that names the path and the reason when one cannot be.
     /// @param tell takes a message when a recording fails later on
     RecordingSet(std::span<const std::string> paths, const RecordingHead& head,
                  std::function<void(const std::string&)> tell);
+    /// Keeps what was written of those that have not failed.
+    ~RecordingSet();
+    RecordingSet(const RecordingSet&) = delete;
+    RecordingSet& operator=(const RecordingSet&) = delete;
 
     /// Appends rows as RecordingWriter does, but does not throw when a recording cannot be written.
     void write(std::int64_t first, std::span<const double> values);
 
     /// Completes those that have not failed. Does not throw either.
     void commit();
+
+    /// Removes those that have not failed.
+    void discard() noexcept;
 
     /// None has failed.
     bool sound() const noexcept;
@@ -43,6 +50,7 @@ public:
 private:
     template <class Action>
     void each(Action action);
+    void end(std::size_t recording, const std::string& reason);
 
     std::vector<Status> status_;
     std::vector<std::unique_ptr<RecordingWriter>> writers_;  // one for each; nullptr: it is over

@@ -138,7 +138,21 @@ TEST(RecordingSet, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
     EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 5001U);
 }
 
-TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
+/// The file that a failed recording's status names.
+std::string kept_file(const json& recording) {
+    const std::string status = recording["status"];
+    const std::string before = fmt::format("{} samples are in ", recording["samples"].get<int>());
+    const std::size_t at = status.find(before);
+    return at == std::string::npos ? "" : status.substr(at + before.size());
+}
+
+/// Lines of a CSV without its first.
+std::int64_t rows_of(const std::string& csv) {
+    const std::string text = file_text(csv);
+    return std::count(text.begin(), text.end(), '\n') - 1;
+}
+
+TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAloneAndWhatItHas) {
     const TemporaryFolder folder;
     write_text(folder.file("a.csv"), "old");
     const LargestFile limit(50'000);
@@ -147,6 +161,10 @@ TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("a.csv"), HasSubstr("File too large")));
     EXPECT_EQ(file_text(folder.file("a.csv")), "old");
     EXPECT_FALSE(fs::exists(folder.file("a.csv-metadata.json")));
+    std::smatch kept;
+    ASSERT_TRUE(std::regex_search(outcome.err, kept, std::regex("(\\d+) samples are in (\\S+)")));
+    EXPECT_GT(rows_of(kept[2]), 100);
+    EXPECT_EQ(rows_of(kept[2]), std::stoi(kept[1]));
 }
 
 TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
@@ -174,6 +192,9 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     EXPECT_EQ(recordings[2]["samples"], 300'000);
     EXPECT_FALSE(fs::exists(folder.file("a.csv")));
     // what the disk had room for is there
+    EXPECT_GT(recordings[1]["samples"], 5000);
+    EXPECT_EQ(rows_of(kept_file(recordings[1])), recordings[1]["samples"]);
+    EXPECT_EQ(recordings[0]["samples"], limit / 12);
     const std::vector<double> kept = column(folder.file("a.sigmf-meta"), "v_out_m_per_s");
     EXPECT_EQ(kept.size(), limit / 12);
     EXPECT_EQ(kept, as_float32(v_out_of_run(kept.size(), folder)));
@@ -223,7 +244,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesNoneOfThem) {
     const TemporaryFolder folder;
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"),
                  "--set", "output.duration_s=1.2"});
-    while (!fs::exists(folder.file("a.sigmf-meta"))) {
+    while (fs::is_empty(fs::path(folder.file("x")).parent_path())) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     run.send(SIGINT);

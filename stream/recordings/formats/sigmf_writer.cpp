@@ -75,17 +75,6 @@ public:
         const OutputFile writable(meta_path_, StagedFile::Devices::refused);  // fails now or not at all
     }
 
-    ~SigmfWriter() override {
-        if (failed()) {
-            data_.keep();
-        } else if (!complete_ && appeared_) {
-            std::error_code gone;
-            fs::remove(meta_path_, gone);
-        }
-    }
-    SigmfWriter(const SigmfWriter&) = delete;
-    SigmfWriter& operator=(const SigmfWriter&) = delete;
-
 private:
     void begin_capture(Capture capture) override {
         Json& captures = meta_["captures"];
@@ -122,7 +111,28 @@ private:
         }
         flush();
         data_.commit();
-        complete_ = true;
+    }
+
+    KeptRows rescue() override {
+        if (!appeared_) {
+            remove();
+            return {};
+        }
+        try {
+            flush();
+        } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
+        }
+        const std::int64_t rows = data_.records();
+        data_.keep();
+        return {rows, rows > 0 ? path() : fs::path()};
+    }
+
+    void remove() noexcept override {
+        data_.abandon();
+        if (appeared_) {
+            std::error_code gone;
+            fs::remove(meta_path_, gone);
+        }
     }
 
     /// Takes the place of what had the name. Old meta go first and new ones come last: they never lie beside
@@ -136,6 +146,7 @@ private:
 
     /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
     void flush() {
+        data_.require_present();  // else the metadata of that name are another recording's
         if (meta_is_stale_) {
             save_meta();
         }
@@ -159,7 +170,6 @@ private:
     std::vector<float> floats_;
     bool meta_is_stale_ = false;
     bool appeared_ = false;
-    bool complete_ = false;
 };
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "stream/recordings/formats/csv.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <random>
@@ -9,6 +11,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
@@ -103,6 +108,46 @@ TEST(Csv, AFullDiskIsToldOfWithPathAndReason) {
     const auto large = open_csv_writer("/dev/full", recording_head({"v"}, 1));
     EXPECT_THAT(error_of([&] { large->write(0, std::vector<double>(100'000, 0.1)); }),
                 HasSubstr("No space left"));
+}
+
+TEST(Csv, MetadataThatCannotBeWrittenAreToldOfBeforeAnythingIsReplaced) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "old");
+    fs::create_directories(folder.file("a.csv-metadata.json/full"));
+    EXPECT_THAT(error_of([&] { open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1)); }),
+                HasSubstr("a.csv-metadata.json"));
+    fs::remove_all(folder.file("a.csv-metadata.json"));
+    const auto writer = open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1));
+    writer->write(0, std::vector{1.0});
+    fs::create_directories(folder.file("a.csv-metadata.json/full"));  // meanwhile
+    EXPECT_NE(error_of([&] { writer->commit(); }), "");
+    EXPECT_EQ(contents(folder.file("a.csv")), "old");
+    EXPECT_EQ(writer->kept().rows, 1);
+    EXPECT_EQ(contents(writer->kept().file), "t_s,v\n0,1\n");
+}
+
+/// In a process of its own: the limit on the size of files cannot be raised again.
+TEST(Csv, AFullDiskLeavesWholeLines) {
+    const TemporaryFolder folder;
+    const pid_t child = fork();
+    if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit small{2'000'001, 2'000'001};
+        setrlimit(RLIMIT_FSIZE, &small);
+        const auto writer = open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1));
+        std::string error;
+        for (std::int64_t first = 0; first < 1'000'000 && error.empty(); first += 100) {
+            error = error_of([&] { writer->write(first, std::vector<double>(100, 0.5)); });
+        }
+        const KeptRows& kept = writer->kept();
+        const std::string text = contents(kept.file);
+        const bool whole = text.ends_with(",0.5\n") && text.size() > 1'999'980 &&
+                           std::count(text.begin(), text.end(), '\n') == kept.rows + 1;
+        _exit(error.find("File too large") != std::string::npos && whole ? 0 : 1);
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
 }
 
 TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
