@@ -75,7 +75,7 @@ double Simulation::energy_residual() noexcept {
 }
 
 std::string Simulation::failure() const {
-    return status_ == Status::running ? std::string{} : solver_->failure();
+    return status_ == Status::unstable ? solver_->failure() : std::string{};
 }
 
 Status Simulation::advance(Samples& samples, std::size_t count, TapSet wanted) noexcept {

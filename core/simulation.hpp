@@ -57,7 +57,7 @@ public:
     /// The same over what came and went: the horn's work back and forth, or the losses, or the kinetic energy, whichever is largest.
     double energy_residual() noexcept;
 
-    /// What went wrong, for a human; empty while running.
+    /// What went wrong, for a human; empty when nothing did.
     std::string failure() const;
 
     /// Bytes that a simulation of this scene needs, roughly from above.

@@ -56,6 +56,7 @@ double SeriesSolver::phase_for(double tolerance) noexcept {
 
 SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
     : chain_(chain),
+      options_(options),
       sample_period_s_(1 / scene.output.sample_rate_hz),
       burst_(scene.drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
@@ -261,6 +262,8 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
             const std::int64_t available = beyond - next_sample_;
             next_sample_ +=
                 writer ? samples_.put(*writer, kernels_.samples, begin_, next_sample_, available) : available;
+        } else if (options_.stop_asked()) {
+            return Status::stopped;
         } else {
             next_piece();
             if (!(piece_.largest < 1e300) || stands_still()) {

@@ -46,6 +46,7 @@ private:
     bool finite() const noexcept;
 
     const Chain& chain_;
+    SimulationOptions options_;
     double sample_period_s_;
     double samples_per_unit_ = 1;
     ToneBurst burst_;

@@ -14,7 +14,7 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
     : chain_(chain),
       integrator_(*scene.numerics.integrator),
       step_s_(exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz)),
-      tracking_(options.tracking),
+      options_(options),
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
       burst_(scene.drive, step_s_),
       state_(chain_),
@@ -32,7 +32,7 @@ void SteppedSolver::reset() noexcept {
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
     status_ = Status::running;
     horn_first_ = -1;
-    front_ = tracking_ == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
+    front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
     simd_chain_.load(chain_, state_, front_);
     kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
     sampler_.reset();
@@ -183,10 +183,19 @@ int SteppedSolver::take_steps(int count, kernels::Trace& trace) noexcept {
 
 /// Takes steps until `step` is reached or the trace is full.
 void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept {
+    // A batch of a long chain may take seconds: so many bodies are moved between two looks at the stop flag.
+    constexpr std::int64_t bodies_at_a_time = 1 << 24;
+    const std::int64_t most = options_.stop == nullptr
+                                  ? ToneBurst::batch_steps
+                                  : std::max<std::int64_t>(1, bodies_at_a_time / chain_.bodies());
     while (state_.step < step && status_ == Status::running) {
+        if (options_.stop_asked()) {
+            status_ = Status::stopped;
+            return;
+        }
         const std::int64_t in_batch = state_.step - horn_first_;
         const std::int64_t left_in_batch = ToneBurst::batch_steps - in_batch;
-        const int count = static_cast<int>(std::min(left_in_batch, step - state_.step));
+        const int count = static_cast<int>(std::min({left_in_batch, step - state_.step, most}));
         const int taken = take_steps(count, trace);
         state_.step += taken;
         if (!stable()) {

@@ -41,7 +41,7 @@ private:
     const Chain& chain_;
     Integrator integrator_;
     double step_s_;
-    WavefrontTracking tracking_;
+    SimulationOptions options_;
     double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
     ToneBurst burst_;
     ChainState state_;

@@ -16,7 +16,7 @@ double SimulationSource::memory_bytes(const Scene& scene) noexcept {
 SimulationSource::SimulationSource(const Scene& scene, TapSet always)
     : format_(format_of(scene)),
       always_(always & format_.taps),
-      simulation_(scene, SimulationOptions{.taps = format_.taps}) {}
+      simulation_(scene, SimulationOptions{.taps = format_.taps, .stop = &stop_}) {}
 
 Samples SimulationSource::make_block() const {
     return simulation_.make_samples(static_cast<std::size_t>(format_.frame_samples));
