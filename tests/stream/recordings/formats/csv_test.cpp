@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -165,6 +166,50 @@ TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
     ASSERT_TRUE(reader->read(rows, 100));
     EXPECT_EQ(rows.first, 9);
     EXPECT_FALSE(reader->read(rows, 100));
+}
+
+TEST(CsvReader, TheRateIsRightHoweverLateTheRecordingBegins) {
+    const TemporaryFolder folder;
+    for (const double rate : {10e6, 1e6, 44'100.0, 12'345.678, 2.5e6, 1 / 3.0}) {
+        for (const double begin_s : {0.0, 10.0, 100.0, 3600.0, 86'400.0}) {
+            const auto first = static_cast<std::int64_t>(begin_s * rate);
+            const std::string file = folder.file("a.csv");
+            const auto writer = open_csv_writer(file, recording_head({"v"}, rate));
+            writer->write(first, std::vector<double>(3000, 0.5));
+            writer->write(first + 5000, std::vector<double>(10, 0.5));
+            writer->commit();
+            fs::remove(csv_metadata_path(file));
+            const auto rows = read_rows(*open_csv_reader(file));
+            ASSERT_EQ(rows.size(), 2U) << rate << " Hz from " << begin_s << " s on";
+            EXPECT_EQ(rows[0].first, first) << rate << " Hz from " << begin_s << " s on";
+            EXPECT_EQ(rows[1].first, first + 5000) << rate << " Hz from " << begin_s << " s on";
+        }
+    }
+}
+
+TEST(CsvReader, ALineWithoutEndIsRefused) {
+    const TemporaryFolder folder;
+    EXPECT_THAT(error_of([&] { open_csv_reader("/dev/zero"); }), HasSubstr("/dev/zero:1: found a byte 0"));
+    write_text(folder.file("a.csv"), "t_s,v\n0,1\n");
+    fs::resize_file(folder.file("a.csv"), std::uintmax_t{1} << 40);  // with a hole in it
+    EXPECT_THAT(error_of([&] { read_rows(*open_csv_reader(folder.file("a.csv"))); }),
+                HasSubstr("a.csv:3: found a byte 0"));
+}
+
+TEST(CsvReader, ALineMayBeLongerThanTheBuffer) {
+    const TemporaryFolder folder;
+    for (const std::size_t columns : {10, 6000, 9361, 9362, 9363, 20'000, 100'000}) {
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < columns; ++i) {
+            names.push_back(fmt::format("c{:05}", i));
+        }
+        const RecordingHead head = recording_head(names, 10);
+        const std::vector<RecordedRows> rows{recorded_rows(head, 0, 3)};
+        const auto writer = open_csv_writer(folder.file("a.csv"), head);
+        write_rows(*writer, rows);
+        writer->commit();
+        EXPECT_EQ(read_rows(*open_csv_reader(folder.file("a.csv"))).at(0).values, rows[0].values);
+    }
 }
 
 TEST(CsvReader, NamesTheLineThatIsWrong) {
