@@ -17,7 +17,7 @@ public:
 
     /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or
     /// unwritable directory, a target that is a directory or read-only. A FIFO waits for its reader.
-    /// A symbolic link is followed, not replaced. A new file gets the permissions that any new file would;
+    /// A symbolic link is followed, not replaced; a stranger's in a folder like /tmp is refused. A new file gets the permissions that any new file would;
     /// one that replaces another gets its permissions, and its owner where the system lets us.
     StagedFile(std::filesystem::path path, Devices devices);
 
