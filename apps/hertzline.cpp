@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <exception>
 #include <new>
 #include <sstream>
@@ -18,6 +19,7 @@
 #include "apps/console/output.hpp"
 #include "core/scene/text.hpp"
 #include "stream/provenance.hpp"
+#include "stream/recordings/recording_thread.hpp"
 
 namespace hertzline::app {
 
@@ -145,5 +147,8 @@ int main(int argc, char** argv) {
     hertzline::app::send_messages_to_stderr();
     const auto status = static_cast<int>(hertzline::app::run_guarded(argc, argv));
     hertzline::app::finish_messages();
+    if (hertzline::stream::RecordingThread::any_abandoned()) {
+        std::_Exit(status);  // it still uses what the ordinary end would destroy
+    }
     return status;
 }

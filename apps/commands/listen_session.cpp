@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 #include "stream/float32.hpp"
 #include "stream/json_from_outside.hpp"
@@ -169,7 +170,7 @@ void ListenSession::begin(const stream::FrameHeader& header) {
                                      .sample_rate_hz = fs_,
                                      .numbers = stream::NumberType::float32,
                                      .provenance = provenance_};
-    recordings_.emplace(files_, head, notify_);
+    recordings_.emplace(files_, head, stream::RecordingPatience::of_a_second(stop_asked()), notify_);
     if (first_sample_ > 0) {
         notify_(fmt::format("joined run {} at sample {}", run_, first_sample_));
     }
@@ -238,8 +239,7 @@ void ListenSession::take_samples(const stream::FrameHeader& header, std::span<co
             return;
         }
         const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count * channels_);
-        rows_.assign(values_.begin(), end);
-        recordings_->write(static_cast<std::int64_t>(header.sample), rows_);
+        recordings_->write(static_cast<std::int64_t>(header.sample), {values_.begin(), end});
     }
     samples_ += count;
 }

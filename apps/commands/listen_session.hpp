@@ -101,7 +101,6 @@ private:
     std::uint64_t malformed_ = 0;
     std::string refusal_;  // the last one that the user was told
     std::vector<float> values_;
-    std::vector<double> rows_;
 };
 
 }  // namespace hertzline::app

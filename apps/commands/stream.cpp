@@ -44,14 +44,17 @@ struct StreamArguments {
 
 void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
                       const stream::StreamOptions& options) {
+    const TapSet recorded = recorded_taps(scene.end.kind);
+    const double queue = stream::RecordingSet::queue_bytes(
+        channels_of(recorded, static_cast<double>(scene.chain.spheres)), scene.output.sample_rate_hz);
     const double memory = stream::SimulationSource::memory_bytes(scene) +
-                          stream::ring_bytes(stream::SimulationSource::format_of(scene), options.pace);
+                          stream::ring_bytes(stream::SimulationSource::format_of(scene), options.pace) +
+                          (arguments.recordings.empty() ? 0 : queue);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
     if (options.samples) {
-        refuse_disk_shortages(scene, static_cast<double>(*options.samples), arguments.recordings,
-                              recorded_taps(scene.end.kind));
+        refuse_disk_shortages(scene, static_cast<double>(*options.samples), arguments.recordings, recorded);
     }
 }
 
@@ -83,6 +86,8 @@ Exit stream(const StreamArguments& arguments) {
         {.columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
          .provenance = options.about},
+        options.pace.is_flat_out() ? stream::RecordingPatience::of_a_second(stop_asked())
+                                   : stream::RecordingPatience::none(stop_asked()),
         [&line](const std::string& text) {
             line.clear();
             spdlog::error("{}; the stream continues", text);

@@ -34,6 +34,12 @@ struct RecordingHead {
     nlohmann::ordered_json provenance;  ///< where it comes from: an object (stream/provenance)
 };
 
+/// When a recording takes its name. Only SigMF can early: the others are whole at their end only.
+enum class Appearance {
+    early,          ///< with its first row, so that it survives the sudden end of the program
+    when_complete,  ///< what was there before stays until then
+};
+
 /// Rows that follow one another without a gap.
 struct RecordedRows {
     std::int64_t first = 0;      ///< index of the first sample since the run's start

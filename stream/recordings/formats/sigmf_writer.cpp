@@ -65,8 +65,9 @@ Json global_of(const RecordingHead& head) {
 
 class SigmfWriter final : public CheckedWriter {
 public:
-    SigmfWriter(const fs::path& either, const RecordingHead& head)
+    SigmfWriter(const fs::path& either, const RecordingHead& head, Appearance appearance)
         : CheckedWriter(either, {head.columns, head.sample_rate_hz, NumberType::float32, head.provenance}),
+          appearance_(appearance),
           meta_path_(sigmf_paths(either).meta),
           data_(sigmf_paths(either).data, head.columns.size() * sizeof(float)),
           meta_{{"global", global_of(head)}, {"captures", Json::array()}, {"annotations", Json::array()}},
@@ -90,7 +91,7 @@ private:
     void append(std::int64_t, std::span<const double> values) override {
         floats_.assign(values.begin(), values.end());
         const std::span<const std::byte> bytes = wire_bytes(floats_);
-        if (!appeared_) {
+        if (!appeared_ && appearance_ == Appearance::early) {
             appear();
         }
         if (!data_.fits(bytes.size())) {
@@ -114,17 +115,24 @@ private:
     }
 
     KeptRows rescue() override {
-        if (!appeared_) {
-            remove();
-            return {};
-        }
         try {
             flush();
         } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
         }
         const std::int64_t rows = data_.records();
-        data_.keep();
-        return {rows, rows > 0 ? path() : fs::path()};
+        if (rows == 0 && !appeared_) {
+            remove();
+            return {};
+        }
+        const fs::path file = data_.keep();
+        if (appeared_) {
+            return {rows, rows > 0 ? path() : fs::path()};
+        }
+        OutputFile meta(meta_path_, StagedFile::Devices::refused);
+        meta.write(meta_text());
+        meta.flush();
+        meta.keep();
+        return {rows, file};
     }
 
     void remove() noexcept override {
@@ -147,20 +155,23 @@ private:
     /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
     void flush() {
         data_.require_present();  // else the metadata of that name are another recording's
-        if (meta_is_stale_) {
+        if (meta_is_stale_ && appeared_) {
             save_meta();
         }
         data_.flush();
         last_flush_ = steady_clock::now();
     }
 
+    std::string meta_text() const { return meta_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'; }
+
     void save_meta() {
         OutputFile file(meta_path_, StagedFile::Devices::refused);
-        file.write(meta_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+        file.write(meta_text());
         file.commit();
         meta_is_stale_ = false;
     }
 
+    Appearance appearance_;
     fs::path meta_path_;
     GrowingFile data_;
     Json meta_;
@@ -180,8 +191,9 @@ SigmfPaths sigmf_paths(const fs::path& either) {
     return {meta.replace_extension(sigmf_meta_ending), data.replace_extension(sigmf_data_ending)};
 }
 
-std::unique_ptr<RecordingWriter> open_sigmf_writer(const fs::path& either, const RecordingHead& head) {
-    return std::make_unique<SigmfWriter>(either, head);
+std::unique_ptr<RecordingWriter> open_sigmf_writer(const fs::path& either, const RecordingHead& head,
+                                                   Appearance appearance) {
+    return std::make_unique<SigmfWriter>(either, head, appearance);
 }
 
 }  // namespace hertzline::stream
