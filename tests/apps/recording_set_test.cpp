@@ -167,6 +167,17 @@ TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAloneAndWhatItHas) {
     EXPECT_EQ(rows_of(kept[2]), std::stoi(kept[1]));
 }
 
+TEST(RecordingSet, ADiskTooFullForMetadataLeavesTheOldFileAlone) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "old");
+    const LargestFile limit(1500);  // more than the CSV of eleven rows
+    const Outcome outcome =
+        hertzline({"run", "paper-wall", "--set", "output.duration_s=1e-6", "-o", folder.file("a.csv")});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("a.csv-metadata.json: File too large"));
+    EXPECT_EQ(file_text(folder.file("a.csv")), "old");
+}
+
 TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     const TemporaryFolder folder;
     constexpr rlim_t limit = 1 << 20;
@@ -250,6 +261,51 @@ TEST(RecordingSet, AnInterruptedRunLeavesNoneOfThem) {
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);
     EXPECT_TRUE(fs::is_empty(fs::path(folder.file("x")).parent_path()));
+}
+
+TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.sigmf-meta"), "old");
+    write_text(folder.file("a.sigmf-data"), "old");
+    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=1.2"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    run.send(SIGINT);
+    EXPECT_EQ(run.wait().status, 1);
+    EXPECT_EQ(file_text(folder.file("a.sigmf-meta")) + file_text(folder.file("a.sigmf-data")), "oldold");
+}
+
+/// A scene whose step turns out to be too long after three milliseconds.
+const Words unstable{"--set", "numerics.integrator=leapfrog", "--set", "numerics.step_s=2.3e-7",
+                     "--set", "drive.amplitude_m=1e-3"};
+
+TEST(RecordingSet, ARunThatFailsKeepsWhatItHasUnderAnotherName) {
+    const TemporaryFolder folder;
+    Words words{"run", "paper-stream", "-o", folder.file("a.csv"), "-o", folder.file("a.sigmf-data")};
+    words.insert(words.end(), unstable.begin(), unstable.end());
+    const Outcome run = hertzline(words);
+    EXPECT_EQ(run.status, 1);
+    EXPECT_THAT(run.err, HasSubstr("stability limit"));
+    EXPECT_FALSE(fs::exists(folder.file("a.csv")));
+    EXPECT_FALSE(fs::exists(folder.file("a.sigmf-data")));
+    std::smatch kept;
+    ASSERT_TRUE(std::regex_search(run.err, kept, std::regex("(\\d+) samples are in (\\S+csv\\S+)")));
+    EXPECT_GT(rows_of(kept[2]), 20'000);
+    EXPECT_EQ(rows_of(kept[2]), std::stoi(kept[1]));
+}
+
+TEST(RecordingSet, AStreamThatFailsSavesWhatItSent) {
+    const TemporaryFolder folder;
+    Words words{"stream",   "paper-stream",
+                "--pace",   "flat-out",
+                "--bind",   any_port,
+                "--record", folder.file("a.csv"),
+                "--record", folder.file("a.sigmf-data")};
+    words.insert(words.end(), unstable.begin(), unstable.end());
+    const Outcome stream = hertzline(words);
+    EXPECT_EQ(stream.status, 1);
+    EXPECT_GT(rows_of(folder.file("a.csv")), 20'000);
+    EXPECT_EQ(fs::file_size(folder.file("a.sigmf-data")),
+              static_cast<std::uintmax_t>(rows_of(folder.file("a.csv"))) * 12);
 }
 
 TEST(RecordingSet, AListenerWhoseDiskIsFullHearsTheRest) {

@@ -164,14 +164,6 @@ TEST_F(OutputFileTest, LinkOfAStrangerInAFolderForAllIsRefused) {
     EXPECT_EQ(contents(directory / "victim"), "old");
 }
 
-TEST_F(OutputFileTest, WhatReplacesAPrivateFileIsPrivateFromTheFirstMoment) {
-    const fs::path file = directory / "a.csv";
-    put(file, "old");
-    fs::permissions(file, static_cast<fs::perms>(0600));
-    const StagedFile staged(file, StagedFile::Devices::refused);
-    EXPECT_EQ(fs::status(staged.temporary()).permissions(), static_cast<fs::perms>(0600));
-}
-
 TEST_F(OutputFileTest, LinkToItselfIsRefused) {
     fs::create_symlink("loop", directory / "loop");
     EXPECT_THAT(refusal(directory / "loop"), HasSubstr("Too many levels of symbolic links"));
