@@ -218,6 +218,9 @@ private:
         constexpr std::size_t enough_rows = 1000;
         constexpr std::int64_t enough_bytes = 1 << 20;
         const auto place = in_.tellg();
+        if (place < 0) {
+            cannot_read(path_, "it has no metadata, and the first times of a pipe cannot be read twice");
+        }
         const std::int64_t line = line_number_;
         std::vector<double> times;
         while (times.size() < enough_rows && (times.size() < 2 || in_.tellg() - place < enough_bytes) &&

@@ -8,11 +8,13 @@
 #include <random>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -196,9 +198,17 @@ TEST(CsvReader, ALineWithoutEndIsRefused) {
                 HasSubstr("a.csv:3: found a byte 0"));
 }
 
+TEST(CsvReader, APipeNeedsMetadata) {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("a.csv");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::jthread writer([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
+    EXPECT_THAT(error_of([&] { open_csv_reader(pipe); }), HasSubstr("no metadata"));
+}
+
 TEST(CsvReader, ALineMayBeLongerThanTheBuffer) {
     const TemporaryFolder folder;
-    for (const std::size_t columns : {10, 6000, 9361, 9362, 9363, 20'000, 100'000}) {
+    for (const std::size_t columns : {10, 6000, 9361, 9362, 9363, 20'000}) {
         std::vector<std::string> names;
         for (std::size_t i = 0; i < columns; ++i) {
             names.push_back(fmt::format("c{:05}", i));
