@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <csignal>
+#include <cstdlib>
 #include <exception>
-#include <iostream>
 #include <new>
 #include <sstream>
 #include <string>
@@ -12,15 +11,16 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include "apps/command.hpp"
-#include "apps/console/terminal.hpp"
+#include "apps/console/messages.hpp"
+#include "apps/console/output.hpp"
 #include "core/scene/text.hpp"
 #include "stream/provenance.hpp"
+#include "stream/recordings/recording_thread.hpp"
 
 namespace hertzline::app {
 
@@ -71,16 +71,6 @@ void ask_for_all_descriptors() {
     }
 }
 
-void send_messages_to_stderr() {
-    const auto colour = colour_on_stderr() ? spdlog::color_mode::automatic : spdlog::color_mode::never;
-    auto logger = spdlog::stderr_color_st("hertzline", colour);
-    logger->set_pattern("%^%l%$: %v");
-    spdlog::set_default_logger(std::move(logger));
-    // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
-    std::signal(SIGPIPE, SIG_IGN);
-    std::signal(SIGXFSZ, SIG_IGN);  // so is a file that is larger than allowed
-}
-
 void report(const std::string& faults) {
     std::istringstream lines(faults);
     for (std::string line; std::getline(lines, line);) {
@@ -129,12 +119,17 @@ Exit run_program(int argc, char** argv) {
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return program.exit(error) == 0 ? Exit::done : Exit::wrong_use;
+        std::ostringstream out;
+        std::ostringstream err;
+        const bool asked_for = program.exit(error, out, err) == 0;
+        write_message(err.str());
+        print(out.str());
+        return asked_for ? Exit::done : Exit::wrong_use;
     }
     const auto asked =
         std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
     if (asked == commands.end()) {
-        std::cerr << program.help();
+        write_message(program.help());
         return Exit::wrong_use;
     }
     return asked->run();
@@ -162,5 +157,10 @@ int main(int argc, char** argv) {
     hertzline::app::occupy_closed_standard_streams();
     hertzline::app::ask_for_all_descriptors();
     hertzline::app::send_messages_to_stderr();
-    return static_cast<int>(hertzline::app::run_guarded(argc, argv));
+    const auto status = static_cast<int>(hertzline::app::run_guarded(argc, argv));
+    hertzline::app::finish_messages();
+    if (hertzline::stream::RecordingThread::any_abandoned()) {
+        std::_Exit(status);  // it still uses what the ordinary end would destroy
+    }
+    return status;
 }

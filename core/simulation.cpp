@@ -59,20 +59,23 @@ void Simulation::reset() noexcept {
     status_ = Status::running;
 }
 
-double Simulation::energy_residual() noexcept {
+double Simulation::energy_missing() noexcept {
     const Ledger ledger = solver_->ledger();
-    const double scale = std::max(std::abs(ledger.work), ledger.lost);
-    if (scale == 0) {
-        return 0;
-    }
     const ChainState& now = solver_->state();
     const double held =
         kinetic_energy(*chain_, now) + stored_energy(*chain_, now, solver_->horn_displacement());
-    return std::abs(held - ledger.at_start - ledger.work + ledger.lost) / scale;
+    return std::abs(held - ledger.at_start - ledger.work + ledger.lost);
+}
+
+double Simulation::energy_residual() noexcept {
+    const Ledger ledger = solver_->ledger();
+    const double moved =
+        std::max({ledger.gross_work, ledger.lost, kinetic_energy(*chain_, solver_->state())});
+    return moved > 0 ? energy_missing() / moved : 0;
 }
 
 std::string Simulation::failure() const {
-    return status_ == Status::running ? std::string{} : solver_->failure();
+    return status_ == Status::unstable ? solver_->failure() : std::string{};
 }
 
 Status Simulation::advance(Samples& samples, std::size_t count, TapSet wanted) noexcept {

@@ -52,10 +52,12 @@ public:
     /// Its time [s]. Steps do not end where samples lie.
     double time_s() const noexcept { return solver_->time_s(); }
     Ledger ledger() noexcept { return solver_->ledger(); }
-    /// |kinetic + stored - start - work + lost| over the work done.
+    /// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost| [J].
+    double energy_missing() noexcept;
+    /// The same over what came and went: the horn's work back and forth, or the losses, or the kinetic energy, whichever is largest.
     double energy_residual() noexcept;
 
-    /// What went wrong, for a human; empty while running.
+    /// What went wrong, for a human; empty when nothing did.
     std::string failure() const;
 
     /// Bytes that a simulation of this scene needs, roughly from above.

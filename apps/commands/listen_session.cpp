@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/console/signals.hpp"
+#include "core/scene/scene.hpp"
 #include "core/scene/text.hpp"
 #include "stream/float32.hpp"
 #include "stream/json_from_outside.hpp"
@@ -18,6 +20,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr std::size_t largest_json = 1 << 20;  // of meta and end; a scene has at most 64 KiB
+constexpr int most_notices = 3;                // of a kind; what goes wrong often is only counted
 
 /// An object, or null when the text is none.
 Json parsed_object(std::string_view text) {
@@ -114,6 +117,12 @@ void ListenSession::note_malformed(const std::string& reason) {
     }
 }
 
+void ListenSession::note_arrival(stream::Arrival arrival, const std::string& text) {
+    if (int& told = notices_[arrival]; !text.empty() && ++told <= most_notices) {
+        notify_(text + (told == most_notices ? " (more of these are only counted)" : ""));
+    }
+}
+
 void ListenSession::note_refusal(const stream::Refusal& refusal) {
     if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
         notify_(refusal.reason);
@@ -138,6 +147,10 @@ void ListenSession::take_meta(const stream::Message& message) {
     std::vector<std::string> names;
     for (const Json& stream : meta["streams"]) {
         names.push_back(printable(text_in(stream, "name")));
+        if (names.back() == row_of(tap_).name && stream.contains("channels") &&
+            stream["channels"].is_number_unsigned()) {
+            announced_channels_ = stream["channels"].get<std::size_t>();
+        }
     }
     if (std::ranges::find(names, row_of(tap_).name) == names.end()) {
         notify_(
@@ -173,11 +186,14 @@ void ListenSession::begin(const stream::FrameHeader& header) {
     fs_ = header.fs;
     channels_ = header.channels;
     first_sample_ = header.sample;
-    const stream::RecordingHead head{.columns = stream::recorded_columns(tap_, channels_),
-                                     .sample_rate_hz = fs_,
-                                     .numbers = stream::NumberType::float32,
-                                     .provenance = provenance_};
-    recordings_.emplace(files_, head, notify_);
+    stream::RecordingHead head{.columns = {},
+                               .sample_rate_hz = fs_,
+                               .numbers = stream::NumberType::float32,
+                               .provenance = provenance_};
+    if (!files_.empty()) {
+        head.columns = stream::recorded_columns(tap_, channels_);
+    }
+    recordings_.emplace(files_, head, stream::RecordingPatience::of_a_second(stop_asked()), notify_);
     if (first_sample_ > 0) {
         notify_(fmt::format("joined run {} at sample {}", run_, first_sample_));
     }
@@ -212,25 +228,43 @@ void ListenSession::take_frame(const stream::Message& message) {
     if (!belongs_to_run(*header)) {
         return;
     }
+    if (const auto fault = samples_fault(*header, message.bytes(1))) {
+        note_malformed(*fault);
+        return;
+    }
     const stream::ContinuityTotals before = check_.totals();
     const stream::Arrival arrival = check_.take(*header);
-    if (const std::string text = notice(arrival, *header, next_sample_, before, check_.totals());
-        !text.empty()) {
-        notify_(text);
-    }
-    if (arrival == stream::Arrival::repeated || arrival == stream::Arrival::out_of_order) {
+    note_arrival(arrival, notice(arrival, *header, next_sample_, before, check_.totals()));
+    if (arrival == stream::Arrival::repeated || arrival == stream::Arrival::out_of_order ||
+        arrival == stream::Arrival::inconsistent) {
         return;
     }
     if (arrival == stream::Arrival::joined || arrival == stream::Arrival::new_run) {
         begin(*header);
     }
     next_sample_ = header->sample + header->n;
-    if (arrival != stream::Arrival::inconsistent) {
-        take_samples(*header, message.bytes(1));
-    }
+    take_samples(*header);
 }
 
-void ListenSession::take_samples(const stream::FrameHeader& header, std::span<const std::byte> payload) {
+std::optional<std::string> ListenSession::samples_fault(const stream::FrameHeader& header,
+                                                        std::span<const std::byte> payload) {
+    const bool of_chain = row_of(tap_).extent == Extent::per_sphere;
+    const std::size_t most =
+        announced_channels_.value_or(of_chain ? static_cast<std::size_t>(max_spheres) : 1);
+    if (header.channels > most || (announced_channels_ && header.channels != most)) {
+        return fmt::format("found {} channels, expected {}{}", header.channels,
+                           announced_channels_ ? "" : "at most ", most);
+    }
+    if (!stream::decode_samples(payload, values_)) {
+        return "the payload does not fill whole samples";
+    }
+    if (!std::ranges::all_of(values_, [](float value) { return std::isfinite(value); })) {
+        return fmt::format("a number of frame {} is not finite", header.seq);
+    }
+    return std::nullopt;
+}
+
+void ListenSession::take_samples(const stream::FrameHeader& header) {
     std::size_t count = header.n;
     if (wanted_s_) {
         const double wanted = std::max(1.0, std::round(*wanted_s_ * fs_));
@@ -241,13 +275,8 @@ void ListenSession::take_samples(const stream::FrameHeader& header, std::span<co
         }
     }
     if (recordings_->any_left()) {
-        if (!stream::decode_samples(payload, values_)) {
-            note_malformed("the payload does not fill whole samples");
-            return;
-        }
         const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count * channels_);
-        rows_.assign(values_.begin(), end);
-        recordings_->write(static_cast<std::int64_t>(header.sample), rows_);
+        recordings_->write(static_cast<std::int64_t>(header.sample), {values_.begin(), end});
     }
     samples_ += count;
 }

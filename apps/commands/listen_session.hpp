@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -75,9 +76,13 @@ private:
     void take_end(const stream::Message& message);
     /// The frame is of this run; else says why not.
     bool belongs_to_run(const stream::FrameHeader& header);
-    void take_samples(const stream::FrameHeader& header, std::span<const std::byte> payload);
+    void take_samples(const stream::FrameHeader& header);
     void begin(const stream::FrameHeader& header);
+    /// What is wrong with the frame's channels and samples; unset: nothing.
+    std::optional<std::string> samples_fault(const stream::FrameHeader& header,
+                                             std::span<const std::byte> payload);
     void note_malformed(const std::string& reason);
+    void note_arrival(stream::Arrival arrival, const std::string& text);
 
     Tap tap_;
     std::optional<double> wanted_s_;
@@ -88,6 +93,8 @@ private:
     Json provenance_ = Json::object();                // as meta says
     EndReason end_reason_ = EndReason::none;
     bool knows_the_run_ = false;
+    std::optional<std::size_t> announced_channels_;  // as meta says
+    std::map<stream::Arrival, int> notices_;         // so often the user was told of it
 
     // of the run that is listened to
     std::string run_;
@@ -99,9 +106,8 @@ private:
     std::uint64_t samples_ = 0;  // kept
     std::uint64_t missing_at_end_ = 0;
     std::uint64_t malformed_ = 0;
-    std::string refusal_;  // the last one that the user was told
-    std::vector<float> values_;
-    std::vector<double> rows_;
+    std::string refusal_;        // the last one that the user was told
+    std::vector<float> values_;  // of the frame
 };
 
 }  // namespace hertzline::app

@@ -12,6 +12,7 @@
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
 #include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/recording_set.hpp"
 #include "stream/resources.hpp"
 #include "stream/spectrum.hpp"
 
@@ -50,7 +51,10 @@ double memory_of_run(const Scene& scene, TapSet recorded) noexcept {
     const double rows = rows_of_run(scene);
     const double block_bytes =
         static_cast<double>(block_of_run(scene, taps)) * sizeof(double) * numbers_of(scene, taps);
-    return Simulation::memory_bytes(scene, taps) + block_bytes + rows * sizeof(double) +
+    const double queue_bytes =
+        std::min(rows * sizeof(double) * numbers_of(scene, recorded),
+                 stream::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz));
+    return Simulation::memory_bytes(scene, taps) + block_bytes + queue_bytes + rows * sizeof(double) +
            stream::SpectrumAnalyser::bytes_needed(rows);
 }
 

@@ -20,7 +20,7 @@ TapSet taps_of_run(TapSet recorded) noexcept;
 /// Samples that are simulated, then written, at a time.
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 
-/// The simulation, its blocks, the record of v_out and its spectrum.
+/// The simulation, its blocks, what waits for its files, the record of v_out and its spectrum.
 double memory_of_run(const Scene& scene, TapSet recorded) noexcept;
 
 /// Bytes of a recording of the taps in the format of that file, at most.

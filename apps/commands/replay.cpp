@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <fmt/format.h>
+
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/publish_session.hpp"
@@ -75,6 +77,11 @@ Exit replay(const ReplayArguments& arguments) {
     faults.of([&] {
         if (arguments.sample_rate_hz) {
             require_positive("--sample-rate", *arguments.sample_rate_hz);
+            if (*arguments.sample_rate_hz > stream::max_sample_rate_hz) {
+                throw WrongUse(fmt::format("--sample-rate: found {} Hz, allowed: at most {} Hz",
+                                           number_text(*arguments.sample_rate_hz),
+                                           number_text(stream::max_sample_rate_hz)));
+            }
         }
     });
     faults.of([&] {

@@ -101,6 +101,9 @@ RunRecord simulate(Simulation& simulation, TapSet recorded, stream::RecordingSet
             simulation.advance(block, std::min(block.capacity(), rows - record.v_out.size()));
         const stream::Nanoseconds after = stream::MonotonicClock::now();
         record.busy += after - before;
+        if (status == Status::stopped) {
+            continue;  // to the look at `stop`
+        }
         if (status != Status::running) {
             throw std::runtime_error(simulation.failure());
         }
@@ -176,21 +179,28 @@ Exit run(const RunOptions& options) {
     const TapSet recorded = asked_taps(options, scene.end.kind);
     refuse_shortages(scene, options.files, recorded);
     stop_asked();  // from here on there are files to be cleaned up
-    Simulation simulation(scene, {.taps = taps_of_run(recorded)});
+    Simulation simulation(scene, {.taps = taps_of_run(recorded), .stop = &stop_asked()});
     const stream::RecordingHead head{
         .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,
         .provenance = stream::provenance_json(
             {scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), std::nullopt})};
-    stream::RecordingSet recordings(options.files, head,
-                                    [](const std::string& text) { spdlog::error(text); });
+    stream::RecordingSet recordings(
+        options.files, head, stream::RecordingPatience::endless(stop_asked()),
+        [](const std::string& text) { spdlog::error(text); }, stream::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
     const RunRecord record = simulate(simulation, recorded, recordings);
     if (record.stopped) {
+        recordings.discard();
         spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }
     recordings.commit();
+    end_at_once_when_asked();  // the spectrum of a long run takes long
+    if (stop_was_asked()) {
+        spdlog::error("stopped before the summary");
+        return Exit::failed;
+    }
     print_summary(summarise(simulation, setup_s, record, resolved, recordings), options.format);
     return recordings.sound() ? Exit::done : Exit::failed;
 }

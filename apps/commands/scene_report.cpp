@@ -133,13 +133,10 @@ std::string reason_text(IntegratorReason reason) {
     switch (reason) {
         case IntegratorReason::set_by_scene:
             return "set by the scene";
-        case IntegratorReason::short_chain:
-            return fmt::format("short chain, up to {} spheres, or accuracy below {:g}: series",
-                               short_chain_spheres, default_accuracy);
+        case IntegratorReason::fastest:
+            return "fastest at this accuracy: series of order 8";
         case IntegratorReason::high_accuracy:
             return fmt::format("accuracy below {:g}: series of order 12", high_accuracy);
-        case IntegratorReason::long_chain:
-            return fmt::format("long chain, over {} spheres: leapfrog", short_chain_spheres);
     }
     return {};
 }

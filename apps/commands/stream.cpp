@@ -43,14 +43,17 @@ struct StreamArguments {
 
 void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
                       const stream::StreamOptions& options, const stream::PublisherOptions& publishing) {
+    const TapSet recorded = recorded_taps(scene.end.kind);
+    const double queue = stream::RecordingSet::queue_bytes(
+        channels_of(recorded, static_cast<double>(scene.chain.spheres)), scene.output.sample_rate_hz);
     const double memory = stream::SimulationSource::memory_bytes(scene) +
-                          stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing);
+                          stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing) +
+                          (arguments.recordings.empty() ? 0 : queue);
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
     if (options.samples) {
-        refuse_disk_shortages(scene, static_cast<double>(*options.samples), arguments.recordings,
-                              recorded_taps(scene.end.kind));
+        refuse_disk_shortages(scene, static_cast<double>(*options.samples), arguments.recordings, recorded);
     }
 }
 
@@ -87,24 +90,31 @@ Exit stream(const StreamArguments& arguments) {
         {.columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
          .provenance = options.about},
+        options.pace.is_flat_out() ? stream::RecordingPatience::of_a_second(stop_asked())
+                                   : stream::RecordingPatience::none(stop_asked()),
         [&line](const std::string& text) {
             line.clear();
             spdlog::error("{}; the stream continues", text);
         });
     stream::RowBuilder row_builder(recordings, recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
-    publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
-                       [&](Json& summary, const stream::StreamMeters& meters) {
-                           // Before subscribers receive the end, recordings are complete or known not to be.
-                           recordings.commit();
-                           summary["recordings"] = stream::recordings_json(recordings);
-                           summary["steps"] = meters.account.steps;
-                           summary["step_s"] = *scene.numerics.step_s;
-                           summary["integrator"] = word(*scene.numerics.integrator);
-                           stream::add_estimate(summary, resolved.estimate);
-                           summary["scene_hash"] = scene_hash(scene);
-                           summary["version"] = stream::program_version();
-                       });
+    try {
+        publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
+                           [&](Json& summary, const stream::StreamMeters& meters) {
+                               // Before subscribers receive the end, recordings are complete or known not to be.
+                               recordings.commit();
+                               summary["recordings"] = stream::recordings_json(recordings);
+                               summary["steps"] = meters.account.steps;
+                               summary["step_s"] = *scene.numerics.step_s;
+                               summary["integrator"] = word(*scene.numerics.integrator);
+                               stream::add_estimate(summary, resolved.estimate);
+                               summary["scene_hash"] = scene_hash(scene);
+                               summary["version"] = stream::program_version();
+                           });
+    } catch (...) {
+        recordings.commit();  // what was streamed until then is whole
+        throw;
+    }
     return recordings.sound() ? Exit::done : Exit::failed;
 }
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdio>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <unistd.h>
+
+#include "apps/console/standard_stream.hpp"
 
 namespace hertzline::app {
 
@@ -42,8 +45,13 @@ void add_format_option(CLI::App& command, Format& format, const char* descriptio
 }
 
 void print(std::string_view text) {
-    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-        throw std::system_error(errno, std::generic_category(), "cannot write to standard output");
+    static StandardStream output(STDOUT_FILENO);
+    const int error = output.write(text);
+    if (error == EAGAIN) {
+        throw std::runtime_error("cannot write to standard output: nobody reads it");
+    }
+    if (error != 0) {
+        throw std::system_error(error, std::generic_category(), "cannot write to standard output");
     }
 }
 

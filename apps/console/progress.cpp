@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include <fmt/format.h>
 
+#include "apps/console/messages.hpp"
 #include "apps/console/terminal.hpp"
 
 namespace hertzline::app {
@@ -23,17 +23,15 @@ bool ProgressLine::due() const noexcept {
 
 void ProgressLine::show(const std::string& text) {
     if (terminal_) {
-        fmt::print(stderr, "\r{}\x1b[K", text);
-        std::fflush(stderr);
+        write_if_read("\r" + text + "\x1b[K");
         shown_ = true;
         last_ = steady_clock::now();
     }
 }
 
-void ProgressLine::clear() {
+void ProgressLine::clear() noexcept {
     if (shown_) {
-        fmt::print(stderr, "\r\x1b[K");
-        std::fflush(stderr);
+        write_message("\r\x1b[K");
         shown_ = false;
     }
 }

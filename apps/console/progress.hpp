@@ -21,7 +21,7 @@ public:
     void show(const std::string& text);
 
     /// Takes the line away, so that a message can be written.
-    void clear();
+    void clear() noexcept;
 
 private:
     bool terminal_;

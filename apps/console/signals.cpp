@@ -2,6 +2,8 @@
 
 #include <csignal>
 
+#include <unistd.h>
+
 namespace hertzline::app {
 
 namespace {
@@ -9,7 +11,12 @@ namespace {
 std::atomic<bool> stop{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler may touch nothing else");
 
+std::atomic<bool> at_once{false};
+
 extern "C" void note_stop(int /*signal*/) {
+    if (at_once.load(std::memory_order_relaxed)) {
+        ::_exit(1);
+    }
     stop.store(true, std::memory_order_relaxed);
 }
 
@@ -41,6 +48,14 @@ const std::atomic<bool>& stop_asked() {
     }();
     (void)caught;
     return stop;
+}
+
+void end_at_once_when_asked() {
+    at_once.store(true, std::memory_order_relaxed);
+}
+
+bool stop_was_asked() noexcept {
+    return stop.load(std::memory_order_relaxed);
 }
 
 }  // namespace hertzline::app

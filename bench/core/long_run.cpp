@@ -25,9 +25,9 @@ constexpr double gently = 3e-3;  // [m/s], of the spheres at first
 constexpr double hard = 0.3;
 
 nlohmann::ordered_json measure(Integrator integrator, double speed, double max_steps) {
-    const double tracking = test::thrown(integrator, step_s, 0).energy();
+    const double at_rest = test::thrown(integrator, step_s, 0).energy();
     test::BareChain chain = test::thrown(integrator, step_s, speed);
-    const double put_in = chain.energy() - tracking;
+    const double put_in = chain.energy() - at_rest;
     const std::string name(word(integrator));
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     double largest = 0;
@@ -35,8 +35,8 @@ nlohmann::ordered_json measure(Integrator integrator, double speed, double max_s
     for (double steps = 1e4; steps <= max_steps; steps *= 10) {
         const auto left = static_cast<std::int64_t>(steps) - chain.state.step;
         largest =
-            std::max(test::largest_energy_change(chain, tracking, put_in, left), largest);  // a NaN stays
-        const double now = (chain.energy() - tracking) / put_in - 1;
+            std::max(test::largest_energy_change(chain, at_rest, put_in, left), largest);  // a NaN stays
+        const double now = (chain.energy() - at_rest) / put_in - 1;
         const double growth = before > 0 ? std::log10(largest / before) : NAN;
         before = largest;
         std::printf("%-9s %6g %8.0e %14.3g %+14.3g %8.2f %14lld\n", name.c_str(), speed, steps, largest, now,

@@ -106,13 +106,15 @@ struct SampleTimes {
     double per_sample;
 };
 
+/// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride` doubles apart. Without the onset
+/// force.
+using SampleKernel = void (*)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
+                              std::size_t count, double* out, std::size_t stride);
+
 struct SeriesKernels {
     /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its end.
     void (*piece)(SimdChain& chain, SeriesPiece& piece);
-    /// Velocities [m/s] or displacements [m] of the body in a slot at `count` samples, put down `stride`
-    /// doubles apart. Without the onset force.
-    void (*samples)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
-                    std::size_t count, double* out, std::size_t stride);
+    SampleKernel samples;
 };
 
 /// The kernels for an integrator and a number of rows, for the widest SIMD instructions of this processor.

@@ -48,9 +48,10 @@ enum class ChainField : std::size_t {
     closed,
     peak_overlap,
     // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the solver
-    // last took it over [J]
+    // last took it over [J]; of gross_work what the horn gets back is added
     lost,
     work,
+    gross_work,
     total_accel,
     last_linear = total_accel,  ///< a linear chain has no columns beyond this one
     // carried from step to step by a kernel, rebuilt by it after the chain was laid out anew
@@ -99,7 +100,7 @@ public:
     std::size_t rows() const noexcept { return rows_; }
     std::size_t lanes() const noexcept { return lanes_; }
     std::size_t slots() const noexcept { return rows_ * lanes_; }
-    /// Slots of ChainField::lost and ChainField::work that kernels book to.
+    /// Slots of the ledger's columns that kernels book to.
     std::size_t ledger_slots() const noexcept { return layout_ == Layout::striped ? slots() : lanes_; }
     Eigen::Index active() const noexcept { return active_; }  ///< bodies laid out
     Layout layout() const noexcept { return layout_; }

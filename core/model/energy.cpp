@@ -34,4 +34,11 @@ double stored_energy(const Chain& chain, const ChainState& state, double horn_x)
     return energy;
 }
 
+double work_of_jump(const Chain& chain, double x, double horn_before, double horn_after) noexcept {
+    const auto stored = [&](double horn) {
+        return elastic_energy(chain.stiffness[0], chain.static_overlap[0] + (horn - x));
+    };
+    return stored(horn_after) - stored(horn_before);
+}
+
 }  // namespace hertzline

@@ -1,6 +1,8 @@
 #pragma once
 // The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost must stay zero.
 
+#include <cmath>
+
 #include "core/model/chain.hpp"
 #include "core/model/state.hpp"
 
@@ -15,9 +17,18 @@ double stored_energy(const Chain& chain, const ChainState& state, double horn_x)
 
 /// What went in and out since the start [J], accumulated by the integrators.
 struct Ledger {
-    double work = 0;      ///< of the horn on the chain: integral f_0 x_h' dt
-    double lost = 0;      ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
-    double at_start = 0;  ///< kinetic + stored at step 0
+    double work = 0;        ///< of the horn on the chain: integral f_0 x_h' dt
+    double gross_work = 0;  ///< the same, back and forth: what the horn gets back adds to it
+    double lost = 0;        ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
+    double at_start = 0;    ///< kinetic + stored at step 0
+
+    void add_work(double done) noexcept {
+        work += done;
+        gross_work += std::abs(done);
+    }
 };
+
+/// What the horn's work is when its end jumps: contact 0 stores more, or less [J]. @param x of the first sphere [m]
+double work_of_jump(const Chain& chain, double x, double horn_before, double horn_after) noexcept;
 
 }  // namespace hertzline

@@ -147,19 +147,6 @@ SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept
     return drive;
 }
 
-double ToneBurst::mean_velocity(std::int64_t step) const noexcept {
-    double travelled = 0;
-    double from = 0;
-    // a step holds few breaks; more than this many would mean a step far too large for the drive
-    for (int piece = 0; piece < 16 && from < 1; ++piece) {
-        const double to = next_break(step, from);
-        const double inside = 0.5 * (from + to);
-        travelled += at(step, to, inside).x - at(step, from, inside).x;
-        from = to;
-    }
-    return travelled / step_;
-}
-
 void ToneBurst::fill_smooth(const Place& start, HornStep* steps, int count) const noexcept {
     const double sin_carrier = std::sin(omega_ * start.local);
     const double cos_carrier = std::cos(omega_ * start.local);
@@ -197,9 +184,6 @@ void ToneBurst::fill_piecewise(std::int64_t first, HornStep* steps, int count) c
         horn.end = at(step, 1, 0.5);
         horn.breaks = next_break(step, 0) < 1;
         horn.fresh = horn.breaks || step == 0 || !(place(step, 0.5) == place(step - 1, 0.5));
-        if (horn.breaks) {
-            horn.middle.v = mean_velocity(step);
-        }
     }
 }
 

@@ -22,7 +22,7 @@ struct HornMotion {
 /// The horn during one step of the integrator, every value taken from the smooth piece the step lies in.
 struct HornStep {
     HornMotion start;
-    HornMotion middle;  ///< in a step with breaks, .v is the mean velocity of the step
+    HornMotion middle;
     HornMotion end;
     bool fresh = false;   ///< the horn's piece changed at this step's start: carried forces are stale
     bool breaks = false;  ///< the piece changes inside this step
@@ -75,7 +75,6 @@ private:
     HornMotion motion(int piece, double local) const noexcept;
     void fill_smooth(const Place& start, HornStep* steps, int count) const noexcept;
     void fill_piecewise(std::int64_t first, HornStep* steps, int count) const noexcept;
-    double mean_velocity(std::int64_t step) const noexcept;
 
     double step_;
     double amplitude_;

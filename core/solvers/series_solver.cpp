@@ -30,6 +30,10 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) noex
     return std::max(horn, std::isfinite(kick) ? kick : 0);
 }
 
+// What moves less, relative to the velocities of the scene, stands still: it is far below the rounding of what moves.
+constexpr double still_share = 1e-20;
+constexpr Eigen::Index laid_out_at_least = 64;  // bodies
+
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
@@ -52,15 +56,17 @@ double SeriesSolver::phase_for(double tolerance) noexcept {
 
 SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
     : chain_(chain),
+      options_(options),
       sample_period_s_(1 / scene.output.sample_rate_hz),
       burst_(scene.drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
-      simd_chain_(chain, *scene.numerics.integrator, kernels::kernel_lanes()),
+      integrator_(*scene.numerics.integrator),
+      simd_chain_(chain, integrator_, kernels::kernel_lanes()),
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
-             kernels::series_degree(*scene.numerics.integrator),
+             kernels::series_degree(integrator_),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
-      kernels_(kernels::series_kernels(*scene.numerics.integrator, simd_chain_.rows())),
+      samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
@@ -74,15 +80,21 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
-    const double rest_velocity = scene.numerics.rest_tolerance * velocity_scale(chain, scene.drive, omega);
-    const bool rests_at_zero = chain.preload_n > 0 && (chain.bias == 0).all();
+    const double scale = velocity_scale(chain, scene.drive, omega);
+    still_ = still_share * scale;
+    const bool starts_at_rest = (chain.bias == 0).all();
+    active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest
+                           ? std::min(chain.bodies(), laid_out_at_least)
+                           : chain.bodies();
+    const double rest_velocity = scene.numerics.rest_tolerance * scale;
+    const bool rests_at_zero = chain.preload_n > 0 && starts_at_rest;
     rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
     reset();
 }
 
 void SeriesSolver::reset() noexcept {
     state_.reset(chain_);
-    simd_chain_.load(chain_, state_, chain_.bodies());
+    lay_out(active_at_start_);
     simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     smooth_ = burst_.smooth(0, 0);
@@ -98,12 +110,38 @@ const ChainState& SeriesSolver::state() noexcept {
     return state_;
 }
 
+void SeriesSolver::lay_out(Eigen::Index active) noexcept {
+    simd_chain_.load(chain_, state_, active);
+    kernels_ = kernels::series_kernels(integrator_, simd_chain_.rows());
+}
+
+/// A piece carries a disturbance no more bodies far than its series has terms. Where twice as many at the far end of what is laid
+/// out stand still, what lies beyond goes on standing still.
+void SeriesSolver::follow_the_wave() noexcept {
+    const Eigen::Index active = simd_chain_.active();
+    if (active == chain_.bodies()) {
+        return;
+    }
+    const double* const x = simd_chain_.column(kernels::ChainField::x);
+    const double* const v = simd_chain_.column(kernels::ChainField::v);
+    for (Eigen::Index b = active - 2 * piece_.degree(); b < active; ++b) {
+        const std::size_t slot = simd_chain_.slot(b);
+        if (std::abs(v[slot]) > still_ || std::abs(x[slot]) > still_ * piece_.unit_s) {
+            ledger_ = ledger();
+            simd_chain_.store(state_);
+            lay_out(std::min(chain_.bodies(), active + std::max(laid_out_at_least, active / 8)));
+            return;
+        }
+    }
+}
+
 Ledger SeriesSolver::ledger() noexcept {
     Ledger now = ledger_;
     for (std::size_t s = 0; s < simd_chain_.slots(); ++s) {
         now.lost += simd_chain_.column(kernels::ChainField::lost)[s];
     }
-    now.work += simd_chain_.column(kernels::ChainField::work)[0];
+    now.work += *simd_chain_.column(kernels::ChainField::work);
+    now.gross_work += *simd_chain_.column(kernels::ChainField::gross_work);
     return now;
 }
 
@@ -132,11 +170,8 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
 
 /// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
 void SeriesSolver::add_work_of_jump(double before_m) noexcept {
-    const double horn = piece_.waves.displacement;
     const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
-    const double before = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (before_m - x));
-    const double after = elastic_energy(chain_.stiffness[0], chain_.static_overlap[0] + (horn - x));
-    ledger_.work += after - before;
+    ledger_.add_work(work_of_jump(chain_, x, before_m, piece_.waves.displacement));
 }
 
 double SeriesSolver::horn_displacement() const noexcept {
@@ -151,6 +186,7 @@ double SeriesSolver::horn_displacement() const noexcept {
 }
 
 void SeriesSolver::next_piece() noexcept {
+    follow_the_wave();
     begin_ = end_;
     double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
     constexpr double sliver = 1e-9;  // [samples]
@@ -198,7 +234,7 @@ void SeriesSolver::sleep() noexcept {
     ledger_ = ledger();
     ledger_.lost += left;
     state_.reset_motion(chain_);
-    simd_chain_.load(chain_, state_, chain_.bodies());
+    lay_out(active_at_start_);
     std::copy_n(simd_chain_.column(kernels::ChainField::closed), simd_chain_.slots(),
                 simd_chain_.column(kernels::ChainField::overlap));
     piece_.reset_motion();
@@ -224,7 +260,10 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
         const std::int64_t beyond = std::min(end, end_.rounded_up());
         if (next_sample_ < beyond) {
             const std::int64_t available = beyond - next_sample_;
-            next_sample_ += writer ? static_cast<std::int64_t>(emit(*writer, available)) : available;
+            next_sample_ +=
+                writer ? samples_.put(*writer, kernels_.samples, begin_, next_sample_, available) : available;
+        } else if (options_.stop_asked()) {
+            return Status::stopped;
         } else {
             next_piece();
             if (!(piece_.largest < 1e300) || stands_still()) {
@@ -235,76 +274,6 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
     return finite() ? Status::running : Status::unstable;
 }
 
-/// Times in the present piece, from that sample on.
-kernels::SampleTimes SeriesSolver::times_from(std::int64_t sample) const noexcept {
-    return {static_cast<double>(sample - begin_.whole), begin_.fraction(), sample_period_s_ / piece_.unit_s};
-}
-
-/// Adds what the contacts that have just closed do, which is no power series.
-void SeriesSolver::add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
-                             std::size_t count, double* out, std::size_t stride) const noexcept {
-    const std::size_t slot = simd_chain_.slot(body);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double z =
-            ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
-        double power = z * z * std::sqrt(z) * piece_.per_unit;
-        for (int n = 0; n < kernels::onset_terms; ++n, power *= z) {
-            const double term = piece_.onset_force(n)[slot] * power / (n + 2.5);
-            out[i * stride] += quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
-        }
-    }
-}
-
-void SeriesSolver::put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times,
-                       std::size_t count, double* out, std::size_t stride) const noexcept {
-    kernels_.samples(piece_, simd_chain_.slot(body), quantity == Quantity::velocity, times, count, out,
-                     stride);
-    if (piece_.onset) {
-        add_onset(body, quantity, times, count, out, stride);
-    }
-}
-
-/// The motion of the chain's far end, at samples of the present piece.
-void SeriesSolver::emit_end(const EndMotion& motion, std::size_t count) const noexcept {
-    const Eigen::Index end = chain_.spheres();
-    const std::size_t at = motion.count;
-    const kernels::SampleTimes times = times_from(next_sample_);
-    put(end - 1, Quantity::velocity, times, count, motion.v_last + at, 1);
-    if (chain_.end.has_plate || motion.x_last != nullptr) {
-        put(end, Quantity::velocity, times, count, motion.v_end + at, 1);
-    }
-    if (motion.x_last != nullptr) {
-        put(end - 1, Quantity::displacement, times, count, motion.x_last + at, 1);
-        put(end, Quantity::displacement, times, count, motion.x_end + at, 1);
-    }
-    const bool closed = simd_chain_.column(kernels::ChainField::overlap)[simd_chain_.slot(end)] > 0;
-    std::fill_n(motion.closed + at, count, closed);
-}
-
-/// Samples of the present piece, as many as there are and find room. @return how many
-std::size_t SeriesSolver::emit(EndTapsWriter& writer, std::int64_t available) const noexcept {
-    const auto count =
-        static_cast<std::size_t>(std::min(available, static_cast<std::int64_t>(writer.room())));
-    Samples& samples = writer.samples();
-    const std::size_t spheres = samples.spheres();
-    const auto put_chain = [&](Tap tap, Quantity quantity) {
-        if (!samples.holds.contains(tap)) {
-            return;
-        }
-        double* const out = samples.room(tap).data() + writer.next() * spheres;
-        for (std::size_t s = 0; s < spheres; ++s) {
-            put(static_cast<Eigen::Index>(s), quantity, times_from(next_sample_), count, out + s, spheres);
-        }
-    };
-    put_chain(Tap::v_chain, Quantity::velocity);
-    put_chain(Tap::x_chain, Quantity::displacement);
-    if (writer.shows_end()) {
-        emit_end(writer.motion(), count);
-    }
-    writer.advance(count);
-    return count;
-}
-
 double SeriesSolver::time_s() const noexcept {
     return (static_cast<double>(end_.whole) + end_.fraction()) * sample_period_s_;
 }
@@ -313,7 +282,7 @@ std::string SeriesSolver::failure() const {
     const bool still = finite() && piece_.largest < 1e300;
     Eigen::Index contact = 0;
     const double* const overlap = simd_chain_.column(kernels::ChainField::peak_overlap);
-    for (Eigen::Index c = 1; c < chain_.bodies(); ++c) {
+    for (Eigen::Index c = 1; c < simd_chain_.active(); ++c) {
         // what is no number wins
         if (!(overlap[simd_chain_.slot(c)] <= overlap[simd_chain_.slot(contact)]) &&
             chain_.stiffness[c] > 0) {

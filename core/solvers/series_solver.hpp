@@ -9,6 +9,7 @@
 #include "core/model/tone_burst.hpp"
 #include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
+#include "core/solvers/series_samples.hpp"
 #include "core/solvers/solver.hpp"
 
 namespace hertzline {
@@ -34,8 +35,8 @@ public:
     static double phase_for(double tolerance) noexcept;
 
 private:
-    enum class Quantity { displacement, velocity };
-
+    void lay_out(Eigen::Index active) noexcept;
+    void follow_the_wave() noexcept;
     void next_piece() noexcept;
     void set_horn(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;
@@ -43,20 +44,15 @@ private:
     void sleep() noexcept;
     bool stands_still() noexcept;
     bool finite() const noexcept;
-    std::size_t emit(EndTapsWriter& writer, std::int64_t available) const noexcept;
-    void emit_end(const EndMotion& motion, std::size_t count) const noexcept;
-    void put(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times, std::size_t count,
-             double* out, std::size_t stride) const noexcept;
-    void add_onset(Eigen::Index body, Quantity quantity, const kernels::SampleTimes& times, std::size_t count,
-                   double* out, std::size_t stride) const noexcept;
-    kernels::SampleTimes times_from(std::int64_t sample) const noexcept;
 
     const Chain& chain_;
+    SimulationOptions options_;
     double sample_period_s_;
     double samples_per_unit_ = 1;
     ToneBurst burst_;
     std::array<double, 3> frequencies_hz_;
     ChainState state_;
+    Integrator integrator_;
     kernels::SimdChain simd_chain_;
     kernels::SeriesPiece piece_;
     kernels::SeriesKernels kernels_{};
@@ -64,7 +60,10 @@ private:
     FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
     FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
-    double rest_energy_ = 0;  ///< below it the chain is at rest while the horn is; 0: never [J]
+    double rest_energy_ = 0;            ///< below it the chain is at rest while the horn is; 0: never [J]
+    double still_ = 0;                  ///< a body that moves less stands still [m/s]
+    Eigen::Index active_at_start_ = 0;  ///< bodies that are laid out before the wave has gone further
+    SeriesSamples samples_;
     EndTaps end_taps_;
     std::int64_t next_sample_ = 0;
     Ledger ledger_;

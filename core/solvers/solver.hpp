@@ -2,6 +2,7 @@
 // What integrates a chain for a Simulation: step by step on a grid (stepped_solver.hpp), or piece by piece as
 // power series (series_solver.hpp).
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -14,7 +15,11 @@
 namespace hertzline {
 
 /// Whether the integration still stands.
-enum class Status { running, unstable };
+enum class Status {
+    running,
+    unstable,
+    stopped,  ///< as SimulationOptions::stop asked
+};
 
 /// Whether spheres ahead of the wavefront are left out. With leapfrog the samples are the same, to the last bit.
 enum class WavefrontTracking {
@@ -31,6 +36,10 @@ struct SimulationOptions {
     TapSet taps = TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out;
     LedgerKeeping ledger = LedgerKeeping::on;
     WavefrontTracking tracking = WavefrontTracking::on;
+    /// Once it is true, samples come to an end within a few steps, in the midst of a block. Unset: never.
+    const std::atomic<bool>* stop = nullptr;
+
+    bool stop_asked() const noexcept { return stop != nullptr && stop->load(std::memory_order_relaxed); }
 };
 
 class Solver {

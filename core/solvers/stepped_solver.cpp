@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 
 #include "core/integrators/stability.hpp"
 
@@ -13,7 +14,7 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
     : chain_(chain),
       integrator_(*scene.numerics.integrator),
       step_s_(exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz)),
-      tracking_(options.tracking),
+      options_(options),
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
       burst_(scene.drive, step_s_),
       state_(chain_),
@@ -31,7 +32,7 @@ void SteppedSolver::reset() noexcept {
     ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
     status_ = Status::running;
     horn_first_ = -1;
-    front_ = tracking_ == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
+    front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
     simd_chain_.load(chain_, state_, front_);
     kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
     sampler_.reset();
@@ -68,28 +69,22 @@ void SteppedSolver::load_active() noexcept {
 }
 
 void SteppedSolver::collect_ledger() noexcept {
-    double* lost = simd_chain_.column(kernels::ChainField::lost);
-    double* work = simd_chain_.column(kernels::ChainField::work);
-    for (std::size_t s = 0; s < simd_chain_.ledger_slots(); ++s) {
-        ledger_.lost += lost[s];
-        lost[s] = 0;
-    }
-    for (std::size_t lane = 0; lane < simd_chain_.lanes(); ++lane) {
-        ledger_.work += work[lane];
-        work[lane] = 0;
-    }
+    ledger_ = ledger();
+    std::fill_n(simd_chain_.column(kernels::ChainField::lost), simd_chain_.ledger_slots(), 0.0);
+    std::fill_n(simd_chain_.column(kernels::ChainField::work), simd_chain_.lanes(), 0.0);
+    std::fill_n(simd_chain_.column(kernels::ChainField::gross_work), simd_chain_.lanes(), 0.0);
 }
 
+/// A look must not change how later sums round, so the columns are only read.
 Ledger SteppedSolver::ledger() noexcept {
-    // a look must not change how later sums round, so the columns are only read
-    Ledger now = ledger_;
-    for (std::size_t s = 0; s < simd_chain_.ledger_slots(); ++s) {
-        now.lost += simd_chain_.column(kernels::ChainField::lost)[s];
-    }
-    for (std::size_t lane = 0; lane < simd_chain_.lanes(); ++lane) {
-        now.work += simd_chain_.column(kernels::ChainField::work)[lane];
-    }
-    return now;
+    const auto booked = [this](kernels::ChainField field, std::size_t slots, double before) {
+        const double* const column = simd_chain_.column(field);
+        return std::accumulate(column, column + slots, before);
+    };
+    return {.work = booked(kernels::ChainField::work, simd_chain_.lanes(), ledger_.work),
+            .gross_work = booked(kernels::ChainField::gross_work, simd_chain_.lanes(), ledger_.gross_work),
+            .lost = booked(kernels::ChainField::lost, simd_chain_.ledger_slots(), ledger_.lost),
+            .at_start = ledger_.at_start};
 }
 
 double SteppedSolver::horn_displacement() const noexcept {
@@ -143,13 +138,65 @@ std::string SteppedSolver::failure() const {
     return text.data();
 }
 
+/// Leapfrog takes a step in which the horn's motion changes its formula part by part: between the parts the horn may jump, which is
+/// work. The other kernels do so themselves.
+void SteppedSolver::take_in_parts(kernels::Trace& trace) noexcept {
+    constexpr int most_parts = 16;  // more would mean a step far too large for the drive
+    kernels::Trace nothing;
+    nothing.capacity = kernels::max_rows_per_step;
+    nothing.bodies = nothing.first_body = chain_.bodies();
+    double horn = horn_displacement();
+    double from = 0;
+    for (int part = 1; from < 1; ++part) {
+        const double to = part < most_parts ? burst_.next_break(state_.step, from) : 1;
+        const double inside = 0.5 * (from + to);
+        const HornStep smooth{.start = burst_.at(state_.step, from, inside),
+                              .middle = burst_.at(state_.step, inside, inside),
+                              .end = burst_.at(state_.step, to, inside)};
+        const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
+        ledger_.add_work(work_of_jump(chain_, x, horn, smooth.start.x));
+        simd_chain_.step_s = (to - from) * step_s_;
+        kernel_(simd_chain_, burst_, &smooth, state_.step, 1, to < 1 ? nothing : trace);
+        horn = smooth.end.x;
+        from = to;
+    }
+    simd_chain_.step_s = step_s_;
+}
+
+/// At most `count` steps of the present batch; as many as the trace has room for. @returns how many
+int SteppedSolver::take_steps(int count, kernels::Trace& trace) noexcept {
+    const HornStep* const horn = horn_.data() + (state_.step - horn_first_);
+    if (integrator_ != Integrator::leapfrog) {
+        return kernel_(simd_chain_, burst_, horn, state_.step, count, trace);
+    }
+    const auto smooth = static_cast<int>(
+        std::find_if(horn, horn + count, [](const HornStep& step) { return step.fresh; }) - horn);
+    if (smooth > 0) {
+        return kernel_(simd_chain_, burst_, horn, state_.step, smooth, trace);
+    }
+    if (!trace.has_room()) {
+        return 0;
+    }
+    take_in_parts(trace);
+    return 1;
+}
+
 /// Takes steps until `step` is reached or the trace is full.
 void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept {
+    // A batch of a long chain may take seconds: so many bodies are moved between two looks at the stop flag.
+    constexpr std::int64_t bodies_at_a_time = 1 << 24;
+    const std::int64_t most = options_.stop == nullptr
+                                  ? ToneBurst::batch_steps
+                                  : std::max<std::int64_t>(1, bodies_at_a_time / chain_.bodies());
     while (state_.step < step && status_ == Status::running) {
+        if (options_.stop_asked()) {
+            status_ = Status::stopped;
+            return;
+        }
         const std::int64_t in_batch = state_.step - horn_first_;
         const std::int64_t left_in_batch = ToneBurst::batch_steps - in_batch;
-        const int count = static_cast<int>(std::min(left_in_batch, step - state_.step));
-        const int taken = kernel_(simd_chain_, burst_, horn_.data() + in_batch, state_.step, count, trace);
+        const int count = static_cast<int>(std::min({left_in_batch, step - state_.step, most}));
+        const int taken = take_steps(count, trace);
         state_.step += taken;
         if (!stable()) {
             status_ = Status::unstable;
@@ -158,7 +205,7 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
         if (state_.step == horn_first_ + ToneBurst::batch_steps) {
             begin_batch();
         }
-        if (taken < count) {
+        if (taken == 0) {
             return;
         }
     }

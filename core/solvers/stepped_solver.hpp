@@ -30,6 +30,8 @@ public:
 
 private:
     void run_until(std::int64_t step, kernels::Trace& trace) noexcept;
+    int take_steps(int count, kernels::Trace& trace) noexcept;
+    void take_in_parts(kernels::Trace& trace) noexcept;
     void begin_batch() noexcept;
     void load_active() noexcept;
     void collect_ledger() noexcept;
@@ -39,7 +41,7 @@ private:
     const Chain& chain_;
     Integrator integrator_;
     double step_s_;
-    WavefrontTracking tracking_;
+    SimulationOptions options_;
     double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
     ToneBurst burst_;
     ChainState state_;

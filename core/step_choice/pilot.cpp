@@ -49,8 +49,8 @@ void Pilot::run_to(std::size_t samples) {
     }
 }
 
-Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples) {
-    if (pilot.samples() < samples || better.samples() < samples) {
+Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples, std::size_t of) {
+    if (pilot.samples() < samples || better.samples() < of) {
         constexpr double infinite = std::numeric_limits<double>::infinity();
         return {infinite, infinite, 0};
     }
@@ -63,6 +63,12 @@ Difference difference(const Pilot& pilot, const Pilot& better, std::size_t sampl
         for (std::size_t c = 0; c < columns; ++c) {
             const double d = a[c] - b[c];
             wrong[c] += d * d;
+            norm[c] += b[c] * b[c];
+        }
+    }
+    for (std::size_t i = samples; i < of; ++i) {
+        const double* const b = better.row(i);
+        for (std::size_t c = 0; c < columns; ++c) {
             norm[c] += b[c] * b[c];
         }
     }

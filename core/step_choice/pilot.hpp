@@ -56,7 +56,11 @@ struct Difference {
 };
 
 /// Over the first samples. A column below quiet_column of the loudest is judged on that scale. @throws std::bad_alloc
-Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples);
+/// @param of samples over which the columns' L2 norms are taken, `samples` at least; the more there are, the less the error can be
+Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples, std::size_t of);
+inline Difference difference(const Pilot& pilot, const Pilot& better, std::size_t samples) {
+    return difference(pilot, better, samples, samples);
+}
 
 /// Samples of v_out that fall on the wrong side of a switching of the last contact. v_out jumps there, and the pilots'
 /// difference in position decides on the side.

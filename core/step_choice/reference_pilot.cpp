@@ -33,6 +33,7 @@ constexpr double affordable_body_steps = 1e7;  // about a second of a series, le
 
 constexpr double rung_down = 0.01;         // of the largest energy
 constexpr double max_values = 2e6;         // in a pilot
+constexpr double hopeless = 10;            // of the accuracy: a trial with such an error is not completed
 constexpr double samples_per_period = 16;  // at least
 constexpr std::size_t min_samples = 16;
 
@@ -157,15 +158,25 @@ WrongSides ReferencePilot::unseen_wrong_sides(const Pilot& pilot, std::size_t sa
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
     Trial result{Pilot(scene_, integrator, step_s), step_s};
-    result.pilot.run_to(judged_);
     if (judged_ == 0) {
         result.error = std::numeric_limits<double>::infinity();
         return result;
     }
-    const Difference found = difference(result.pilot, motion_, judged_);
-    result.error = std::max(found.of_any, judged_error_);
-    result.wrong_sides = unseen_wrong_sides(result.pilot, judged_, found).count;
-    result.steps_per_s = static_cast<double>(result.pilot.steps()) / duration_s();
+    Pilot& pilot = result.pilot;
+    const auto fly = [&](std::size_t samples) {
+        pilot.run_to(samples);
+        result.steps_per_s =
+            static_cast<double>(pilot.steps()) * pilot.sample_rate_hz() / static_cast<double>(samples);
+        return difference(pilot, motion_, samples, judged_);
+    };
+    // What errs so much in the first quarter errs at least as much in all.
+    const std::size_t quarter = std::max<std::size_t>(1, judged_ / 4);
+    result.error = fly(quarter).of_any;
+    if (result.error <= hopeless * accuracy_) {
+        const Difference found = fly(judged_);
+        result.error = std::max(found.of_any, judged_error_);
+        result.wrong_sides = unseen_wrong_sides(pilot, judged_, found).count;
+    }
     return result;
 }
 

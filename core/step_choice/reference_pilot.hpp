@@ -50,7 +50,8 @@ public:
     /// @throws std::bad_alloc
     ReferencePilot(const Scene& scene, double accuracy);
 
-    /// A pilot with that step, compared with the reference. @throws std::bad_alloc
+    /// A pilot with that step, compared with the reference. One that errs by far too much early is not completed: its error is then
+    /// a lower bound. @throws std::bad_alloc
     Trial trial(Integrator integrator, double step_s) const;
 
     /// The same, or nothing if the pilot would take longer than about a second.
@@ -61,6 +62,8 @@ public:
     ErrorEstimate estimate(Trial& trial, std::optional<double> run_s);
 
     double step_s() const noexcept { return step_s_; }  ///< its longest piece
+    /// Its own error over the stretch on which steps are chosen, relative L2 of the worst velocity; no trial is better.
+    double error() const noexcept { return judged_error_; }
     std::size_t spheres() const noexcept { return motion_.spheres(); }
     /// Over which steps are chosen [s].
     double duration_s() const noexcept { return static_cast<double>(judged_) / motion_.sample_rate_hz(); }

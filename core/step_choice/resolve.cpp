@@ -32,13 +32,10 @@ IntegratorChoice integrator_choice(const Scene& scene) noexcept {
         return {*scene.numerics.integrator, IntegratorReason::set_by_scene};
     }
     const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
-    if (scene.chain.spheres > short_chain_spheres && accuracy >= default_accuracy) {
-        return {Integrator::leapfrog, IntegratorReason::long_chain};
-    }
     if (accuracy < high_accuracy) {
         return {Integrator::taylor12, IntegratorReason::high_accuracy};
     }
-    return {Integrator::taylor8, IntegratorReason::short_chain};
+    return {Integrator::taylor8, IntegratorReason::fastest};
 }
 
 Scene with_integrator(Scene scene) {

@@ -16,15 +16,10 @@ namespace hertzline {
 /// Why a scene gets its integrator.
 enum class IntegratorReason {
     set_by_scene,
-    short_chain,    ///< up to short_chain_spheres, or an accuracy below the default: a series, which has the
-                    ///< lowest error for its time
+    fastest,  ///< a series of order 8: the fastest for its error, however long the chain (bench_crossover)
     high_accuracy,  ///< an accuracy below high_accuracy: a series of order 12
-    long_chain,     ///< somewhere a contact switches in almost every step: locating each would cost more than
-                    ///< it gains, so leapfrog
 };
 
-/// Longest chain that gets a series whatever the accuracy; below default_accuracy every chain gets one.
-inline constexpr std::int64_t short_chain_spheres = 500;
 /// A wanted error below this gets order 12.
 inline constexpr double high_accuracy = 1e-6;
 

@@ -57,7 +57,8 @@ double coarsest_step(const Scene& scene) {
 
 AdvisedStep advise_on_grid(const Scene& scene, const ReferencePilot& reference) {
     const Integrator integrator = *scene.numerics.integrator;
-    const double target = grid_safety * asked_accuracy(scene);
+    const double accuracy = asked_accuracy(scene);
+    const double target = grid_safety * accuracy;
     const double bodies = static_cast<double>(reference.spheres()) + 1;
     const double first = coarsest_step(scene);
     StepAdvice advice;
@@ -65,27 +66,28 @@ AdvisedStep advise_on_grid(const Scene& scene, const ReferencePilot& reference) 
         ++advice.pilots;
         return reference.trial(integrator, fitted_to_samples(step, scene.output.sample_rate_hz));
     };
+    const auto error_of = [accuracy](const Trial& trial) { return judged_error(trial, accuracy); };
     Trial trial = trial_of(first);
     double coarser_error = 0;
     double step = first;
     double taken = 0;
-    for (int halvings = 0; trial.error > target && halvings < max_halvings && taken < max_body_steps_together;
-         ++halvings) {
-        coarser_error = trial.error;
+    for (int halvings = 0;
+         error_of(trial) > target && halvings < max_halvings && taken < max_body_steps_together; ++halvings) {
+        coarser_error = error_of(trial);
         step /= 2;
         trial = trial_of(step);
         taken += 2 * bodies * reference.duration_s() / step;
     }
-    if (trial.error > target && trial.error > chaotic_error) {
+    if (error_of(trial) > target && trial.error > chaotic_error) {
         trial = trial_of(first / 4);
-    } else if (trial.error <= target && std::isfinite(coarser_error) && coarser_error > trial.error) {
+    } else if (error_of(trial) <= target && std::isfinite(coarser_error) && coarser_error > error_of(trial)) {
         // between the step that is good enough and its double, which is not: a power law through both errors
-        const double order = std::log2(coarser_error / trial.error);
-        const double growth = std::pow(target / std::max(trial.error, 1e-300), 1 / order);
+        const double order = std::log2(coarser_error / error_of(trial));
+        const double growth = std::pow(target / std::max(error_of(trial), 1e-300), 1 / order);
         constexpr double worth_it = 1.1;
         if (growth > worth_it) {
             Trial longer = trial_of(std::min(growth, 2.0) * step);
-            if (longer.error <= 2 * target) {
+            if (error_of(longer) <= 2 * target) {
                 trial = std::move(longer);
             }
         }
@@ -153,7 +155,10 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
     const auto step_for = [&](double tolerance) {
         return std::min(limit, SeriesSolver::phase_for(tolerance) / omega);
     };
-    std::optional<Trial> best = longest_good(trial_of, accuracy, step_for(accuracy / 30), limit, finest);
+    std::optional<Trial> best;
+    if (reference.error() <= most * accuracy) {
+        best = longest_good(trial_of, accuracy, step_for(accuracy / 30), limit, finest);
+    }
     if (!best) {
         // nothing can be shown to be better than the reference: it is taken for as good as can be had, unless
         // no step makes a difference

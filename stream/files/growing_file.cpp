@@ -29,12 +29,27 @@ void GrowingFile::write(std::span<const std::byte> records) {
     }
 }
 
-void GrowingFile::flush() {
+void GrowingFile::require_present() {
     file_.require_open();
     struct stat now {};
     if (::fstat(file_.descriptor(), &now) == 0 && now.st_nlink == 0) {
         file_.fail(ENOENT);
     }
+}
+
+std::int64_t GrowingFile::records() const noexcept {
+    struct stat now {};
+    const bool known = ::fstat(file_.descriptor(), &now) == 0 && now.st_nlink > 0;
+    return known ? now.st_size / static_cast<off_t>(record_bytes_) : 0;
+}
+
+std::filesystem::path GrowingFile::keep() noexcept {
+    file_.keep();
+    return file_.temporary();
+}
+
+void GrowingFile::flush() {
+    require_present();
     if (const int error = write_all(file_.descriptor(), buffer_)) {
         fail(error);
     }

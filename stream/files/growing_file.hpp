@@ -3,6 +3,7 @@
 // survive the sudden end of the program.
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <span>
 #include <vector>
@@ -31,8 +32,17 @@ public:
     /// Flushes and closes.
     void commit();
 
-    /// Closes; what was not flushed is dropped.
-    void keep() noexcept { file_.keep(); }
+    /// Fails when the file is there no more: removed, or replaced by another of its name.
+    void require_present();
+
+    /// Whole records that the system has taken.
+    std::int64_t records() const noexcept;
+
+    /// Closes; what was not flushed is dropped. @returns where the rest is
+    std::filesystem::path keep() noexcept;
+
+    /// Closes and removes it.
+    void abandon() noexcept { file_.abandon(); }
 
 private:
     [[noreturn]] void fail(int reason);

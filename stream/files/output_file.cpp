@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cerrno>
 #include <utility>
+
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "stream/files/write_all.hpp"
 
@@ -49,6 +53,37 @@ void OutputFile::flush() {
         file_.fail(error);
     }
     buffer_.clear();
+}
+
+bool OutputFile::fits(std::size_t bytes) const noexcept {
+    return buffer_.size() + bytes < buffer_bytes;
+}
+
+std::uint64_t OutputFile::size() const noexcept {
+    struct stat status {};
+    return ::fstat(file_.descriptor(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
+std::string OutputFile::text_from(std::uint64_t offset) const {
+    std::string text(size() - std::min(size(), offset), '\0');
+    const ssize_t got = ::pread(file_.descriptor(), text.data(), text.size(), static_cast<off_t>(offset));
+    text.resize(static_cast<std::size_t>(std::max<ssize_t>(0, got)));
+    return text;
+}
+
+void OutputFile::resume_at(std::uint64_t size) {
+    buffer_.clear();
+    bytes_ = size;
+    file_.resume();
+    const auto end = static_cast<off_t>(size);
+    if (::ftruncate(file_.descriptor(), end) != 0 || ::lseek(file_.descriptor(), end, SEEK_SET) != end) {
+        file_.fail(errno);
+    }
+}
+
+std::filesystem::path OutputFile::keep() noexcept {
+    file_.keep();
+    return file_.temporary();
 }
 
 void OutputFile::commit() {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -13,18 +14,20 @@
 namespace hertzline::stream {
 
 /// Buffered, sequential. Errors are std::system_error (a std::runtime_error): what() names the path and the
-/// system's reason ("cannot write out.csv: No space left on device"). After an error the file is abandoned:
-/// every later write or commit fails again.
+/// system's reason ("cannot write out.csv: No space left on device"). After an error every later write or
+/// commit fails again, until resume_at().
 class OutputFile {
 public:
     /// Opens the temporary or the device, as StagedFile does.
     explicit OutputFile(std::filesystem::path path,
                         StagedFile::Devices devices = StagedFile::Devices::allowed);
 
-    // Without commit() the temporary is removed; bytes still in the buffer are dropped.
+    // Without commit() or keep() the temporary is removed; bytes still in the buffer are dropped.
 
+    /// Flushes by itself only when the bytes do not fit().
     void write(std::string_view text);
     void write(std::span<const std::byte> bytes);
+    bool fits(std::size_t bytes) const noexcept;
 
     /// Replaces bytes written before, as a header whose counts are known only at the end. Not for devices.
     void rewrite(std::uint64_t offset, std::string_view text);
@@ -34,6 +37,21 @@ public:
 
     /// Writes out the buffer, closes, and gives the file its name.
     void commit();
+
+    /// Bytes that lie in the file: after a failed flush a part of what it was to write.
+    std::uint64_t size() const noexcept;
+
+    /// What lies in the file from there on.
+    std::string text_from(std::uint64_t offset) const;
+
+    /// Cuts the file there and goes on from there; forgets a failure. Not for devices.
+    void resume_at(std::uint64_t size);
+
+    /// Closes it; what lies in the file stays under the temporary's name. @returns that name
+    std::filesystem::path keep() noexcept;
+
+    /// Closes it and removes what was written.
+    void abandon() noexcept { file_.abandon(); }
 
     /// As the user named it.
     const std::filesystem::path& path() const noexcept { return file_.path(); }

@@ -37,6 +37,19 @@ fs::path directory_of(const fs::path& path, const fs::path& named_by_user) {
     return directory;
 }
 
+/// A link that a stranger has laid in a folder where everybody may lay one (/tmp): following it would let him choose
+/// the file that is replaced. The kernel's rule (protected_symlinks in proc(5)), which readlink() does not know.
+bool is_a_strangers(const fs::path& link, const fs::path& directory) {
+    struct stat of_link {};
+    struct stat of_directory {};
+    if (::lstat(link.c_str(), &of_link) != 0 || ::stat(directory.c_str(), &of_directory) != 0) {
+        return true;
+    }
+    constexpr mode_t open_to_all = S_ISVTX | S_IWOTH;
+    return (of_directory.st_mode & open_to_all) == open_to_all && of_link.st_uid != ::geteuid() &&
+           of_link.st_uid != of_directory.st_uid;
+}
+
 /// Where a file of that name really lives. Links are followed one by one and not by realpath(), which knows
 /// nothing of a link to a file that does not exist yet, and would follow /dev/stdout into the file behind it.
 fs::path without_links(const fs::path& named_by_user) {
@@ -47,6 +60,9 @@ fs::path without_links(const fs::path& named_by_user) {
         std::error_code error;
         if (directory.parent_path().parent_path() == "/proc" || !fs::is_symlink(path, error)) {
             return path;
+        }
+        if (is_a_strangers(path, directory)) {
+            refuse(named_by_user, EACCES);
         }
         const fs::path next = fs::read_symlink(path, error);
         if (error) {
@@ -127,7 +143,9 @@ void StagedFile::open_temporary() {
     // Not mkstemp: its files are private (0600), and the umask cannot be read without changing it for all threads.
     for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
         temporary_ = target_.parent_path() / (stem + random_ending());
-        descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        // Never open to more than the target is, not even until fchmod().
+        const mode_t mode = 0666 & (replaces ? existing.st_mode : ~mode_t{0});
+        descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (descriptor_ < 0 && errno != EEXIST) {
             refuse(path_, errno);
         }
@@ -153,6 +171,14 @@ void StagedFile::appear() {
     appeared_ = true;
 }
 
+StagedFile::~StagedFile() {
+    if (appeared_) {
+        keep();
+    } else {
+        abandon();
+    }
+}
+
 void StagedFile::keep() noexcept {
     if (descriptor_ >= 0) {
         ::close(std::exchange(descriptor_, -1));
@@ -171,11 +197,6 @@ void StagedFile::abandon() noexcept {
 
 void StagedFile::fail(int reason) {
     failure_ = reason;
-    if (appeared_) {
-        keep();
-    } else {
-        abandon();
-    }
     refuse(path_, reason);
 }
 

@@ -17,12 +17,12 @@ public:
 
     /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or
     /// unwritable directory, a target that is a directory or read-only. A FIFO waits for its reader.
-    /// A symbolic link is followed, not replaced. A new file gets the permissions that any new file would;
+    /// A symbolic link is followed, not replaced; a stranger's in a folder like /tmp is refused. A new file gets the permissions that any new file would;
     /// one that replaces another gets its permissions, and its owner where the system lets us.
     StagedFile(std::filesystem::path path, Devices devices);
 
-    /// Without commit(): removes the temporary.
-    ~StagedFile() { abandon(); }
+    /// Without commit(), appear() or keep(): removes the temporary.
+    ~StagedFile();
     StagedFile(const StagedFile&) = delete;
     StagedFile& operator=(const StagedFile&) = delete;
 
@@ -39,19 +39,21 @@ public:
     /// the file, a crash of the program may not.
     void commit();
 
-    /// Gives the file its name now, while it goes on growing; what it replaces is gone. From here on a
-    /// failure leaves what was written under that name; without commit it is removed.
+    /// Gives the file its name now, while it goes on growing; what it replaces is gone. From here on what was
+    /// written stays under that name, unless it is abandoned.
     void appear();
 
-    /// Closes it where it is: what was written stays, under its name after appear().
+    /// Closes it where it is: what was written stays under the temporary's name, after appear() under its own.
     void keep() noexcept;
 
-    /// Closes and removes the temporary, if it is still there.
+    /// Closes it and removes what was written.
     void abandon() noexcept;
 
-    /// Abandons the file (keeps it after appear()). @throws std::system_error of that errno; from then on
-    /// commit() and require_open() throw it again.
+    /// @throws std::system_error of that errno; from then on commit() and require_open() throw it again. The
+    /// file stays open: resume(), keep() or abandon() it.
     [[noreturn]] void fail(int reason);
+    /// Forgets the failure, to save what can be saved.
+    void resume() noexcept { failure_ = 0; }
 
     /// @throws std::system_error after a failure, std::logic_error after commit, where it is misuse.
     void require_open() const;

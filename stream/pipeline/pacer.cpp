@@ -47,7 +47,7 @@ tl::expected<Pace, std::string> parse_pace(std::string_view text) {
 }
 
 Pacer::Pacer(double sample_rate_hz, Pace pace) {
-    if (!(sample_rate_hz > 0 && sample_rate_hz <= 1e12)) {
+    if (!(sample_rate_hz > 0 && sample_rate_hz <= max_sample_rate_hz)) {
         throw std::invalid_argument(
             fmt::format("sample rate {} Hz is not above 0 and at most 1e12", sample_rate_hz));
     }

@@ -40,6 +40,9 @@ private:
 /// Reads "realtime", "flat-out" or a number from Pace::min_factor to Pace::max_factor.
 tl::expected<Pace, std::string> parse_pace(std::string_view text);
 
+/// Beyond it deadlines would not be exact.
+inline constexpr double max_sample_rate_hz = 1e12;
+
 /// Deadlines of samples, in the time of a clock that the caller reads. Never waits and never looks at a clock.
 class Pacer {
 public:

@@ -126,11 +126,11 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
 }
 
 void Pipeline::release(const Block& block) {
+    monitor_.count_dropped(block.dropped, demand_);
+    frames_.send(block, demand_, monitor_.meters());
     if (recorder_ != nullptr) {
         recorder_->write(block.samples());
     }
-    monitor_.count_dropped(block.dropped, demand_);
-    frames_.send(block, demand_, monitor_.meters());
 }
 
 void Pipeline::listen_for_subscriptions() {

@@ -44,6 +44,7 @@ std::vector<std::string> Producer::start(const ThreadOptions& options) {
 
 void Producer::stop() noexcept {
     stopping_.store(true, std::memory_order_relaxed);
+    source_.interrupt();
     filling_.wake();
     if (thread_.joinable()) {
         thread_.join();

@@ -20,11 +20,6 @@ CheckedWriter::CheckedWriter(std::filesystem::path path, RecordingHead head)
 }
 
 void CheckedWriter::write(std::int64_t first, std::span<const double> values) {
-    if (values.size() % head_.columns.size() != 0 || first < due_) {
-        throw std::invalid_argument(
-            fmt::format("{}: found {} values from sample {}, allowed: {} a row from {} on", path_.string(),
-                        values.size(), first, head_.columns.size(), due_));
-    }
     if (!failure_.empty()) {
         throw std::runtime_error(failure_);
     }
@@ -35,11 +30,44 @@ void CheckedWriter::write(std::int64_t first, std::span<const double> values) {
         take(first, values);
     } catch (const std::exception& error) {
         failure_ = error.what();
+        complete_or_save();
         throw;
     }
 }
 
+/// Where the rows were wrong and not the file, it can be completed.
+void CheckedWriter::complete_or_save() noexcept {
+    try {
+        if (rows_ > 0) {
+            complete();
+            return;
+        }
+    } catch (const std::exception&) {  // so it was the file
+    }
+    save();
+}
+
+void CheckedWriter::complete() {
+    over_ = true;
+    finish();
+    kept_ = {rows_, path_};
+}
+
+void CheckedWriter::save() noexcept {
+    over_ = true;
+    try {
+        kept_ = rescue();
+    } catch (const std::exception&) {
+        kept_ = {};
+    }
+}
+
 void CheckedWriter::take(std::int64_t first, std::span<const double> values) {
+    if (values.size() % head_.columns.size() != 0 || first < due_) {
+        throw std::invalid_argument(
+            fmt::format("{}: found {} values from sample {}, allowed: {} a row from {} on", path_.string(),
+                        values.size(), first, head_.columns.size(), due_));
+    }
     require_finite(first, values);
     if (rows_ == 0 || first != due_) {
         begin_capture({rows_, first});
@@ -69,11 +97,24 @@ void CheckedWriter::commit() {
         throw std::runtime_error(failure_);
     }
     try {
-        finish();
+        complete();
     } catch (const std::exception& error) {
         failure_ = error.what();
+        save();
         throw;
     }
+}
+
+void CheckedWriter::keep() noexcept {
+    if (!over_) {
+        failure_ = path_.string() + " was ended before it was complete";
+        save();
+    }
+}
+
+void CheckedWriter::discard() noexcept {
+    over_ = true;
+    remove();
 }
 
 }  // namespace hertzline::stream

@@ -12,11 +12,14 @@
 namespace hertzline::stream {
 
 /// A writer that has checked what it is given: whole rows, none that goes back, every number finite in the
-/// recording's type. After an error it stays failed.
+/// recording's type. After an error it stays failed; what it took before is saved.
 class CheckedWriter : public RecordingWriter {
 public:
     void write(std::int64_t first, std::span<const double> values) final;
     void commit() final;
+    void keep() noexcept final;
+    void discard() noexcept final;
+    const KeptRows& kept() const noexcept final { return kept_; }
 
 protected:
     /// @throws std::invalid_argument when a recording cannot have that head
@@ -28,20 +31,28 @@ protected:
     virtual void append(std::int64_t first, std::span<const double> values) = 0;
     /// Completes the file.
     virtual void finish() = 0;
+    /// Saves whole rows of a file that cannot be completed, or shall not. May throw.
+    virtual KeptRows rescue() = 0;
+    /// Removes what was written.
+    virtual void remove() noexcept = 0;
 
     const std::filesystem::path& path() const noexcept { return path_; }
-    bool failed() const noexcept { return !failure_.empty(); }
     const RecordingHead& head() const noexcept { return head_; }
     /// Taken so far, without those that append() is about to take.
     std::int64_t rows() const noexcept { return rows_; }
 
 private:
+    void complete();
+    void complete_or_save() noexcept;
+    void save() noexcept;
     void take(std::int64_t first, std::span<const double> values);
     void require_finite(std::int64_t first, std::span<const double> values) const;
 
     std::filesystem::path path_;
     RecordingHead head_;
     std::string failure_;
+    bool over_ = false;
+    KeptRows kept_;
     std::int64_t rows_ = 0;
     std::int64_t due_ = 0;  // the sample that follows
 };

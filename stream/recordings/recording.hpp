@@ -34,22 +34,42 @@ struct RecordingHead {
     nlohmann::ordered_json provenance;  ///< where it comes from: an object (stream/provenance)
 };
 
+/// When a recording takes its name. Only SigMF can early: the others are whole at their end only.
+enum class Appearance {
+    early,          ///< with its first row, so that it survives the sudden end of the program
+    when_complete,  ///< what was there before stays until then
+};
+
 /// Rows that follow one another without a gap.
 struct RecordedRows {
     std::int64_t first = 0;      ///< index of the first sample since the run's start
     std::vector<double> values;  ///< row-major, [sample][column]
 };
 
+/// What a recording has left: so many rows, and the file that they are in (empty: none).
+struct KeptRows {
+    std::int64_t rows = 0;
+    std::filesystem::path file;
+};
+
 /// A recording that is being written. Errors are std::runtime_error that names the path and the reason; after
-/// one the recording is at its end, and what the format promises to keep is kept.
+/// one the recording is at its end, and kept() tells what was saved of it.
 class RecordingWriter {
 public:
+    /// Without commit() or keep() nothing is left, except of formats that have their name from early on.
     virtual ~RecordingWriter() = default;
     /// Appends rows, row-major [sample][column], the first of which is sample `first` of the run. A `first`
     /// beyond the sample that was due marks a gap; it never goes back.
     virtual void write(std::int64_t first, std::span<const double> values) = 0;
-    /// Completes the recording. Without it nothing is left under its name, where the format does not promise more.
+    /// Completes the recording.
     virtual void commit() = 0;
+    /// Ends it before it is complete: what was taken stays, under another name where the format has its own
+    /// only when complete. Does not throw, and does nothing after commit() or an error.
+    virtual void keep() noexcept = 0;
+    /// Ends it and removes what was written.
+    virtual void discard() noexcept = 0;
+    /// What commit(), keep() or an error has left.
+    virtual const KeptRows& kept() const noexcept = 0;
 };
 
 /// A recording that is being read. What it holds comes from outside and is not trusted.

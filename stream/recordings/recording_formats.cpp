@@ -19,20 +19,29 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using Writer = std::unique_ptr<RecordingWriter>;
+
+/// For formats that have their name only when they are complete.
+template <Writer (*open)(const fs::path&, const RecordingHead&)>
+Writer when_complete(const fs::path& path, const RecordingHead& head, Appearance /*appearance*/) {
+    return open(path, head);
+}
+
 struct Format {
     std::string_view ending;
     double bytes_per_number;  // from above
-    std::unique_ptr<RecordingWriter> (*write)(const fs::path&, const RecordingHead&);
+    Writer (*write)(const fs::path&, const RecordingHead&, Appearance);
     std::unique_ptr<RecordingReader> (*read)(const fs::path&);
 };
 
 constexpr std::array formats{
-    Format{".csv", 24, open_csv_writer, open_csv_reader},  // 17 digits, sign, point, exponent, comma
+    Format{".csv", 24, when_complete<open_csv_writer>,
+           open_csv_reader},  // 17 digits, sign, point, exponent, comma
     Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
-    Format{".h5", 8, open_hdf5_writer, open_hdf5_reader},
-    Format{".wav", 4, open_wav_writer, open_wav_reader},
-    Format{".npy", 8, open_npy_writer, open_npy_reader},
+    Format{".h5", 8, when_complete<open_hdf5_writer>, open_hdf5_reader},
+    Format{".wav", 4, when_complete<open_wav_writer>, open_wav_reader},
+    Format{".npy", 8, when_complete<open_npy_writer>, open_npy_reader},
 };
 
 std::string ending_of(const fs::path& path) {
@@ -94,8 +103,9 @@ void require_writable(const fs::path& path) {
     }
 }
 
-std::unique_ptr<RecordingWriter> open_recording(const fs::path& path, const RecordingHead& head) {
-    return format_or_refuse(path).write(path, head);
+std::unique_ptr<RecordingWriter> open_recording(const fs::path& path, const RecordingHead& head,
+                                                Appearance appearance) {
+    return format_or_refuse(path).write(path, head, appearance);
 }
 
 std::unique_ptr<RecordingReader> open_reader(const fs::path& path) {

@@ -28,7 +28,8 @@ double recording_bytes(const std::filesystem::path& path, double columns, double
 void require_writable(const std::filesystem::path& path);
 
 /// Begins a recording. @throws std::runtime_error that names the path and the reason, for an unknown ending, too.
-std::unique_ptr<RecordingWriter> open_recording(const std::filesystem::path& path, const RecordingHead& head);
+std::unique_ptr<RecordingWriter> open_recording(const std::filesystem::path& path, const RecordingHead& head,
+                                                Appearance appearance = Appearance::early);
 
 /// Opens a recording for reading. @throws std::runtime_error like above.
 std::unique_ptr<RecordingReader> open_reader(const std::filesystem::path& path);

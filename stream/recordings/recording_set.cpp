@@ -1,53 +1,177 @@
 #include "stream/recordings/recording_set.hpp"
 
 #include <algorithm>
-#include <exception>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/recording_thread.hpp"
 
 namespace hertzline::stream {
 
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds glance{50};  // between looks at the stop flag
+// After the user has asked to stop: for what waits in the queues, then to end the files.
+constexpr milliseconds last_writes{400};
+constexpr milliseconds last_end{200};
+constexpr milliseconds longest_stall{5000};  // at the end, when nobody has asked
+
+}  // namespace
+
+double RecordingSet::queue_bytes(double columns, double sample_rate_hz) noexcept {
+    constexpr double seconds = 2;  // that a disk may be busy with other things
+    constexpr double least = 16.0 * 1024 * 1024;
+    constexpr double most = 256.0 * 1024 * 1024;
+    return std::clamp(seconds * columns * sample_rate_hz * sizeof(double), least, most);
+}
+
 RecordingSet::RecordingSet(std::span<const std::string> paths, const RecordingHead& head,
-                           std::function<void(const std::string&)> tell)
-    : columns_(head.columns.size()), notify_(std::move(tell)) {
+                           RecordingPatience patience, std::function<void(const std::string&)> tell,
+                           Appearance appearance)
+    : behind_(paths.size(), 0), columns_(head.columns.size()), patience_(patience), tell_(std::move(tell)) {
+    std::vector<std::unique_ptr<RecordingWriter>> writers;
     for (const std::string& path : paths) {
-        writers_.push_back(open_recording(path, head));
-        status_.push_back({.file = path, .samples = 0, .failure = ""});
+        writers.push_back(open_recording(path, head, appearance));
+        status_.push_back({.file = path, .failure = ""});
+    }
+    const auto most =
+        static_cast<std::size_t>(queue_bytes(static_cast<double>(columns_), head.sample_rate_hz));
+    for (auto& writer : writers) {
+        threads_.push_back(std::make_unique<RecordingThread>(std::move(writer), most));
     }
 }
 
-/// Does something to each that is left, and ends those with which it fails.
-template <class Action>
-void RecordingSet::each(Action action) {
-    for (std::size_t i = 0; i < writers_.size(); ++i) {
-        if (writers_[i] == nullptr) {
-            continue;
-        }
-        try {
-            action(*writers_[i], status_[i]);
-        } catch (const std::exception& error) {
-            writers_[i].reset();
-            status_[i].failure = error.what();
-            notify_(fmt::format("recording {} ended after {} samples: {}", status_[i].file,
-                                status_[i].samples, error.what()));
-        }
-    }
-}
-
-void RecordingSet::write(std::int64_t first, std::span<const double> values) {
-    each([&](RecordingWriter& writer, Status& status) {
-        writer.write(first, values);
-        status.samples += static_cast<std::int64_t>(values.size() / columns_);
-    });
+RecordingSet::~RecordingSet() {
+    end(RecordingEnd::keep);
 }
 
 void RecordingSet::commit() {
-    each([](RecordingWriter& writer, Status&) { writer.commit(); });
-    for (auto& writer : writers_) {
-        writer.reset();
+    end(RecordingEnd::commit);
+}
+
+void RecordingSet::discard() {
+    end(RecordingEnd::discard);
+}
+
+void RecordingSet::write(std::int64_t first, std::vector<double> values) {
+    const auto rows = std::make_shared<const RecordedRows>(RecordedRows{first, std::move(values)});
+    for (std::size_t i = 0; i < threads_.size(); ++i) {
+        if (threads_[i] == nullptr || pass_on(*threads_[i], rows, behind_[i] != 0)) {
+            behind_[i] = 0;
+            continue;
+        }
+        if (threads_[i]->over()) {
+            conclude(i);
+            continue;
+        }
+        if (status_[i].missing == 0) {
+            tell_(fmt::format("recording {} is too slow: samples are left out of it", status_[i].file));
+        }
+        status_[i].missing += static_cast<std::int64_t>(rows->values.size() / columns_);
+        behind_[i] = 1;
+    }
+}
+
+bool RecordingSet::pass_on(RecordingThread& thread, const SharedRows& rows, bool behind) const {
+    while (!thread.try_write(rows)) {
+        if (behind || thread.over() || !wait_for_progress(thread)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool RecordingSet::wait_for_progress(RecordingThread& thread) const {
+    for (milliseconds waited{0}; waited < patience_.wait && !stop_asked(); waited += glance) {
+        if (thread.wait_for_progress(glance)) {
+            return true;
+        }
+        if (thread.over()) {
+            return false;
+        }
+    }
+    return false;
+}
+
+void RecordingSet::end(RecordingEnd how) {
+    for (const auto& thread : threads_) {
+        if (thread != nullptr) {
+            thread->end(how);
+        }
+    }
+    wait_while_they_write();
+    if (!all_over_by(Clock::now() + last_writes)) {
+        for (const auto& thread : threads_) {
+            if (thread != nullptr) {
+                thread->hurry();
+            }
+        }
+        all_over_by(Clock::now() + last_end);
+    }
+    for (std::size_t i = 0; i < threads_.size(); ++i) {
+        if (threads_[i] != nullptr) {
+            conclude(i);
+        }
+    }
+}
+
+/// Until all are over, one takes nothing for too long, or the user asks to stop.
+void RecordingSet::wait_while_they_write() const {
+    const auto written = [this] {
+        std::int64_t numbers = 0;
+        for (const auto& thread : threads_) {
+            numbers += thread != nullptr ? thread->numbers() : 0;
+        }
+        return numbers;
+    };
+    milliseconds stalled{0};
+    std::int64_t before = written();
+    while (!stop_asked() && stalled < std::max(longest_stall, patience_.wait)) {
+        if (all_over_by(Clock::now() + glance)) {
+            return;
+        }
+        const std::int64_t now = written();
+        stalled = now == before ? stalled + glance : milliseconds{0};
+        before = now;
+    }
+}
+
+bool RecordingSet::all_over_by(Clock::time_point time) const {
+    return std::ranges::all_of(threads_, [time](const auto& thread) {
+        return thread == nullptr || thread->wait_for_end(time - Clock::now());
+    });
+}
+
+/// Notes what has become of a recording that is over, or stuck.
+void RecordingSet::conclude(std::size_t recording) {
+    Status& status = status_[recording];
+    const auto columns = static_cast<std::int64_t>(columns_);
+    if (threads_[recording]->over()) {
+        const RecordingResult result = threads_[recording]->result();
+        status.samples = result.kept.rows;
+        status.missing += result.unwritten_numbers / columns;
+        status.failure = result.failure;
+        if (result.failure.empty() && status.missing > 0) {
+            status.failure =
+                fmt::format("{} samples are missing: the file took them too slowly", status.missing);
+        }
+        if (result.kept.rows > 0 && result.kept.file != status.file) {
+            status.failure +=
+                fmt::format("{}{} samples are in {}", status.failure.empty() ? "not completed: " : "; ",
+                            result.kept.rows, result.kept.file.string());
+        }
+    } else {
+        status.samples = threads_[recording]->numbers() / columns;
+        status.failure = "stuck: the file takes nothing more";
+    }
+    threads_[recording].reset();
+    if (!status.failure.empty()) {
+        tell_(fmt::format("recording {} ended after {} samples: {}", status.file, status.samples,
+                          status.failure));
     }
 }
 
@@ -56,7 +180,7 @@ bool RecordingSet::sound() const noexcept {
 }
 
 bool RecordingSet::any_left() const noexcept {
-    return std::ranges::any_of(writers_, [](const auto& writer) { return writer != nullptr; });
+    return std::ranges::any_of(threads_, [](const auto& thread) { return thread != nullptr; });
 }
 
 nlohmann::ordered_json recordings_json(const RecordingSet& recordings) {
@@ -64,6 +188,7 @@ nlohmann::ordered_json recordings_json(const RecordingSet& recordings) {
     for (const RecordingSet::Status& one : recordings.status()) {
         list.push_back({{"file", one.file},
                         {"samples", one.samples},
+                        {"missing_samples", one.missing},
                         {"status", one.failure.empty() ? "complete" : one.failure}});
     }
     return list;

@@ -22,7 +22,6 @@ private:
     RecordingSet& recordings_;
     std::vector<Tap> single_;      ///< taps of one channel
     std::vector<Tap> per_sphere_;  ///< taps of a channel per sphere
-    std::vector<double> rows_;
 };
 
 }  // namespace hertzline::stream

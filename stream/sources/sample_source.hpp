@@ -30,7 +30,7 @@ struct StreamFormat {
     }
 };
 
-/// Everything but the construction happens in the simulating thread.
+/// Everything but the construction and interrupt() happens in the simulating thread.
 class SampleSource {
 public:
     virtual ~SampleSource() = default;
@@ -49,6 +49,9 @@ public:
 
     /// Passes over `count` samples. False as above.
     virtual bool skip(std::int64_t count) noexcept = 0;
+
+    /// Makes read() and skip() return soon, with false; from another thread. For sources whose blocks take long.
+    virtual void interrupt() noexcept {}
 
     /// Index of the sample that comes next.
     virtual std::int64_t next_sample() const noexcept = 0;

@@ -16,7 +16,7 @@ double SimulationSource::memory_bytes(const Scene& scene) noexcept {
 SimulationSource::SimulationSource(const Scene& scene, TapSet always)
     : format_(format_of(scene)),
       always_(always & format_.taps),
-      simulation_(scene, SimulationOptions{.taps = format_.taps}) {}
+      simulation_(scene, SimulationOptions{.taps = format_.taps, .stop = &stop_}) {}
 
 bool SimulationSource::read(Samples& samples, std::size_t count, TapSet wanted) noexcept {
     return simulation_.advance(samples, count, wanted | always_) == Status::running;

@@ -1,6 +1,8 @@
 #pragma once
 // A scene that is simulated while it is streamed.
 
+#include <atomic>
+
 #include "core/simulation.hpp"
 #include "stream/sources/sample_source.hpp"
 
@@ -16,6 +18,7 @@ public:
     StreamFormat format() const override { return format_; }
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
+    void interrupt() noexcept override { stop_.store(true, std::memory_order_relaxed); }
     std::int64_t next_sample() const noexcept override { return simulation_.next_sample(); }
     SourceAccount account() const noexcept override;
     double energy_residual() noexcept override { return simulation_.energy_residual(); }
@@ -30,6 +33,7 @@ public:
 private:
     StreamFormat format_;
     TapSet always_;
+    std::atomic<bool> stop_{false};
     Simulation simulation_;
 };
 

@@ -41,14 +41,15 @@ Arrival ContinuityCheck::continue_with(const FrameHeader& frame) {
 
     // Each missing frame held at least one sample. More may be missing than the frames say: while nobody
     // listens (our own connection was broken, say) a topic's frames are not made, and seq stands still.
-    const bool fits = frame.sample >= next_sample_ && frame.sample - next_sample_ >= missing_frames;
-    const std::uint64_t missing_samples = frame.sample > next_sample_ ? frame.sample - next_sample_ : 0;
-    totals_.missing_samples += missing_samples;
-    totals_.inconsistent += fits ? 0 : 1;
-    expect_after(frame);
-    if (!fits) {
+    if (frame.sample < next_sample_ || frame.sample - next_sample_ < missing_frames) {
+        ++totals_.inconsistent;
+        next_seq_ = frame.seq + 1;
+        dropped_ = frame.dropped;
         return Arrival::inconsistent;
     }
+    const std::uint64_t missing_samples = frame.sample - next_sample_;
+    totals_.missing_samples += missing_samples;
+    expect_after(frame);
     return missing_samples == 0 ? Arrival::in_order : Arrival::gap;
 }
 

@@ -18,7 +18,8 @@ enum class Arrival {
     new_run,       ///< the first frame of another run; counting begins anew, as when joining
     repeated,      ///< the frame that came last, again; not counted as received
     out_of_order,  ///< a frame before the one that came last; not counted as received
-    inconsistent,  ///< seq goes forward, but sample goes back or leaves no room for the missing frames
+    inconsistent,  ///< seq goes forward, but sample goes back or leaves no room for the missing frames; not counted
+                   ///< as received
 };
 
 /// Sums since the first frame, over all runs.

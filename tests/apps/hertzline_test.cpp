@@ -282,6 +282,15 @@ TEST(Help, VersionIsTheProjects) {
                 MatchesRegex("hertzline " HERTZLINE_VERSION " \\(([0-9a-f]+(-dirty)?|unknown)\\)\n"));
 }
 
+TEST(Output, HelpThatCannotBePrintedIsAFailure) {
+    for (const char* option : {"--help", "--version"}) {
+        Program program({option}, "/dev/full");
+        const Outcome outcome = program.wait();
+        EXPECT_EQ(outcome.status, 1) << option;
+        EXPECT_THAT(outcome.err, testing::HasSubstr("No space left on device"));
+    }
+}
+
 TEST(Output, AFullStandardOutputIsAFailure) {
     const Outcome full = Program({"scenes"}, "/dev/full").wait();
     EXPECT_EQ(full.status, 1);

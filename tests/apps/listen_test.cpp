@@ -1,15 +1,21 @@
 // hertzline listen against streams that are interrupted, flooded, wrong or hostile.
 
+#include <algorithm>
+#include <cmath>
 #include <csignal>
+#include <fstream>
 #include <regex>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "stream/recordings/recording_formats.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/publisher.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
@@ -21,21 +27,20 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 const std::string any_port = "tcp://127.0.0.1:*";
-constexpr std::string_view topic = "v_out/np";
 
 /// A stream that sends what a test tells it to, to one listener.
 class FakeStream {
 public:
-    explicit FakeStream(const std::string& timeout_s = "100")
-        : publisher_(any_port),
-          listener_(Words{"listen", "--json", "--timeout", timeout_s, "--connect", publisher_.endpoint()}) {
-        frame_.stream = "v_out";
+    explicit FakeStream(const std::string& timeout_s = "100", const std::vector<std::string>& words = {},
+                        const std::string& name = "v_out")
+        : publisher_(any_port), listener_(command(timeout_s, words)), topic(name + "/np") {
+        frame_.stream = name;
         frame_.run = "run-1";
         frame_.fs = 1e6;
         frame_.n = 10;
         for (int tries = 0; tries < 6000 && !publisher_.wanted(topic); ++tries) {
             if (publisher_.poll_subscriptions() > 0) {
-                send_text("meta", R"({"streams": [{"name": "v_out"}]})");
+                send_text("meta", json{{"streams", {{{"name", name}}}}}.dump());
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
@@ -43,14 +48,21 @@ public:
     }
 
     /// A frame of ten samples.
-    void send(std::uint64_t seq, std::uint64_t sample, std::uint64_t dropped = 0) {
+    void send(std::uint64_t seq, std::uint64_t sample, std::uint64_t dropped = 0, float value = 0) {
         frame_.seq = seq;
         frame_.sample = sample;
         frame_.dropped = dropped;
         std::string header;
         encode_header(frame_, header);
-        send_text(topic, header, std::string(frame_.payload_bytes(), '\0'));
+        const std::vector<float> values(frame_.n * frame_.channels, value);
+        send_text(topic, header,
+                  std::string(reinterpret_cast<const char*>(values.data()), frame_.payload_bytes()));
     }
+    void reshape(std::size_t samples, std::size_t channels) {
+        frame_.n = samples;
+        frame_.channels = channels;
+    }
+    const Program& listener() const { return listener_; }
     void begin_another_run() { frame_.run = "run-2"; }
     template <class... Parts>
     void send_text(std::string_view to, const Parts&... parts) {
@@ -65,9 +77,19 @@ public:
 
 private:
     using Words = std::vector<std::string>;
+
+    Words command(const std::string& timeout_s, const Words& more) const {
+        Words words{"listen", "--json", "--timeout", timeout_s, "--connect", publisher_.endpoint()};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    }
+
     Publisher publisher_;
     Program listener_;
     FrameHeader frame_;
+
+public:
+    const std::string topic;
 };
 
 /// The listener ended with this status, and its account says this.
@@ -132,6 +154,72 @@ TEST(Listen, RepeatedAndLateFramesAreNotKept) {
     expect_account(stream.end(40), 1, {{"samples", 10}, {"frames_repeated", 1}, {"frames_out_of_order", 1}});
 }
 
+TEST(Listen, AnOddFrameCostsNothingThatWasRecorded) {
+    for (const char* name : {"a.sigmf-meta", "a.csv", "a.npy", "a.h5", "a.wav"}) {
+        const TemporaryFolder folder;
+        FakeStream stream("100", {"-o", folder.file(name)});
+        std::uint64_t seq = 0;
+        for (; seq < 1000; ++seq) {
+            stream.send(seq, 10 * seq);
+        }
+        stream.send(seq, 0);       // goes back
+        stream.send(seq + 1, 10);  // and on from there
+        stream.send(seq + 2, 10 * seq + 20, 0, NAN);
+        stream.send(seq + 3, 10 * seq + 30);
+        const Outcome outcome = stream.end(10'040);
+        expect_account(outcome, 1,
+                       {{"samples", 10'010}, {"frames_inconsistent", 2}, {"messages_malformed", 1}});
+        EXPECT_EQ(outcome.json()["recordings"][0]["status"], "complete") << name;
+        EXPECT_EQ(outcome.json()["recordings"][0]["samples"], 10'010) << name;
+        const auto rows = read_rows(*open_reader(folder.file(name)));
+        ASSERT_EQ(rows.size(), 2U) << name;
+        EXPECT_EQ(rows[0].values.size(), 10'000U) << name;
+        EXPECT_EQ(rows[1].first, 10'030) << name;
+    }
+}
+
+TEST(Listen, FramesOfOtherWidthsAreMalformed) {
+    const TemporaryFolder folder;
+    FakeStream stream("100", {"-o", folder.file("a.csv")});
+    stream.reshape(10, 2);
+    stream.send(0, 0);
+    stream.reshape(10, 1);
+    stream.send(1, 10);
+    expect_account(stream.end(20), 1, {{"samples", 10}, {"channels", 1}, {"messages_malformed", 1}});
+    EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 10U);
+}
+
+/// The largest that it was [bytes].
+std::size_t peak_memory(const Program& program) {
+    std::ifstream status(fmt::format("/proc/{}/status", program.process()));
+    for (std::string line; std::getline(status, line);) {
+        if (line.starts_with("VmHWM:")) {
+            return 1024 * std::stoul(line.substr(6));
+        }
+    }
+    return 0;
+}
+
+TEST(Listen, ALargeFrameTakesAFewTimesItsSizeOfMemory) {
+    FakeStream stream("100", {"--stream", "v_chain"}, "v_chain");
+    constexpr std::size_t wide = 5'000'000;
+    stream.reshape(1, wide);
+    stream.send(5, 50);
+    stream.listener().messages_with("joined run");
+    EXPECT_LT(peak_memory(stream.listener()), 5 * wide * sizeof(float) + (std::size_t{64} << 20));
+}
+
+TEST(Listen, WhatGoesWrongOftenIsToldAFewTimes) {
+    FakeStream stream;
+    for (std::uint64_t i = 0; i < 2000; ++i) {
+        stream.send(2 * i, 20 * i);
+        stream.send(2 * i, 20 * i);
+    }
+    const Outcome outcome = stream.end(40'000);
+    expect_account(outcome, 1, {{"frames_lost_on_the_way", 1999}, {"frames_repeated", 2000}});
+    EXPECT_LT(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 20);
+}
+
 TEST(Listen, AnotherRunMeansThatThisOneBrokeOff) {
     FakeStream stream;
     stream.send(0, 0);
@@ -143,9 +231,9 @@ TEST(Listen, AnotherRunMeansThatThisOneBrokeOff) {
 TEST(Listen, SurvivesNonsense) {
     FakeStream stream;
     stream.send(0, 0);
-    stream.send_text(topic);
-    stream.send_text(topic, "{}", "abcd");
-    stream.send_text(topic, std::string(3000, '['), "abcd");
+    stream.send_text(stream.topic);
+    stream.send_text(stream.topic, "{}", "abcd");
+    stream.send_text(stream.topic, std::string(3000, '['), "abcd");
     stream.send_text("meta", "not JSON");
     stream.send_text("end", std::string(100'000, '['));
     stream.send_text("end", R"({"run": 7})");

@@ -43,6 +43,8 @@ public:
     std::string messages_with(const std::string& text) const;
     std::string messages_with(const std::regex& pattern) const;
 
+    pid_t process() const { return process_; }
+
     /// The endpoint that a stream has bound.
     std::string endpoint() const;
 

@@ -138,7 +138,21 @@ TEST(RecordingSet, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
     EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 5001U);
 }
 
-TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
+/// The file that a failed recording's status names.
+std::string kept_file(const json& recording) {
+    const std::string status = recording["status"];
+    const std::string before = fmt::format("{} samples are in ", recording["samples"].get<int>());
+    const std::size_t at = status.find(before);
+    return at == std::string::npos ? "" : status.substr(at + before.size());
+}
+
+/// Lines of a CSV without its first.
+std::int64_t rows_of(const std::string& csv) {
+    const std::string text = file_text(csv);
+    return std::count(text.begin(), text.end(), '\n') - 1;
+}
+
+TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAloneAndWhatItHas) {
     const TemporaryFolder folder;
     write_text(folder.file("a.csv"), "old");
     const LargestFile limit(50'000);
@@ -147,6 +161,21 @@ TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAlone) {
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("a.csv"), HasSubstr("File too large")));
     EXPECT_EQ(file_text(folder.file("a.csv")), "old");
     EXPECT_FALSE(fs::exists(folder.file("a.csv-metadata.json")));
+    std::smatch kept;
+    ASSERT_TRUE(std::regex_search(outcome.err, kept, std::regex("(\\d+) samples are in (\\S+)")));
+    EXPECT_GT(rows_of(kept[2]), 100);
+    EXPECT_EQ(rows_of(kept[2]), std::stoi(kept[1]));
+}
+
+TEST(RecordingSet, ADiskTooFullForMetadataLeavesTheOldFileAlone) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "old");
+    const LargestFile limit(1500);  // more than the CSV of eleven rows
+    const Outcome outcome =
+        hertzline({"run", "paper-wall", "--set", "output.duration_s=1e-6", "-o", folder.file("a.csv")});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("a.csv-metadata.json: File too large"));
+    EXPECT_EQ(file_text(folder.file("a.csv")), "old");
 }
 
 TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
@@ -174,6 +203,9 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     EXPECT_EQ(recordings[2]["samples"], 300'000);
     EXPECT_FALSE(fs::exists(folder.file("a.csv")));
     // what the disk had room for is there
+    EXPECT_GT(recordings[1]["samples"], 5000);
+    EXPECT_EQ(rows_of(kept_file(recordings[1])), recordings[1]["samples"]);
+    EXPECT_EQ(recordings[0]["samples"], limit / 12);
     const std::vector<double> kept = column(folder.file("a.sigmf-meta"), "v_out_m_per_s");
     EXPECT_EQ(kept.size(), limit / 12);
     EXPECT_EQ(kept, as_float32(v_out_of_run(kept.size(), folder)));
@@ -223,12 +255,57 @@ TEST(RecordingSet, AnInterruptedRunLeavesNoneOfThem) {
     const TemporaryFolder folder;
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "-o", folder.file("a.csv"),
                  "--set", "output.duration_s=1.2"});
-    while (!fs::exists(folder.file("a.sigmf-meta"))) {
+    while (fs::is_empty(fs::path(folder.file("x")).parent_path())) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);
     EXPECT_TRUE(fs::is_empty(fs::path(folder.file("x")).parent_path()));
+}
+
+TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.sigmf-meta"), "old");
+    write_text(folder.file("a.sigmf-data"), "old");
+    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=1.2"});
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    run.send(SIGINT);
+    EXPECT_EQ(run.wait().status, 1);
+    EXPECT_EQ(file_text(folder.file("a.sigmf-meta")) + file_text(folder.file("a.sigmf-data")), "oldold");
+}
+
+/// A scene whose step turns out to be too long after three milliseconds.
+const Words unstable{"--set", "numerics.integrator=leapfrog", "--set", "numerics.step_s=2.3e-7",
+                     "--set", "drive.amplitude_m=1e-3"};
+
+TEST(RecordingSet, ARunThatFailsKeepsWhatItHasUnderAnotherName) {
+    const TemporaryFolder folder;
+    Words words{"run", "paper-stream", "-o", folder.file("a.csv"), "-o", folder.file("a.sigmf-data")};
+    words.insert(words.end(), unstable.begin(), unstable.end());
+    const Outcome run = hertzline(words);
+    EXPECT_EQ(run.status, 1);
+    EXPECT_THAT(run.err, HasSubstr("stability limit"));
+    EXPECT_FALSE(fs::exists(folder.file("a.csv")));
+    EXPECT_FALSE(fs::exists(folder.file("a.sigmf-data")));
+    std::smatch kept;
+    ASSERT_TRUE(std::regex_search(run.err, kept, std::regex("(\\d+) samples are in (\\S+csv\\S+)")));
+    EXPECT_GT(rows_of(kept[2]), 20'000);
+    EXPECT_EQ(rows_of(kept[2]), std::stoi(kept[1]));
+}
+
+TEST(RecordingSet, AStreamThatFailsSavesWhatItSent) {
+    const TemporaryFolder folder;
+    Words words{"stream",   "paper-stream",
+                "--pace",   "flat-out",
+                "--bind",   any_port,
+                "--record", folder.file("a.csv"),
+                "--record", folder.file("a.sigmf-data")};
+    words.insert(words.end(), unstable.begin(), unstable.end());
+    const Outcome stream = hertzline(words);
+    EXPECT_EQ(stream.status, 1);
+    EXPECT_GT(rows_of(folder.file("a.csv")), 20'000);
+    EXPECT_EQ(fs::file_size(folder.file("a.sigmf-data")),
+              static_cast<std::uintmax_t>(rows_of(folder.file("a.csv"))) * 12);
 }
 
 TEST(RecordingSet, AListenerWhoseDiskIsFullHearsTheRest) {

@@ -109,6 +109,7 @@ TEST(Replay, WhatWasLostIsMissingAgainAndAListenerKnows) {
     EXPECT_EQ(replayed.replay.status, 0) << replayed.replay.err;
     EXPECT_EQ(replayed.listener.status, 1);
     const json account = replayed.listener.json();
+    EXPECT_EQ(replayed.replay.json()["samples"], 8500);  // an index, as in every stream's end
     EXPECT_EQ(account["first_sample"], 4000);
     EXPECT_EQ(account["samples"], 3000);
     EXPECT_EQ(account["missing_samples"], 1500);
@@ -130,6 +131,20 @@ TEST(Replay, AFileThatTellsNoRateNeedsOne) {
     EXPECT_EQ(replayed.listener.status, 0) << replayed.listener.err;
     EXPECT_EQ(replayed.listener.json()["samples"], 2);
     EXPECT_EQ(replayed.listener.json()["fs"], 1e6);
+}
+
+TEST(Replay, ARateBeyondAllRatesIsWrongUse) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "t_s,v_out_m_per_s\n0,1\n1,1\n");
+    const Outcome outcome = hertzline({"replay", folder.file("a.csv"), "--sample-rate", "1e300"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("--sample-rate: found 1e+300 Hz"));
+}
+
+TEST(Replay, AFileWithoutEndIsRefused) {
+    const Outcome outcome = hertzline({"replay", "/dev/zero"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("/dev/zero:1: found a byte 0"));
 }
 
 TEST(Replay, WhatIsNoRecordingIsRefusedByName) {

@@ -1,21 +1,15 @@
-"""What users and the system do to a stream: signals, closed and broken files, another clock, language or terminal."""
+"""What users and the system do to a stream: signals, closed and broken files, another clock or language."""
 import contextlib
 import ctypes
 import json
 import os
-import pty
-import re
 import signal
 import subprocess
 import sys
-import threading
 import time
 
 import stand as stands
 from stand import check
-
-COLOUR = re.compile(r"\x1b\[[0-9;]*m")
-
 
 def stopped_and_continued_again_and_again(stand):
     with stand.stream() as stream:
@@ -119,48 +113,6 @@ def decimal_comma(stand):
         stream.process.wait(stands.LONG_ENOUGH_S)
         stream.interrupted = time.monotonic()
     check(json.loads(stream.summary.read_text())["samples"] == 125_100, "another --duration")
-
-
-def _on_a_terminal(stand, **env):
-    """What a stream writes to its terminal in half a second and until it is interrupted."""
-    ours, terminal = pty.openpty()
-    seen = bytearray()
-
-    def read():
-        with contextlib.suppress(OSError):  # nobody has it open any more
-            while piece := os.read(ours, 4096):
-                seen.extend(piece)
-    reader = threading.Thread(target=read)
-    environment = {"TERM": "xterm-256color", "NO_COLOR": "", "COLORTERM": "", **env}
-    with stand.stream(endpoint=f"ipc://{stand.folder}/socket", stderr=terminal, env=environment):
-        os.close(terminal)
-        reader.start()
-        time.sleep(0.7)
-    reader.join()
-    os.close(ours)
-    return seen.decode()
-
-
-def terminal(stand):
-    text = _on_a_terminal(stand)
-    check(COLOUR.search(text) and "x real time" in text, f"no colour or progress: {text!r}")
-
-
-def terminal_with_no_color(stand):
-    text = _on_a_terminal(stand, NO_COLOR="1")
-    check(not COLOUR.search(text) and "x real time" in text, f"colour, or no progress: {text!r}")
-
-
-def dumb_terminal(stand):
-    text = _on_a_terminal(stand, TERM="dumb")
-    check("endpoint" in text and "\x1b" not in text, f"it cannot show that: {text!r}")
-
-
-def no_terminal(stand):
-    with stand.stream(env={"TERM": "xterm-256color"}) as stream:
-        time.sleep(0.7)
-    text = stream.messages.read_text()
-    check("\x1b" not in text and "\r" not in text and "x real time" not in text, f"for a terminal: {text!r}")
 
 
 if __name__ == "__main__":

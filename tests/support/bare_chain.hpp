@@ -123,12 +123,12 @@ inline BareChain thrown(Integrator integrator, double step_s, double speed) {
 }
 
 /// Largest change of the energy that was put into a thrown chain, of that energy, over so many steps.
-inline double largest_energy_change(BareChain& chain, double tracking, double put_in, std::int64_t steps) {
+inline double largest_energy_change(BareChain& chain, double at_rest, double put_in, std::int64_t steps) {
     constexpr std::int64_t interval = 1000;  // between looks
     double largest = 0;
     for (std::int64_t done = 0; done < steps; done += interval) {
         chain.advance(std::min(interval, steps - done));
-        const double change = std::abs((chain.energy() - tracking) / put_in - 1);
+        const double change = std::abs((chain.energy() - at_rest) / put_in - 1);
         largest = change <= largest ? largest : change;  // a NaN stays
     }
     return largest;

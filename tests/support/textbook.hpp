@@ -17,28 +17,35 @@ public:
         : chain_(scene), drive_(scene.drive), h_(step_s), x(size()), v(size()), force_(size() + 1) {}
 
     void step() {
-        const double middle = (static_cast<double>(steps_) + 0.5) * h_;
-        auto [horn_x, horn_v] = horn(middle);
-        if (std::abs(drive_.cycles / drive_.frequency_hz - middle) <
-            h_ / 2) {  // the burst ends within the step
-            horn_v = (horn(middle + h_ / 2).x - horn(middle - h_ / 2).x) / h_;
+        const double begin = static_cast<double>(steps_) * h_;
+        const double left = drive_.cycles / drive_.frequency_hz - begin;  // of the burst [s]
+        if (left > 0 && left < h_) {
+            part(begin, left);
+            part(begin + left, h_ - left);
+        } else {
+            part(begin, h_);
         }
-        drift();
-        contacts(v, horn_x, horn_v);
-        std::vector<double> half = v;
-        kick(half, h_ / 2);
-        contacts(half, horn_x, horn_v);
-        kick(v, h_);
-        drift();
         ++steps_;
     }
 
 private:
-    std::size_t size() const { return static_cast<std::size_t>(chain_.bodies()); }
-
     struct Horn {
         double x, v;
     };
+    /// A step of length h, in which the horn's motion is smooth.
+    void part(double begin, double h) {
+        const Horn middle = horn(begin + h / 2);
+        drift(h);
+        contacts(v, middle, h);
+        std::vector<double> half = v;
+        kick(half, h / 2);
+        contacts(half, middle, h);
+        kick(v, h);
+        drift(h);
+    }
+
+    std::size_t size() const { return static_cast<std::size_t>(chain_.bodies()); }
+
     /// A hann burst (docs/model.md, section 5).
     Horn horn(double t) const {
         const double duration = drive_.cycles / drive_.frequency_hz;
@@ -53,19 +60,20 @@ private:
                                       envelope * carrier * std::cos(carrier * t))};
     }
 
-    void drift() {
+    /// Half a step.
+    void drift(double h) {
         for (std::size_t b = 0; b < size(); ++b) {
-            x[b] += h_ / 2 * v[b];
+            x[b] += h / 2 * v[b];
         }
     }
 
     /// Contact forces f_c (docs/model.md, section 3), the dashpots weighed by the part of the step in contact.
-    void contacts(const std::vector<double>& u, double horn_x, double horn_v) {
+    void contacts(const std::vector<double>& u, const Horn& horn, double h) {
         for (std::size_t c = 0; c < size(); ++c) {
             const auto i = static_cast<Eigen::Index>(c);
-            const double overlap = chain_.static_overlap[i] + (c > 0 ? x[c - 1] : horn_x) - x[c];
-            const double w = (c > 0 ? u[c - 1] : horn_v) - u[c];
-            const double way = std::abs(w) * h_;
+            const double overlap = chain_.static_overlap[i] + (c > 0 ? x[c - 1] : horn.x) - x[c];
+            const double w = (c > 0 ? u[c - 1] : horn.v) - u[c];
+            const double way = std::abs(w) * h;
             const double part = way > 0 ? std::clamp(0.5 + overlap / way, 0.0, 1.0) : 0;
             force_[c] =
                 chain_.stiffness[i] * std::pow(std::max(overlap, 0.0), 1.5) + chain_.damping[i] * w * part;

@@ -56,8 +56,6 @@ Trial run(const Scene& scene) {
     Simulation simulation(scene, {.taps = all_taps});
     Samples part = simulation.make_samples(block);
     const double samples = std::clamp(scene.output.duration_s * scene.output.sample_rate_hz, 1.0, 20e3);
-    double moved = 0;
-    double work = 0;
     while (static_cast<double>(simulation.next_sample()) < samples) {
         const Status status = simulation.advance(part, block);
         if (!finite(part)) {
@@ -70,8 +68,6 @@ Trial run(const Scene& scene) {
             judge_stop(trial, part.count);
             break;
         }
-        moved += std::abs(simulation.ledger().work - work);
-        work = simulation.ledger().work;
         trial.crowding = static_cast<double>(trial.steps) / steps_called_for(scene, simulation);
         if (trial.crowding > max_crowded) {
             trial.findings.emplace_back("pieces collapse");
@@ -85,29 +81,22 @@ Trial run(const Scene& scene) {
     // a sphere that moves with a thousand-millionth of the horn's speed does so by rounding
     const double horn_speed = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
     const double rounding = 0.5 / simulation.chain().inv_mass[0] * std::pow(1e-9 * horn_speed, 2);
-    const double turned_over = moved + ledger.lost + std::abs(ledger.at_start) + pressed + rounding;
-    const double scale = std::max(std::abs(ledger.work), ledger.lost);
-    trial.residual = turned_over > 0 ? simulation.energy_residual() * scale / turned_over : 0;
+    const double turned_over =
+        ledger.gross_work + ledger.lost + std::abs(ledger.at_start) + pressed + rounding;
+    trial.residual = turned_over > 0 ? simulation.energy_missing() / turned_over : 0;
     if (trial.outcome == Outcome::ran && !std::isfinite(trial.residual)) {
         trial.findings.emplace_back("the ledger is not finite");
     }
     return trial;
 }
 
-/// Leapfrog does not book the work of a horn that jumps, and no method on a grid resolves one that goes up or
-/// down within a step.
-bool is_booked(const Scene& scene) {
+/// No method on a grid resolves a horn that goes up or down within a step.
+bool is_resolved(const Scene& scene) {
     const Drive& drive = scene.drive;
-    const Integrator integrator = *scene.numerics.integrator;
-    if (is_series(integrator)) {
+    if (is_series(*scene.numerics.integrator)) {
         return true;
     }
-    const bool jumps =
-        drive.envelope == Envelope::rectangular || (drive.envelope == Envelope::tukey && drive.taper == 0);
-    if (jumps && integrator == Integrator::leapfrog && drive.cycles != std::floor(drive.cycles)) {
-        return false;
-    }
-    const bool ramps = drive.envelope == Envelope::tukey && !jumps;
+    const bool ramps = drive.envelope == Envelope::tukey && drive.taper > 0;
     const double piece_s = (ramps ? drive.taper / 2 : 1) * drive.cycles / drive.frequency_hz;
     return piece_s > *scene.numerics.step_s;
 }
@@ -145,7 +134,7 @@ Trial tried(const Scene& asked) {
     rate = std::max(rate, 1 / (steps_between_looks * *scene.numerics.step_s));
     trial = run(scene);
     const double bound = trial.integrator == Integrator::leapfrog ? 1e-1 : 2e-2;
-    if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_booked(scene)) {
+    if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_resolved(scene)) {
         return trial;
     }
     // a step too coarse for this scene, if what is missing falls with the step

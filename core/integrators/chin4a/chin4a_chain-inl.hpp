@@ -7,6 +7,7 @@
 #endif
 
 #include "core/integrators/simd/striped_rows-inl.hpp"
+#include "core/integrators/simd/work-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -68,7 +69,7 @@ struct Chin4aChain {
           closed(rows.load(ChainField::closed)),
           peak(rows.load(ChainField::peak_overlap)),
           lost(rows.load(ChainField::lost)),
-          work(load_row(chain.column(ChainField::work))),
+          work(chain),
           closed_stiffness(rows.load(ChainField::closed_stiffness)),
           closed_damping(rows.load(ChainField::closed_damping)),
           decay{rows.load(ChainField::from_left), rows.load(ChainField::from_right),
@@ -104,7 +105,7 @@ struct Chin4aChain {
         rows.store(ChainField::loss_rate, node.loss);
         rows.store(ChainField::loss_rate_dot, node.loss_dot);
         const SimdChain& chain = rows.chain();
-        store_row(work, chain.column(ChainField::work));
+        work.save(chain);
         store_row(node.work, chain.column(ChainField::work_rate));
         store_row(node.work_dot, chain.column(ChainField::work_rate_dot));
     }
@@ -127,7 +128,7 @@ struct Chin4aChain {
     Tension tension;
     Col<K> static_overlap, static_force, inv_mass, spring, bias;
     Col<K> closed, peak, lost;
-    Vec work;
+    HornWork work;
     Col<K> closed_stiffness, closed_damping;  ///< zero where a contact is open
     Decay<K> decay;
     Motion<K> now;

@@ -186,7 +186,7 @@ HWY_INLINE void add_work_of_jump(Chin4aChain<K>& c, const HornMotion& horn) {
     const Vec stiffness = c.rows.load(ChainField::stiffness)[0];
     const Vec overlap = c.rows.difference(c.static_overlap[0], c.now.x, 0, horn.x);
     const Vec gained = elastic_energy(stiffness, overlap) - elastic_energy(stiffness, c.node.overlap[0]);
-    c.work = MulAdd(c.rows.horn(1.0), gained, c.work);
+    c.work.add(c.rows.horn(1.0) * gained);
     const Vec w = c.rows.difference(c.now.v, 0, horn.v);
     const Vec touching = one_where(touches(c, 0, overlap, w));
     const Vec changed = c.rows.horn(1.0) * (touching - c.closed[0]);

@@ -162,7 +162,7 @@ HWY_INLINE void accept(Chin4aChain<K>& c, double h) {
         c.peak.set(k, Max(c.peak[k], c.next_node.overlap[k]));
     }
     const Vec slopes = c.node.work_dot - c.next_node.work_dot;
-    c.work = c.work + MulAdd(half, c.node.work + c.next_node.work, hermite * slopes);
+    c.work.add(MulAdd(half, c.node.work + c.next_node.work, hermite * slopes));
     c.rows.copy(c.now.x, c.next.x);
     c.rows.copy(c.now.v, c.next.v);
     c.rows.copy(c.now.a, c.next.a);

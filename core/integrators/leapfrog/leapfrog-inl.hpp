@@ -17,6 +17,7 @@
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
+#include "core/integrators/simd/work-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -42,7 +43,7 @@ public:
           closed_(rows_.load(ChainField::closed)),
           peak_(rows_.load(ChainField::peak_overlap)),
           lost_(rows_.load(ChainField::lost)),
-          work_(load_row(chain.column(ChainField::work))),
+          work_(chain),
           overlap_(rows_.scratch(Scratch::overlap)),
           elastic_(rows_.scratch(Scratch::elastic)),
           force_(rows_.scratch(Scratch::force)),
@@ -65,7 +66,7 @@ public:
         rows_.store(ChainField::closed, closed_);
         rows_.store(ChainField::peak_overlap, peak_);
         rows_.store(ChainField::lost, lost_);
-        store_row(work_, rows_.chain().column(ChainField::work));
+        work_.save(rows_.chain());
     }
     HWY_INLINE void save_motion() const {
         rows_.store(ChainField::x, x_);
@@ -138,7 +139,7 @@ private:
             closed_.set(k, one_where(touching));
             peak_.set(k, Max(peak_[k], overlap_[k]));
         }
-        work_ = MulAdd(h * (force_[0] + static_force_[0]), rows_.horn(horn.v), work_);
+        work_.add(h * (force_[0] + static_force_[0]) * rows_.horn(horn.v));
         rows_.chain().contact_events += static_cast<std::int64_t>(events);
     }
 
@@ -148,7 +149,7 @@ private:
     double lowest_;  ///< least total force of a contact [N]
     Col<K> stiffness_, static_overlap_, static_force_, damping_, inv_mass_, spring_, bias_;
     Col<K> x_, v_, closed_, peak_, lost_;
-    Vec work_;
+    HornWork work_;
     Col<K> overlap_, elastic_, force_, middle_v_;
 };
 

@@ -29,6 +29,7 @@
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/simd/linear_rows-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
+#include "core/integrators/simd/work-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -48,7 +49,7 @@ public:
           alike_from_(first_ + 1),
           alike_to_(chain.slot(chain.active() - 1) / lanes()),
           lost_(row(ChainField::lost, 0)),
-          work_(row(ChainField::work, 0)) {}
+          work_(chain) {}
 
     /// Takes `count` steps (at most max_steps). `finished` is called after each; the rows near
     /// the end of the chain are then what that step left.
@@ -73,7 +74,7 @@ public:
 
     HWY_INLINE void save_ledger() const {
         store_row(lost_, chain_->column(ChainField::lost));
-        store_row(work_, chain_->column(ChainField::work));
+        work_.save(*chain_);
     }
 
     /// Accelerations of the bodies from `body` on, for samples between steps. Not part of the integration.
@@ -294,7 +295,7 @@ private:
     HWY_INLINE void book_work(Vec total, double horn_v) {
         const Vec whole = total + row(ChainField::static_force, first_);
         const Vec on_first = IfThenElseZero(hn::FirstN(Doubles(), 1), whole);
-        work_ = MulAdd(splat(h_) * on_first, splat(horn_v), work_);
+        work_.add(splat(h_ * horn_v) * on_first);
     }
 
     SimdChain* chain_;
@@ -302,7 +303,8 @@ private:
     double h_;
     std::size_t first_, end_;            ///< rows of bodies
     std::size_t alike_from_, alike_to_;  ///< rows of equal spheres and contacts
-    Vec lost_, work_;
+    Vec lost_;
+    HornWork work_;
     std::array<Place, max_steps> places_;
 };
 

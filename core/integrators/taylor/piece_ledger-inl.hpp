@@ -9,6 +9,7 @@
 #include <array>
 
 #include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/simd/work-inl.hpp"
 #include "core/integrators/taylor/clamped_law-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
 
@@ -43,7 +44,7 @@ HWY_INLINE void account(const Expansion<K, Degree>& e, double length) {
     using Nodes = Quadrature<Degree>;
     const SimdChain& chain = e.rows.chain();
     Col<K> lost = e.rows.load(ChainField::lost);
-    Vec work = load_row(chain.column(ChainField::work));
+    HornWork work(chain);
     const Vec per_square = splat(1 / e.square);
     for (std::size_t i = 0; i < Nodes::node.size(); ++i) {
         const Vec z = splat(length * Nodes::node[i]);
@@ -60,12 +61,12 @@ HWY_INLINE void account(const Expansion<K, Degree>& e, double length) {
                 const Vec elastic = elastic_force(e.stiffness[0], value_at(e.d, 0, z));
                 const Vec force = MulAdd(e.closed[0], elastic, dashpot);
                 const Vec horn_velocity = e.rows.horn(1.0) * (w + slope_at(e.x, 0, z));
-                work = MulAdd(weight * force, horn_velocity, work);
+                work.add(weight * force * horn_velocity);
             }
         }
     }
     e.rows.store(ChainField::lost, lost);
-    store_row(work, chain.column(ChainField::work));
+    work.save(chain);
 }
 
 }  // namespace HWY_NAMESPACE

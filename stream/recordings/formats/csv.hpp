@@ -27,7 +27,7 @@ std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
 std::unique_ptr<RecordingWriter> open_csv_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
-/// Reads a CSV whose first column is t_s. Without its metadata the rate is taken from the first two times.
+/// Reads a CSV whose first column is t_s. Without its metadata the rate is taken from the first times, up to a thousand.
 std::unique_ptr<RecordingReader> open_csv_reader(const std::filesystem::path& path);
 
 }  // namespace hertzline::stream

@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -38,12 +41,40 @@ std::vector<std::string> split(std::string_view line) {
     }
 }
 
-/// The rate that the times of two neighbours tell. They have lost digits by then, rates are seldom that crooked.
-double rate_between(double t0, double t1) {
-    double rate = 0;
-    const std::string rounded = fmt::format("{:.9g}", 1 / (t1 - t0));
-    std::from_chars(rounded.data(), rounded.data() + rounded.size(), rate);
-    return rate;
+/// A rate with so many digits. Rates are seldom crooked.
+double rounded(double rate, int digits) {
+    double result = 0;
+    const std::string text = fmt::format("{:.{}g}", rate, digits);
+    std::from_chars(text.data(), text.data() + text.size(), result);
+    return result;
+}
+
+/// The rate of which all times are whole numbers of samples, bit for bit, with the fewest digits. Times that were
+/// rounded have none: then the rate that the first and the last tell. @param times increasing @returns 0 if they do not
+double rate_of(std::vector<double> times) {
+    if (times.size() < 2) {
+        return 1;  // of a single sample nobody can tell
+    }
+    double rate = 1 / (times[1] - times[0]);
+    for (std::size_t i = 2; i < times.size(); ++i) {  // the farther the finer
+        const double since = times[i] - times[0];
+        const double samples = std::round(since * rate);
+        if (std::abs(since * rate - samples) > max_rounding) {
+            times.resize(i);  // what follows is no sample's, as its reader will say
+            break;
+        }
+        rate = samples / since;
+    }
+    for (int digits = 1; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
+        const double candidate = rounded(rate, digits);
+        const bool exact = candidate > 0 && std::ranges::all_of(times, [candidate](double time) {
+                               return std::round(time * candidate) / candidate == time;
+                           });
+        if (exact && std::abs(candidate - rate) < 0.1 * rate) {
+            return candidate;
+        }
+    }
+    return rounded(rate, 9);
 }
 
 class CsvReader final : public RecordingReader {
@@ -89,14 +120,31 @@ private:
         throw std::runtime_error(fmt::format("{}:{}: {}", path_.string(), line_number_, what));
     }
 
+    /// Into a buffer that grows with the line, and no further than a line may be long.
     bool read_line() {
-        if (!std::getline(in_, line_)) {
+        std::size_t length = 0;
+        for (;;) {
+            if (buffer_.size() - length < 2) {
+                buffer_.resize(2 * buffer_.size());
+            }
+            in_.getline(buffer_.data() + length, static_cast<std::streamsize>(buffer_.size() - length));
+            const auto got = static_cast<std::size_t>(in_.gcount());
+            length += got;
+            if (in_.eof() || !in_.fail()) {
+                break;
+            }
+            in_.clear();  // the buffer is full
+            if (length > longest_line || std::memchr(buffer_.data(), 0, length) != nullptr) {
+                ++line_number_;
+                fail(length > longest_line ? "the line is too long" : "found a byte 0, allowed: text");
+            }
+        }
+        if (in_.eof() && length == 0) {
             return false;
         }
+        length -= in_.eof() ? 0 : 1;  // the end of the line was taken, too
         ++line_number_;
-        if (line_.size() > longest_line) {
-            fail("the line is too long");
-        }
+        line_.assign(buffer_.data(), length);
         if (!line_.empty() && line_.back() == '\r') {
             line_.pop_back();
         }
@@ -165,17 +213,24 @@ private:
         return true;
     }
 
-    /// Looks at the first two rows and goes back.
+    /// Looks at the first rows and goes back.
     void take_rate_from_times() {
+        constexpr std::size_t enough_rows = 1000;
+        constexpr std::int64_t enough_bytes = 1 << 20;
         const auto place = in_.tellg();
-        const std::int64_t line = line_number_;
-        head_.sample_rate_hz = 1;  // of a single sample nobody can tell
-        if (read_row()) {
-            const double first = time_;
-            if (read_row()) {
-                head_.sample_rate_hz = rate_between(first, time_);
-            }
+        if (place < 0) {
+            cannot_read(path_, "it has no metadata, and the first times of a pipe cannot be read twice");
         }
+        const std::int64_t line = line_number_;
+        std::vector<double> times;
+        while (times.size() < enough_rows && (times.size() < 2 || in_.tellg() - place < enough_bytes) &&
+               read_row()) {
+            if (!times.empty() && time_ <= times.back()) {
+                fail("the time does not increase");
+            }
+            times.push_back(time_);
+        }
+        head_.sample_rate_hz = rate_of(times);
         if (!(head_.sample_rate_hz > 0) || !std::isfinite(head_.sample_rate_hz)) {
             fail("the time does not increase");
         }
@@ -201,6 +256,7 @@ private:
     fs::path path_;
     std::ifstream in_;
     RecordingHead head_;
+    std::vector<char> buffer_ = std::vector<char>(std::size_t{1} << 16);
     std::string line_;
     std::int64_t line_number_ = 0;
     bool ahead_ = false;  // the next row is in time_ and row_

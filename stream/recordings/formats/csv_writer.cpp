@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
 
 #include "stream/files/output_file.hpp"
 #include "stream/recordings/checked_writer.hpp"
@@ -43,15 +45,15 @@ class CsvWriter final : public CheckedWriter {
 public:
     CsvWriter(const fs::path& path, const RecordingHead& head) : CheckedWriter(path, head), file_(path) {
         if (!file_.is_device()) {
-            metadata_ = metadata_text(path, head);
-            const OutputFile writable(csv_metadata_path(path));  // fails now rather than at the end
+            metadata_.emplace(csv_metadata_path(path), StagedFile::Devices::refused);
+            metadata_->write(metadata_text(path, head));
+            metadata_->flush();  // fails now rather than at the end
         }
         line_ = csv_time_column;
         for (const Column& column : head.columns) {
             line_ += ',' + column.name;
         }
-        line_ += '\n';
-        file_.write(line_);
+        write_line();
     }
 
 private:
@@ -64,28 +66,74 @@ private:
                 line_ += ',';
                 append_csv_number(line_, value);
             }
-            line_ += '\n';
-            file_.write(line_);
+            write_line();
         }
+    }
+
+    void write_line() {
+        line_ += '\n';
+        if (!file_.fits(line_.size())) {
+            flush();
+        }
+        file_.write(line_);
+        ++lines_;
+    }
+
+    void flush() {
+        file_.flush();
+        flushed_bytes_ = file_.bytes();
+        flushed_lines_ = lines_;
     }
 
     void finish() override {
-        file_.flush();
-        if (metadata_.empty()) {
-            file_.commit();
-            return;
+        flush();
+        if (metadata_) {  // the old ones first: nobody shall find them beside the new samples
+            fs::remove(csv_metadata_path(path()));
         }
-        const fs::path metadata_path = csv_metadata_path(file_.path());
-        fs::remove(metadata_path);  // first: nobody shall find the old one beside the new samples
         file_.commit();
-        OutputFile metadata(metadata_path);
-        metadata.write(metadata_);
-        metadata.commit();
+        committed_ = true;
+        if (metadata_) {
+            metadata_->commit();
+        }
+    }
+
+    /// Of the lines that a failed flush was to write, those that are whole lie in the file, too.
+    KeptRows rescue() override {
+        if (committed_) {  // only the metadata are missing
+            return {rows(), path()};
+        }
+        try {
+            flush();
+        } catch (const std::exception&) {  // the disk is full: what it has taken counts
+        }
+        constexpr std::int64_t names = 1;  // line
+        if (file_.is_device()) {
+            return {std::max<std::int64_t>(0, flushed_lines_ - names), path()};
+        }
+        const std::string tail = file_.text_from(flushed_bytes_);
+        const std::size_t whole = tail.rfind('\n') + 1;  // 0 when there is none
+        const std::int64_t rows = flushed_lines_ + std::count(tail.begin(), tail.end(), '\n') - names;
+        if (rows <= 0) {
+            remove();
+            return {};
+        }
+        file_.resume_at(flushed_bytes_ + whole);
+        metadata_->keep();
+        return {rows, file_.keep()};
+    }
+
+    void remove() noexcept override {
+        file_.abandon();
+        metadata_.reset();
     }
 
     OutputFile file_;
-    std::string metadata_;  // empty: none
+    std::optional<OutputFile> metadata_;  // of what is no device; in the file from the start on
     std::string line_;
+    std::int64_t lines_ = 0;  // that of the names among them
+    std::int64_t flushed_lines_ = 0;
+    std::uint64_t flushed_bytes_ = 0;
+    bool committed_ = false;
 };
 
 }  // namespace

@@ -66,12 +66,17 @@ public:
     }
 
 private:
-    std::string header() const {
-        return npy_header({fields_of(head()), {static_cast<std::uint64_t>(rows())}});
+    std::string header() const { return header_of(static_cast<std::uint64_t>(rows())); }
+    std::string header_of(std::uint64_t rows) const { return npy_header({fields_of(head()), {rows}}); }
+
+    std::string description() const {
+        const std::string text = text_of(describe(head()));
+        return npy_header({{{"", "|S" + std::to_string(text.size())}}, {}}) + text;
     }
 
     void append(std::int64_t first, std::span<const double> values) override {
         const std::size_t columns = head().columns.size();
+        begun_rows_ = rows() + static_cast<std::int64_t>(values.size() / columns);
         bytes_.clear();
         for (std::size_t i = 0; i < values.size(); ++i) {
             if (i % columns == 0) {  // counted, not accumulated
@@ -85,14 +90,40 @@ private:
     }
 
     void finish() override {
-        const std::string description = text_of(describe(head()));
-        file_.write(npy_header({{{"", "|S" + std::to_string(description.size())}}, {}}));
-        file_.write(description);
+        file_.write(description());
         file_.rewrite(0, header());
         file_.commit();
     }
 
+    /// The last rows make room for the description when the disk is full.
+    KeptRows rescue() override {
+        const std::string text = description();
+        const std::uint64_t begin = header().size();
+        const std::uint64_t row_bytes = sizeof(double) + head().columns.size() * bytes_of(head().numbers);
+        std::uint64_t room = file_.size();
+        try {
+            file_.flush();
+            room = file_.size() + text.size();
+        } catch (const std::exception&) {
+            room = file_.size();
+        }
+        const std::uint64_t taken = begin + text.size();
+        const std::uint64_t rows = std::min<std::uint64_t>(static_cast<std::uint64_t>(begun_rows_),
+                                                           room < taken ? 0 : (room - taken) / row_bytes);
+        if (rows == 0) {
+            remove();
+            return {};
+        }
+        file_.resume_at(begin + rows * row_bytes);
+        file_.write(text);
+        file_.rewrite(0, header_of(rows));
+        return {static_cast<std::int64_t>(rows), file_.keep()};
+    }
+
+    void remove() noexcept override { file_.abandon(); }
+
     OutputFile file_;
+    std::int64_t begun_rows_ = 0;  // the last of them may be in the file in part
     std::string bytes_;
 };
 

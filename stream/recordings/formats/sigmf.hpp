@@ -29,10 +29,11 @@ struct SigmfPaths {
 /// Both files of a recording of which one is named.
 SigmfPaths sigmf_paths(const std::filesystem::path& either);
 
-/// Replaces a recording of that name with its first row (or commit). After a failure what was written stays
-/// and is valid; without commit() both files are removed.
+/// Replaces a recording of that name with its first row, or with commit(). After the first row what was written
+/// stays whatever happens, and is valid.
 std::unique_ptr<RecordingWriter> open_sigmf_writer(const std::filesystem::path& either,
-                                                   const RecordingHead& head);
+                                                   const RecordingHead& head,
+                                                   Appearance appearance = Appearance::early);
 
 /// Reads recordings of one or more channels in rf32_le. Half a sample at the end, which a kill in the midst
 /// of writing may leave, is passed over.

@@ -65,8 +65,9 @@ Json global_of(const RecordingHead& head) {
 
 class SigmfWriter final : public CheckedWriter {
 public:
-    SigmfWriter(const fs::path& either, const RecordingHead& head)
+    SigmfWriter(const fs::path& either, const RecordingHead& head, Appearance appearance)
         : CheckedWriter(either, {head.columns, head.sample_rate_hz, NumberType::float32, head.provenance}),
+          appearance_(appearance),
           meta_path_(sigmf_paths(either).meta),
           data_(sigmf_paths(either).data, head.columns.size() * sizeof(float)),
           meta_{{"global", global_of(head)}, {"captures", Json::array()}, {"annotations", Json::array()}},
@@ -74,17 +75,6 @@ public:
         require_possible(either, head);
         const OutputFile writable(meta_path_, StagedFile::Devices::refused);  // fails now or not at all
     }
-
-    ~SigmfWriter() override {
-        if (failed()) {
-            data_.keep();
-        } else if (!complete_ && appeared_) {
-            std::error_code gone;
-            fs::remove(meta_path_, gone);
-        }
-    }
-    SigmfWriter(const SigmfWriter&) = delete;
-    SigmfWriter& operator=(const SigmfWriter&) = delete;
 
 private:
     void begin_capture(Capture capture) override {
@@ -101,7 +91,7 @@ private:
     void append(std::int64_t, std::span<const double> values) override {
         floats_.assign(values.begin(), values.end());
         const std::span<const std::byte> bytes = wire_bytes(floats_);
-        if (!appeared_) {
+        if (!appeared_ && appearance_ == Appearance::early) {
             appear();
         }
         if (!data_.fits(bytes.size())) {
@@ -122,7 +112,35 @@ private:
         }
         flush();
         data_.commit();
-        complete_ = true;
+    }
+
+    KeptRows rescue() override {
+        try {
+            flush();
+        } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
+        }
+        const std::int64_t rows = data_.records();
+        if (rows == 0 && !appeared_) {
+            remove();
+            return {};
+        }
+        const fs::path file = data_.keep();
+        if (appeared_) {
+            return {rows, rows > 0 ? path() : fs::path()};
+        }
+        OutputFile meta(meta_path_, StagedFile::Devices::refused);
+        meta.write(meta_text());
+        meta.flush();
+        meta.keep();
+        return {rows, file};
+    }
+
+    void remove() noexcept override {
+        data_.abandon();
+        if (appeared_) {
+            std::error_code gone;
+            fs::remove(meta_path_, gone);
+        }
     }
 
     /// Takes the place of what had the name. Old meta go first and new ones come last: they never lie beside
@@ -136,20 +154,24 @@ private:
 
     /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
     void flush() {
-        if (meta_is_stale_) {
+        data_.require_present();  // else the metadata of that name are another recording's
+        if (meta_is_stale_ && appeared_) {
             save_meta();
         }
         data_.flush();
         last_flush_ = steady_clock::now();
     }
 
+    std::string meta_text() const { return meta_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'; }
+
     void save_meta() {
         OutputFile file(meta_path_, StagedFile::Devices::refused);
-        file.write(meta_.dump(2, ' ', false, Json::error_handler_t::replace) + '\n');
+        file.write(meta_text());
         file.commit();
         meta_is_stale_ = false;
     }
 
+    Appearance appearance_;
     fs::path meta_path_;
     GrowingFile data_;
     Json meta_;
@@ -159,7 +181,6 @@ private:
     std::vector<float> floats_;
     bool meta_is_stale_ = false;
     bool appeared_ = false;
-    bool complete_ = false;
 };
 
 }  // namespace
@@ -170,8 +191,9 @@ SigmfPaths sigmf_paths(const fs::path& either) {
     return {meta.replace_extension(sigmf_meta_ending), data.replace_extension(sigmf_data_ending)};
 }
 
-std::unique_ptr<RecordingWriter> open_sigmf_writer(const fs::path& either, const RecordingHead& head) {
-    return std::make_unique<SigmfWriter>(either, head);
+std::unique_ptr<RecordingWriter> open_sigmf_writer(const fs::path& either, const RecordingHead& head,
+                                                   Appearance appearance) {
+    return std::make_unique<SigmfWriter>(either, head, appearance);
 }
 
 }  // namespace hertzline::stream

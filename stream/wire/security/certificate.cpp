@@ -7,6 +7,7 @@
 #include <span>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -38,6 +39,9 @@ public:
     Descriptor& operator=(const Descriptor&) = delete;
     int number() const noexcept { return number_; }
 
+    /// @returns 0, or errno: some file systems tell of a full disk or quota only here
+    int close() noexcept { return ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
+
 private:
     int number_;
 };
@@ -46,11 +50,13 @@ private:
 
 void write_new_file(const fs::path& file, mode_t mode, std::string_view text) {
     // O_EXCL: neither an existing key is lost nor one put where somebody else laid a link.
-    const Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+    Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
     if (descriptor.number() < 0) {
         throw std::system_error(errno, std::generic_category(), "cannot make " + file.string());
     }
-    if (const int error = write_all(descriptor.number(), std::as_bytes(std::span(text)))) {
+    const int not_written = write_all(descriptor.number(), std::as_bytes(std::span(text)));
+    const int not_closed = descriptor.close();
+    if (const int error = not_written != 0 ? not_written : not_closed) {
         ::unlink(file.c_str());
         throw std::system_error(error, std::generic_category(), "cannot write " + file.string());
     }

@@ -104,13 +104,13 @@ TEST_P(ContactEvents, AContactThatOpensByAHairIsNoTrouble) {
         scene.chain.spheres = 1;
         scene.chain.damping_kg_per_s = 0;
         BareChain sphere(scene);
-        const double tracking = sphere.energy();
+        const double at_rest = sphere.energy();
         sphere.state.x[0] = sphere.chain.static_overlap[0] * (1 + hair);
-        const double energy = sphere.energy() - tracking;
+        const double energy = sphere.energy() - at_rest;
         const double closed = sphere.overlap(0) > 0 ? 1 : 0;
         sphere.advance(100'000);
         const bool same = sphere.state.closed[0] == closed;
-        EXPECT_NEAR((sphere.energy() - tracking) / energy, 1, bound(1e-3, 5e-9)) << hair;
+        EXPECT_NEAR((sphere.energy() - at_rest) / energy, 1, bound(1e-3, 5e-9)) << hair;
         EXPECT_EQ(sphere.contact_events() % 2, same ? 0 : 1) << hair;
     }
 }
@@ -125,9 +125,9 @@ TEST_P(ContactEvents, ABouncingSphereComesToRestAndTheLedgerHasAllThatItLost) {
             scene.chain.damping_kg_per_s = damping;
             scene.chain.tension = tension;
             BareChain sphere(scene);
-            const double tracking = sphere.energy();
+            const double at_rest = sphere.energy();
             sphere.state.v[0] = 0.1;
-            const double put_in = sphere.energy() - tracking;
+            const double put_in = sphere.energy() - at_rest;
             sphere.advance(200'000);
             EXPECT_LE(std::abs(sphere.state.v[0]), 1e-11);
             EXPECT_LE(std::abs(sphere.state.x[0]), 1e-16);
@@ -140,8 +140,8 @@ TEST_P(ContactEvents, ABouncingSphereComesToRestAndTheLedgerHasAllThatItLost) {
 
 /// Contacts that are not as they were at rest.
 std::int64_t switched(Simulation& simulation) {
-    const ChainState tracking(simulation.chain());
-    return (simulation.state().closed != tracking.closed).count();
+    const ChainState at_rest(simulation.chain());
+    return (simulation.state().closed != at_rest.closed).count();
 }
 
 TEST_P(ContactEvents, ComeInPairsWhateverTheScene) {

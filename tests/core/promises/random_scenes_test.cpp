@@ -10,6 +10,7 @@
 #include "tests/support/integrators.hpp"
 #include "tests/support/random_scene.hpp"
 #include "tests/support/runs.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/trial.hpp"
 
 namespace hertzline::test {
@@ -18,7 +19,7 @@ namespace {
 TEST(RandomScenes, RunOrAreStoppedWithAReason) {
     int ran = 0;
     constexpr std::uint64_t first = 1'000'000;  // others than those of the benchmark
-    constexpr int count = 400;
+    constexpr int count = repeated(400);
     for (int i = 0; i < count; ++i) {
         const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
         const Scene scene = random_scene(seed);

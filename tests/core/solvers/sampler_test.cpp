@@ -7,6 +7,7 @@
 #include "core/scene/scene_words.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace hertzline::test {
 namespace {
@@ -94,7 +95,9 @@ TEST(Sampling, TheBeginningIsSampleZero) {
 }
 
 TEST(Sampling, SkippingFarDoesNotShiftTheSamples) {
-    // 0.3 s in one leap: moments are counted exactly, so the 300th burst is met where the first was
+    // 0.3 s in one leap: moments are counted exactly, so the 300th burst is met where an early one was
+    constexpr std::int64_t bursts = repeated(300);
+    constexpr std::int64_t period = 10'000;  // samples
     Scene scene = reference_scene("paper_vitreous_carbon");
     scene.drive.repetition_hz = 1000;
     scene.drive.cycles = 5;
@@ -103,11 +106,11 @@ TEST(Sampling, SkippingFarDoesNotShiftTheSamples) {
         Simulation simulation(sampled(scene, 10e6, Integrator::chin4a, step));
         Samples early = simulation.make_samples(1000);
         Samples late = simulation.make_samples(1000);
-        simulation.skip(10'000 * 20);
+        simulation.skip(period * 20);
         simulation.advance(early, 1000);
-        simulation.skip(10'000 * 300 - simulation.next_sample());
+        simulation.skip(period * bursts - simulation.next_sample());
         simulation.advance(late, 1000);
-        EXPECT_EQ(late.first, 3'000'000);
+        EXPECT_EQ(late.first, period * bursts);
         EXPECT_LE(relative_l2(late[Tap::v_out], early[Tap::v_out]), 1e-10);
     }
 }

@@ -145,6 +145,25 @@ TEST_F(OutputFileTest, DanglingLinkCreatesWhatItPointsTo) {
     EXPECT_EQ(contents(directory / "later.csv"), "new");
 }
 
+TEST_F(OutputFileTest, LinkOfAStrangerInAFolderForAllIsRefused) {
+    if (::geteuid() != 0) {
+        GTEST_SKIP() << "only root can lay links for others";
+    }
+    constexpr uid_t nobody = 65534;
+    const fs::path folder = directory / "for_all";
+    fs::create_directory(folder);
+    ASSERT_EQ(::chmod(folder.c_str(), 01777), 0);
+    put(directory / "victim", "old");
+    fs::create_symlink(directory / "victim", folder / "theirs");
+    fs::create_symlink(directory / "victim", folder / "ours");
+    ASSERT_EQ(::lchown((folder / "theirs").c_str(), nobody, nobody), 0);
+    EXPECT_THAT(refusal(folder / "theirs"), HasSubstr("Permission denied"));
+    EXPECT_EQ(refusal(folder / "ours"), "");
+    ASSERT_EQ(::chmod(folder.c_str(), 0755), 0);
+    EXPECT_EQ(refusal(folder / "theirs"), "");
+    EXPECT_EQ(contents(directory / "victim"), "old");
+}
+
 TEST_F(OutputFileTest, LinkToItselfIsRefused) {
     fs::create_symlink("loop", directory / "loop");
     EXPECT_THAT(refusal(directory / "loop"), HasSubstr("Too many levels of symbolic links"));

@@ -111,10 +111,24 @@ TEST(ContinuityCheck, SamplesThatContradictTheFrameNumberAreInconsistent) {
     overlapping.sample -= 1;
     EXPECT_EQ(check.take(overlapping), Arrival::inconsistent);
     FrameHeader crowded = frame(5);  // three frames are missing, but room is for two samples
-    crowded.sample = overlapping.sample + frame_samples + 2;
+    crowded.sample = frame_samples + 2;
     EXPECT_EQ(check.take(crowded), Arrival::inconsistent);
     EXPECT_EQ(check.totals().inconsistent, 2u);
+    EXPECT_EQ(check.totals().frames, 1u);
     EXPECT_FALSE(check.gapless());
+}
+
+TEST(ContinuityCheck, FramesAfterAnInconsistentOneCountFromTheLastGoodOne) {
+    ContinuityCheck check;
+    check.take(frame(10));
+    FrameHeader back = frame(11);
+    back.sample = 0;
+    check.take(back);
+    FrameHeader after = frame(12);
+    after.sample = frame_samples;  // follows the odd one
+    EXPECT_EQ(check.take(after), Arrival::inconsistent);
+    EXPECT_EQ(check.take(frame(13)), Arrival::gap);
+    EXPECT_EQ(check.totals().missing_samples, 200u);
 }
 
 TEST(ContinuityCheck, FramesMayChangeTheirLength) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstddef>
 #include <stdexcept>
 #include <vector>
@@ -19,6 +20,9 @@ namespace hertzline::stream {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using std::chrono::steady_clock;
+
+constexpr auto flush_period = std::chrono::milliseconds(500);
 
 constexpr std::size_t chunk_bytes = 128 << 10;
 constexpr hsize_t capture_chunk = 1024;
@@ -87,7 +91,6 @@ private:
             work();
         } catch (const std::runtime_error& error) {
             give_up(ECANCELED);
-            staged_.abandon();
             cannot_write(path(), error.what());
         }
         if (failure_ != 0) {
@@ -141,9 +144,19 @@ private:
                             part_.data());
             }
         });
+        if (steady_clock::now() - last_flush_ >= flush_period) {
+            inside_the_library([&] { hdf5(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL)); });
+            last_flush_ = steady_clock::now();
+            flushed_rows_ = rows() + static_cast<std::int64_t>(values.size() / columns);
+        }
     }
 
     void finish() override {
+        close();
+        staged_.commit();
+    }
+
+    void close() {
         if (rows() == 0) {
             begin_capture({0, 0});
         }
@@ -155,7 +168,28 @@ private:
             }
             file_.close();
         });
-        staged_.commit();
+    }
+
+    /// After a failure the file is as the last flush left it.
+    KeptRows rescue() override {
+        const bool failed = failure_ != 0;
+        if (!failed) {
+            close();
+        }
+        const std::int64_t kept = failed ? flushed_rows_ : rows();
+        if (kept == 0) {
+            remove();
+            return {};
+        }
+        staged_.keep();
+        open_hdf5_reader(staged_.temporary());  // throws when even that cannot be read
+        return {kept, staged_.temporary()};
+    }
+
+    void remove() noexcept override {
+        const Hdf5Library library(&failure_);
+        give_up(ECANCELED);
+        staged_.abandon();
     }
 
     /// Closes what is open without writing it.
@@ -172,6 +206,8 @@ private:
     Hdf5Object captures_;
     std::vector<Hdf5Quantity> quantities_;
     std::int64_t captures_written_ = 0;
+    std::int64_t flushed_rows_ = 0;
+    steady_clock::time_point last_flush_ = steady_clock::now();
     std::vector<double> part_;
 };
 

@@ -18,7 +18,8 @@
 namespace hertzline::stream {
 namespace {
 
-constexpr std::size_t max_columns = 1024;        // libsndfile's
+constexpr std::size_t max_columns = 1024;  // libsndfile's
+constexpr sf_count_t sample_bytes = sizeof(float);
 constexpr std::size_t max_comment_bytes = 2040;  // libsndfile 1.2 reads back no longer one
 
 /// The file that libsndfile writes to. Through these functions and not by its own, because sf_close() writes,
@@ -111,34 +112,76 @@ private:
     }
 
     void begin_capture(Capture capture) override {
-        const std::string text =
-            fmt::format("{}[{},{}]", captures_.empty() ? "" : ",", capture.row, capture.sample);
-        if (comment(captures_ + text).size() > max_comment_bytes) {
-            finish();
+        captures_.push_back(capture);
+        if (comment(rows()).size() > max_comment_bytes) {
+            captures_.pop_back();
             throw std::runtime_error(
                 fmt::format("{} ends before sample {}: a WAV has no room for another gap", path().string(),
                             capture.sample));
         }
-        captures_ += text;
     }
 
-    std::string comment(const std::string& captures) const {
-        return fmt::format(R"({{"rows":{},"captures":[{}]}})", rows(), captures.empty() ? "[0,0]" : captures);
+    std::string comment(std::int64_t rows) const {
+        std::string list;
+        for (const Capture& capture : captures_) {
+            list += fmt::format("{}[{},{}]", list.empty() ? "" : ",", capture.row, capture.sample);
+        }
+        return fmt::format(R"({{"rows":{},"captures":[{}]}})", rows, list.empty() ? "[0,0]" : list);
     }
 
     void append(std::int64_t, std::span<const double> values) override {
         samples_.assign(values.begin(), values.end());
+        begun_rows_ = rows() + std::ssize(samples_) / std::ssize(head().columns);
         sf_write_float(sound_.get(), samples_.data(), static_cast<sf_count_t>(samples_.size()));
         require_written();
+        if (rows() == 0) {
+            data_begin_ = Output::length(&output_) - std::ssize(samples_) * sample_bytes;
+        }
     }
 
     void finish() override {
-        if (sf_set_string(sound_.get(), SF_STR_COMMENT, comment(captures_).c_str()) != SF_ERR_NO_ERROR) {
+        require_written();
+        complete(rows());
+        output_.file.commit();
+    }
+
+    /// Writes what a WAV has after its samples, and closes it.
+    void complete(std::int64_t rows) {
+        if (sf_set_string(sound_.get(), SF_STR_COMMENT, comment(rows).c_str()) != SF_ERR_NO_ERROR) {
             cannot_write(path(), sf_strerror(sound_.get()));
         }
         sound_.reset();
         require_written();
-        output_.file.commit();
+    }
+
+    /// The last rows make room for the comment when the disk is full.
+    KeptRows rescue() override {
+        constexpr sf_count_t room_bytes = 4096;
+        const auto row_bytes = std::ssize(head().columns) * sample_bytes;
+        const sf_count_t data = Output::length(&output_) - data_begin_;
+        const std::int64_t rows =
+            output_.failure == 0 ? this->rows() : std::min(begun_rows_, (data - room_bytes) / row_bytes);
+        if (sound_ == nullptr || rows <= 0) {
+            remove();
+            return {};
+        }
+        output_.failure = 0;
+        output_.file.resume();
+        sf_count_t frames = rows;
+        // Only notes the length: libsndfile cannot cut a file that is not its own.
+        sf_command(sound_.get(), SFC_FILE_TRUNCATE, &frames, sizeof frames);
+        if (::ftruncate(output_.file.descriptor(), data_begin_ + rows * row_bytes) != 0) {
+            output_.failure = errno;
+        }
+        std::erase_if(captures_, [rows](const Capture& capture) { return capture.row >= rows; });
+        complete(rows);
+        output_.file.keep();
+        return {rows, output_.file.temporary()};
+    }
+
+    void remove() noexcept override {
+        sound_.reset();
+        output_.file.abandon();
     }
 
     void require_written() {
@@ -152,7 +195,9 @@ private:
 
     Output output_;
     SoundFile sound_;  // closed before the output
-    std::string captures_;
+    std::vector<Capture> captures_;
+    std::int64_t begun_rows_ = 0;  // the last of them may be in the file in part
+    sf_count_t data_begin_ = 0;    // in the file, once it has samples
     std::vector<float> samples_;
 };
 

@@ -1,14 +1,22 @@
 #include "stream/recordings/formats/csv.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
 #include <random>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
@@ -105,6 +113,46 @@ TEST(Csv, AFullDiskIsToldOfWithPathAndReason) {
                 HasSubstr("No space left"));
 }
 
+TEST(Csv, MetadataThatCannotBeWrittenAreToldOfBeforeAnythingIsReplaced) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "old");
+    fs::create_directories(folder.file("a.csv-metadata.json/full"));
+    EXPECT_THAT(error_of([&] { open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1)); }),
+                HasSubstr("a.csv-metadata.json"));
+    fs::remove_all(folder.file("a.csv-metadata.json"));
+    const auto writer = open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1));
+    writer->write(0, std::vector{1.0});
+    fs::create_directories(folder.file("a.csv-metadata.json/full"));  // meanwhile
+    EXPECT_NE(error_of([&] { writer->commit(); }), "");
+    EXPECT_EQ(contents(folder.file("a.csv")), "old");
+    EXPECT_EQ(writer->kept().rows, 1);
+    EXPECT_EQ(contents(writer->kept().file), "t_s,v\n0,1\n");
+}
+
+/// In a process of its own: the limit on the size of files cannot be raised again.
+TEST(Csv, AFullDiskLeavesWholeLines) {
+    const TemporaryFolder folder;
+    const pid_t child = fork();
+    if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit small{2'000'001, 2'000'001};
+        setrlimit(RLIMIT_FSIZE, &small);
+        const auto writer = open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1));
+        std::string error;
+        for (std::int64_t first = 0; first < 1'000'000 && error.empty(); first += 100) {
+            error = error_of([&] { writer->write(first, std::vector<double>(100, 0.5)); });
+        }
+        const KeptRows& kept = writer->kept();
+        const std::string text = contents(kept.file);
+        const bool whole = text.ends_with(",0.5\n") && text.size() > 1'999'980 &&
+                           std::count(text.begin(), text.end(), '\n') == kept.rows + 1;
+        _exit(error.find("File too large") != std::string::npos && whole ? 0 : 1);
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+}
+
 TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
     const TemporaryFolder folder;
     write_text(folder.file("a.csv"),
@@ -120,6 +168,58 @@ TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
     ASSERT_TRUE(reader->read(rows, 100));
     EXPECT_EQ(rows.first, 9);
     EXPECT_FALSE(reader->read(rows, 100));
+}
+
+TEST(CsvReader, TheRateIsRightHoweverLateTheRecordingBegins) {
+    const TemporaryFolder folder;
+    for (const double rate : {10e6, 1e6, 44'100.0, 12'345.678, 2.5e6, 1 / 3.0}) {
+        for (const double begin_s : {0.0, 10.0, 100.0, 3600.0, 86'400.0}) {
+            const auto first = static_cast<std::int64_t>(begin_s * rate);
+            const std::string file = folder.file("a.csv");
+            const auto writer = open_csv_writer(file, recording_head({"v"}, rate));
+            writer->write(first, std::vector<double>(3000, 0.5));
+            writer->write(first + 5000, std::vector<double>(10, 0.5));
+            writer->commit();
+            fs::remove(csv_metadata_path(file));
+            const auto rows = read_rows(*open_csv_reader(file));
+            ASSERT_EQ(rows.size(), 2U) << rate << " Hz from " << begin_s << " s on";
+            EXPECT_EQ(rows[0].first, first) << rate << " Hz from " << begin_s << " s on";
+            EXPECT_EQ(rows[1].first, first + 5000) << rate << " Hz from " << begin_s << " s on";
+        }
+    }
+}
+
+TEST(CsvReader, ALineWithoutEndIsRefused) {
+    const TemporaryFolder folder;
+    EXPECT_THAT(error_of([&] { open_csv_reader("/dev/zero"); }), HasSubstr("/dev/zero:1: found a byte 0"));
+    write_text(folder.file("a.csv"), "t_s,v\n0,1\n");
+    fs::resize_file(folder.file("a.csv"), std::uintmax_t{1} << 40);  // with a hole in it
+    EXPECT_THAT(error_of([&] { read_rows(*open_csv_reader(folder.file("a.csv"))); }),
+                HasSubstr("a.csv:3: found a byte 0"));
+}
+
+TEST(CsvReader, APipeNeedsMetadata) {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("a.csv");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::jthread writer([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
+    EXPECT_THAT(error_of([&] { open_csv_reader(pipe); }), HasSubstr("no metadata"));
+}
+
+TEST(CsvReader, ALineMayBeLongerThanTheBuffer) {
+    const TemporaryFolder folder;
+    for (const std::size_t columns : {10, 6000, 9361, 9362, 9363, 20'000}) {
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < columns; ++i) {
+            names.push_back(fmt::format("c{:05}", i));
+        }
+        const RecordingHead head = recording_head(names, 10);
+        const std::vector<RecordedRows> rows{recorded_rows(head, 0, 3)};
+        const auto writer = open_csv_writer(folder.file("a.csv"), head);
+        write_rows(*writer, rows);
+        writer->commit();
+        EXPECT_EQ(read_rows(*open_csv_reader(folder.file("a.csv"))).at(0).values, rows[0].values);
+    }
 }
 
 TEST(CsvReader, NamesTheLineThatIsWrong) {

@@ -1,0 +1,96 @@
+#include "apps/console/messages.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <spdlog/sinks/ansicolor_sink.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "apps/console/standard_stream.hpp"
+#include "apps/console/terminal.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr std::size_t max_kept = std::size_t{1} << 16;  // bytes
+
+/// Stderr with what it has not taken yet.
+class Messages {
+public:
+    Messages() : stream_(STDERR_FILENO) { kept_.reserve(max_kept); }
+
+    void write(std::string_view text) noexcept {
+        if (kept_.size() + text.size() <= max_kept) {
+            kept_.append(text);  // within what is reserved
+        }
+        pass_on();
+    }
+
+    void write_if_read(std::string_view text) noexcept {
+        pass_on();
+        if (kept_.empty()) {
+            write(text);
+        }
+    }
+
+    void finish() noexcept {
+        stream_.write(kept_);
+        kept_.clear();
+    }
+
+private:
+    void pass_on() noexcept {
+        std::string_view left = kept_;
+        const int error = stream_.write_some(left);
+        // Where stderr is gone nobody can be told.
+        kept_.erase(0, error == 0 || error == EAGAIN ? kept_.size() - left.size() : kept_.size());
+    }
+
+    StandardStream stream_;
+    std::string kept_;
+};
+
+Messages& messages() noexcept {
+    static Messages all;
+    return all;
+}
+
+ssize_t take(void* /*cookie*/, const char* text, std::size_t size) {
+    messages().write({text, size});
+    return static_cast<ssize_t>(size);
+}
+
+}  // namespace
+
+void send_messages_to_stderr() {
+    // spdlog's sink writes to a FILE; this one leads here.
+    std::FILE* const file =
+        ::fopencookie(nullptr, "w", {.read = nullptr, .write = take, .seek = nullptr, .close = nullptr});
+    const auto colour = colour_on_stderr() ? spdlog::color_mode::always : spdlog::color_mode::never;
+    using Sink = spdlog::sinks::ansicolor_sink<spdlog::details::console_nullmutex>;
+    auto logger = std::make_shared<spdlog::logger>("hertzline", std::make_shared<Sink>(file, colour));
+    logger->set_pattern("%^%l%$: %v");
+    spdlog::set_default_logger(std::move(logger));
+    // A reader that goes away is an error of writing, with a message and a clean end, not a sudden death.
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);  // so is a file that is larger than allowed
+}
+
+void write_message(std::string_view text) noexcept {
+    messages().write(text);
+}
+
+void write_if_read(std::string_view text) noexcept {
+    messages().write_if_read(text);
+}
+
+void finish_messages() noexcept {
+    messages().finish();
+}
+
+}  // namespace hertzline::app

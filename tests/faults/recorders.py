@@ -1,0 +1,96 @@
+"""What files do that take samples: pipes that nobody reads, and work that takes long when somebody wants to end."""
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import stand as stands
+from stand import check, wait_until
+
+
+def _fifo(stand):
+    """A FIFO that somebody opened and does not read, and who that is."""
+    path = stand.folder / "fifo.csv"
+    os.mkfifo(path)
+    return path, os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+
+
+def recording_that_nobody_takes(stand):
+    path, _reader = _fifo(stand)
+    with stand.stream("--record", path, exit_status=1):
+        time.sleep(2)
+
+
+def listener_whose_file_nobody_takes(stand):
+    path, _reader = _fifo(stand)
+    with stand.stream() as stream:
+        listener = stream._start([stand.program, "listen", "--connect", stream.endpoint, "-o", path],
+                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        time.sleep(2)
+        _ends_within_a_second(stand, listener, signal.SIGINT)
+
+
+def _ends_within_a_second(stand, process, by):
+    begin = time.monotonic()
+    process.send_signal(by)
+    status = process.wait(stands.LONG_ENOUGH_S)
+    took = time.monotonic() - begin
+    check(took <= (10 if stand.sanitized else 1), f"{took:.2f} s from the signal to the end")
+    check(status in (0, 1), f"exit status {status}")
+
+
+def _popen(stand, *words, **how):
+    return subprocess.Popen([stand.program, *map(str, words)], stdin=subprocess.DEVNULL, **{
+        "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, **how})
+
+
+def run_into_a_pipe_that_nobody_reads(stand):
+    for by in (signal.SIGINT, signal.SIGTERM):
+        reader, writer = os.pipe()
+        run = _popen(stand, "run", "paper-stream", "-o", "/dev/stdout", "--set", "output.duration_s=0.5", stdout=writer)
+        os.close(writer)
+        time.sleep(2)
+        check(run.poll() is None, "it ended by itself")
+        _ends_within_a_second(stand, run, by)
+        os.close(reader)
+
+
+def summary_that_nobody_reads(stand):
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    while True:
+        try:
+            os.write(writer, b"x" * 4096)
+        except BlockingIOError:
+            break
+    os.set_blocking(writer, True)
+    stream = _popen(stand, "stream", *stands.PAPER.words, *stands.PAPER.pace, "--bind", f"ipc://{stand.folder}/socket",
+                    stdout=writer)
+    wait_until((stand.folder / "socket").exists, "began")
+    time.sleep(0.5)
+    _ends_within_a_second(stand, stream, signal.SIGINT)
+    os.close(reader)
+
+
+# Samples so far apart that a frame of the usual length takes ten seconds to compute, or a single one.
+def frames_that_take_long(stand):
+    for rate, integrator in ((30, "taylor8"), (30, "leapfrog"), (0.1, "taylor8")):
+        stream = _popen(stand, "stream", "paper-stream", "--set", f"output.sample_rate_hz={rate}", "--set",
+                        f"numerics.integrator={integrator}", "--pace", "flat-out", "--bind", f"ipc://{stand.folder}/socket")
+        wait_until((stand.folder / "socket").exists, "began")
+        time.sleep(0.5)
+        _ends_within_a_second(stand, stream, signal.SIGINT)
+
+
+def rows_that_take_long(stand):
+    run = _popen(stand, "run", "paper-stream", "--set", "output.sample_rate_hz=1", "--set", "output.duration_s=100",
+                 "-o", stand.folder / "a.csv")
+    wait_until(lambda: list(stand.folder.glob("a.csv*")), "began")
+    time.sleep(0.5)
+    _ends_within_a_second(stand, run, signal.SIGINT)
+    check(not list(stand.folder.glob("a.csv*")), "it left something behind")
+
+
+if __name__ == "__main__":
+    stands.main(sys.modules[__name__])
