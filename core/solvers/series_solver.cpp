@@ -124,7 +124,7 @@ void SeriesSolver::follow_the_wave() noexcept {
     }
     const double* const x = simd_chain_.column(kernels::ChainField::x);
     const double* const v = simd_chain_.column(kernels::ChainField::v);
-    for (Eigen::Index b = active - 2 * piece_.degree(); b < active; ++b) {
+    for (Eigen::Index b = active - 2 * Eigen::Index{piece_.degree()}; b < active; ++b) {
         const std::size_t slot = simd_chain_.slot(b);
         if (std::abs(v[slot]) > still_ || std::abs(x[slot]) > still_ * piece_.unit_s) {
             ledger_ = ledger();

@@ -274,9 +274,9 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     EXPECT_EQ(file_text(folder.file("a.sigmf-meta")) + file_text(folder.file("a.sigmf-data")), "oldold");
 }
 
-/// A scene whose step turns out to be too long after three milliseconds.
+/// A scene whose step turns out to be too long after five milliseconds.
 const Words unstable{"--set", "numerics.integrator=leapfrog", "--set", "numerics.step_s=2.3e-7",
-                     "--set", "drive.amplitude_m=1e-3"};
+                     "--set", "drive.amplitude_m=1.05e-3"};
 
 TEST(RecordingSet, ARunThatFailsKeepsWhatItHasUnderAnotherName) {
     const TemporaryFolder folder;

@@ -12,6 +12,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -20,6 +21,7 @@
 #include "stream/wire/publisher.hpp"
 #include "stream/wire/security/peer_quota.hpp"
 #include "stream/wire/subscriber.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/sockets.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -101,12 +103,16 @@ double memory() {
 
 // Each one begins not to read when the queues of the earlier ones are full, so that they hold different messages.
 TEST(Connections, QueuesOfSubscribersThatDoNotReadTogetherKeepToTheirMemory) {
+    if (sanitized) {
+        GTEST_SKIP() << "a sanitizer keeps memory that was freed";
+    }
     constexpr double budget = 32 << 20;
     const TemporaryFolder folder;
     zmq::context_t context;
     std::vector<zmq::socket_t> idle;
     Publisher publisher("ipc://" + folder.file("s"), all_topics,
                         {.queue_bytes = budget, .largest_message = 65536, .linger = 0ms});
+    malloc_trim(0);  // or what earlier tests freed would be used first, and not be seen
     const double before = memory();
     for (int i = 0; i < 6; ++i) {
         zmq::socket_t& reads_nothing = idle.emplace_back(context, zmq::socket_type::xsub);
