@@ -52,8 +52,8 @@ void claim_replay(const std::filesystem::path& path, std::int64_t rows) {
     auto reader = open_reader(path);
     const double told_hz = reader->head().sample_rate_hz;  // 0: it does not tell
     ReplaySource source(std::move(reader), told_hz > 0 ? told_hz : 1, portion);
-    Samples samples = source.make_block();
     const TapSet taps = source.format().taps;
+    Samples samples = source.make_block(taps);
     std::int64_t count = 0;
     while (count < max_rows && source.read(samples, portion, taps)) {
         count += static_cast<std::int64_t>(samples.count);
