@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -179,6 +180,9 @@ TEST(PeerQuota, CutsOffNobodyWhoHasOnlyTheDescriptorOfOneThatHasLeft) {
     ASSERT_TRUE(eventually([&] { return ::fcntl(descriptor, F_GETFD) < 0; }));
     std::array<int, 2> innocent{};
     ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, innocent.data()), 0);
+    if (innocent[1] == descriptor) {
+        std::swap(innocent[0], innocent[1]);
+    }
     if (innocent[0] != descriptor) {
         ASSERT_EQ(::dup2(innocent[0], descriptor), descriptor);
         ::close(innocent[0]);
