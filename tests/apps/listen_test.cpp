@@ -16,6 +16,7 @@
 #include "stream/wire/publisher.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace hertzline::test {
 
@@ -201,6 +202,9 @@ std::size_t peak_memory(const Program& program) {
 }
 
 TEST(Listen, ALargeFrameTakesAFewTimesItsSizeOfMemory) {
+    if (sanitized) {
+        GTEST_SKIP() << "a sanitizer takes memory of its own";
+    }
     FakeStream stream("100", {"--stream", "v_chain"}, "v_chain");
     constexpr std::size_t wide = 5'000'000;
     stream.reshape(1, wide);

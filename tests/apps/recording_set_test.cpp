@@ -268,7 +268,9 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     write_text(folder.file("a.sigmf-meta"), "old");
     write_text(folder.file("a.sigmf-data"), "old");
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=1.2"});
-    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    while (std::distance(fs::directory_iterator(fs::path(folder.file("x")).parent_path()), {}) == 2) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it has not begun to write
+    }
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);
     EXPECT_EQ(file_text(folder.file("a.sigmf-meta")) + file_text(folder.file("a.sigmf-data")), "oldold");

@@ -1,6 +1,5 @@
 #include "stream/json_from_outside.hpp"
 
-#include <chrono>
 #include <string>
 
 #include <fmt/format.h>
@@ -51,10 +50,9 @@ TEST(JsonFromOutside, RefusesWhatIsNestedTooDeeplyOrNoJson) {
     EXPECT_THAT(error_of([] { json_from_outside("{} x"); }), HasSubstr("not JSON"));
 }
 
-// Each within a second on a machine that is not loaded; the old limit let them take hours.
+// Read in quadratic time some of them would take hours: the test's own time limit is enough.
 TEST(JsonFromOutside, AnswersSoonWhateverIsMadeToBeSlow) {
     constexpr std::size_t large = std::size_t{64} << 20;
-    const auto begin = std::chrono::steady_clock::now();
     for (const int keys : {5'000'000, 100'000, 10'000, 1000, 100}) {
         EXPECT_THAT(error_of([&] { json_from_outside(objects(keys, large)); }), HasSubstr("too many"))
             << keys;
@@ -64,8 +62,6 @@ TEST(JsonFromOutside, AnswersSoonWhateverIsMadeToBeSlow) {
         values += ",0";
     }
     EXPECT_THAT(error_of([&] { json_from_outside(values + "]"); }), HasSubstr("too many"));
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    EXPECT_LT(took.count(), 30);
 }
 
 }  // namespace
