@@ -18,6 +18,7 @@
 #include "apps/command.hpp"
 #include "apps/console/messages.hpp"
 #include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_thread.hpp"
@@ -154,6 +155,7 @@ Exit run_guarded(int argc, char** argv) {
 }  // namespace hertzline::app
 
 int main(int argc, char** argv) {
+    hertzline::app::end_at_once_when_asked();
     hertzline::app::occupy_closed_standard_streams();
     hertzline::app::ask_for_all_descriptors();
     hertzline::app::send_messages_to_stderr();

@@ -37,21 +37,27 @@ void catch_unless_ignored(int signal) {
     }
 }
 
+void catch_signals() {
+    catch_signal(SIGINT);
+    catch_signal(SIGTERM);
+    catch_unless_ignored(SIGHUP);
+}
+
 }  // namespace
+
+void end_at_once_when_asked() {
+    at_once.store(true, std::memory_order_relaxed);
+    catch_signals();
+}
 
 const std::atomic<bool>& stop_asked() {
     static const bool caught = [] {
-        catch_signal(SIGINT);
-        catch_signal(SIGTERM);
-        catch_unless_ignored(SIGHUP);
+        at_once.store(false, std::memory_order_relaxed);
+        catch_signals();
         return true;
     }();
     (void)caught;
     return stop;
-}
-
-void end_at_once_when_asked() {
-    at_once.store(true, std::memory_order_relaxed);
 }
 
 bool stop_was_asked() noexcept {

@@ -19,11 +19,12 @@ void add(TopicCount& count, bool sent) noexcept {
 /// The samples of a tap as they go on the wire.
 zmq::message_t payload_of(Publisher& publisher, const Block& block, Tap tap) {
     const std::span<const double> values = block.samples()[tap];
-    zmq::message_t payload = publisher.payload(values.size() * sizeof(float));
-    if (to_float32(values, {payload.data<float>(), values.size()}) != 0) {
-        throw std::runtime_error("a sample of " + std::string(row_of(tap).name) + " does not fit float32");
-    }
-    return payload;
+    return publisher.payload(values.size() * sizeof(float), [&](void* bytes) {
+        if (to_float32(values, {static_cast<float*>(bytes), values.size()}) != 0) {
+            throw std::runtime_error("a sample of " + std::string(row_of(tap).name) +
+                                     " does not fit float32");
+        }
+    });
 }
 
 /// Another handle of the same bytes.

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <thread>
+#include <tuple>
 
 #include <fmt/format.h>
 
@@ -37,14 +39,14 @@ double bytes_with_all(double message) noexcept {
 
 /// Stands in front of a payload.
 struct alignas(std::max_align_t) Buffer {
-    std::atomic<std::size_t>* queued;
+    std::atomic<std::atomic<std::size_t>*> queued;  ///< set when the payload is written
     std::size_t bytes;
 };
 
 /// Called by ZeroMQ, in any thread, when the last subscriber has been sent it.
 void give_back(void* /*data*/, void* hint) {
     auto* const buffer = static_cast<Buffer*>(hint);
-    buffer->queued->fetch_sub(buffer->bytes, std::memory_order_relaxed);
+    buffer->queued.load(std::memory_order_acquire)->fetch_sub(buffer->bytes, std::memory_order_relaxed);
     std::free(buffer);
 }
 
@@ -157,21 +159,25 @@ void Publisher::keep_queues_within_memory() {
     }
 }
 
-zmq::message_t Publisher::payload(std::size_t bytes) {
+zmq::message_t Publisher::payload(std::size_t bytes, const std::function<void(void*)>& write) {
     const auto whole = static_cast<std::size_t>(bytes_with_all(static_cast<double>(bytes)));
-    void* const memory = std::malloc(sizeof(Buffer) + bytes);
+    std::unique_ptr<void, decltype(&std::free)> memory(std::malloc(sizeof(Buffer) + bytes), std::free);
     if (memory == nullptr) {
         throw std::bad_alloc();
     }
-    auto* const buffer = new (memory) Buffer{&queued_, whole};
+    auto* const buffer = new (memory.get()) Buffer{nullptr, whole};
+    write(buffer + 1);
     queued_.fetch_add(whole, std::memory_order_relaxed);
-    return {buffer + 1, bytes, give_back, buffer};
+    buffer->queued.store(&queued_, std::memory_order_release);
+    zmq::message_t message(buffer + 1, bytes, give_back, buffer);
+    std::ignore = memory.release();
+    return message;
 }
 
 bool Publisher::send_text(std::string_view topic, std::string_view text) {
-    zmq::message_t message = payload(text.size());
-    std::ranges::copy(text, message.data<char>());
-    return send_frame(topic, std::move(message));
+    return send_frame(topic, payload(text.size(), [text](void* bytes) {
+                          std::ranges::copy(text, static_cast<char*>(bytes));
+                      }));
 }
 
 void Publisher::send_last(std::string_view topic, std::string_view text) {

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -90,8 +91,10 @@ public:
         return send_parts(socket_, message);
     }
 
-    /// Room for a payload, to be written and handed to send_frame(). It is counted for as long as it waits in a queue.
-    zmq::message_t payload(std::size_t bytes);
+    /// A payload for send_frame(). It is counted for as long as it waits in a queue.
+    /// @param write is given that many bytes, aligned for any type, and writes all of them
+    /// @throws what `write` throws
+    zmq::message_t payload(std::size_t bytes, const std::function<void(void*)>& write);
 
     /// The same with a payload(), which is handed over, not copied.
     bool send_frame(std::string_view topic, zmq::message_t payload) noexcept {

@@ -45,6 +45,16 @@ def _popen(stand, *words, **how):
         "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, **how})
 
 
+def signal_during_the_set_up(stand):
+    # hundreds of thousands of spheres: trials take seconds
+    for by in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        run = _popen(stand, "run", "long-chain", "--set", "chain.spheres=200000", "-o", stand.folder / "a.csv")
+        time.sleep(0.3)
+        check(run.poll() is None, "it ended by itself")
+        _ends_within_a_second(stand, run, by)
+        check(not list(stand.folder.glob("a.csv*")), "it left something behind")
+
+
 def run_into_a_pipe_that_nobody_reads(stand):
     for by in (signal.SIGINT, signal.SIGTERM):
         reader, writer = os.pipe()
@@ -76,9 +86,10 @@ def summary_that_nobody_reads(stand):
 # Samples so far apart that a frame of the usual length takes ten seconds to compute, or a single one.
 def frames_that_take_long(stand):
     for rate, integrator in ((30, "taylor8"), (30, "leapfrog"), (0.1, "taylor8")):
+        socket = stand.folder / f"{rate}-{integrator}"
         stream = _popen(stand, "stream", "paper-stream", "--set", f"output.sample_rate_hz={rate}", "--set",
-                        f"numerics.integrator={integrator}", "--pace", "flat-out", "--bind", f"ipc://{stand.folder}/socket")
-        wait_until((stand.folder / "socket").exists, "began")
+                        f"numerics.integrator={integrator}", "--pace", "flat-out", "--bind", f"ipc://{socket}")
+        wait_until(socket.exists, "began")
         time.sleep(0.5)
         _ends_within_a_second(stand, stream, signal.SIGINT)
 
