@@ -35,8 +35,9 @@ Words joined(Words words, const Words& more) {
 }
 
 /// Streams 2 ms to a listener that is there from sample 0 on.
-Heard hear(const std::string& endpoint, const Words& stream_words, const Words& listener_words) {
-    Program stream(joined({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
+Heard hear(const std::string& endpoint, const Words& stream_words, const Words& listener_words,
+           const std::string& scene = "paper-stream") {
+    Program stream(joined({"stream", scene, "--pace", "flat-out", "--duration", "2e-3",
                            "--wait-for-subscriber", "--json", "--bind", endpoint},
                           stream_words));
     Program listener(joined({"listen", "--json", "--connect", stream.endpoint()}, listener_words));
@@ -53,9 +54,10 @@ std::vector<float> as_floats(const std::vector<double>& numbers, std::size_t cou
 }
 
 /// What `hertzline run` writes of the same 2 ms.
-std::map<std::string, std::vector<double>> run_of_the_same(const TemporaryFolder& folder) {
-    const Outcome run = hertzline(
-        {"run", "paper-stream", "--all", "--set", "output.duration_s=2e-3", "-o", folder.file("run.csv")});
+std::map<std::string, std::vector<double>> run_of_the_same(const TemporaryFolder& folder,
+                                                           const std::string& scene = "paper-stream") {
+    const Outcome run =
+        hertzline({"run", scene, "--all", "--set", "output.duration_s=2e-3", "-o", folder.file("run.csv")});
     EXPECT_EQ(run.status, 0) << run.err;
     return csv_of(folder.file("run.csv"));
 }
@@ -92,6 +94,15 @@ TEST(StreamAndListen, WholeChainOverAUnixSocket) {
     for (const char* column : {"v1_m_per_s", "v6_m_per_s"}) {
         EXPECT_EQ(as_floats(received.at(column), 20'000), as_floats(run.at(column), 20'000)) << column;
     }
+}
+
+TEST(StreamAndListen, ASymplecticMethodStreamsWhatItGivesInARun) {
+    const TemporaryFolder folder;
+    const std::string scene = "paper-stream-symplectic";
+    const Heard heard = hear(any_port, {}, {"--stream", "v_last", "-o", folder.file("heard.csv")}, scene);
+    EXPECT_EQ(heard.stream.json()["integrator"], "chin4a");
+    EXPECT_EQ(as_floats(csv_of(folder.file("heard.csv")).at("v_last_m_per_s"), 20'000),
+              as_floats(run_of_the_same(folder, scene).at("v_last_m_per_s"), 20'000));
 }
 
 TEST(StreamAndListen, DurationOfTheListenerIsExact) {

@@ -6,6 +6,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -16,6 +17,7 @@
 #include "stream/recordings/recording_formats.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -146,7 +148,9 @@ TEST_P(FailedStagedRecording, FullDiskLeavesWhatItHadRoomFor) {
     }
     const auto whole = static_cast<double>(fs::file_size(file));
     fs::remove(file);
-    for (const double share : {0.0, 0.0003, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1.0}) {
+    const auto shares = sanitized ? std::vector{0.0, 0.1, 0.7, 1.0}
+                                  : std::vector{0.0, 0.0003, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99, 0.9999, 1.0};
+    for (const double share : shares) {
         const auto limit = static_cast<rlim_t>(share * whole);
         const bool flushes_by_time = GetParam().ending == std::string("h5");  // and begins with large chunks
         const auto least =
