@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -129,7 +130,7 @@ protected:
         writer->write(0, values);
         writer->write(5000, values);
         const fs::path temporary = *fs::directory_iterator(fs::path(file).parent_path());
-        fs::resize_file(temporary, static_cast<std::uintmax_t>(hole * row_bytes));
+        fs::resize_file(temporary, static_cast<std::uintmax_t>((hole + 10 * part) * row_bytes));
         writer->commit();
     }
 
@@ -185,6 +186,8 @@ TEST_F(Rf64, IsWhatAFileBeyondFourGibibytesIs) {
     EXPECT_EQ(read[0].values, values);
     EXPECT_EQ(read[1].first, 5000);
     EXPECT_EQ(read[1].values, values);
+    fs::resize_file(file, fs::file_size(file) - 1);
+    EXPECT_THAT(test::error_of([&] { open_wav_reader(file); }), HasSubstr("cut short"));
 }
 
 TEST_F(Rf64, IsReadBeyondFourGibibytes) {
