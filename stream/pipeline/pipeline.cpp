@@ -50,7 +50,7 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     deliver(stop);
     producer_.stop();
     // No header follows that tells of blocks that were discarded last: the end does.
-    monitor_.count_dropped(producer_.dropped(), demand_);
+    monitor_.count_dropped(producer_.dropped() + passed_over(), demand_);
     monitor_.pass(producer_.discarded_to());
     if (start_time_) {
         monitor_.measure_all(MonotonicClock::now(), *start_time_, producer_.busy());
@@ -92,6 +92,18 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
         monitor_.count(*block, lateness);
         producer_.pop();
     }
+}
+
+/// Blocks of a stopped stream that lie in the ring although later ones have been discarded: as good as discarded.
+std::uint64_t Pipeline::passed_over() {
+    std::uint64_t count = 0;
+    const Block* block = producer_.front();
+    while (block != nullptr && block->samples().first < producer_.discarded_to()) {
+        ++count;
+        producer_.pop();
+        block = producer_.front();
+    }
+    return count;
 }
 
 void Pipeline::start_when_ready(Nanoseconds now) {

@@ -50,6 +50,7 @@ public:
 
 private:
     void deliver(const std::atomic<bool>& stop);
+    std::uint64_t passed_over();
     void start_when_ready(Nanoseconds now);
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
     void release(const Block& block);

@@ -1,10 +1,12 @@
 #!/usr/bin/python3
-"""Who comes late, leaves and returns hears meta first and then whole frames: meta_comes_first.py HERTZLINE"""
+"""Who comes late, leaves and returns hears meta first and then whole frames: meta_comes_first.py HERTZLINE [--sanitized]"""
 import json, sys
 import zmq
 from streaming import LONG_ENOUGH_S, Stream
 
 JOINS = 100
+# Of a hundred. Four were seen on a machine loaded eightfold; a sanitizer makes the sending of a block ten times as long.
+MOST_EARLY = 50 if "--sanitized" in sys.argv else 20
 
 
 class Listener:
@@ -89,5 +91,5 @@ with Stream(sys.argv[1], "paper-stream", "--pace", "0.05") as stream, zmq.Contex
     for prefixes in (["meta", "v_out/np"], ["v_out/np", "meta"], [""]):
         early = sum(subscribe_at_once(context, stream.endpoint, *prefixes) for _ in range(JOINS))
         print(f"{prefixes}: {early} of {JOINS} heard frames before meta")
-        assert early <= JOINS // 2, "meta is not sent right before the frames"
+        assert early <= MOST_EARLY, "meta is not sent right before the frames"
     another.socket.close()

@@ -94,7 +94,7 @@ def very_many_strangers(stand):
 
 def subscribers_that_read_nothing(stand):
     # Over a Unix socket; one after the other, so that each one's queue holds what the others' do not.
-    budget = 16 << 20
+    budget = 32 << 20
     with _on_a_unix_socket(stand, "--queue-memory", str(budget), scene=stands.BUSY) as stream:
         stopped = []
         for _ in range(6):

@@ -34,9 +34,8 @@ def listener_whose_file_nobody_takes(stand):
 def _ends_within_a_second(stand, process, by):
     begin = time.monotonic()
     process.send_signal(by)
-    status = process.wait(stands.LONG_ENOUGH_S)
-    took = time.monotonic() - begin
-    check(took <= (10 if stand.sanitized else 1), f"{took:.2f} s from the signal to the end")
+    status, took = stands.timed_wait(process, begin)
+    check(took <= (10 if stand.sanitized else stands.ENDS_WITHIN_S), f"{took:.2f} s from the signal to the end")
     check(status in (0, 1), f"exit status {status}")
 
 

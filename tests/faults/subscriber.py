@@ -9,7 +9,7 @@ import zmq
 parser = argparse.ArgumentParser()
 parser.add_argument("endpoint")
 parser.add_argument("--everything", action="store_true", help="subscribe to every topic, not to v_out alone")
-parser.add_argument("--save", metavar="NPY")
+parser.add_argument("--save", metavar="NPY", help="two columns: index of the sample, v_out")
 parser.add_argument("--slow", type=float, default=0, help="for the first seconds take only 50 frames in each")
 parser.add_argument("--queue", type=int, default=100_000, help="frames that may wait to be received")
 words = parser.parse_args()
@@ -31,7 +31,8 @@ while True:
         print("hears", flush=True)
     headers.append(json.loads(header))
     if words.save:
-        samples.append(numpy.frombuffer(data[0], "<f4"))
+        values = numpy.frombuffer(data[0], "<f4")
+        samples.append(numpy.column_stack((headers[-1]["sample"] + numpy.arange(len(values)), values)))
     if time.monotonic() < begin + words.slow:
         time.sleep(0.02)
 
@@ -39,5 +40,9 @@ if words.save:
     numpy.save(words.save, numpy.concatenate(samples))
 first = headers[0]["sample"]
 got = sum(h["shape"][0] for h in headers)
+dropped = summary["dropped_frames"] - headers[0]["dropped"]
+behind_the_last = -(-(summary["samples"] - headers[-1]["sample"] - headers[-1]["shape"][0]) // headers[0]["shape"][0])
+due = headers[-1]["seq"] + 1 + behind_the_last - headers[0]["seq"]
 print(json.dumps({"first_sample": first, "samples": got, "missing_samples": summary["samples"] - first - got,
-                  "ended_by": "end of run"}))
+                  "frames": len(headers), "frames_dropped_by_sender": dropped,
+                  "frames_lost_on_the_way": due - dropped - len(headers), "ended_by": "end of run"}))

@@ -20,6 +20,7 @@ public:
         samples.first = next_;
         samples.count = std::min(count, static_cast<std::size_t>(end_ - next_));
         samples.holds = wanted & format_.taps;
+        asked_for_ |= wanted;
         next_ += static_cast<std::int64_t>(samples.count);
         for (const Tap tap : samples.holds) {
             number(samples, samples.room(tap), format_.channels(tap));
@@ -34,6 +35,9 @@ public:
 
     std::int64_t next_sample() const noexcept override { return next_; }
 
+    /// Everything that any read so far was to compute.
+    TapSet asked_for() const noexcept { return asked_for_; }
+
 private:
     static void number(const Samples& samples, std::span<double> values, std::size_t channels) noexcept {
         double* value = values.data();
@@ -47,6 +51,7 @@ private:
     stream::StreamFormat format_;
     std::int64_t end_;
     std::int64_t next_ = 0;
+    TapSet asked_for_;
 };
 
 }  // namespace hertzline::test

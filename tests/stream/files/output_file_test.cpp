@@ -12,6 +12,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/support/ordinary_user.hpp"
+
 namespace hertzline {
 
 using namespace stream;
@@ -149,14 +151,13 @@ TEST_F(OutputFileTest, LinkOfAStrangerInAFolderForAllIsRefused) {
     if (::geteuid() != 0) {
         GTEST_SKIP() << "only root can lay links for others";
     }
-    constexpr uid_t nobody = 65534;
     const fs::path folder = directory / "for_all";
     fs::create_directory(folder);
     ASSERT_EQ(::chmod(folder.c_str(), 01777), 0);
     put(directory / "victim", "old");
     fs::create_symlink(directory / "victim", folder / "theirs");
     fs::create_symlink(directory / "victim", folder / "ours");
-    ASSERT_EQ(::lchown((folder / "theirs").c_str(), nobody, nobody), 0);
+    ASSERT_EQ(::lchown((folder / "theirs").c_str(), test::nobody, test::nobody), 0);
     EXPECT_THAT(refusal(folder / "theirs"), HasSubstr("Permission denied"));
     EXPECT_EQ(refusal(folder / "ours"), "");
     ASSERT_EQ(::chmod(folder.c_str(), 0755), 0);
@@ -205,10 +206,9 @@ TEST_F(OutputFileTest, DirectoryAsTargetIsRefused) {
 }
 
 TEST_F(OutputFileTest, UnwritableDirectoryAndReadOnlyFileAreRefused) {
-    if (::geteuid() == 0) {
-        GTEST_SKIP() << "root may write everywhere";
-    }
     put(directory / "a.csv", "old");
+    const test::AsOrdinaryUser user({directory, directory / "a.csv"});  // root may write everywhere
+    EXPECT_EQ(refusal(directory / "a.csv"), "");
     fs::permissions(directory / "a.csv", fs::perms::owner_read);
     EXPECT_THAT(refusal(directory / "a.csv"), HasSubstr("Permission denied"));
     fs::permissions(directory, fs::perms::owner_read | fs::perms::owner_exec);

@@ -3,6 +3,7 @@
 #include "stream/pipeline/pipeline.hpp"
 
 #include <map>
+#include <optional>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -91,6 +92,15 @@ struct Stream {
     std::atomic<bool> stop{false};
 };
 
+/// A stream of that source from start to end.
+StreamMeters run(StreamOptions with, SampleSource& source, Publisher& publisher) {
+    Pipeline pipeline(std::move(with), source, publisher, nullptr);
+    const std::atomic<bool> stop{false};
+    return pipeline.run(stop, {.progress = [](const StreamMeters&) {},
+                               .warn = [](const std::string&) {},
+                               .summary = [](const StreamMeters&) { return "{}"; }});
+}
+
 TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
     constexpr std::int64_t samples = 20'500;  // the last frame is a short one
     Stream stream(options(Pace::flat_out(), samples, StreamStart::with_first_subscriber));
@@ -171,6 +181,22 @@ TEST(Pipeline, WhatIsDiscardedAtTheVeryEndIsInTheEnd) {
     EXPECT_DOUBLE_EQ(meters.simulated_s, 0.02);
 }
 
+TEST(Pipeline, AStreamThatIsStoppedAfterAStallAccountsForEveryFrame) {
+    Stream stream(options(Pace::factor(0.1), 1'000'000'000, StreamStart::with_first_subscriber));
+    Listener listener(stream.publisher.endpoint(), {Tap::v_out});
+    const StreamMeters meters = stream.run([&](const StreamMeters& now) {
+        if (!stream.stop && now.frames > 0) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(800));  // longer than the ring lasts
+            stream.stop = true;
+        }
+    });
+    listener.join();
+    EXPECT_GT(meters.dropped_frames, 0);
+    EXPECT_EQ((meters.frames + meters.dropped_frames) * stream.scene.output.frame_samples, meters.samples);
+    EXPECT_EQ(meters.np(Tap::v_out).sent, meters.frames);
+    EXPECT_EQ(meters.np(Tap::v_out).dropped, meters.dropped_frames);
+}
+
 TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
     StreamOptions patient = options(Pace::factor(0.1), 500'000, StreamStart::with_first_subscriber);
     patient.on_overrun = OnOverrun::wait;
@@ -221,24 +247,32 @@ TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
     visitors.join();
 }
 
-TEST(Pipeline, WithoutSubscribersTheRunGoesOnAndNothingIsSampled) {
-    Stream stream(options(Pace::flat_out(), 10'000, StreamStart::at_once));
-    const StreamMeters meters = stream.run();
-    EXPECT_EQ(meters.samples, 10'000);
-    Simulation simulation(stream.scene);
-    simulation.skip(10'000);
-    EXPECT_EQ(meters.account.steps, simulation.steps());
+TEST(Pipeline, OnlyWhatSomebodySubscribesToIsSampled) {
+    const auto asked_for = [](const std::vector<Tap>& subscribed) {
+        CountingSource source(
+            {.taps = everything, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1000});
+        Publisher publisher("tcp://127.0.0.1:*");
+        std::optional<Listener> listener;
+        if (!subscribed.empty()) {
+            listener.emplace(publisher.endpoint(), subscribed);
+        }
+        const StreamStart start = listener ? StreamStart::with_first_subscriber : StreamStart::at_once;
+        EXPECT_EQ(run(options(Pace::flat_out(), 100'000, start), source, publisher).samples, 100'000);
+        if (listener) {
+            listener->join();
+        }
+        return source.asked_for();
+    };
+    EXPECT_EQ(asked_for({}), TapSet());
+    EXPECT_EQ(asked_for({Tap::v_chain}), TapSet(Tap::v_chain));
 }
 
 TEST(Pipeline, DiscardsNothingOfALongChainWhoseSpheresNobodyWants) {
     CountingSource source(
         {.taps = everything, .spheres = 1500, .sample_rate_hz = 1e7, .frame_samples = 1024});
     Publisher publisher("tcp://127.0.0.1:*");
-    Pipeline pipeline(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher, nullptr);
-    const std::atomic<bool> stop{false};
-    const StreamMeters meters = pipeline.run(stop, {.progress = [](const StreamMeters&) {},
-                                                    .warn = [](const std::string&) {},
-                                                    .summary = [](const StreamMeters&) { return "{}"; }});
+    const StreamMeters meters =
+        run(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher);
     // None on a machine that is not loaded. It was every second one.
     EXPECT_LT(meters.dropped_frames, meters.frames / 10);
 }

@@ -7,14 +7,19 @@
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mman.h>
 
 #include "tests/support/counting_source.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
 using namespace stream;
+using testing::HasSubstr;
 namespace {
 
 constexpr std::size_t slots = 4;
@@ -88,6 +93,7 @@ TEST(Producer, WaitsRatherThanDiscardWhenToldSo) {
     Producer producer(source, pacer, four, 1000, OnOverrun::wait);
     producer.start({});
     producer.go();
+    EXPECT_TRUE(eventually([&] { return producer.ring().size() == slots; }));
     MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(20));
     EXPECT_EQ(producer.ring().size(), slots);
     EXPECT_FALSE(producer.finished());
@@ -123,20 +129,31 @@ TEST(Producer, StopsWhileItWaitsForASlotAndBeforeItBegan) {
     EXPECT_TRUE(full.finished());
 }
 
-/// How often the simulating thread of this process has gone to sleep.
-long sleeps_of_the_simulating_thread() {
-    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-        std::ifstream status(task.path() / "status");
-        std::string name;
-        std::string key;
-        for (status >> key >> name; name == simulating_thread_name && status >> key;) {
-            if (long count = 0; key == "voluntary_ctxt_switches:" && status >> count) {
-                return count;
-            }
+/// A number that the system's status of a thread has under that key.
+long status_of(pid_t thread, const std::string& wanted) {
+    std::ifstream status("/proc/self/task/" + std::to_string(thread) + "/status");
+    for (std::string key; status >> key;) {
+        if (long number = 0; key == wanted && status >> number) {
+            return number;
         }
     }
-    ADD_FAILURE() << "no such thread";
+    ADD_FAILURE() << "no " << wanted;
     return 0;
+}
+
+/// The simulating thread of this process, once it has its name.
+pid_t simulating_thread() {
+    pid_t found = 0;
+    EXPECT_TRUE(eventually([&] {
+        for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+            std::string name;
+            if (std::getline(std::ifstream(task.path() / "comm"), name); name == simulating_thread_name) {
+                found = std::stoi(task.path().filename());
+            }
+        }
+        return found != 0;
+    }));
+    return found;
 }
 
 TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
@@ -149,9 +166,12 @@ TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
     const auto full = [&] { return producer.ring().size() == many; };
     ASSERT_TRUE(eventually(full));
     MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(10));
-    const long before = sleeps_of_the_simulating_thread();
+    const auto sleeps = [thread = simulating_thread()] {
+        return status_of(thread, "voluntary_ctxt_switches:");
+    };
+    const long before = sleeps();
     MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(100));
-    EXPECT_EQ(sleeps_of_the_simulating_thread(), before) << "it wakes up although nothing has changed";
+    EXPECT_EQ(sleeps(), before) << "it wakes up although nothing has changed";
     for (std::size_t taken = 0; taken < many / 4; ++taken) {
         EXPECT_LT(producer.ring().size(), many + 1 - taken);
         ASSERT_NE(producer.front(), nullptr);
@@ -188,17 +208,53 @@ TEST(Producer, HasRoomOfItsOwnForBlocksWithEverySphere) {
     EXPECT_EQ(next, 1000);
 }
 
-TEST(Producer, TellsWhichThreadOptionsTheSystemRefusesAndGoesOn) {
+/// The last processor that this process may use.
+int last_processor() {
+    cpu_set_t allowed;
+    EXPECT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+    int last = CPU_SETSIZE - 1;
+    while (last > 0 && !CPU_ISSET(static_cast<unsigned>(last), &allowed)) {
+        --last;
+    }
+    return last;
+}
+
+TEST(Producer, TheSimulatingThreadStaysOnItsProcessor) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, four, 1000, OnOverrun::wait);
+    const int wanted = last_processor();
+    EXPECT_THAT(producer.start({.cpu = wanted}), testing::IsEmpty());
+    cpu_set_t granted;
+    ASSERT_EQ(sched_getaffinity(simulating_thread(), sizeof granted, &granted), 0);
+    EXPECT_EQ(CPU_COUNT(&granted), 1);
+    EXPECT_TRUE(CPU_ISSET(static_cast<unsigned>(wanted), &granted));
+}
+
+TEST(Producer, TheSimulatingThreadHasRealTimePriorityOrItIsToldWhyNot) {
     CountingSource source(format);
     const Pacer pacer = long_ago();
     Producer producer(source, pacer, four, 1000, OnOverrun::wait);
     producer.want(format.taps);
-    // granted or not, by whoever runs the tests
-    for (const std::string& refused : producer.start({.realtime_priority = true, .cpu = 0})) {
-        EXPECT_GT(refused.size(), 20U);
+    const std::vector<std::string> refused = producer.start({.realtime_priority = true, .cpu = std::nullopt});
+    const bool first = sched_getscheduler(simulating_thread()) == SCHED_FIFO;
+    EXPECT_EQ(first, !testing::Matches(testing::Contains(HasSubstr("no real-time priority: ")))(refused));
+    if (!sanitized) {  // sanitizers lock nothing, and do not say so
+        const bool locked = status_of(simulating_thread(), "VmLck:") > 0;
+        EXPECT_EQ(locked,
+                  !testing::Matches(testing::Contains(HasSubstr("memory cannot be locked: ")))(refused));
     }
+    ::munlockall();
     producer.go();
     EXPECT_EQ(drained(producer).size(), 100U);
+}
+
+TEST(Producer, WithoutThreadOptionsTheThreadIsAnOrdinaryOne) {
+    CountingSource source(format);
+    const Pacer pacer = long_ago();
+    Producer producer(source, pacer, four, 1000, OnOverrun::wait);
+    EXPECT_THAT(producer.start({}), testing::IsEmpty());
+    EXPECT_EQ(sched_getscheduler(simulating_thread()), SCHED_OTHER);
 }
 
 }  // namespace

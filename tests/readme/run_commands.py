@@ -1,0 +1,228 @@
+#!/usr/bin/python3
+"""Runs every command that a document shows in a block of code: run_commands.py ROOT BUILD DOCUMENT
+
+A command is run as it stands there, by a shell, in a folder that looks like the project's. A stream goes on behind the
+commands after it until another one takes its port or the document ends, and is then ended by Ctrl-C. What is not run is
+named below with the reason; a line of which nobody knows what it is fails the test.
+"""
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+LONG_ENOUGH_S = 100
+ENDPOINT = ("127.0.0.1", 5573)  # the program's own
+PROGRAMS = re.compile(r"(\./)?(build/\w+|scripts|bench/\w+|apps/clients|tests)/[\w.]+$|/usr/bin/\w+$|"
+                      r"(hertzline|cmake|ctest|ninja|npm|node|octave-cli|python3?|sh|git|sudo|export|c\+\+|pkg-config)$")
+
+BUILDS = "builds the project"
+MINUTES = "takes minutes, or measures what a loaded machine cannot show"
+INSTALL = "the tests install/ do it"
+CLANG = "needs clang, and minutes"
+
+NOT_RUN = {
+    "README.md": {
+        "./scripts/demo.sh": BUILDS,
+        "./scripts/test.sh": "runs this",
+        "npm ci --prefix apps/clients; node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 100000 v_out.f32":
+            "installs; the tests clients/node do it",
+        "cmake --install build/release --prefix PREFIX": INSTALL,
+    },
+    "CONTRIBUTING.md": {
+        "./scripts/test.sh": "runs this",
+        "cmake --workflow --preset release": BUILDS,
+        "ninja -C build/release test_core && ctest --preset release -R '^core/'": BUILDS,
+    },
+    "apps/clients/README.md": {
+        "node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 10000 heard.f32": "the tests clients/node do it",
+        "from zmq.auth import load_certificate": "a part; apps/python_client_of_an_encrypted_stream has them",
+    },
+    "bench/README.md": {
+        "./scripts/build.sh release": BUILDS,
+        "build/release/bench_scenes": MINUTES,
+        "build/release/bench_stability --json build/stability.json": MINUTES,
+        "bench/plots/plot_stability.py build/stability.json --out docs/stability.png": "draws what bench_stability measured",
+        "build/release/bench_random_scenes": MINUTES,
+        "build/release/bench_work_precision --json build/work_precision.json": MINUTES,
+        "build/release/bench_work_precision --scene paper_wall --repetitions 3": MINUTES,
+        "build/release/bench_work_precision --check": "is a test of its own, in bench/",
+        "bench/plots/plot_work_precision.py build/work_precision.json --out docs/work-precision.png":
+            "draws what bench_work_precision measured",
+        "build/release/bench_long_chain": MINUTES,
+        "bench/lammps/compare.py": "needs LAMMPS",
+        "build/release/bench_crossover 10000": MINUTES,
+        "build/release/bench_accuracy": MINUTES,
+        "build/release/bench_accuracy 0": MINUTES,
+    },
+    "examples/README.md": {
+        "cmake --install build/release --prefix ~/hertzline": INSTALL,
+        "cmake -S examples -B build/examples -D CMAKE_PREFIX_PATH=~/hertzline": INSTALL,
+        "cmake --build build/examples": INSTALL,
+        "build/examples/peak": INSTALL,
+        'export PKG_CONFIG_PATH=$(dirname "$(find ~/hertzline -name hertzline.pc)")': INSTALL,
+        "c++ examples/core/peak.cpp $(pkg-config --cflags --libs hertzline-core) -o peak": INSTALL,
+        "c++ examples/stream/listen.cpp $(pkg-config --cflags --libs hertzline) -o listen": INSTALL,
+    },
+    "tests/README.md": {
+        "./scripts/test.sh": "runs this",
+        "./scripts/test.sh asan tsan": BUILDS,
+    },
+    "tests/fuzz/README.md": {
+        "./scripts/fuzz.sh 900": CLANG,
+        "./scripts/fuzz.sh 60 scene_text": CLANG,
+        "./scripts/fuzz.sh --keep scene_text": CLANG,
+    },
+}
+
+# What others have done before.
+BEFORE = {"apps/clients/README.md": "hertzline keys laboratory"}
+
+# Other words in the blocks of commands.
+NO_COMMANDS = ("GNU Radio ", "PlotJuggler ")
+
+# What stands for something, and what makes a command end.
+INSTEAD = {
+    "hertzline run SCENE [-o FILE]... [--tap NAME]...":
+        "hertzline run paper-wall -o a.csv -o a.npy --tap v_horn --tap f_last",
+    "hertzline stream SCENE [--record FILE]...": "hertzline stream paper-stream --record live.csv",
+    "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",
+    "hertzline listen [-o FILE]...": "hertzline listen -o heard.h5",
+    "hertzline scenes [NAME]": "hertzline scenes && hertzline scenes paper-wall",
+    "hertzline check SCENE": "hertzline check paper-wall",
+    "hertzline keys NAME": "hertzline keys name",
+    "hertzline check FILE": "hertzline check scenes/paper-wall.toml",
+}
+
+
+def blocks(text):
+    """Blocks of code: language, lines. The language of an indented block is ''."""
+    fence = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
+    found = [(block.start(), block[1], block[2].splitlines()) for block in fence.finditer(text)]
+    blank = fence.sub(lambda block: re.sub("[^\n]", " ", block[0]), text)  # as long as it was
+    for block in re.finditer(r"(?<=\n\n)(    .*\n(\n(?=    ))?)+", blank):
+        found.append((block.start(), "", [line[4:] for line in block[0].splitlines() if line.strip()]))
+    return [block[1:] for block in sorted(found)]
+
+
+def command_of(line):
+    """What of the line is a command; it is set off by two blanks from what is said about it. None: nothing."""
+    cells = re.split(r"\s{2,}", line.removeprefix("$ ").strip())
+    return next((cell for cell in cells if PROGRAMS.match(cell.split(" ")[0])), None)
+
+
+def commands(text):
+    """The document's commands, and its programs in Python, in their order: language, name, text.
+
+    An indented block of which no line is a command is a drawing or a formula."""
+    for language, lines in blocks(text):
+        if language == "python":
+            yield "python", lines[0], "\n".join(lines)
+        elif language in ("sh", "bash", "console") or not language and any(map(command_of, lines)):
+            for line in lines:
+                if command := command_of(line):
+                    yield "sh", command, command
+                elif not line.startswith(("  ", "#") + NO_COMMANDS):
+                    raise AssertionError(f"neither a program that is known here nor named in NO_COMMANDS: {line}")
+
+
+class Folder:
+    """Looks like the project's, and takes what the commands write."""
+
+    def __init__(self, path, root, build):
+        self.path, self.stream = path, None
+        for entry in root.iterdir():
+            if entry.name not in ("build", ".git"):
+                (path / entry.name).symlink_to(entry)
+        (path / "build").mkdir()
+        (path / "build/release").symlink_to(build)
+        self.environment = {**os.environ, "HOME": str(path), "PATH": f"{build}:{os.environ['PATH']}"}
+
+    def _start(self, command):
+        print("+", command, flush=True)
+        return subprocess.Popen(["bash", "-c", f"set -e\n{command}"], cwd=self.path, env=self.environment,
+                                stdin=subprocess.DEVNULL, start_new_session=True)
+
+    def run(self, command):
+        command = INSTEAD.get(command, command).replace("HOST", "127.0.0.1")
+        if re.search(r"hertzline (stream|replay) ", command):
+            self.end_stream()
+        if re.search(r"hertzline stream (?!.*--duration)", command):
+            self.stream = self._start("exec " + command)
+            self._wait_for_the_port()
+            return
+        if "hertzline listen" in command or "apps/clients/" in command:
+            self.need_stream()
+        if "hertzline listen" in command and "--duration" not in command:
+            command += " --duration 0.01"
+        if command.startswith("ctest"):  # they are tests themselves: are there any?
+            command += " -N | grep 'Total Tests: [1-9]'"
+        if "--gtest_filter" in command:
+            command += " --gtest_list_tests | grep '^  '"
+        self._finish(self._start(command), command)
+
+    def run_python(self, text):
+        self.need_stream()
+        self._finish(self._start(f"/usr/bin/python3 - <<'END'\n{text}\nEND"), "the program")
+
+    def _finish(self, process, command):
+        try:
+            status = process.wait(LONG_ENOUGH_S)
+        except BaseException:
+            process.kill()
+            raise
+        assert status == 0, f"exit status {status} of {command}"
+
+    def need_stream(self):
+        if self.stream is None:
+            self.run("hertzline stream paper-stream")
+
+    def _wait_for_the_port(self):
+        end = time.monotonic() + LONG_ENOUGH_S
+        while self.stream.poll() is None and time.monotonic() < end:
+            with socket.socket() as peer:
+                if peer.connect_ex(ENDPOINT) == 0:
+                    return
+            time.sleep(0.05)
+        raise AssertionError(f"it does not publish on port {ENDPOINT[1]}")
+
+    def end_stream(self):
+        if self.stream is not None:
+            self.stream.send_signal(signal.SIGINT)
+            stream, self.stream = self.stream, None
+            self._finish(stream, "a stream that was interrupted")
+
+    def kill(self):
+        if self.stream is not None:
+            self.stream.kill()
+            self.stream.wait()
+
+
+def main(root, build, document):
+    not_run = NOT_RUN.get(document, {})
+    shown = list(commands((root / document).read_text()))
+    gone = not_run.keys() - {name for _, name, _ in shown}
+    assert not gone, f"named as not run, but no longer there: {gone}"
+    with tempfile.TemporaryDirectory() as path:
+        folder = Folder(pathlib.Path(path), root, build)
+        try:
+            if document in BEFORE:
+                folder.run(BEFORE[document])
+            for language, name, text in shown:
+                if name in not_run:
+                    print(f"not run: {name}: {not_run[name]}", flush=True)
+                elif language == "python":
+                    folder.run_python(text)
+                else:
+                    folder.run(text)
+            folder.end_stream()
+        finally:
+            folder.kill()
+
+
+if __name__ == "__main__":
+    main(pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve(), sys.argv[3])
