@@ -58,6 +58,12 @@ double memory_of_run(const Scene& scene, TapSet recorded) noexcept {
            stream::SpectrumAnalyser::bytes_needed(rows);
 }
 
+double memory_of_recordings(const Scene& scene, std::size_t files) noexcept {
+    return static_cast<double>(files) *
+           stream::RecordingSet::queue_bytes(numbers_of(scene, recorded_taps(scene.end.kind)),
+                                             scene.output.sample_rate_hz);
+}
+
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps) {
     return stream::recording_bytes(file, numbers_of(scene, taps), samples);
 }

@@ -23,6 +23,10 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 /// The simulation, its blocks, what waits for its files, the record of v_out and its spectrum.
 double memory_of_run(const Scene& scene, TapSet recorded) noexcept;
 
+/// What may wait for the files of a stream, each of which may be stuck with other rows. (Those of a run wait for one
+/// another, and share what waits.)
+double memory_of_recordings(const Scene& scene, std::size_t files) noexcept;
+
 /// Bytes of a recording of the taps in the format of that file, at most.
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps);
 

@@ -179,6 +179,8 @@ void add_costs(Report& report, const Scene& scene) {
              stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
                           publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
                                             std::nullopt))});
+    report.push_back({"run", "more for each of its recordings", "stream_recording_memory_bytes", "bytes",
+                      memory_of_recordings(scene, 1)});
     report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 

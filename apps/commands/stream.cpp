@@ -44,11 +44,9 @@ struct StreamArguments {
 void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
                       const stream::StreamOptions& options, const stream::PublisherOptions& publishing) {
     const TapSet recorded = recorded_taps(scene.end.kind);
-    const double queue = stream::RecordingSet::queue_bytes(
-        channels_of(recorded, static_cast<double>(scene.chain.spheres)), scene.output.sample_rate_hz);
     const double memory = stream::SimulationSource::memory_bytes(scene) +
                           stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing) +
-                          (arguments.recordings.empty() ? 0 : queue);
+                          memory_of_recordings(scene, arguments.recordings.size());
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }

@@ -12,8 +12,10 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <functional>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -52,41 +54,52 @@ void stay_on_core(int core) {
     }
 }
 
-/// `hertzline stream` on core 0; its summary comes through the pipe.
-struct Program {
-    pid_t pid = 0;
-    int summary = -1;
-
-    Program(const std::string& seconds, bool alone) {
-        int ends[2];
-        if (pipe(ends) != 0) {
+/// A process and what it writes to its pipe.
+class Child {
+public:
+    /// @param work gets the descriptor to write to, in the child @param core unset: any
+    Child(std::optional<int> core, const std::function<void(int)>& work) {
+        std::array<int, 2> ends{};
+        if (pipe(ends.data()) != 0) {
             throw std::runtime_error("no pipe");
         }
-        pid = fork();
-        if (pid == 0) {
-            if (alone) {
-                stay_on_core(0);
+        pid_ = fork();
+        if (pid_ == 0) {
+            if (core) {
+                stay_on_core(*core);
             }
-            dup2(ends[1], STDOUT_FILENO);
-            dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-            execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration",
-                  seconds.c_str(), "--wait-for-subscriber", "--json", nullptr);
-            _exit(127);
+            work(ends[1]);
+            _exit(0);
         }
         close(ends[1]);
-        summary = ends[0];
+        output_ = ends[0];
     }
 
+    /// All that it writes until its end.
     std::string result() const {
         std::string text;
         char buffer[4096];
-        for (ssize_t n = 0; (n = read(summary, buffer, sizeof buffer)) > 0;) {
+        for (ssize_t n = 0; (n = read(output_, buffer, sizeof buffer)) > 0;) {
             text.append(buffer, static_cast<std::size_t>(n));
         }
-        waitpid(pid, nullptr, 0);
+        close(output_);
+        waitpid(pid_, nullptr, 0);
         return text;
     }
+
+private:
+    pid_t pid_ = 0;
+    int output_ = -1;
 };
+
+/// `hertzline stream`; its summary is the result.
+void stream_for(const std::string& seconds, int summary) {
+    dup2(summary, STDOUT_FILENO);
+    dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+    execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration",
+          seconds.c_str(), "--wait-for-subscriber", "--json", nullptr);
+    _exit(127);
+}
 
 Scene streamed_scene() {
     return resolve(parse_scene(find_shipped_scene(scene_name)->text, scene_name)->scene).scene;
@@ -218,38 +231,21 @@ Accounts listen(std::size_t streams) {
     return accounts;
 }
 
-/// A listener in a process of its own.
-struct Listener {
-    pid_t pid = 0;
-    int result = -1;
+/// A listener; its accounts are the result.
+void tell_accounts(std::size_t streams, int result) {
+    const Accounts accounts = listen(streams);
+    _exit(write(result, &accounts, sizeof accounts) == sizeof accounts ? 0 : 1);
+}
 
-    Listener(std::size_t streams, bool alone) {
-        int ends[2];
-        if (pipe(ends) != 0) {
-            throw std::runtime_error("no pipe");
-        }
-        pid = fork();
-        if (pid == 0) {
-            if (alone) {
-                stay_on_core(1);
-            }
-            const Accounts accounts = listen(streams);
-            _exit(write(ends[1], &accounts, sizeof accounts) == sizeof accounts ? 0 : 1);
-        }
-        close(ends[1]);
-        result = ends[0];
+Accounts accounts_of(const Child& listener) {
+    const std::string bytes = listener.result();
+    Accounts accounts;
+    if (bytes.size() != sizeof accounts) {
+        throw std::runtime_error("a listener failed");
     }
-
-    Accounts accounts() const {
-        Accounts accounts;
-        if (read(result, &accounts, sizeof accounts) != sizeof accounts) {
-            throw std::runtime_error("a listener failed");
-        }
-        close(result);
-        waitpid(pid, nullptr, 0);
-        return accounts;
-    }
-};
+    std::memcpy(&accounts, bytes.data(), sizeof accounts);
+    return accounts;
+}
 
 nlohmann::ordered_json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t streams) {
     std::uint64_t samples = 0, frames = 0, missing = 0, wrong = 0, unaccounted = 0;
@@ -275,15 +271,18 @@ void measure(const std::string& seconds, const std::string& words) {
     if (streams < 1 || streams > offered.size()) {
         throw std::runtime_error("found " + words + ", allowed: 1 to 4 streams");
     }
-    const Program program(seconds, listeners == 1);
-    std::vector<Listener> all;
+    const auto core = [alone = listeners == 1](int number) {
+        return alone ? std::optional(number) : std::nullopt;
+    };
+    const Child program(core(0), [&](int summary) { stream_for(seconds, summary); });
+    std::vector<Child> all;
     for (std::size_t i = 0; i < listeners; ++i) {
-        all.emplace_back(streams, listeners == 1);
+        all.emplace_back(core(1), [&](int result) { tell_accounts(streams, result); });
     }
     const auto summary = nlohmann::ordered_json::parse(program.result());
     nlohmann::ordered_json heard = nlohmann::ordered_json::array();
-    for (const Listener& listener : all) {
-        heard.push_back(report(listener.accounts(), summary, streams));
+    for (const Child& listener : all) {
+        heard.push_back(report(accounts_of(listener), summary, streams));
     }
     const nlohmann::ordered_json result{{"streams", streams}, {"listeners", heard}, {"program", summary}};
     std::cout << result.dump(1) << std::endl;

@@ -14,8 +14,8 @@
 namespace hertzline::stream {
 CheckedWriter::CheckedWriter(std::filesystem::path path, RecordingHead head)
     : path_(std::move(path)), head_(std::move(head)) {
-    if (const std::string fault = head_fault(head_); !fault.empty()) {
-        throw std::invalid_argument(path_.string() + ": " + fault);
+    if (const auto fault = head_fault(head_)) {
+        throw std::invalid_argument(path_.string() + ": " + *fault);
     }
 }
 

@@ -80,6 +80,8 @@ public:
     /// The next rows, at most `most`, in place of what `rows` held; false at the end. @throws
     /// std::runtime_error that names the path and the place when the file turns out to be damaged.
     virtual bool read(RecordedRows& rows, std::size_t most) = 0;
+    /// Makes read() return soon, with false; from another thread. For files that somebody else may keep waiting.
+    virtual void interrupt() noexcept {}
 };
 
 }  // namespace hertzline::stream

@@ -39,7 +39,8 @@ constexpr std::array formats{
            open_csv_reader},  // 17 digits, sign, point, exponent, comma
     Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
-    Format{".h5", 8, when_complete<open_hdf5_writer>, open_hdf5_reader},
+    Format{".h5", 8, when_complete<open_hdf5_writer>,
+           [](const fs::path& path) { return open_hdf5_reader(path); }},
     Format{".wav", 4, when_complete<open_wav_writer>, open_wav_reader},
     Format{".npy", 8, when_complete<open_npy_writer>, open_npy_reader},
 };

@@ -28,7 +28,7 @@ bool usable_name(std::string_view name) {
 
 }  // namespace
 
-std::string head_fault(const RecordingHead& head) {
+std::optional<std::string> head_fault(const RecordingHead& head) {
     if (head.columns.empty()) {
         return "no columns";
     }
@@ -45,7 +45,7 @@ std::string head_fault(const RecordingHead& head) {
             return fmt::format("column \"{}\": found twice, or named like the time", column.name);
         }
     }
-    return {};
+    return std::nullopt;
 }
 
 void require_undamaged(const std::filesystem::path& path, std::int64_t row, std::span<const double> values,
@@ -68,7 +68,7 @@ Json describe(const RecordingHead& head) {
             {"provenance", head.provenance}};
 }
 
-RecordingHead head_of(Json description, NumberType numbers) {
+RecordingHead described_head(Json description, NumberType numbers) {
     RecordingHead head;
     head.numbers = numbers;
     try {
@@ -80,8 +80,13 @@ RecordingHead head_of(Json description, NumberType numbers) {
     } catch (const Json::exception&) {
         throw std::runtime_error("description: expected sample_rate_hz, columns and provenance");
     }
-    if (const std::string fault = head_fault(head); !fault.empty()) {
-        throw std::runtime_error("description: " + fault);
+    return head;
+}
+
+RecordingHead head_of(Json description, NumberType numbers) {
+    RecordingHead head = described_head(std::move(description), numbers);
+    if (const auto fault = head_fault(head)) {
+        throw std::runtime_error("description: " + *fault);
     }
     return head;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -11,13 +12,17 @@
 
 namespace hertzline::stream {
 
-/// What is wrong with the head; empty when nothing is.
-std::string head_fault(const RecordingHead& head);
+/// What is wrong with the head; nothing when it is right.
+std::optional<std::string> head_fault(const RecordingHead& head);
 
 /// Columns, rate and provenance: {"sample_rate_hz", "columns": [[name, quantity, unit]...], "provenance"}.
 nlohmann::ordered_json describe(const RecordingHead& head);
 
-/// The head that describe() described.
+/// The head that describe() described, whatever it says.
+/// @throws std::runtime_error when that is no head, without the path
+RecordingHead described_head(nlohmann::ordered_json description, NumberType numbers);
+
+/// The same, of a head that a recording can have.
 /// @throws std::runtime_error that says what is wrong, without the path
 RecordingHead head_of(nlohmann::ordered_json description, NumberType numbers);
 

@@ -25,6 +25,7 @@ public:
     StreamFormat format() const override { return format_; }
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
+    void interrupt() noexcept override { reader_->interrupt(); }
     std::int64_t next_sample() const noexcept override { return next_; }
     std::string failure() const override { return failure_; }
 

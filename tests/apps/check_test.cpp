@@ -67,6 +67,17 @@ TEST(Check, SaysWhatWasPickedAndWhy) {
     }
 }
 
+TEST(Check, TellsWhatEachRecordingOfAStreamMayTake) {
+    const auto bytes = [](const char* rate) {
+        return hertzline({"check", "paper-stream", "--json", "--set", rate})
+            .json()["stream_recording_memory_bytes"]
+            .get<double>();
+    };
+    EXPECT_EQ(bytes("output.sample_rate_hz=10e6"), 256.0 * 1024 * 1024);
+    EXPECT_EQ(bytes("output.sample_rate_hz=1e6"),
+              2.0 * 1e6 * 3 * sizeof(double));  // two seconds of three columns
+}
+
 TEST(Check, KnowsNoErrorOfAStepTooShortForAPilot) {
     const auto derived =
         hertzline({"check", "paper-wall", "--json", "--set", "numerics.step_s=1e-12"}).json();

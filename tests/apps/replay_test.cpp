@@ -161,6 +161,15 @@ TEST(Replay, WhatIsNoRecordingIsRefusedByName) {
     EXPECT_THAT(damaged.err, HasSubstr("bad.csv"));
 }
 
+TEST(Replay, AFileOnWhichTheLibraryCrashesIsRefusedByName) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("crash.h5");
+    write_text(file, contents(HERTZLINE_SOURCE_DIR "/tests/fuzz/regressions/recording_hdf5/library_crashes"));
+    const Outcome outcome = hertzline({"replay", file});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("cannot read " + file + ": "));
+}
+
 TEST(Replay, AFileNameNeedNotBeText) {
     const TemporaryFolder folder;
     const std::string file = folder.file("b\xfcrst.csv");  // Latin-1

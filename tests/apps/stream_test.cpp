@@ -187,6 +187,21 @@ TEST(Stream, CtrlCWhileWaitingForASubscriberEndsIt) {
     EXPECT_EQ(outcome.json()["samples"], 0);
 }
 
+TEST(Stream, WhatMayWaitForItsFilesIsCountedForEachOfThem) {
+    const TemporaryFolder folder;
+    std::vector<std::string> words{
+        "stream", "paper-stream",      "--pace",   "flat-out",          "--duration", "1e-6",
+        "--bind", "tcp://127.0.0.1:*", "--record", folder.file("0.npy")};
+    const Outcome one = hertzline(words);
+    EXPECT_EQ(one.status, 0) << one.err;
+    for (int i = 1; i < 4096; ++i) {
+        words.insert(words.end(), {"--record", folder.file(std::to_string(i) + ".npy")});
+    }
+    const Outcome many = hertzline(words);  // 256 MiB each
+    EXPECT_EQ(many.status, 1);
+    EXPECT_THAT(many.err, HasSubstr("needs 1.0 TiB of memory"));
+}
+
 TEST(Stream, SaysHowToListen) {
     Program stream({"stream", "paper-stream", "--bind", any_port});
     const std::string endpoint = stream.endpoint();

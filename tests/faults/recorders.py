@@ -102,5 +102,62 @@ def rows_that_take_long(stand):
     check(not list(stand.folder.glob("a.csv*")), "it left something behind")
 
 
+def replay_of_a_pipe_that_nobody_writes(stand):
+    """With and without a writer, and with one that is silent after some rows."""
+    file, fifo = stand.folder / "a.csv", stand.folder / "fifo.csv"
+    check(stand.run("run", "paper-wall", "-o", file).returncode == 0, "no recording")
+    os.mkfifo(fifo)
+    socket = stand.folder / "socket"
+    words = ["replay", fifo, "--bind", f"ipc://{socket}"]
+    for metadata in (False, True):
+        if metadata:
+            (stand.folder / "fifo.csv-metadata.json").write_text((stand.folder / "a.csv-metadata.json").read_text())
+        for writes in (None, b"") + ((b"".join(file.read_bytes().splitlines(keepends=True)[:3000]),) if metadata else ()):
+            socket.unlink(missing_ok=True)
+            replay = _popen(stand, *words)
+            writer = None
+            if writes is not None:
+                writer = os.open(fifo, os.O_RDWR)  # does not wait for the reader
+                os.write(writer, writes)
+            if writes:
+                wait_until(socket.exists, "began")
+            time.sleep(0.5)
+            check(replay.poll() is None, f"it ended by itself, {replay.poll()}")
+            _ends_within_a_second(stand, replay, signal.SIGINT)
+            if writer is not None:
+                os.close(writer)
+
+
+def _children(process):
+    return [int(child) for task in os.listdir(f"/proc/{process.pid}/task")
+            for child in open(f"/proc/{process.pid}/task/{task}/children").read().split()]
+
+
+def replay_whose_reader_is_stuck(stand):
+    """HDF5 files are read by a process of their own."""
+    file, socket = stand.folder / "a.h5", stand.folder / "socket"
+    check(stand.run("run", "paper-stream", "-o", file, "--set", "output.duration_s=0.1").returncode == 0, "no recording")
+    replay = _popen(stand, "replay", file, "--bind", f"ipc://{socket}", "--pace", "0.02")
+    wait_until(socket.exists, "began")
+    (reader,) = _children(replay)
+    os.kill(reader, signal.SIGSTOP)
+    time.sleep(0.5)
+    check(replay.poll() is None, "it ended by itself")
+    _ends_within_a_second(stand, replay, signal.SIGINT)
+    wait_until(lambda: not os.path.exists(f"/proc/{reader}"), "ended its reader")
+
+
+def replay_whose_reader_is_killed(stand):
+    file, socket = stand.folder / "a.h5", stand.folder / "socket"
+    check(stand.run("run", "paper-stream", "-o", file, "--set", "output.duration_s=0.1").returncode == 0, "no recording")
+    replay = _popen(stand, "replay", file, "--bind", f"ipc://{socket}", "--pace", "0.02", stderr=subprocess.PIPE)
+    wait_until(socket.exists, "began")
+    (reader,) = _children(replay)
+    os.kill(reader, signal.SIGKILL)
+    _, messages = replay.communicate(timeout=stands.LONG_ENOUGH_S)
+    check(replay.returncode == 1 and f"cannot read {file}" in messages.decode() and b"Killed" in messages,
+          f"{replay.returncode}: {messages}")
+
+
 if __name__ == "__main__":
     stands.main(sys.modules[__name__])

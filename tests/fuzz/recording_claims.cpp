@@ -7,7 +7,6 @@
 #include <string>
 
 #include "stream/provenance.hpp"
-#include "stream/recordings/recording_formats.hpp"
 #include "stream/sources/replay_source.hpp"
 #include "tests/fuzz/claim.hpp"
 
@@ -48,8 +47,7 @@ std::int64_t claim_rows(RecordingReader& reader) {
     return count;
 }
 
-void claim_replay(const std::filesystem::path& path, std::int64_t rows) {
-    auto reader = open_reader(path);
+void claim_replay(std::unique_ptr<RecordingReader> reader, std::int64_t rows) {
     const double told_hz = reader->head().sample_rate_hz;  // 0: it does not tell
     ReplaySource source(std::move(reader), told_hz > 0 ? told_hz : 1, portion);
     const TapSet taps = source.format().taps;
@@ -63,12 +61,12 @@ void claim_replay(const std::filesystem::path& path, std::int64_t rows) {
 
 }  // namespace
 
-void claim_recording_or_fault(const std::filesystem::path& path) {
+void claim_recording_or_fault(const std::filesystem::path& path, const OpenRecording& open) {
     try {
-        const auto reader = open_reader(path);
+        const auto reader = open(path);
         claim_head(reader->head());
         if (const std::int64_t rows = claim_rows(*reader); rows > 0) {
-            claim_replay(path, rows);
+            claim_replay(open(path), rows);
         }
     } catch (const std::runtime_error& error) {
         claim_message(error.what(), longest_message);

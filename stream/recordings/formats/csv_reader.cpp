@@ -15,6 +15,7 @@
 #include "stream/json_from_outside.hpp"
 #include "stream/recordings/columns.hpp"
 #include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/isolated_reader.hpp"
 
 namespace hertzline::stream {
 
@@ -26,8 +27,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t longest_line = std::size_t{1} << 29;  // 20 million numbers, as of the longest chain
 constexpr std::uint64_t largest_metadata = 64 << 20;
-constexpr double max_samples = 5e14;   // times up to there tell them apart
-constexpr double max_rounding = 0.25;  // of a sample, in such a time
+constexpr std::size_t rows_of_a_pipe = 16;  // at a time: few, as they may come slowly
+constexpr double max_samples = 5e14;        // times up to there tell them apart
+constexpr double max_rounding = 0.25;       // of a sample, in such a time
 
 std::vector<std::string> split(std::string_view line) {
     std::vector<std::string> parts;
@@ -268,6 +270,14 @@ private:
 }  // namespace
 
 std::unique_ptr<RecordingReader> open_csv_reader(const fs::path& path) {
+    std::error_code unknown;
+    if (fs::is_fifo(path, unknown) && fs::is_regular_file(csv_metadata_path(path), unknown)) {
+        // Whoever writes to a pipe may be silent for as long as he likes. Nothing but its end ends who waits for him.
+        return open_isolated_reader(
+            path, std::make_unique<ChildProcess>(
+                      reading([&path] { return std::make_unique<CsvReader>(path); }, rows_of_a_pipe),
+                      ChildLimits{.silence = std::nullopt}));
+    }
     return std::make_unique<CsvReader>(path);
 }
 

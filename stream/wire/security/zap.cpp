@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "stream/wire/multipart.hpp"
@@ -25,13 +27,22 @@ std::string_view text_of(const zmq::message_t& part) noexcept {
     return {static_cast<const char*>(part.data()), part.size()};
 }
 
+zmq::socket_t bound_socket(zmq::context_t& context) {
+    try {
+        zmq::socket_t socket(context, zmq::socket_type::rep);
+        socket.set(zmq::sockopt::linger, 0);
+        socket.bind(endpoint);
+        return socket;
+    } catch (const zmq::error_t& error) {
+        throw std::runtime_error(std::string("cannot look up the keys of clients: ") + error.what());
+    }
+}
+
 }  // namespace
 
 ZapHandler::ZapHandler(zmq::context_t& context, std::vector<CurveKey> allowed)
-    : allowed_(std::move(allowed)), socket_(context, zmq::socket_type::rep) {
+    : allowed_(std::move(allowed)), socket_(bound_socket(context)) {
     std::ranges::sort(allowed_);
-    socket_.set(zmq::sockopt::linger, 0);
-    socket_.bind(endpoint);
     thread_ = std::jthread([this](const std::stop_token& stop) { answer_until(stop); });
 }
 

@@ -20,7 +20,7 @@ class ZapHandler {
 public:
     /// Answers for all sockets of the context, from a thread of its own, until destroyed (which takes at most
     /// a tenth of a second). To be made before any of them binds.
-    /// @throws zmq::error_t when the context has a handler already
+    /// @throws std::runtime_error when the context has a handler already or no socket left
     ZapHandler(zmq::context_t& context, std::vector<CurveKey> allowed);
 
     /// Peers that were turned away because their key is not listed.

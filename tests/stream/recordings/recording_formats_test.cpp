@@ -15,6 +15,7 @@
 
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -212,16 +213,14 @@ TEST_P(SealedFormat, ForeignBytesAreRefused) {
 
 /// Bytes changed at random: read as something, or refused. What matters is what sanitizers say.
 TEST_P(SealedFormat, DamageIsNoCrash) {
-    if (GetParam().ending == std::string("h5")) {
-        GTEST_SKIP() << "HDF5 1.10 itself does not stand it";
-    }
+    const int files = GetParam().ending == std::string("h5") ? repeated(300) : 3000;  // each in two processes
     const RecordingHead written = head(1);
     record(written, {recorded_rows(written, 0, 20), recorded_rows(written, 40, 20)});
     std::ifstream in(file, std::ios::binary);
     const std::string good((std::istreambuf_iterator<char>(in)), {});
     std::mt19937 random(3);
     int refused = 0;
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < files; ++i) {
         std::string bad = good;
         for (int k = 0; k < 3; ++k) {
             bad[random() % (k == 0 ? bad.size() : 400)] = static_cast<char>(random());
@@ -229,7 +228,7 @@ TEST_P(SealedFormat, DamageIsNoCrash) {
         std::ofstream(file, std::ios::binary) << bad;
         refused += refusal().empty() ? 0 : 1;
     }
-    EXPECT_GT(refused, 1000);
+    EXPECT_GT(refused, files / 3);
 }
 
 constexpr Format npy_f8{"npy", NumberType::float64}, npy_f4{"npy", NumberType::float32};

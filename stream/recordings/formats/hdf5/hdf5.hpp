@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "stream/recordings/child_process.hpp"
 #include "stream/recordings/recording.hpp"
 
 namespace hertzline::stream {
@@ -21,7 +22,12 @@ namespace hertzline::stream {
 std::unique_ptr<RecordingWriter> open_hdf5_writer(const std::filesystem::path& path,
                                                   const RecordingHead& head);
 
-/// Reads what the writer wrote, no other HDF5 files.
-std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path);
+/// Reads what the writer wrote, no other HDF5 files, in a child process: the library (1.10.8) crashes on damaged files,
+/// does not return, or asks for all memory.
+std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path,
+                                                  const ChildLimits& limits = {});
+
+/// The same in this process, for files that it wrote itself.
+std::unique_ptr<RecordingReader> open_own_hdf5(const std::filesystem::path& path);
 
 }  // namespace hertzline::stream

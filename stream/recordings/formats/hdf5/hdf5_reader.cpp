@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -14,6 +15,7 @@
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_layout.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_library.hpp"
+#include "stream/recordings/isolated_reader.hpp"
 #include "stream/recordings/recording_head.hpp"
 
 namespace hertzline::stream {
@@ -208,8 +210,24 @@ private:
 
 }  // namespace
 
-std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path) {
+std::unique_ptr<RecordingReader> open_own_hdf5(const std::filesystem::path& path) {
     return std::make_unique<Hdf5Reader>(path);
+}
+
+std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path,
+                                                  const ChildLimits& limits) {
+    const InputFile readable(path);  // or says why not, without a child
+    const auto read = reading([&path] { return open_own_hdf5(path); }, read_bytes);
+    // While no other thread is inside: the child has its copy of the library as it is now.
+    std::optional<Hdf5Library> library(std::in_place);
+    auto child = std::make_unique<ChildProcess>(
+        [&](Answers& answers) {
+            library.reset();
+            read(answers);
+        },
+        limits);
+    library.reset();
+    return open_isolated_reader(path, std::move(child));
 }
 
 }  // namespace hertzline::stream

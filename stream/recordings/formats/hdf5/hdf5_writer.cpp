@@ -182,7 +182,7 @@ private:
             return {};
         }
         staged_.keep();
-        open_hdf5_reader(staged_.temporary());  // throws when even that cannot be read
+        open_own_hdf5(staged_.temporary());  // throws when even that cannot be read
         return {kept, staged_.temporary()};
     }
 
