@@ -29,7 +29,8 @@ std::optional<double> left_at(const ResolvedScene& resolved, double end_s) {
 
 TEST(SeenMotion, OfASteadySceneIsNeverLeft) {
     for (const Integrator integrator : {Integrator::taylor8, Integrator::leapfrog, Integrator::chin4a}) {
-        Scene scene = steady_scene();
+        Scene scene = shipped("paper-aluminium");  // where the ledger of chin4a errs most for its error
+        scene.drive.repetition_hz = 1000;
         scene.numerics.integrator = integrator;
         EXPECT_EQ(left_at(resolve(scene, std::nullopt), 0.03), std::nullopt);
     }
@@ -38,7 +39,7 @@ TEST(SeenMotion, OfASteadySceneIsNeverLeft) {
 TEST(SeenMotion, OfAGrowingSceneIsLeft) {
     const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
     EXPECT_LE(resolved.estimate->error, default_accuracy);
-    EXPECT_LE(left_at(resolved, 0.01), 4e-3);
+    EXPECT_LE(left_at(resolved, 0.01).value_or(1), 4e-3);
 }
 
 TEST(SeenMotion, IsLeftByPressEventsAndEnergy) {
@@ -77,7 +78,7 @@ TEST(EventRate, CountsByPeriodsOfTheBursts) {
     rate.note(1e-3, 120);
     rate.note(2e-3, 130);
     EXPECT_DOUBLE_EQ(rate.largest(), 120e3);
-    EXPECT_FALSE(rate.exceeds(9e3));  // 10e3, and it may be one period's more
+    EXPECT_FALSE(rate.exceeds(6e3));  // 10e3, and it may be one period's more
     EXPECT_TRUE(rate.exceeds(3e3));
     rate.note(2.5e-3, 1000);
     EXPECT_FALSE(rate.exceeds(3e3));  // that period is not complete
