@@ -21,9 +21,11 @@ set(core_headers
   core/model/end.hpp
   core/model/energy.hpp
   core/model/state.hpp
+  core/solvers/extent.hpp
   core/solvers/solver.hpp
   core/step_choice/pilot.hpp
   core/step_choice/reference_pilot.hpp
+  core/step_choice/seen_motion.hpp
   core/step_choice/step_advice.hpp)
 
 set(stream_headers

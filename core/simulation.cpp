@@ -1,11 +1,8 @@
 #include "core/simulation.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "core/model/energy.hpp"
 #include "core/solvers/sampler.hpp"
 #include "core/step_choice/resolve.hpp"
 
@@ -57,21 +54,6 @@ Samples Simulation::make_samples(std::size_t capacity) const {
 void Simulation::reset() noexcept {
     solver_->reset();
     status_ = Status::running;
-}
-
-double Simulation::energy_missing() noexcept {
-    const Ledger ledger = solver_->ledger();
-    const ChainState& now = solver_->state();
-    const double held =
-        kinetic_energy(*chain_, now) + stored_energy(*chain_, now, solver_->horn_displacement());
-    return std::abs(held - ledger.at_start - ledger.work + ledger.lost);
-}
-
-double Simulation::energy_residual() noexcept {
-    const Ledger ledger = solver_->ledger();
-    const double moved =
-        std::max({ledger.gross_work, ledger.lost, kinetic_energy(*chain_, solver_->state())});
-    return moved > 0 ? energy_missing() / moved : 0;
 }
 
 std::string Simulation::failure() const {

@@ -8,6 +8,7 @@
 #include "core/model/chain.hpp"
 #include "core/model/state.hpp"
 #include "core/scene/scene.hpp"
+#include "core/solvers/extent.hpp"
 #include "core/solvers/solver.hpp"
 
 namespace hertzline {
@@ -52,10 +53,11 @@ public:
     /// Its time [s]. Steps do not end where samples lie.
     double time_s() const noexcept { return solver_->time_s(); }
     Ledger ledger() noexcept { return solver_->ledger(); }
-    /// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost| [J].
-    double energy_missing() noexcept;
-    /// The same over what came and went: the horn's work back and forth, or the losses, or the kinetic energy, whichever is largest.
-    double energy_residual() noexcept;
+    /// As the functions of that name in solvers/extent.hpp.
+    double energy_missing() noexcept { return hertzline::energy_missing(*solver_, *chain_); }
+    double energy_residual() noexcept { return hertzline::energy_residual(*solver_, *chain_); }
+    /// How far the motion has gone. Not cheap, as state().
+    MotionExtent extent() noexcept { return extent_of(*solver_, *chain_); }
 
     /// What went wrong, for a human; empty when nothing did.
     std::string failure() const;

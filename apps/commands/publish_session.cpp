@@ -195,7 +195,7 @@ double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
 }
 
 void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
-                        Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add) {
+                        Format format, const PublishedSource& source) {
     announce(publisher, pipeline);
     Json summary;
     pipeline.run(stop_asked(), {.progress =
@@ -209,10 +209,11 @@ void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& pub
                                         line.clear();
                                         spdlog::warn(text);
                                     },
+                                .watch = source.watch,
                                 .summary =
                                     [&](const stream::StreamMeters& meters) {
                                         summary = summary_of(meters, pipeline, publisher);
-                                        add(summary, meters);
+                                        source.add_to_summary(summary, meters);
                                         return json_text(summary);
                                     }});
     line.clear();

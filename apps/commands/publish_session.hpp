@@ -47,9 +47,14 @@ stream::PublisherOptions publisher_options(const PublishRequest& request, const 
 double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
                     const stream::PublisherOptions& options) noexcept;
 
-/// Publishes to the end, shows progress and warnings, and prints the summary, to which `add` adds what only
-/// the caller knows.
+/// What only the caller knows.
+struct PublishedSource {
+    std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
+    std::function<Json(const MotionExtent&)> watch = {};  ///< as in StreamEvents
+};
+
+/// Publishes to the end, shows progress and warnings, and prints the summary.
 void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
-                        Format format, const std::function<void(Json&, const stream::StreamMeters&)>& add);
+                        Format format, const PublishedSource& source);
 
 }  // namespace hertzline::app

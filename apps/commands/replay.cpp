@@ -107,10 +107,10 @@ Exit replay(const ReplayArguments& arguments) {
     ProgressLine line;
     stream::Pipeline pipeline(options, source, publisher, nullptr);
     publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
-                       [&](Json& summary, const stream::StreamMeters&) {
+                       {[&](Json& summary, const stream::StreamMeters&) {
                            summary["replay"] = arguments.file;
                            summary["version"] = stream::program_version();
-                       });
+                       }});
     return Exit::done;
 }
 

@@ -15,10 +15,12 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/row_builder.hpp"
 #include "stream/resources.hpp"
+#include "stream/sources/estimate_watch.hpp"
 #include "stream/sources/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -61,6 +63,13 @@ Json about(const ResolvedScene& resolved, const std::string& run) {
         {resolved.scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), run});
 }
 
+/// What meta says once the error has been estimated again.
+Json estimate_of(const stream::EstimateWatch& watch) {
+    Json changed = Json::object();
+    stream::add_estimate(changed, watch.estimate());
+    return changed;
+}
+
 Exit stream(const StreamArguments& arguments) {
     Faults faults;
     std::optional<stream::CurveServer> curve;
@@ -96,19 +105,29 @@ Exit stream(const StreamArguments& arguments) {
         });
     stream::RowBuilder row_builder(recordings, recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
+    stream::EstimateWatch estimate(resolved);
+    const auto told = [&](const stream::EstimateWatch::News& news) {
+        if (!news.warning.empty()) {
+            line.clear();
+            spdlog::warn("{}: {}", printable(arguments.scene.scene), news.warning);
+        }
+        return news.estimated_again ? estimate_of(estimate) : Json::object();
+    };
+    const auto add_to_summary = [&](Json& summary, const stream::StreamMeters& meters) {
+        // Before subscribers receive the end, recordings are complete or known not to be.
+        recordings.commit();
+        told(estimate.finish(meters.motion));
+        summary["recordings"] = stream::recordings_json(recordings);
+        summary["steps"] = meters.account.steps;
+        summary["step_s"] = *scene.numerics.step_s;
+        summary["integrator"] = word(*scene.numerics.integrator);
+        stream::add_estimate(summary, estimate.estimate());
+        summary["scene_hash"] = scene_hash(scene);
+        summary["version"] = stream::program_version();
+    };
+    const auto watch = [&](const MotionExtent& now) { return told(estimate.look(now)); };
     try {
-        publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
-                           [&](Json& summary, const stream::StreamMeters& meters) {
-                               // Before subscribers receive the end, recordings are complete or known not to be.
-                               recordings.commit();
-                               summary["recordings"] = stream::recordings_json(recordings);
-                               summary["steps"] = meters.account.steps;
-                               summary["step_s"] = *scene.numerics.step_s;
-                               summary["integrator"] = word(*scene.numerics.integrator);
-                               stream::add_estimate(summary, resolved.estimate);
-                               summary["scene_hash"] = scene_hash(scene);
-                               summary["version"] = stream::program_version();
-                           });
+        publish_to_the_end(pipeline, publisher, line, arguments.publish.format, {add_to_summary, watch});
     } catch (...) {
         recordings.commit();  // what was streamed until then is whole
         throw;

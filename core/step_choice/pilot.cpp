@@ -31,7 +31,8 @@ Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
       solver_(make_solver(scene_, *chain_, {.taps = taps_, .ledger = LedgerKeeping::off})),
       block_(taps_, static_cast<std::size_t>(chain_->spheres()), block_samples),
       spheres_(static_cast<std::size_t>(chain_->spheres())),
-      columns_(spheres_ + (chain_->end.has_plate ? 2 : 0)) {}
+      columns_(spheres_ + (chain_->end.has_plate ? 2 : 0)),
+      event_rate_(scene_.drive) {}
 
 void Pilot::run_to(std::size_t samples) {
     velocities_.reserve(samples * columns_);
@@ -46,6 +47,8 @@ void Pilot::run_to(std::size_t samples) {
                 velocities_.push_back(block_[Tap::v_out][i]);
             }
         }
+        event_rate_.note(static_cast<double>(solver_->next_sample()) / sample_rate_hz(),
+                         solver_->contact_events());
     }
 }
 

@@ -10,6 +10,7 @@
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
 #include "core/solvers/solver.hpp"
+#include "core/step_choice/seen_motion.hpp"
 
 namespace hertzline {
 
@@ -29,6 +30,9 @@ public:
     /// Largest overlap of each contact so far [m].
     Eigen::ArrayXd peak_overlap() { return solver_->state().peak_overlap; }
 
+    /// What it has seen so far. @param error estimated, of its step
+    SeenMotion seen(double error) { return seen_motion(extent_of(*solver_, *chain_), event_rate_, error); }
+
     std::size_t spheres() const noexcept { return spheres_; }
     std::size_t columns() const noexcept { return columns_; }
     bool has_plate() const noexcept { return columns_ > spheres_; }
@@ -44,6 +48,7 @@ private:
     std::size_t spheres_;
     std::size_t columns_;
     std::vector<double> velocities_;  // [sample][column]
+    EventRate event_rate_;
     bool stable_ = true;
 };
 

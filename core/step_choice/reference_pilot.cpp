@@ -13,8 +13,6 @@ namespace {
 
 constexpr Integrator best = Integrator::taylor12;
 constexpr double as_good_as_exact = 1e-13;  // error of a piece
-constexpr double finer = 0.7;               // pieces that show the error of the reference
-constexpr std::int64_t pilot_spheres = 500;
 constexpr double series_drive_periods = 0.11;
 
 // How long pilots watch, in pieces of the reference, and in pieces times bodies.
@@ -36,12 +34,6 @@ constexpr double max_values = 2e6;         // in a pilot
 constexpr double hopeless = 10;            // of the accuracy: a trial with such an error is not completed
 constexpr double samples_per_period = 16;  // at least
 constexpr std::size_t min_samples = 16;
-
-/// Times ten once rounding is amplified: a pair of such motions differs by chance. Motions that have nothing in common any more
-/// differ by about one.
-double careful(double own_error) noexcept {
-    return own_error > amplified_rounding ? std::min(10 * own_error, std::max(1.0, own_error)) : own_error;
-}
 
 /// The burst and the wave's way, a half more for what is slower than the stiffest contacts; or two bursts' periods [s].
 double burst_and_way_s(const Scene& scene, const Chain& chain) {
@@ -78,6 +70,10 @@ double kinetic(const Pilot& pilot, std::size_t from, std::size_t to) noexcept {
 }
 
 }  // namespace
+
+double careful(double own_error) noexcept {
+    return own_error > amplified_rounding ? std::min(10 * own_error, std::max(1.0, own_error)) : own_error;
+}
 
 double longest_for_drive(const Drive& drive) noexcept {
     return series_drive_periods / drive.frequency_hz;

@@ -14,11 +14,21 @@ double longest_for_drive(const Drive& drive) noexcept;
 /// Longest piece of taylor12 that is as good as exact, with a chain of the scene [s].
 double step_of_reference(const Scene& scene, const Chain& chain);
 
+/// The spheres of a long chain that pilots simulate.
+inline constexpr std::int64_t pilot_spheres = 500;
+
 /// The first spheres of a long chain.
 Scene shortened(Scene scene);
 
 /// An error of the reference itself above this is rounding that the motion amplifies [relative L2].
 inline constexpr double amplified_rounding = 1e-8;
+
+/// The error that a reference is said to have when two of different steps differ by so much: ten times that once rounding is
+/// amplified, because a pair of such motions differs by chance. Motions that have nothing in common any more differ by about one.
+double careful(double own_error) noexcept;
+
+/// The pieces of the second reference, relative to those of the first.
+inline constexpr double finer = 0.7;
 
 /// A pilot with some step, and what it showed over the stretch on which steps are chosen.
 struct Trial {

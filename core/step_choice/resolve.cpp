@@ -81,6 +81,7 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
         const ErrorEstimate estimate = reference.estimate(*trial, run_s);
         if (std::isfinite(estimate.error)) {
             result.estimate = estimate;
+            result.seen = trial->pilot.seen(estimate.error);
         }
     }
     return result;

@@ -47,6 +47,7 @@ struct ResolvedScene {
     /// Of the step in use: what a pilot at that step differs from the reference. Of a long chain the first 500 spheres are looked at.
     /// None if the pilot would take too long, or fails.
     std::optional<ErrorEstimate> estimate;
+    SeenMotion seen;             ///< by the pilot of the estimate, if there is one
     double steps_per_burst = 0;  ///< to be expected: steps, or pieces of a series
     std::vector<Fault> faults;   ///< step beyond the stability limit
 

@@ -55,7 +55,7 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     if (start_time_) {
         monitor_.measure_all(MonotonicClock::now(), *start_time_, producer_.busy());
     }
-    monitor_.meters().energy_residual = source_.energy_residual();
+    monitor_.meters().motion = source_.motion();
     if (!source_.failure().empty()) {
         throw std::runtime_error(source_.failure());
     }
@@ -165,16 +165,30 @@ void Pipeline::report(Nanoseconds now) {
             monitor_.measure(now, *start_time_, producer_.busy());
         }
         if (publisher_.wanted(meters_topic)) {
-            producer_.want_residual();
+            producer_.want_motion();
             publisher_.send_text(meters_topic, meters_json(monitor_.meters(), format_.taps, options_.run));
         }
         events_->progress(monitor_.meters());
+        watch();
     }
     if (now >= next_meta_) {
         next_meta_ = now + meta_period;
         if (publisher_.wanted(meta_topic)) {
             send_meta();
         }
+    }
+}
+
+/// What subscribers were told of the samples may no longer hold.
+void Pipeline::watch() {
+    if (!events_->watch) {
+        return;
+    }
+    producer_.want_motion();
+    const nlohmann::ordered_json changed = events_->watch(monitor_.meters().motion);
+    if (!changed.empty()) {
+        options_.about.update(changed);
+        send_meta();
     }
 }
 

@@ -27,8 +27,10 @@ namespace hertzline::stream {
 
 /// What the pipeline tells its owner, in the sending thread.
 struct StreamEvents {
-    std::function<void(const StreamMeters&)> progress;        ///< about ten times a second
-    std::function<void(const std::string&)> warn;             ///< for the user
+    std::function<void(const StreamMeters&)> progress;  ///< about ten times a second
+    std::function<void(const std::string&)> warn;       ///< for the user
+    /// About ten times a second, if set: members of meta that have changed, or nothing.
+    std::function<nlohmann::ordered_json(const MotionExtent&)> watch = {};
     std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
 };
 
@@ -56,6 +58,7 @@ private:
     void release(const Block& block);
     void listen_for_subscriptions();
     void report(Nanoseconds now);
+    void watch();
     void send_meta();
 
     StreamOptions options_;

@@ -19,7 +19,7 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
       on_overrun_(on_overrun),
       ring_(size.blocks,
             [&source, small = source.format().taps - source.format().chain_taps()] {
-                return Block{.small = source.make_block(small), .demand = {}, .account = {}};
+                return Block{.small = source.make_block(small), .demand = {}, .account = {}, .motion = {}};
             }),
       chain_taps_(source.format().chain_taps()),
       discarded_to_(origin_) {
@@ -137,10 +137,10 @@ bool Producer::fill(Block& block, std::int64_t count) noexcept {
         return false;
     }
     block.account = source_.account();
-    if (residual_wanted_.exchange(false, std::memory_order_relaxed)) {
-        last_residual_ = source_.energy_residual();
+    if (motion_wanted_.exchange(false, std::memory_order_relaxed)) {
+        last_motion_ = source_.motion();
     }
-    block.energy_residual = last_residual_;
+    block.motion = last_motion_;
     return true;
 }
 

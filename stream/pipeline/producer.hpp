@@ -43,7 +43,7 @@ struct Block {
     std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
     std::uint64_t dropped = 0;  ///< of the run, before this one
     SourceAccount account;
-    double energy_residual = 0;
+    MotionExtent motion;  ///< when it was last asked for
 
     Samples& samples() noexcept { return chain != nullptr ? *chain : small; }
     const Samples& samples() const noexcept { return chain != nullptr ? *chain : small; }
@@ -83,8 +83,8 @@ public:
 
     /// For one thread. @returns the demand's generation, a new one if it changed.
     std::uint32_t want(TapSet taps) noexcept;
-    /// The next block shall say how the energy ledger stands.
-    void want_residual() noexcept { residual_wanted_.store(true, std::memory_order_relaxed); }
+    /// The next block shall say how far the motion has gone.
+    void want_motion() noexcept { motion_wanted_.store(true, std::memory_order_relaxed); }
 
     std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
     /// Index of the sample after the last one that was discarded; the source's first sample when none was.
@@ -118,7 +118,7 @@ private:
     std::int64_t origin_;
     std::int64_t end_;
     OnOverrun on_overrun_;
-    double last_residual_ = 0;
+    MotionExtent last_motion_;
     RingBuffer<Block> ring_;
     // Used in turn, by the blocks that hold taps of every sphere.
     TapSet chain_taps_;
@@ -130,7 +130,7 @@ private:
 
     std::atomic<Demand> demand_{Demand()};
     static_assert(std::atomic<Demand>::is_always_lock_free);
-    std::atomic<bool> residual_wanted_{false};
+    std::atomic<bool> motion_wanted_{false};
     std::atomic<bool> going_{false};
     std::atomic<bool> stopping_{false};
     std::atomic<bool> finished_{false};

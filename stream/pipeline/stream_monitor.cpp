@@ -24,7 +24,7 @@ void StreamMonitor::count(const Block& block, Nanoseconds lateness) noexcept {
     meters_.largest_lateness_s = std::max(meters_.largest_lateness_s, seconds(lateness));
     pass(block.samples().first + static_cast<std::int64_t>(block.samples().count));
     meters_.account = block.account;
-    meters_.energy_residual = block.energy_residual;
+    meters_.motion = block.motion;
 }
 
 void StreamMonitor::pass(std::int64_t sample) noexcept {

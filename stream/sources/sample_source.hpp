@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/samples.hpp"
+#include "core/solvers/extent.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::stream {
@@ -58,8 +59,8 @@ public:
 
     virtual SourceAccount account() const noexcept { return {}; }
 
-    /// What the energy ledger misses (docs/model.md, section 8), relative to the work done. Not cheap.
-    virtual double energy_residual() noexcept { return 0; }
+    /// How far the motion has gone; all 0 where it is not known. Not cheap.
+    virtual MotionExtent motion() noexcept { return {}; }
 
     /// What went wrong, for a human; empty when nothing did.
     virtual std::string failure() const { return {}; }

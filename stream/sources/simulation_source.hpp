@@ -21,7 +21,7 @@ public:
     void interrupt() noexcept override { stop_.store(true, std::memory_order_relaxed); }
     std::int64_t next_sample() const noexcept override { return simulation_.next_sample(); }
     SourceAccount account() const noexcept override;
-    double energy_residual() noexcept override { return simulation_.energy_residual(); }
+    MotionExtent motion() noexcept override { return simulation_.extent(); }
     std::string failure() const override { return simulation_.failure(); }
 
     /// The format that a scene's stream has.

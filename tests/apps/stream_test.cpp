@@ -1,6 +1,10 @@
 // hertzline stream and hertzline listen, against each other and against the wire's contract.
 
+#include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -176,6 +180,53 @@ TEST(Stream, CtrlCEndsItWithASummaryAndAReadableRecording) {
         EXPECT_EQ(recorded.at("t_s").size(), outcome.json()["samples"].get<std::size_t>());
         EXPECT_GT(recorded.at("t_s").size(), 0U);
     }
+}
+
+TEST(Stream, EstimatesTheErrorAgainWhenTheMotionGrows) {
+    // a hundredth of real time: the motion has grown after some tenths of a second, and reaching it takes as long
+    Program stream({"stream", "paper-acrylic", "--set", "drive.repetition_hz=2000", "--pace", "0.01",
+                    "--json", "--bind", any_port});
+    Subscriber subscriber(stream.endpoint());
+    subscriber.subscribe("meta");
+    const json before = object_of(subscriber, "meta");
+    json meta = before;
+    for (int metas = 0; metas < 100 && meta["estimated_over_s"] == before["estimated_over_s"]; ++metas) {
+        meta = object_of(subscriber, "meta");
+    }
+    EXPECT_GT(meta["estimated_over_s"], before["estimated_over_s"]);
+    EXPECT_LE(before["estimated_error"], 1e-4);
+    EXPECT_GT(meta["estimated_error"], 1e-4);
+    EXPECT_EQ(meta["step_s"], before["step_s"]);
+    EXPECT_EQ(meta["run"], before["run"]);
+    stream.send(SIGINT);
+    const Outcome outcome = stream.wait();
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_GE(outcome.json()["estimated_over_s"], meta["estimated_over_s"]);
+    EXPECT_THAT(outcome.err, HasSubstr("above the requested accuracy of 0.0001"));
+}
+
+TEST(Stream, CtrlCEndsAnEstimateThatIsBeingMade) {
+    Program stream(
+        {"stream", "paper-acrylic", "--set", "drive.repetition_hz=2000", "--json", "--bind", any_port});
+    const std::string tasks = "/proc/" + std::to_string(stream.process()) + "/task";
+    const auto estimating = [&] {
+        for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+            std::ifstream name(task.path() / "comm");
+            std::string text;
+            if (std::getline(name, text) && text == "estimating") {
+                return true;
+            }
+        }
+        return false;
+    };
+    const auto deadline = std::chrono::steady_clock::now() + Program::long_enough;
+    while (!estimating() && std::chrono::steady_clock::now() < deadline) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    stream.send(SIGINT);
+    const Outcome outcome = stream.wait();
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("the motion has left what the estimate of the error was made on"));
 }
 
 TEST(Stream, CtrlCWhileWaitingForASubscriberEndsIt) {

@@ -79,9 +79,15 @@ struct Stream {
           publisher("tcp://127.0.0.1:*"),
           pipeline(std::move(with), source, publisher, nullptr) {}
 
-    StreamMeters run(const std::function<void(const StreamMeters&)>& progress = [](const StreamMeters&) {}) {
+    using Watch = std::function<nlohmann::ordered_json(const MotionExtent&)>;
+    static nlohmann::ordered_json no_change(const MotionExtent& /*now*/) { return {}; }
+
+    StreamMeters run(
+        const std::function<void(const StreamMeters&)>& progress = [](const StreamMeters&) {},
+        const Watch& watch = no_change) {
         return pipeline.run(stop, {.progress = progress,
                                    .warn = [](const std::string&) {},
+                                   .watch = watch,
                                    .summary = [](const StreamMeters&) { return std::string("{}"); }});
     }
 
@@ -132,6 +138,32 @@ TEST(Pipeline, TheSimulatingThreadAllocatesNothing) {
     EXPECT_EQ(stream.run().samples, 300'000);
     listener.join();
     EXPECT_EQ(simulating.so_far(), 0U);
+}
+
+TEST(Pipeline, WhatTheWatchFindsIsInMeta) {
+    Stream stream(options(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once));
+    Subscriber subscriber(stream.publisher.endpoint());
+    subscriber.subscribe(meta_topic);
+    std::thread listening([&] {
+        while (const Message* message = subscriber.receive(std::chrono::seconds(60))) {
+            if (const auto meta = nlohmann::json::parse(message->text(0)); meta["version"] == "changed") {
+                EXPECT_EQ(meta["fs"], stream.pipeline.format().sample_rate_hz);  // and all else that it says
+                break;
+            }
+        }
+        stream.stop = true;
+    });
+    double seen_s = 0;
+    const StreamMeters meters = stream.run(
+        [](const StreamMeters&) {},
+        [&](const MotionExtent& now) -> nlohmann::ordered_json {
+            const bool first = seen_s == 0 && now.time_s > 0;
+            seen_s = std::max(seen_s, now.time_s);
+            return first ? nlohmann::ordered_json{{"version", "changed"}} : nlohmann::ordered_json::object();
+        });
+    listening.join();
+    EXPECT_GT(seen_s, 0);
+    EXPECT_GE(meters.motion.time_s, seen_s);
 }
 
 TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {

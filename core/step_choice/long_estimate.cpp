@@ -1,0 +1,95 @@
+#include "core/step_choice/long_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hertzline {
+
+namespace {
+
+constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
+constexpr std::size_t block_samples = 256;
+
+Scene with_step(Scene scene, Integrator integrator, double step_s) {
+    scene.numerics.integrator = integrator;
+    scene.numerics.step_s = step_s;
+    scene.numerics.rest_tolerance = 0;  // what that cuts off is no error of the step
+    return scene;
+}
+
+double bodies(const Scene& scene) noexcept {
+    return static_cast<double>(scene.chain.spheres) + 1;
+}
+
+}  // namespace
+
+LongEstimate::Flight::Flight(const Scene& of, Integrator integrator, double step_s,
+                             const std::atomic<bool>& stop)
+    : scene(with_step(of, integrator, step_s)),
+      chain(scene),
+      solver(make_solver(scene, chain, {.ledger = LedgerKeeping::off, .stop = &stop})),
+      block(SimulationOptions().taps & taps_of(scene.end.kind), 0, block_samples) {}
+
+LongEstimate::LongEstimate(const Scene& scene, const std::atomic<bool>& stop)
+    : sample_rate_hz_(scene.output.sample_rate_hz),
+      reference_step_s_(step_of_reference(scene, Chain(scene))),
+      longest_s_(reference_step_s_ * affordable_body_pieces / bodies(scene)),
+      used_(scene, *scene.numerics.integrator, *scene.numerics.step_s, stop),
+      reference_(scene, Integrator::taylor12, reference_step_s_, stop),
+      finer_(scene, Integrator::taylor12, finer * reference_step_s_, stop),
+      event_rate_(scene.drive) {}
+
+bool LongEstimate::reach(double time_s) noexcept {
+    const auto end = static_cast<std::int64_t>(std::ceil(std::min(time_s, longest_s_) * sample_rate_hz_));
+    while (used_.solver->next_sample() < end) {
+        const auto count = static_cast<std::size_t>(
+            std::min<std::int64_t>(block_samples, end - used_.solver->next_sample()));
+        for (Flight* const flight : {&used_, &reference_, &finer_}) {
+            if (flight->solver->fill(flight->block, count, flight->block.taps()) != Status::running) {
+                return false;
+            }
+        }
+        for (const Tap tap : used_.block.taps()) {
+            add(tap);
+        }
+        event_rate_.note(static_cast<double>(used_.solver->next_sample()) / sample_rate_hz_,
+                         used_.solver->contact_events());
+    }
+    return true;
+}
+
+void LongEstimate::add(Tap tap) noexcept {
+    Sums& sums = sums_[static_cast<std::size_t>(tap)];
+    const auto square = [](double x) { return x * x; };
+    for (std::size_t i = 0; i < used_.block.count; ++i) {
+        const double truth = reference_.block[tap][i];
+        sums.wrong += square(used_.block[tap][i] - truth);
+        sums.own += square(finer_.block[tap][i] - truth);
+        sums.norm += square(truth);
+    }
+}
+
+ErrorEstimate LongEstimate::estimate() const noexcept {
+    double loudest = 0;
+    for (const Sums& sums : sums_) {
+        loudest = std::max(loudest, sums.norm);
+    }
+    double found = 0;
+    double own = 0;
+    for (const Sums& sums : sums_) {
+        const double scale = std::max(sums.norm, quiet_column * quiet_column * loudest);
+        if (scale > 0) {
+            found = std::max(found, std::sqrt(sums.wrong / scale));
+            own = std::max(own, std::sqrt(sums.own / scale));
+        }
+    }
+    return {.error = std::max(found, careful(own)),
+            .over_s = static_cast<double>(used_.solver->next_sample()) / sample_rate_hz_,
+            .amplifies = own > amplified_rounding};
+}
+
+SeenMotion LongEstimate::seen() noexcept {
+    return seen_motion(extent_of(*used_.solver, used_.chain), event_rate_, estimate().error);
+}
+
+}  // namespace hertzline

@@ -1,0 +1,58 @@
+#pragma once
+// The error of the step in use over a long stretch of the motion, longer and longer if need be. Pilots keep their samples; here only
+// sums are kept, so that the stretch is bounded by time and not by memory.
+
+#include <array>
+#include <atomic>
+#include <memory>
+
+#include "core/step_choice/reference_pilot.hpp"
+#include "core/step_choice/seen_motion.hpp"
+
+namespace hertzline {
+
+/// Simulates a scene three times side by side: with the step in use, and with two references as ReferencePilot has them.
+class LongEstimate {
+public:
+    /// @param scene resolved, at most pilot_spheres long @param stop ends reach() within a few steps. Both outlive this.
+    /// @throws std::bad_alloc
+    LongEstimate(const Scene& scene, const std::atomic<bool>& stop);
+
+    /// The longest stretch that is affordable: some seconds of a processor's time for each of the three [s].
+    double longest_s() const noexcept { return longest_s_; }
+
+    /// Goes on from where it is to that time, or as far as is affordable. @returns whether it got there: false when it was stopped,
+    /// or one of the three failed
+    bool reach(double time_s) noexcept;
+
+    /// Of all so far.
+    ErrorEstimate estimate() const noexcept;
+    SeenMotion seen() noexcept;
+
+private:
+    /// A simulation of the scene with a step of its own.
+    struct Flight {
+        Flight(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>& stop);
+        Scene scene;
+        Chain chain;
+        std::unique_ptr<Solver> solver;
+        Samples block;
+    };
+    /// Sums of squares over the samples [m^2/s^2].
+    struct Sums {
+        double wrong = 0;  // what the step in use differs from the reference by
+        double own = 0;    // what the finer reference does
+        double norm = 0;   // the reference itself
+    };
+
+    void add(Tap tap) noexcept;
+
+    double sample_rate_hz_;
+    double reference_step_s_;
+    double longest_s_;
+    Flight used_, reference_, finer_;
+    EventRate event_rate_;
+    std::array<Sums, tap_count> sums_{};
+};
+
+}  // namespace hertzline

@@ -1,0 +1,78 @@
+#pragma once
+// What a pilot has seen of a motion, and whether the motion has left it: an estimate of the error says nothing about a motion that its
+// pilots have not seen.
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/scene/scene.hpp"
+#include "core/solvers/extent.hpp"
+
+namespace hertzline {
+
+/// A motion has left what was seen when it exceeds that by more than this factor.
+inline constexpr double seen_margin = 1.25;
+
+/// Velocities that err by a share of their size change the energy by twice that, and the ledger of a step that freezes its contacts
+/// errs some times more (chin4a).
+constexpr double residual_in_keeping_with(double error) noexcept {
+    return 10 * error;
+}
+
+/// Contact events, counted by stretches of a burst's period, or of a burst where there is but one.
+class EventRate {
+public:
+    explicit EventRate(const Drive& drive) noexcept
+        : stretch_s_(drive.repetition_hz > 0 ? 1 / drive.repetition_hz : drive.cycles / drive.frequency_hz) {}
+
+    /// @param events so far, at a time that only grows [s]
+    void note(double time_s, std::int64_t events) noexcept {
+        last_s_ = time_s - begin_s_;
+        last_ = static_cast<double>(events - events_at_begin_) / std::max(last_s_, 1e-300);
+        if (last_s_ >= stretch_s_) {
+            largest_ = std::max(largest_, last_);
+            begin_s_ = time_s;
+            events_at_begin_ = events;
+            whole_ = true;
+        }
+    }
+
+    /// The largest of any stretch; of what there is before the first one is complete [1/s].
+    double largest() const noexcept { return whole_ ? largest_ : last_; }
+    /// Whether note() has just completed a stretch, with more events than another one's largest rate allows. As stretches need not
+    /// begin with a burst they may have the events of one burst more.
+    bool exceeds(double rate) const noexcept {
+        return last_s_ >= stretch_s_ && last_ > seen_margin * rate * (1 + stretch_s_ / last_s_);
+    }
+
+private:
+    double stretch_s_;
+    double begin_s_ = 0;
+    std::int64_t events_at_begin_ = 0;
+    double last_s_ = 0;
+    double last_ = 0;
+    double largest_ = 0;
+    bool whole_ = false;
+};
+
+/// The motion that pilots have seen.
+struct SeenMotion {
+    double largest_press_m = 0;  ///< as in MotionExtent
+    double last_press_m = 0;
+    double events_per_s = 0;     ///< contact events, the largest EventRate
+    double energy_residual = 0;  ///< the largest that is in keeping with the estimated error
+
+    /// @param rate that has noted `now` @returns whether the motion is beyond it by more than the margin
+    bool left_by(const MotionExtent& now, const EventRate& rate) const noexcept {
+        return now.largest_press_m > seen_margin * largest_press_m ||
+               now.last_press_m > seen_margin * last_press_m || rate.exceeds(events_per_s) ||
+               now.energy_residual > seen_margin * energy_residual;
+    }
+};
+
+/// What a pilot has seen whose step is estimated to err by so much.
+inline SeenMotion seen_motion(const MotionExtent& extent, const EventRate& rate, double error) noexcept {
+    return {extent.largest_press_m, extent.last_press_m, rate.largest(), residual_in_keeping_with(error)};
+}
+
+}  // namespace hertzline

@@ -1,0 +1,120 @@
+#include "stream/sources/estimate_watch.hpp"
+
+#include <exception>
+
+#include <fmt/format.h>
+#include <pthread.h>
+#include <sys/resource.h>
+
+namespace hertzline::stream {
+
+namespace {
+
+// The motion goes on while the error is estimated; reaching further at once also keeps the number of estimates small.
+constexpr double ahead = 2;
+
+/// Behind all that is in step with a clock. On Linux a priority is the calling thread's.
+void step_back() noexcept {
+    constexpr int least_priority = 19;
+    setpriority(PRIO_PROCESS, 0, least_priority);
+}
+
+}  // namespace
+
+EstimateWatch::EstimateWatch(const ResolvedScene& resolved) noexcept
+    : resolved_(resolved),
+      estimate_(resolved.estimate),
+      seen_(resolved.seen),
+      event_rate_(resolved.scene.drive),
+      watching_(resolved.estimate && resolved.scene.chain.spheres <= pilot_spheres),
+      warned_(resolved.misses_accuracy()) {}
+
+EstimateWatch::~EstimateWatch() {
+    land();
+}
+
+/// Makes the thread; throws what a thread and its memory may.
+void EstimateWatch::estimate_to(double time_s) {
+    if (!flight_) {
+        flight_ = std::make_unique<LongEstimate>(resolved_.scene, stop_);
+    }
+    ready_.store(false, std::memory_order_relaxed);
+    thread_ = std::thread([this, time_s] {
+        pthread_setname_np(pthread_self(), estimating_thread_name);
+        step_back();
+        arrived_ = flight_->reach(time_s);
+        ready_.store(true, std::memory_order_release);
+    });
+}
+
+void EstimateWatch::land() noexcept {
+    stop_.store(true, std::memory_order_relaxed);
+    if (thread_.joinable()) {
+        thread_.join();
+    }
+}
+
+EstimateWatch::News EstimateWatch::given_up(double time_s) {
+    watching_ = false;
+    return {.warning =
+                fmt::format("after {:.3g} s the motion has left what the estimate of the error was made "
+                            "on; the estimate holds for the first {:.3g} s only, later errors are not known",
+                            time_s, estimate_->over_s)};
+}
+
+EstimateWatch::News EstimateWatch::news_of_estimate() {
+    estimate_ = flight_->estimate();
+    seen_ = flight_->seen();
+    ++estimates_;
+    News news{.estimated_again = true, .warning = {}};
+    const double asked = resolved_.advice.accuracy;
+    if (!resolved_.step_set_by_scene && !warned_ && !(estimate_->error <= asked)) {
+        warned_ = true;
+        news.warning = fmt::format(
+            "the motion has left what was seen at first: the estimated error over the "
+            "first {:.3g} s is {:.2g}, above the requested accuracy of {:g}",
+            estimate_->over_s, estimate_->error, asked);
+    }
+    return news;
+}
+
+EstimateWatch::News EstimateWatch::look(const MotionExtent& now) {
+    event_rate_.note(now.time_s, now.contact_events);
+    if (!watching_) {
+        return {};
+    }
+    if (estimating()) {
+        if (!ready_.load(std::memory_order_acquire)) {
+            return {};
+        }
+        thread_.join();
+        return arrived_ ? news_of_estimate() : given_up(now.time_s);
+    }
+    if (!seen_.left_by(now, event_rate_)) {
+        return {};
+    }
+    try {
+        if (!flight_ || estimate_->over_s < flight_->longest_s()) {
+            estimate_to(ahead * now.time_s);
+            return {};
+        }
+    } catch (const std::exception&) {  // too little memory, or no thread to be had
+        thread_ = {};
+    }
+    return given_up(now.time_s);
+}
+
+EstimateWatch::News EstimateWatch::finish(const MotionExtent& now) {
+    News news;
+    if (estimating() && ready_.load(std::memory_order_acquire)) {
+        news = look(now);
+    }
+    event_rate_.note(now.time_s, now.contact_events);
+    if (watching_ && (estimating() || seen_.left_by(now, event_rate_))) {
+        land();
+        news.warning += (news.warning.empty() ? "" : "; ") + given_up(now.time_s).warning;
+    }
+    return news;
+}
+
+}  // namespace hertzline::stream

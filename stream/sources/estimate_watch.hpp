@@ -1,0 +1,68 @@
+#pragma once
+// Watches whether a stream's motion is still what the pilots of its error estimate have seen. Where it is not, the error is estimated
+// again, in a thread of low priority, over a stretch that reaches beyond where the motion is.
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "core/step_choice/long_estimate.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace hertzline::stream {
+
+/// As the system's tools list it (top -H).
+inline constexpr const char* estimating_thread_name = "estimating";
+
+/// The estimate of a stream without an end. For one thread, which is not the simulating one.
+class EstimateWatch {
+public:
+    /// What has changed.
+    struct News {
+        bool estimated_again = false;  ///< estimate() is a new one
+        std::string warning;           ///< for the user; empty: none
+    };
+
+    /// @param resolved outlives the watch
+    explicit EstimateWatch(const ResolvedScene& resolved) noexcept;
+    /// Ends the thread within a few steps of the integrators.
+    ~EstimateWatch();
+    EstimateWatch(const EstimateWatch&) = delete;
+    EstimateWatch& operator=(const EstimateWatch&) = delete;
+
+    /// How far the motion has gone; now and then, as ten times a second.
+    News look(const MotionExtent& now);
+    /// The same for the last time: an estimate that is being made is given up.
+    News finish(const MotionExtent& now);
+
+    /// The newest.
+    const std::optional<ErrorEstimate>& estimate() const noexcept { return estimate_; }
+    /// How many have been made since the start.
+    int estimates() const noexcept { return estimates_; }
+    /// Whether one is being made.
+    bool estimating() const noexcept { return thread_.joinable(); }
+
+private:
+    void estimate_to(double time_s);
+    void land() noexcept;
+    News news_of_estimate();
+    News given_up(double time_s);
+
+    const ResolvedScene& resolved_;
+    std::optional<ErrorEstimate> estimate_;
+    SeenMotion seen_;
+    EventRate event_rate_;
+    bool watching_;
+    bool warned_;  // of an error above the accuracy
+    int estimates_ = 0;
+    // The thread's until ready_; then those of the one that looks.
+    std::unique_ptr<LongEstimate> flight_;
+    bool arrived_ = false;
+    std::atomic<bool> ready_{false};
+    std::atomic<bool> stop_{false};
+    std::thread thread_;
+};
+
+}  // namespace hertzline::stream
