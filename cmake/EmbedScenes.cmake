@@ -1,9 +1,12 @@
 # Writes shipped_scenes() with the text of every scene: cmake -D SCENES=a.toml;b.toml -D OUTPUT=x.cpp -P EmbedScenes.cmake
 # The first line of a scene must be a comment: its description.
 set(rows "")
-foreach(file IN LISTS SCENES)
+list(TRANSFORM SCENES REPLACE "\\.toml$" "")  # sorted by name: by file name, "a-b" would come before "a"
+list(SORT SCENES)
+foreach(scene IN LISTS SCENES)
+  set(file "${scene}.toml")
   file(READ "${file}" text)
-  get_filename_component(name "${file}" NAME_WLE)
+  get_filename_component(name "${scene}" NAME)
   if(NOT "${text}" MATCHES "^# ([^\n]+)\n")
     message(FATAL_ERROR "${file}: the first line must be a comment that describes the scene")
   endif()

@@ -76,6 +76,7 @@ def terminal_hangs_up_on_a_listener(stand):
     heard = stand.folder / "other.csv"
     with stand.stream() as stream:
         process, ours = _with_terminal(stand, "listen", "--json", "--connect", stream.endpoint, "-o", heard)
+        wait_until(lambda: list(stand.folder.glob("other.csv*")), "began")
         time.sleep(1)
         os.close(ours)
         summary = _summary_of(process)
