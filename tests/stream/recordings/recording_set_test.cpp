@@ -106,7 +106,7 @@ double seconds_since(steady_clock::time_point start) {
 TEST_F(SlowRecording, GetsACountedGapAndDelaysNobody) {
     const auto recordings = open(RecordingPatience::none(stop));
     constexpr std::int64_t many = 4'000'000;  // twice as many as may wait
-    write(*recordings, 0, many);  // a wait would have no end: nobody reads yet
+    write(*recordings, 0, many);              // a wait would have no end: nobody reads yet
     std::jthread reader([&] { fifo.read_all(); });
     std::this_thread::sleep_for(std::chrono::seconds(5));  // the queue empties
     write(*recordings, many, block);
@@ -144,7 +144,7 @@ TEST_F(SlowRecording, IsWaitedForWhereNothingMayBeLeftOut) {
 
 TEST_F(SlowRecording, EndsWithinASecondThoughItIsStuck) {
     auto recordings = open(RecordingPatience::endless(stop));
-    write(*recordings, 0, 100'000);  // more than a pipe holds
+    write(*recordings, 0, 100'000);                                        // more than a pipe holds
     std::this_thread::sleep_for(std::chrono::seconds(sanitized ? 3 : 1));  // the other one has written all
     stop = true;
     const auto start = steady_clock::now();
