@@ -3,7 +3,8 @@
 //     bench_realtime [SECONDS [CASE...]]        60 s of the cases 1, 4 and 4x3 by default
 //
 // A case is a number of streams, or STREAMSxLISTENERS: that many listeners in processes of their own, each
-// subscribed to all of them. The program streams paper-stream; a single listener has a core of its own. A
+// subscribed to all of them. The name of a shipped scene is that of the cases behind it (paper-stream before
+// the first). A single listener has a core of its own. A
 // listener keeps a fingerprint of every frame; when the stream has ended it simulates the same scene itself
 // and compares: every float32 must be what `hertzline run` writes. Each frame that the program sent must have
 // been received, or be known as missing to the listener from what it received: else it is unaccounted for.
@@ -42,7 +43,6 @@ namespace {
 using namespace hertzline;
 using namespace hertzline::stream;
 
-constexpr const char* scene_name = "paper-stream";
 constexpr const char* endpoint = "tcp://127.0.0.1:5599";
 
 void stay_on_core(int core) {
@@ -93,16 +93,16 @@ private:
 };
 
 /// `hertzline stream`; its summary is the result.
-void stream_for(const std::string& seconds, int summary) {
+void stream_for(const std::string& seconds, const std::string& scene, int summary) {
     dup2(summary, STDOUT_FILENO);
     dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-    execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene_name, "--bind", endpoint, "--duration",
+    execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene.c_str(), "--bind", endpoint, "--duration",
           seconds.c_str(), "--wait-for-subscriber", "--json", nullptr);
     _exit(127);
 }
 
-Scene streamed_scene() {
-    return resolve(parse_scene(find_shipped_scene(scene_name)->text, scene_name)->scene).scene;
+Scene resolved_scene(const ShippedScene& shipped) {
+    return resolve(parse_scene(shipped.text, shipped.name)->scene).scene;
 }
 
 /// What is subscribed to, in this order.
@@ -211,7 +211,7 @@ std::uint64_t sent(const nlohmann::json& summary, Tap tap) {
            summary.at(name + "_np_dropped").get<std::uint64_t>();
 }
 
-Accounts listen(std::size_t streams) {
+Accounts listen(const ShippedScene& scene, std::size_t streams) {
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
     const Heard heard = hear(subscriber, streams);
     Accounts accounts;
@@ -225,15 +225,15 @@ Accounts listen(std::size_t streams) {
             account.missing = heard.end_frames - account.frames;  // lost before the end
         }
     }
-    for (const ReceivedFrame& wrong : differing(streamed_scene(), heard.frames)) {
+    for (const ReceivedFrame& wrong : differing(resolved_scene(scene), heard.frames)) {
         ++accounts[static_cast<std::size_t>(wrong.tap)].differing;
     }
     return accounts;
 }
 
 /// A listener; its accounts are the result.
-void tell_accounts(std::size_t streams, int result) {
-    const Accounts accounts = listen(streams);
+void tell_accounts(const ShippedScene& scene, std::size_t streams, int result) {
+    const Accounts accounts = listen(scene, streams);
     _exit(write(result, &accounts, sizeof accounts) == sizeof accounts ? 0 : 1);
 }
 
@@ -264,7 +264,7 @@ nlohmann::ordered_json report(const Accounts& accounts, const nlohmann::json& su
 }
 
 /// @param words "4" or "4x3"
-void measure(const std::string& seconds, const std::string& words) {
+void measure(const std::string& seconds, const ShippedScene& scene, const std::string& words) {
     const std::size_t streams = std::stoul(words);
     const std::size_t x = words.find('x');
     const std::size_t listeners = x == std::string::npos ? 1 : std::stoul(words.substr(x + 1));
@@ -274,17 +274,18 @@ void measure(const std::string& seconds, const std::string& words) {
     const auto core = [alone = listeners == 1](int number) {
         return alone ? std::optional(number) : std::nullopt;
     };
-    const Child program(core(0), [&](int summary) { stream_for(seconds, summary); });
+    const Child program(core(0), [&](int summary) { stream_for(seconds, std::string(scene.name), summary); });
     std::vector<Child> all;
     for (std::size_t i = 0; i < listeners; ++i) {
-        all.emplace_back(core(1), [&](int result) { tell_accounts(streams, result); });
+        all.emplace_back(core(1), [&](int result) { tell_accounts(scene, streams, result); });
     }
     const auto summary = nlohmann::ordered_json::parse(program.result());
     nlohmann::ordered_json heard = nlohmann::ordered_json::array();
     for (const Child& listener : all) {
         heard.push_back(report(accounts_of(listener), summary, streams));
     }
-    const nlohmann::ordered_json result{{"streams", streams}, {"listeners", heard}, {"program", summary}};
+    const nlohmann::ordered_json result{
+        {"scene", scene.name}, {"streams", streams}, {"listeners", heard}, {"program", summary}};
     std::cout << result.dump(1) << std::endl;
 }
 
@@ -294,8 +295,13 @@ int main(int argc, char** argv) {
     try {
         const std::string seconds = argc > 1 ? argv[1] : "60";
         const std::vector<std::string> cases(argv + std::min(argc, 2), argv + argc);
+        const ShippedScene* scene = find_shipped_scene("paper-stream");
         for (const std::string& words : cases.empty() ? std::vector<std::string>{"1", "4", "4x3"} : cases) {
-            measure(seconds, words);
+            if (const ShippedScene* named = find_shipped_scene(words)) {
+                scene = named;
+            } else {
+                measure(seconds, *scene, words);
+            }
         }
         return 0;
     } catch (const std::exception& error) {
