@@ -224,7 +224,9 @@ TEST(Pipeline, AStreamThatIsStoppedAfterAStallAccountsForEveryFrame) {
     });
     listener.join();
     EXPECT_GT(meters.dropped_frames, 0);
-    EXPECT_EQ((meters.frames + meters.dropped_frames) * stream.scene.output.frame_samples, meters.samples);
+    // the last of those that are discarded may be broken off
+    const std::int64_t length = stream.scene.output.frame_samples;
+    EXPECT_EQ(meters.frames + meters.dropped_frames, (meters.samples + length - 1) / length);
     EXPECT_EQ(meters.np(Tap::v_out).sent, meters.frames);
     EXPECT_EQ(meters.np(Tap::v_out).dropped, meters.dropped_frames);
 }

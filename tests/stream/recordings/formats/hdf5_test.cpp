@@ -84,21 +84,25 @@ TEST_F(Hdf5, LongProvenanceRoundTrips) {
 }
 
 TEST_F(Hdf5, WritersInSeveralThreadsWaitForOneAnother) {
-    std::vector<std::jthread> threads;
-    for (int i = 0; i < 4; ++i) {
-        threads.emplace_back([&, i] {
-            const std::string name = folder.file(std::to_string(i) + ".h5");
-            for (int k = 0; k < 10; ++k) {
-                const auto writer = open_hdf5_writer(name, head);
-                const RecordedRows rows = test::recorded_rows(head, i, 2000);
-                test::write_rows(*writer, {rows});
-                if (k % 3 != 0) {
-                    continue;  // given up
+    constexpr int many = 4;
+    const auto name = [this](int i) { return folder.file(std::to_string(i) + ".h5"); };
+    const auto rows = [this](int i) { return test::recorded_rows(head, i, 2000); };
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < many; ++i) {
+            threads.emplace_back([&, i] {
+                for (int k = 0; k < 10; ++k) {
+                    const auto writer = open_hdf5_writer(name(i), head);
+                    test::write_rows(*writer, {rows(i)});
+                    if (k % 3 == 0) {
+                        writer->commit();
+                    }  // else given up
                 }
-                writer->commit();
-                EXPECT_TRUE(test::read_rows(*open_hdf5_reader(name)).at(0).values == rows.values);
-            }
-        });
+            });
+        }
+    }
+    for (int i = 0; i < many; ++i) {
+        EXPECT_TRUE(test::read_rows(*open_hdf5_reader(name(i))).at(0).values == rows(i).values);
     }
 }
 
