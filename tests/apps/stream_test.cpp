@@ -168,8 +168,9 @@ TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
 TEST(Stream, CtrlCEndsItWithASummaryAndAReadableRecording) {
     for (const int signal : {SIGINT, SIGTERM}) {
         const TemporaryFolder folder;
-        Program stream(
-            {"stream", "paper-stream", "--json", "--record", folder.file("r.csv"), "--bind", any_port});
+        // a rate at which a CSV keeps up, also where each line takes long
+        Program stream({"stream", "paper-stream", "--set", "output.sample_rate_hz=1e5", "--json", "--record",
+                        folder.file("r.csv"), "--bind", any_port});
         Subscriber subscriber(stream.endpoint());
         subscriber.subscribe("v_out/raw");
         ASSERT_NE(subscriber.receive(std::chrono::seconds(60)), nullptr);
