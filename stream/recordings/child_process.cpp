@@ -62,9 +62,11 @@ void reset_signals() {
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// Looks again and again, since whatever the child waits for may not notice.
+/// At once where the system tells: what the child goes on to take from a pipe would be lost to the next reader. And looks
+/// again and again, since the parent may have ended before it was to be told.
 void end_with_parent() {
     handle(SIGALRM, end_without_parent);
+    ::prctl(PR_SET_PDEATHSIG, SIGALRM);  // comes whenever the thread that made the child ends
     constexpr itimerval twice_a_second{.it_interval = {0, 500'000}, .it_value = {0, 500'000}};
     ::setitimer(ITIMER_REAL, &twice_a_second, nullptr);
 }

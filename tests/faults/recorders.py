@@ -1,5 +1,6 @@
 """What files do that take samples: pipes that nobody reads, and work that takes long when somebody wants to end."""
 import os
+import select
 import signal
 import subprocess
 import sys
@@ -103,16 +104,17 @@ def rows_that_take_long(stand):
 
 
 def replay_of_a_pipe_that_nobody_writes(stand):
-    """With and without a writer, and with one that is silent after some rows."""
+    """With and without a writer, and with one that is silent after some rows. What is written later is for others."""
     file, fifo = stand.folder / "a.csv", stand.folder / "fifo.csv"
     check(stand.run("run", "paper-wall", "-o", file).returncode == 0, "no recording")
+    rows = file.read_bytes()[:select.PIPE_BUF]  # fit into the pipe
     os.mkfifo(fifo)
     socket = stand.folder / "socket"
     words = ["replay", fifo, "--bind", f"ipc://{socket}"]
     for metadata in (False, True):
         if metadata:
             (stand.folder / "fifo.csv-metadata.json").write_text((stand.folder / "a.csv-metadata.json").read_text())
-        for writes in (None, b"") + ((b"".join(file.read_bytes().splitlines(keepends=True)[:3000]),) if metadata else ()):
+        for writes in (None, b"") + ((rows,) if metadata else ()):
             socket.unlink(missing_ok=True)
             replay = _popen(stand, *words)
             writer = None
@@ -125,6 +127,10 @@ def replay_of_a_pipe_that_nobody_writes(stand):
             check(replay.poll() is None, f"it ended by itself, {replay.poll()}")
             _ends_within_a_second(stand, replay, signal.SIGINT)
             if writer is not None:
+                time.sleep(0.05)
+                os.write(writer, b"for the next one")
+                time.sleep(0.05)
+                check(select.select([writer], [], [], 0)[0], "somebody still takes what is written")
                 os.close(writer)
 
 
