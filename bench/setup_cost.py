@@ -3,8 +3,8 @@
 
     bench/setup_cost.py [--repeat N] BUILD/hertzline [OTHER/hertzline]
 
-Counts the instructions in user mode (`perf stat`), which hardly depend on what else the machine does, and takes shares from
-`perf record` and from what one command does more than another: `check` reads the scene and flies the pilots, `run` simulates as
+Counts the instructions in user mode (`perf stat`), which depend little on what else the machine does, and takes shares from
+`perf record` and from what one command does more than another: `check` reads the scene and runs the pilots, `run` simulates as
 well. Programs are run in turn, and medians are printed. Needs perf.
 """
 

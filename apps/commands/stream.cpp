@@ -1,6 +1,7 @@
 // hertzline stream: simulates a scene in step with the clock and publishes it.
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -125,7 +126,11 @@ Exit stream(const StreamArguments& arguments) {
         summary["scene_hash"] = scene_hash(scene);
         summary["version"] = stream::program_version();
     };
-    const auto watch = [&](const MotionExtent& now) { return told(estimate.look(now)); };
+    std::function<Json(const MotionExtent&)>
+        watch;  // unset where it could say nothing: looking costs a pass over the chain
+    if (estimate.watching()) {
+        watch = [&](const MotionExtent& now) { return told(estimate.look(now)); };
+    }
     try {
         publish_to_the_end(pipeline, publisher, line, arguments.publish.format, {add_to_summary, watch});
     } catch (...) {

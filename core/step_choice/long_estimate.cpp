@@ -23,8 +23,7 @@ double bodies(const Scene& scene) noexcept {
 
 }  // namespace
 
-LongEstimate::Flight::Flight(const Scene& of, Integrator integrator, double step_s,
-                             const std::atomic<bool>& stop)
+LongEstimate::Run::Run(const Scene& of, Integrator integrator, double step_s, const std::atomic<bool>& stop)
     : scene(with_step(of, integrator, step_s)),
       chain(scene),
       solver(make_solver(scene, chain, {.ledger = LedgerKeeping::off, .stop = &stop})),
@@ -44,8 +43,8 @@ bool LongEstimate::reach(double time_s) noexcept {
     while (used_.solver->next_sample() < end) {
         const auto count = static_cast<std::size_t>(
             std::min<std::int64_t>(block_samples, end - used_.solver->next_sample()));
-        for (Flight* const flight : {&used_, &reference_, &finer_}) {
-            if (flight->solver->fill(flight->block, count, flight->block.taps()) != Status::running) {
+        for (Run* const run : {&used_, &reference_, &finer_}) {
+            if (run->solver->fill(run->block, count, run->block.taps()) != Status::running) {
                 return false;
             }
         }

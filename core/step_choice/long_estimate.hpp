@@ -31,8 +31,8 @@ public:
 
 private:
     /// A simulation of the scene with a step of its own.
-    struct Flight {
-        Flight(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>& stop);
+    struct Run {
+        Run(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>& stop);
         Scene scene;
         Chain chain;
         std::unique_ptr<Solver> solver;
@@ -50,7 +50,7 @@ private:
     double sample_rate_hz_;
     double reference_step_s_;
     double longest_s_;
-    Flight used_, reference_, finer_;
+    Run used_, reference_, finer_;
     EventRate event_rate_;
     std::array<Sums, tap_count> sums_{};
 };

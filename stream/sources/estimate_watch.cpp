@@ -30,24 +30,24 @@ EstimateWatch::EstimateWatch(const ResolvedScene& resolved) noexcept
       warned_(resolved.misses_accuracy()) {}
 
 EstimateWatch::~EstimateWatch() {
-    land();
+    end_thread();
 }
 
 /// Makes the thread; throws what a thread and its memory may.
 void EstimateWatch::estimate_to(double time_s) {
-    if (!flight_) {
-        flight_ = std::make_unique<LongEstimate>(resolved_.scene, stop_);
+    if (!longer_) {
+        longer_ = std::make_unique<LongEstimate>(resolved_.scene, stop_);
     }
     ready_.store(false, std::memory_order_relaxed);
     thread_ = std::thread([this, time_s] {
         pthread_setname_np(pthread_self(), estimating_thread_name);
         step_back();
-        arrived_ = flight_->reach(time_s);
+        reached_ = longer_->reach(time_s);
         ready_.store(true, std::memory_order_release);
     });
 }
 
-void EstimateWatch::land() noexcept {
+void EstimateWatch::end_thread() noexcept {
     stop_.store(true, std::memory_order_relaxed);
     if (thread_.joinable()) {
         thread_.join();
@@ -63,8 +63,8 @@ EstimateWatch::News EstimateWatch::given_up(double time_s) {
 }
 
 EstimateWatch::News EstimateWatch::news_of_estimate() {
-    estimate_ = flight_->estimate();
-    seen_ = flight_->seen();
+    estimate_ = longer_->estimate();
+    seen_ = longer_->seen();
     ++estimates_;
     News news{.estimated_again = true, .warning = {}};
     const double asked = resolved_.advice.accuracy;
@@ -88,13 +88,13 @@ EstimateWatch::News EstimateWatch::look(const MotionExtent& now) {
             return {};
         }
         thread_.join();
-        return arrived_ ? news_of_estimate() : given_up(now.time_s);
+        return reached_ ? news_of_estimate() : given_up(now.time_s);
     }
     if (!seen_.left_by(now, event_rate_)) {
         return {};
     }
     try {
-        if (!flight_ || estimate_->over_s < flight_->longest_s()) {
+        if (!longer_ || estimate_->over_s < longer_->longest_s()) {
             estimate_to(ahead * now.time_s);
             return {};
         }
@@ -111,7 +111,7 @@ EstimateWatch::News EstimateWatch::finish(const MotionExtent& now) {
     }
     event_rate_.note(now.time_s, now.contact_events);
     if (watching_ && (estimating() || seen_.left_by(now, event_rate_))) {
-        land();
+        end_thread();
         news.warning += (news.warning.empty() ? "" : "; ") + given_up(now.time_s).warning;
     }
     return news;

@@ -37,6 +37,8 @@ public:
     /// The same for the last time: an estimate that is being made is given up.
     News finish(const MotionExtent& now);
 
+    /// Whether look() can have news: there is an estimate, of a chain that pilots simulate whole.
+    bool watching() const noexcept { return watching_; }
     /// The newest.
     const std::optional<ErrorEstimate>& estimate() const noexcept { return estimate_; }
     /// How many have been made since the start.
@@ -46,7 +48,7 @@ public:
 
 private:
     void estimate_to(double time_s);
-    void land() noexcept;
+    void end_thread() noexcept;
     News news_of_estimate();
     News given_up(double time_s);
 
@@ -58,8 +60,8 @@ private:
     bool warned_;  // of an error above the accuracy
     int estimates_ = 0;
     // The thread's until ready_; then those of the one that looks.
-    std::unique_ptr<LongEstimate> flight_;
-    bool arrived_ = false;
+    std::unique_ptr<LongEstimate> longer_;
+    bool reached_ = false;
     std::atomic<bool> ready_{false};
     std::atomic<bool> stop_{false};
     std::thread thread_;

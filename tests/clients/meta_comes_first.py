@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Who comes late, leaves and returns hears meta first and then whole frames: meta_comes_first.py HERTZLINE [--sanitized]"""
+"""A subscriber that comes late, leaves and returns receives meta first and then whole frames: meta_comes_first.py HERTZLINE [--sanitized]"""
 import json, sys
 import zmq
 from streaming import LONG_ENOUGH_S, Stream

@@ -42,7 +42,7 @@ LARGE_FRAMES = Scene("paper-stream", 1e6, 0.05, **{"output.frame_samples": 4096}
 LONG_CHAIN = Scene("long-chain", 1e8, 0.001, **{"chain.spheres": 1000})  # the wave arrives after a second and a half
 
 LONG_ENOUGH_S = 60  # for a loaded machine with sanitizers
-ENDS_WITHIN_S = 2  # a second is promised; another one for what runs beside the test
+ENDS_WITHIN_S = 1  # as is promised
 # What an allocator may keep of the memory that was given back to it, for the next who ask: several sizes of blocks for
 # each thread.
 KEPT_BY_ALLOCATOR = 4 << 20
