@@ -60,6 +60,7 @@ herr_t take_first(unsigned index, const H5E_error2_t* error, void* text) {
 }  // namespace
 
 Hdf5Library::Hdf5Library(int* write_failure) : lock_(library_mutex) {
+    load_hdf5();
     failure = write_failure;
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

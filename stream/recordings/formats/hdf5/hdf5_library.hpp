@@ -7,14 +7,15 @@
 #include <string>
 #include <utility>
 
-#include <hdf5.h>
+#include "stream/recordings/formats/hdf5/hdf5_functions.hpp"
 
 namespace hertzline::stream {
 
 /// To be held around every use of the library, closing of handles included: one thread at a time, and errors
-/// are not printed to stderr meanwhile.
+/// are not printed to stderr meanwhile. The first one loads it.
 class Hdf5Library {
 public:
+    /// @throws std::runtime_error when the library is not there
     Hdf5Library() : Hdf5Library(nullptr) {}
     /// For files of hdf5_access(): the first system error while writing is left in `write_failure`, and as
     /// long as that is not 0 nothing is written any more, although the library takes it as written.
