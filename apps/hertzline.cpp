@@ -100,6 +100,7 @@ void refuse_unknown_subcommand(int argc, char** argv) {
         return;
     }
     std::vector<std::string> names;
+    names.reserve(std::size(subcommands));
     for (const Subcommand& subcommand : subcommands) {
         names.emplace_back(subcommand.name);
     }

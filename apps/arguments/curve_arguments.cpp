@@ -57,14 +57,18 @@ void add_curve_options(CLI::App& app, CurveClientRequest& request) {
         ->type_name("FILE");
 }
 
-std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, const std::string& endpoint) {
+void refuse_exposure(const CurveServerRequest& request, const std::string& endpoint) {
+    const bool has_keys = !request.key.empty() || !request.clients.empty();
+    if (!has_keys && !stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
+        throw WrongUse(fmt::format(
+            "--bind: {} can be reached from other machines, and anybody there could listen; give "
+            "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
+            endpoint));
+    }
+}
+
+std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request) {
     if (request.key.empty() && request.clients.empty()) {
-        if (!stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
-            throw WrongUse(fmt::format(
-                "--bind: {} can be reached from other machines, and anybody there could listen; give "
-                "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
-                endpoint));
-        }
         return std::nullopt;
     }
     if (request.clients.empty()) {

@@ -30,10 +30,13 @@ struct CurveClientRequest {
 void add_curve_options(CLI::App& app, CurveServerRequest& request);
 void add_curve_options(CLI::App& app, CurveClientRequest& request);
 
+/// @throws WrongUse when there are no keys for an endpoint that other machines reach, unless that was allowed
+void refuse_exposure(const CurveServerRequest& request, const std::string& endpoint);
+
 /// The keys that were asked for; unset when none were.
 /// @throws WrongUse with every fault: one option without the other, files that are no keys, a secret key that
-/// others may read; and no keys at all for an endpoint that other machines reach, unless that was allowed
-std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, const std::string& endpoint);
+/// others may read
+std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request);
 std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request);
 
 }  // namespace hertzline::app

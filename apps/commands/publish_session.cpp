@@ -135,8 +135,9 @@ std::optional<stream::CurveServer> checked_curve(const PublishRequest& request) 
         if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
             throw WrongUse("--bind: " + *fault);
         }
-        curve = curve_of(request.curve, request.endpoint);
+        refuse_exposure(request.curve, request.endpoint);
     });
+    faults.of([&] { curve = curve_of(request.curve); });
     faults.of([&] {
         if (request.duration_s) {
             require_positive("--duration", *request.duration_s);

@@ -68,16 +68,21 @@ void keep(const Samples& block, RunRecord& record) {
     record.v_out.insert(record.v_out.end(), block[Tap::v_out].begin(), block[Tap::v_out].end());
 }
 
-/// The taps that the recordings hold. @throws WrongUse for a name that is no tap of the scene
-TapSet asked_taps(const RunOptions& options, EndKind end) {
-    TapSet taps = recorded_taps(end);
-    if (options.all_bodies) {
-        taps |= TapSet(Tap::v_chain) | Tap::x_chain;
+/// The taps of those names. @throws WrongUse that tells every name that is not allowed
+TapSet named_taps(const std::vector<std::string>& names, TapSet allowed) {
+    Faults faults;
+    TapSet taps;
+    for (const std::string& name : names) {
+        faults.of([&] { taps |= tap_argument("--tap", name, allowed); });
     }
-    for (const std::string& name : options.taps) {
-        taps |= tap_argument("--tap", name, taps_of(end));
-    }
+    faults.refuse();
     return taps;
+}
+
+/// The taps that the recordings hold.
+TapSet asked_taps(const RunOptions& options, TapSet named, EndKind end) {
+    const TapSet taps = recorded_taps(end) | named;
+    return options.all_bodies ? taps | Tap::v_chain | Tap::x_chain : taps;
 }
 
 RunRecord simulate(Simulation& simulation, TapSet recorded, stream::RecordingSet& recordings) {
@@ -170,13 +175,24 @@ Json summarise(Simulation& simulation, double setup_s, const RunRecord& record, 
 
 Exit run(const RunOptions& options) {
     const stream::Nanoseconds start = stream::MonotonicClock::now();
-    refuse_wrong_files(options.files);
-    if (options.files.empty() && !options.taps.empty()) {
-        throw WrongUse("--tap: found no -o FILE to save it to, allowed: together with -o");
-    }
-    const ResolvedScene resolved = resolved_scene(options.scene);
+    Faults faults;
+    ResolvedScene resolved;
+    TapSet named;
+    bool scene_is_sound = false;
+    faults.of([&] { refuse_wrong_files(options.files); });
+    faults.of([&] {
+        if (options.files.empty() && !options.taps.empty()) {
+            throw WrongUse("--tap: found no -o FILE to save it to, allowed: together with -o");
+        }
+    });
+    faults.of([&] {
+        resolved = resolved_scene(options.scene);
+        scene_is_sound = true;
+    });
     const Scene& scene = resolved.scene;
-    const TapSet recorded = asked_taps(options, scene.end.kind);
+    faults.of([&] { named = named_taps(options.taps, scene_is_sound ? taps_of(scene.end.kind) : all_taps); });
+    faults.refuse();
+    const TapSet recorded = asked_taps(options, named, scene.end.kind);
     refuse_shortages(scene, options.files, recorded);
     stop_asked();  // from here on there are files to be cleaned up
     Simulation simulation(scene, {.taps = taps_of_run(recorded), .stop = &stop_asked()});

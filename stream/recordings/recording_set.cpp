@@ -166,7 +166,8 @@ void RecordingSet::conclude(std::size_t recording) {
         }
     } else {
         status.samples = threads_[recording]->numbers() / columns;
-        status.failure = "stuck: the file takes nothing more";
+        status.missing += threads_[recording]->waiting_numbers() / columns;
+        status.failure = "stuck: the file takes nothing more, and may lack the last of these samples";
     }
     threads_[recording].reset();
     if (!status.failure.empty()) {

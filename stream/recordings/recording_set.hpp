@@ -42,8 +42,8 @@ class RecordingSet {
 public:
     struct Status {
         std::string file;
-        std::int64_t samples = 0;  ///< that are in the file, known at the end
-        std::int64_t missing = 0;  ///< left out because the file was too slow
+        std::int64_t samples = 0;  ///< that are in the file, known at the end; at most, where it is stuck
+        std::int64_t missing = 0;  ///< left out because the file was too slow or stuck
         std::string failure;       ///< empty: none; else with the name of the file that holds what was saved
     };
 

@@ -73,12 +73,18 @@ bool RecordingThread::any_abandoned() noexcept {
     return abandoned;
 }
 
+std::int64_t RecordingThread::Shared::waiting_numbers() const {
+    std::int64_t waiting = 0;
+    for (const SharedRows& rows : queue) {
+        waiting += static_cast<std::int64_t>(rows->values.size());
+    }
+    return waiting;
+}
+
 void RecordingThread::work(Shared& shared) {
     std::unique_lock lock(shared.mutex);
     write_queue(shared, lock);
-    for (const SharedRows& rows : shared.queue) {
-        shared.result.unwritten_numbers += static_cast<std::int64_t>(rows->values.size());
-    }
+    shared.result.unwritten_numbers = shared.waiting_numbers();
     shared.queue.clear();
     RecordingResult result = shared.result;
     const RecordingEnd how = shared.ending.value_or(RecordingEnd::keep);
@@ -167,6 +173,11 @@ RecordingResult RecordingThread::result() const {
 std::int64_t RecordingThread::numbers() const {
     const std::scoped_lock lock(shared_->mutex);
     return shared_->numbers;
+}
+
+std::int64_t RecordingThread::waiting_numbers() const {
+    const std::scoped_lock lock(shared_->mutex);
+    return shared_->waiting_numbers();
 }
 
 }  // namespace hertzline::stream

@@ -58,6 +58,8 @@ public:
     RecordingResult result() const;
     /// Numbers that the writer has taken so far.
     std::int64_t numbers() const;
+    /// Numbers that it has not taken yet.
+    std::int64_t waiting_numbers() const;
 
     /// Some thread was left waiting for its file, so the program cannot end in the ordinary way: std::_Exit.
     static bool any_abandoned() noexcept;
@@ -65,6 +67,8 @@ public:
 private:
     /// What the thread shares with its owner; lives as long as either.
     struct Shared {
+        std::int64_t waiting_numbers() const;  // under the mutex
+
         std::unique_ptr<RecordingWriter> writer;
         std::size_t max_bytes = 0;
 

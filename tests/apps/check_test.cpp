@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/shipped_scenes.hpp"
+#include "stream/resources.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
@@ -76,6 +77,16 @@ TEST(Check, TellsWhatEachRecordingOfAStreamMayTake) {
     EXPECT_EQ(bytes("output.sample_rate_hz=10e6"), 256.0 * 1024 * 1024);
     EXPECT_EQ(bytes("output.sample_rate_hz=1e6"),
               2.0 * 1e6 * 3 * sizeof(double));  // two seconds of three columns
+}
+
+TEST(Check, CountsTheQueuesOfSubscribersAmongTheMemoryOfAStream) {
+    const auto stream =
+        hertzline({"check", "paper-wall", "--json"}).json()["stream_memory_bytes"].get<double>();
+    EXPECT_GT(stream,
+              std::min(1024.0 * 1024 * 1024, static_cast<double>(*stream::available_memory_bytes()) / 10));
+    const Outcome outcome = hertzline({"stream", "paper-wall", "--queue-memory", "1000TiB"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, testing::HasSubstr("memory"));
 }
 
 TEST(Check, KnowsNoErrorOfAStepTooShortForAPilot) {

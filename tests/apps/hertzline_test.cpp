@@ -239,6 +239,13 @@ TEST(WrongOptions, AreNamedAllAtOnce) {
          "--max-clients", "0", "--queue-memory", "0", "--record", "a.xyz", "--set", "chain.spheres=0"},
         {"--bind:", "--pace:", "--duration:", "--cpu:", "--max-clients:", "--queue-memory:", "a.xyz",
          "chain.spheres"});
+    expect_all_named({"stream", "paper-wall", "--bind", "here", "--curve-key", "k"},
+                     {"--bind:", "--curve-key:"});
+    expect_all_named(
+        {"run", "paper-wall", "-o", "a.mp3", "--tap", "x", "--tap", "y", "--set", "chain.spheres=0"},
+        {"a.mp3", "found \"x\"", "found \"y\"", "chain.spheres"});
+    expect_all_named({"run", "paper-wall", "--tap", "v_horn", "--set", "chain.spheres=0"},
+                     {"--tap:", "chain.spheres"});
     expect_all_named({"listen", "--connect", "here", "--stream", "v_nothing", "--duration", "-1", "--timeout",
                       "0", "-o", "a.xyz", "--curve-key", "k"},
                      {"--connect:", "--stream:", "--duration:", "--timeout:", "a.xyz", "--curve-key:"});

@@ -268,8 +268,12 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     write_text(folder.file("a.sigmf-meta"), "old");
     write_text(folder.file("a.sigmf-data"), "old");
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=1.2"});
-    while (std::distance(fs::directory_iterator(fs::path(folder.file("x")).parent_path()), {}) == 2) {
-        std::this_thread::sleep_for(std::chrono::milliseconds(1));  // it has not begun to write
+    const auto has_written = [&] {
+        return std::ranges::any_of(fs::directory_iterator(fs::path(folder.file("x")).parent_path()),
+                                   [](const fs::directory_entry& entry) { return entry.file_size() > 3; });
+    };
+    while (!has_written()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);

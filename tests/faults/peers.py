@@ -33,6 +33,14 @@ def _subscriber(stream):
     return peer
 
 
+def _introduced(stream):
+    """A connection that has introduced itself, as far as the stream goes along: it may stay, however silent it is."""
+    peer = _connected(stream)
+    with contextlib.suppress(ConnectionError):
+        peer.sendall(GREETING + READY)
+    return peer
+
+
 def _subscription(prefix):
     """A message of ZMTP 3.0: flags, length, 1, prefix."""
     body = b"\x01" + prefix
@@ -78,7 +86,7 @@ def connections_beyond_the_descriptors(stand):
     with stand.stream(before_exec=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (few, few))) as stream:
         with contextlib.ExitStack() as connections:
             for _ in range(few + 50):
-                connections.enter_context(_connected(stream))
+                connections.enter_context(_introduced(stream))
             wait_until(lambda: stream.footprint()[0] < few, "left any for others")
             stream.first_frame()  # a newcomer is served while they are still there
 
@@ -87,7 +95,7 @@ def very_many_strangers(stand):
     with stand.stream("--max-clients", "8") as stream:
         with contextlib.ExitStack() as connections:
             for _ in range(2000):
-                connections.enter_context(_connected(stream))
+                connections.enter_context(_introduced(stream))
             wait_until(lambda: stream.footprint()[0] <= stream.before[0] + 8, "cut them off")
             stream.first_frame()
 

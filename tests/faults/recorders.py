@@ -1,4 +1,5 @@
 """What files do that take samples: pipes that nobody reads, and work that takes long when somebody wants to end."""
+import json
 import os
 import select
 import signal
@@ -18,9 +19,18 @@ def _fifo(stand):
 
 
 def recording_that_nobody_takes(stand):
+    """Until more is due than may wait for it: the stream goes on, and what the recording lacks is counted."""
     path, _reader = _fifo(stand)
-    with stand.stream("--record", path, exit_status=1):
-        time.sleep(2)
+    waiting = 16 << 20  # bytes of rows, each of three numbers
+    rows = waiting / 24
+    with stand.stream("--record", path, exit_status=1, scene=stands.MANY_SAMPLES, may_hold=waiting) as stream:
+        most = 0.1 if stand.sanitized else 1.5  # there so many rows take minutes
+        samples = stream.first_frame()["sample"] + most * rows
+        wait_until(lambda: stream.first_frame()["sample"] > samples, "went on")
+    summary = json.loads(stream.summary.read_text())
+    (stuck,) = (recording for recording in summary["recordings"] if recording["file"] == str(path))
+    check(stand.sanitized or stuck["missing_samples"] > rows, f"{stuck}")
+    check(stuck["samples"] + stuck["missing_samples"] == summary["samples"], f"{stuck} of {summary['samples']}")
 
 
 def listener_whose_file_nobody_takes(stand):

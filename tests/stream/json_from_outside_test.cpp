@@ -56,14 +56,14 @@ TEST(JsonFromOutside, RefusesWhatIsNestedTooDeeplyOrNoJson) {
 TEST(JsonFromOutside, AnswersSoonWhateverIsMadeToBeSlow) {
     constexpr std::size_t large = repeated(std::size_t{64} << 20);
     for (const int keys : {5'000'000, 100'000, 10'000, 1000, 100}) {
-        EXPECT_THAT(error_of([&] { json_from_outside(objects(keys, large)); }), HasSubstr("too many"))
+        EXPECT_THAT(error_of([&] { json_from_outside(objects(keys, large)); }), HasSubstr("too many keys"))
             << keys;
     }
     std::string values = "[0";
     while (values.size() < std::size_t{16} << 20) {
         values += ",0";
     }
-    EXPECT_THAT(error_of([&] { json_from_outside(values + "]"); }), HasSubstr("too many"));
+    EXPECT_THAT(error_of([&] { json_from_outside(values + "]"); }), HasSubstr("too many values"));
 }
 
 }  // namespace

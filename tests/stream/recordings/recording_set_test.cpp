@@ -142,6 +142,32 @@ TEST_F(SlowRecording, IsWaitedForWhereNothingMayBeLeftOut) {
     EXPECT_THAT(told, IsEmpty());
 }
 
+TEST_F(SlowRecording, IsWaitedForAsLongAsItTakesAnythingWithinASecond) {
+    const auto recordings = open(RecordingPatience::of_a_second(stop));
+    write(*recordings, 0, 2'000'000);  // nearly all that may wait
+    std::jthread reader([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        fifo.read_all();
+    });
+    write(*recordings, 2'000'000, 1'000'000);
+    recordings->commit();
+    reader.join();
+    EXPECT_TRUE(recordings->sound());
+    EXPECT_EQ(recordings->status()[0].samples, 3'000'000);
+}
+
+TEST_F(SlowRecording, IsNotWaitedForLongerThanASecondWhenItTakesNothing) {
+    auto recordings = open(RecordingPatience::of_a_second(stop));
+    const auto start = steady_clock::now();
+    write(*recordings, 0, 3'000'000);
+    EXPECT_GT(seconds_since(start), 0.9);
+    EXPECT_GT(recordings->status()[0].missing, 0);
+    stop = true;
+    recordings.reset();
+    fifo.close();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+}
+
 TEST_F(SlowRecording, EndsWithinASecondThoughItIsStuck) {
     auto recordings = open(RecordingPatience::endless(stop));
     write(*recordings, 0, 100'000);                                        // more than a pipe holds
@@ -151,6 +177,7 @@ TEST_F(SlowRecording, EndsWithinASecondThoughItIsStuck) {
     recordings->commit();
     EXPECT_LT(seconds_since(start), sanitized ? 10 : 1);
     EXPECT_THAT(recordings->status()[0].failure, HasSubstr("stuck"));
+    EXPECT_EQ(recordings->status()[0].samples + recordings->status()[0].missing, 100'000);
     EXPECT_EQ(recordings->status()[1].failure, "");
     EXPECT_EQ(read_rows(*open_reader(file)).at(0).values.size(), 100'000U);
     EXPECT_TRUE(RecordingThread::any_abandoned());
