@@ -267,7 +267,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     const TemporaryFolder folder;
     write_text(folder.file("a.sigmf-meta"), "old");
     write_text(folder.file("a.sigmf-data"), "old");
-    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=1.2"});
+    Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=5"});
     const auto has_written = [&] {
         return std::ranges::any_of(fs::directory_iterator(fs::path(folder.file("x")).parent_path()),
                                    [](const fs::directory_entry& entry) { return entry.file_size() > 3; });

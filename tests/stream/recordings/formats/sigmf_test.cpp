@@ -159,14 +159,14 @@ TEST_F(Sigmf, WhatCannotBeWrittenIsRefusedBeforeAnythingIsReplaced) {
 
 TEST_F(Sigmf, AfterAFailureWhatWasWrittenStays) {
     auto writer = open_sigmf_writer(meta_file, recording_head(two, 1000));
-    writer->write(0, numbered_rows(0, 3000));
+    writer->write(0, numbered_rows(0, 300));
     const std::vector<double> too_large{1e300, 0};
-    EXPECT_THAT(error_of([&] { writer->write(3000, too_large); }), HasSubstr("float32"));
+    EXPECT_THAT(error_of([&] { writer->write(300, too_large); }), HasSubstr("float32"));
     EXPECT_NE(error_of([&] { writer->commit(); }), "");
     writer.reset();
     const auto read = read_rows(*open_sigmf_reader(meta_file));
     ASSERT_THAT(read, SizeIs(1));
-    EXPECT_EQ(read[0].values, numbered_rows(0, 3000));
+    EXPECT_EQ(read[0].values, numbered_rows(0, 300));
 }
 
 /// In a process of its own: the limit on the size of files cannot be raised again.
