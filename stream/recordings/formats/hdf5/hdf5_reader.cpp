@@ -35,7 +35,7 @@ std::string read_text(hid_t object, const char* name) {
     }
     char* characters = nullptr;
     hdf5(H5Aread(attribute.id(), hdf5_text_type().id(), &characters));
-    const std::string text = characters != nullptr ? characters : "";
+    std::string text = characters != nullptr ? characters : "";
     H5free_memory(characters);
     return text;
 }
