@@ -33,7 +33,9 @@ constexpr milliseconds longest_end{
     throw std::system_error(errno, std::generic_category(), what);
 }
 
-pid_t parent = 0;  // in a child
+// In a child.
+pid_t parent = 0;
+bool of_main_thread = false;  // made by the parent's first thread, which ends with it
 
 extern "C" void end_without_parent(int /*signal*/) {
     if (::getppid() != parent) {
@@ -66,7 +68,8 @@ void reset_signals() {
 /// again and again, since the parent may have ended before it was to be told.
 void end_with_parent() {
     handle(SIGALRM, end_without_parent);
-    ::prctl(PR_SET_PDEATHSIG, SIGALRM);  // comes whenever the thread that made the child ends
+    ::prctl(PR_SET_PDEATHSIG,
+            of_main_thread ? SIGKILL : SIGALRM);  // when the thread that made the child ends
     constexpr itimerval twice_a_second{.it_interval = {0, 500'000}, .it_value = {0, 500'000}};
     ::setitimer(ITIMER_REAL, &twice_a_second, nullptr);
 }
@@ -155,9 +158,11 @@ ChildProcess::ChildProcess(const Work& work, const ChildLimits& limits) : limits
     sigfillset(&all);
     ::pthread_sigmask(SIG_SETMASK, &all, &before);
     const pid_t self = ::getpid();
+    const bool in_main_thread = ::gettid() == self;
     child_ = ::fork();
     if (child_ == 0) {
         parent = self;
+        of_main_thread = in_main_thread;
         be_child(work, limits, ends[1]);
     }
     const int reason = errno;

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -178,6 +179,21 @@ TEST(ChildProcess, EndsAfterItsParentWhateverItWaitsFor) {
         std::this_thread::sleep_for(100ms);
     }
     EXPECT_TRUE(has_ended(grandchild));
+}
+
+TEST(ChildProcess, OutlivesTheThreadThatMadeIt) {
+    std::unique_ptr<ChildProcess> child;
+    std::jthread([&] {
+        child = std::make_unique<ChildProcess>(
+            [](Answers& answers) {
+                answer(answers, 1);
+                std::this_thread::sleep_for(300ms);
+                answer(answers, 2);
+            },
+            ChildLimits{});
+        EXPECT_EQ(next_answer(*child), 1);
+    }).join();
+    EXPECT_EQ(next_answer(*child), 2);
 }
 
 }  // namespace
