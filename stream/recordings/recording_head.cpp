@@ -38,7 +38,7 @@ std::optional<std::string> head_fault(const RecordingHead& head) {
     std::set<std::string_view> names{"t_s"};
     for (const Column& column : head.columns) {
         if (!usable_name(column.name) || !usable_name(column.quantity)) {
-            return fmt::format("column \"{}\" of \"{}\": allowed in names: letters, digits, _ and -",
+            return fmt::format(R"(column "{}" of "{}": allowed in names: letters, digits, _ and -)",
                                column.name, column.quantity);
         }
         if (!names.insert(column.name).second) {

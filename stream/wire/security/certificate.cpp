@@ -164,7 +164,7 @@ tl::expected<Certificate, std::string> read_certificate(const fs::path& file, bo
 }  // namespace
 
 KeyFiles write_key_files(const std::string& name, const KeyPair& pair) {
-    const KeyFiles files{name + ".key", name + ".key_secret"};
+    KeyFiles files{name + ".key", name + ".key_secret"};
     const std::string body = fmt::format("metadata\ncurve\n    public-key = \"{}\"\n", z85(pair.public_key));
     write_new_file(files.secret_file, owner_only,
                    fmt::format("# CURVE key pair: the secret key is for its owner alone\n{}"

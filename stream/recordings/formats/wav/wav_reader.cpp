@@ -53,7 +53,7 @@ std::int64_t whole(const Json& number) {
 
 class WavReader final : public RecordingReader {
 public:
-    explicit WavReader(const std::filesystem::path& path) : path_(path) {
+    explicit WavReader(std::filesystem::path path) : path_(std::move(path)) {
         require_whole_wav(path_);
         SF_INFO info{};
         sound_.reset(sf_open(path_.c_str(), SFM_READ, &info));
