@@ -29,6 +29,7 @@ AddCommand stream_command;
 AddCommand replay_command;
 AddCommand listen_command;
 AddCommand scenes_command;
+AddCommand materials_command;
 AddCommand check_command;
 AddCommand keys_command;
 

@@ -40,6 +40,7 @@ constexpr std::array subcommands{
     Subcommand{"replay", "publish a recording as if it were live", replay_command},
     Subcommand{"listen", "receive a stream, check that nothing is missing, save it", listen_command},
     Subcommand{"scenes", "list the shipped scenes, or print one with every default resolved", scenes_command},
+    Subcommand{"materials", "list the built-in materials, their numbers and sources", materials_command},
     Subcommand{"check", "validate a scene; print derived values and advice on its step", check_command},
     Subcommand{"keys", "make a key pair for streams that encrypt", keys_command},
 };

@@ -136,10 +136,10 @@ TEST(ScenesReadme, ItsExampleIsAScene) {
     const auto begin = readme.find("    [end]\n");
     ASSERT_NE(begin, std::string::npos);
     const auto result =
-        parse_scene(readme.substr(begin, readme.find("\nBuilt in", begin) - begin), "example");
+        parse_scene(readme.substr(begin, readme.find("\n`hertzline materials`", begin) - begin), "example");
     ASSERT_TRUE(result);
-    EXPECT_EQ(result->scene.end.material, "fused_silica");
-    EXPECT_EQ(std::get<Solid>(result->scene.materials.at("fused_silica")), (Solid{72e9, 0.17, 2200}));
+    EXPECT_EQ(result->scene.end.material, "filled_epoxy");
+    EXPECT_EQ(std::get<Solid>(result->scene.materials.at("filled_epoxy")), (Solid{8e9, 0.33, 2100}));
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "apps/arguments/curve_arguments.hpp"
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/listen_session.hpp"
+#include "apps/commands/listen/listen_session.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "apps/commands/listen_session.hpp"
+#include "apps/commands/listen/listen_session.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/commands/listen_words.hpp"
+#include "apps/commands/listen/listen_words.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "apps/commands/listen_session.hpp"
+#include "apps/commands/listen/listen_session.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "apps/commands/listen_words.hpp"
+#include "apps/commands/listen/listen_words.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/text.hpp"
