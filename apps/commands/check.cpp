@@ -32,6 +32,7 @@ std::string shown(const ReportRow& row) {
         std::string operator()(std::monostate) const { return "-"; }
         std::string operator()(bool yes) const { return yes ? "yes" : "no"; }
         std::string operator()(const std::string& text) const { return text; }
+        std::string operator()(std::int64_t number) const { return (*this)(static_cast<double>(number)); }
         std::string operator()(double number) const {
             return unit == "bytes" ? stream::human_bytes(number)
                                    : fmt::format("{:.6g}{}{}", number, unit.empty() ? "" : " ", unit);
@@ -56,6 +57,7 @@ Json as_json(const std::vector<ReportRow>& report) {
         Json operator()(std::monostate) const { return nullptr; }
         Json operator()(bool yes) const { return yes; }
         Json operator()(const std::string& text) const { return text; }
+        Json operator()(std::int64_t number) const { return number; }
         Json operator()(double number) const { return number; }
     };
     Json json;

@@ -1,6 +1,7 @@
 #pragma once
 // What follows from a scene: masses, stiffnesses, frequencies, the cost of a run.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
@@ -17,7 +18,7 @@ struct ReportRow {
     std::string name;   ///< "sphere_mass_kg", for machines
     std::string unit;   ///< "kg"; "bytes" is shown in KiB and so on
     /// Empty when this scene has no such thing (a wall's mass).
-    std::variant<std::monostate, double, bool, std::string> value;
+    std::variant<std::monostate, double, std::int64_t, bool, std::string> value;
 };
 
 /// In the order in which they are best read. Simulates the scene's first burst for the peak overlaps: takes

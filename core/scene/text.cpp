@@ -36,6 +36,21 @@ std::size_t unlikeness(std::string_view text, std::string_view candidate) {
     return edits + std::min<std::size_t>(edit_distance(section, other_section), 1);
 }
 
+// Half of a name is often all that one remembers. nullptr when none or several contain it.
+const std::string* only_one_that_contains(std::string_view text, std::span<const std::string> candidates) {
+    constexpr std::size_t shortest_part = 4;
+    const std::string* only = nullptr;
+    for (const std::string& candidate : candidates) {
+        if (text.size() >= shortest_part && candidate.find(text) != std::string::npos) {
+            if (only != nullptr) {
+                return nullptr;
+            }
+            only = &candidate;
+        }
+    }
+    return only;
+}
+
 }  // namespace
 
 std::string number_text(double value) {
@@ -125,6 +140,9 @@ std::string suggestion(std::string_view text, std::span<const std::string> candi
             smallest = distance;
             nearest = &candidate;
         }
+    }
+    if (const std::string* only = only_one_that_contains(text, candidates); smallest > 2 && only != nullptr) {
+        return "; did you mean '" + *only + "'?";
     }
     // One edit in three characters still looks like a slip of the fingers; more looks like another word.
     const std::size_t tolerated = std::max<std::size_t>(2, last_part(text).size() / 3);

@@ -103,7 +103,8 @@ Fault syntax_error(const toml::parse_error& error) {
     what.remove_prefix(what.starts_with(preamble) ? preamble.size() : 0);
     // printable(): the description quotes the text with its escapes undone.
     return fault_in_line(static_cast<int>(error.source().begin.line), "a syntax error in " + printable(what),
-                         "TOML, see https://toml.io");
+                         "TOML (numbers in SI units without the unit, as 5e-4; words in quotes, as "
+                         "\"wall\"), see https://toml.io");
 }
 
 // toml++ as Debian builds it reports by throwing; nothing but this function sees that.

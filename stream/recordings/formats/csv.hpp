@@ -17,7 +17,7 @@ namespace hertzline::stream {
 /// The first column.
 inline constexpr const char* csv_time_column = "t_s";
 
-/// Appends `number` with 17 significant digits, enough to read back the same bits; independent of the locale.
+/// Appends the shortest text of `number` that reads back the same bits; independent of the locale.
 void append_csv_number(std::string& text, double number);
 
 /// Where the metadata of a CSV lies.

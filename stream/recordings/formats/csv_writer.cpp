@@ -140,8 +140,7 @@ private:
 
 void append_csv_number(std::string& text, double number) {
     std::array<char, 32> digits{};  // sign, 17 digits, point, e-308: 24 at most
-    const auto written =
-        std::to_chars(digits.data(), digits.data() + digits.size(), number, std::chars_format::general, 17);
+    const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), number);
     text.append(digits.data(), written.ptr);
 }
 

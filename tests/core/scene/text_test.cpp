@@ -27,6 +27,11 @@ TEST(Text, SuggestionsAreNearAndNotFarFetched) {
     EXPECT_EQ(suggestion("end.stiffness", keys), "; did you mean 'end.stiffness_n_per_m'?");
     EXPECT_EQ(suggestion("end.preload_n", keys), "; did you mean 'chain.preload_n'?");
     EXPECT_EQ(suggestion("chain.colour", keys), "");
+    const std::vector<std::string> scenes{"paper-vitreous-carbon", "paper-wall", "sonic-vacuum"};
+    EXPECT_EQ(suggestion("vitreous-carbon", scenes), "; did you mean 'paper-vitreous-carbon'?");
+    EXPECT_EQ(suggestion("vacuum", scenes), "; did you mean 'sonic-vacuum'?");
+    EXPECT_EQ(suggestion("wall", std::vector<std::string>{"paper-wall", "stone-wall"}), "");
+    EXPECT_EQ(suggestion("uum", scenes), "");
     EXPECT_EQ(suggestion("", keys), "");
     EXPECT_EQ(suggestion(std::string(60'000, 'x'), keys), "");
     EXPECT_EQ(suggestion("x", {}), "");
