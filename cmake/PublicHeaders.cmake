@@ -38,7 +38,9 @@ set(stream_headers
   stream/sources/sample_source.hpp
   stream/sources/simulation_source.hpp
   stream/float32.hpp
-  stream/spectrum.hpp
+  stream/measures/record_warnings.hpp
+  stream/measures/spectrum.hpp
+  stream/measures/spectrum_json.hpp
   stream/wire/continuity.hpp
   stream/wire/frame.hpp
   stream/wire/frame_codec.hpp

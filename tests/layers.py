@@ -30,7 +30,7 @@ ROOMS = {
         ["simulation"],
     ],
     "stream": [
-        ["float32", "json_from_outside", "run_id", "scene_json", "provenance", "spectrum", "resources"],
+        ["float32", "json_from_outside", "run_id", "scene_json", "provenance", "measures", "resources"],
         ["files"],
         ["recordings"],
         ["wire"],

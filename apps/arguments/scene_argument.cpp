@@ -11,6 +11,8 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/validity.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
@@ -135,6 +137,9 @@ ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
             fault = parsed->placed(fault);
         }
         refuse_scene(resolved.faults);
+    }
+    for (const std::string& text : validity_warnings(resolved.scene, Chain(resolved.scene))) {
+        spdlog::warn("{}: {}", source.origin, text);
     }
     warn_of_missed_accuracy(source.origin, resolved);
     return resolved;

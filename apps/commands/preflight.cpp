@@ -11,10 +11,10 @@
 
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
+#include "stream/measures/spectrum.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/recording_set.hpp"
 #include "stream/resources.hpp"
-#include "stream/spectrum.hpp"
 
 namespace hertzline::app {
 
@@ -38,24 +38,27 @@ double rows_of_run(const Scene& scene) noexcept {
     return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
 }
 
-TapSet taps_of_run(TapSet recorded) noexcept {
-    return recorded | Tap::v_last | Tap::v_out;
+TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
+    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
+    return wanted | (of_summary & taps_of(scene.end.kind));
 }
 
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
     return static_cast<std::size_t>(std::clamp(block_numbers / numbers_of(scene, taps), 1.0, longest_block));
 }
 
-double memory_of_run(const Scene& scene, TapSet recorded) noexcept {
-    const TapSet taps = taps_of_run(recorded);
+double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept {
+    const TapSet taps = taps_of_run(scene, recorded | measured);
+    // v_out with and without its jumps
+    const double records = 1 + static_cast<double>((measured | Tap::v_out).size());
     const double rows = rows_of_run(scene);
     const double block_bytes =
         static_cast<double>(block_of_run(scene, taps)) * sizeof(double) * numbers_of(scene, taps);
     const double queue_bytes =
         std::min(rows * sizeof(double) * numbers_of(scene, recorded),
                  stream::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz));
-    return Simulation::memory_bytes(scene, taps) + block_bytes + queue_bytes + rows * sizeof(double) +
-           stream::SpectrumAnalyser::bytes_needed(rows);
+    return Simulation::memory_bytes(scene, taps) + block_bytes + queue_bytes +
+           records * rows * sizeof(double) + stream::SpectrumAnalyser::bytes_needed(rows);
 }
 
 double memory_of_recordings(const Scene& scene, std::size_t files) noexcept {
@@ -78,11 +81,12 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
     }
 }
 
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded) {
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded,
+                      TapSet measured) {
     const double rows = rows_of_run(scene);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
-    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, recorded))) {
+    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, recorded, measured))) {
         throw std::runtime_error(*shortage);
     }
     if (rows > max_rows) {

@@ -14,14 +14,15 @@ namespace hertzline::app {
 /// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
 double rows_of_run(const Scene& scene) noexcept;
 
-/// What a run simulates: the taps that it records, and those that its summary is made of.
-TapSet taps_of_run(TapSet recorded) noexcept;
+/// What a run simulates: the taps that it records or measures, and those that its summary is made of.
+TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept;
 
 /// Samples that are simulated, then written, at a time.
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 
-/// The simulation, its blocks, what waits for its files, the record of v_out and its spectrum.
-double memory_of_run(const Scene& scene, TapSet recorded) noexcept;
+/// The simulation, its blocks, what waits for its files, the records of v_out and of the other taps that are measured,
+/// and their spectra.
+double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept;
 
 /// What may wait for the files of a stream, each of which may be stuck with other rows. (Those of a run wait for one
 /// another, and share what waits.)
@@ -35,7 +36,8 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
                            TapSet taps);
 
 /// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded);
+void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded,
+                      TapSet measured);
 
 /// @throws WrongUse that names every file whose ending is no recording's, or that is named twice
 void refuse_wrong_files(std::span<const std::string> files);

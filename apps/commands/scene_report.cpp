@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "core/model/chain.hpp"
 #include "core/model/coupling.hpp"
 #include "core/model/hertz.hpp"
+#include "core/model/validity.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
@@ -34,6 +36,12 @@ Value if_any(bool exists, double value) {
     return exists ? Value(value) : Value();
 }
 
+/// A whole number, or what is beyond all counting.
+Value count(double number) {
+    constexpr double most = 9e18;
+    return number < most ? Value(static_cast<std::int64_t>(std::llround(number))) : Value(number);
+}
+
 void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
     const double mass = 1 / chain.inv_mass[0];
     const bool several = scene.chain.spheres > 1;
@@ -51,10 +59,11 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
         const char* name;
         Eigen::Index contact;
         bool exists;
+        bool between_spheres = false;
     };
     const std::array<Kind, 3> kinds{
         {{"horn - sphere", "horn", 0, true},
-         {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1},
+         {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1, true},
          {"sphere - end", "end", chain.spheres(), scene.end.kind != EndKind::free}}};
     for (const Kind& kind : kinds) {
         report.push_back({"contacts", std::string(kind.label) + ", stiffness",
@@ -65,6 +74,14 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
         report.push_back({"contacts", std::string(kind.label) + ", static overlap",
                           std::string(kind.name) + "_contact_static_overlap_m", "m",
                           if_any(kind.exists, chain.static_overlap[kind.contact])});
+    }
+    for (const Kind& kind : kinds) {
+        const double radius = scene.chain.diameter_m / (kind.between_spheres ? 4 : 2);
+        const double pressure =
+            contact_pressure(chain.stiffness[kind.contact], chain.static_overlap[kind.contact], radius);
+        report.push_back({"contacts", std::string(kind.label) + ", pressure at rest",
+                          std::string(kind.name) + "_contact_static_pressure_pa", "Pa",
+                          if_any(kind.exists, pressure)});
     }
 }
 
@@ -124,7 +141,7 @@ void add_accuracy(Report& report, const ResolvedScene& resolved) {
         {"accuracy", "estimated over the first", "estimated_over_s", "s", if_any(known, estimate.over_s)});
     report.push_back({"accuracy", "request can be met", "accuracy_met", "",
                       advice.accuracy_met && !resolved.misses_accuracy()});
-    report.push_back({"accuracy", "pilot runs", "pilots", "", static_cast<double>(resolved.pilots)});
+    report.push_back({"accuracy", "pilot runs", "pilots", "", static_cast<std::int64_t>(resolved.pilots)});
     report.push_back(
         {"accuracy", "pilots choose the step over", "pilot_duration_s", "s", advice.pilot_duration_s});
 }
@@ -154,7 +171,7 @@ void add_step(Report& report, const ResolvedScene& resolved) {
     report.push_back({"step", "chosen by", "step_chosen_by", "",
                       std::string(resolved.step_set_by_scene ? "scene" : "accuracy")});
     report.push_back({"step", series ? "pieces per burst, about" : "steps per burst, about",
-                      "steps_per_burst", "", std::round(resolved.steps_per_burst)});
+                      "steps_per_burst", "", count(resolved.steps_per_burst)});
     report.push_back(
         {"step", "steps per sample", "steps_per_sample", "", 1 / (scene.output.sample_rate_hz * step)});
     report.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
@@ -167,20 +184,21 @@ void add_step(Report& report, const ResolvedScene& resolved) {
 void add_costs(Report& report, const Scene& scene) {
     const double rows = rows_of_run(scene);
     const TapSet recorded = recorded_taps(scene.end.kind);
-    report.push_back({"run", "rows", "rows", "", rows});
-    report.push_back({"run", "memory, at most", "run_memory_bytes", "bytes", memory_of_run(scene, recorded)});
+    report.push_back({"run", "rows", "rows", "", count(rows)});
+    report.push_back(
+        {"run", "memory, at most", "run_memory_bytes", "bytes", count(memory_of_run(scene, recorded, {}))});
     const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
-    report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", csv_bytes(recorded)});
+    report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", count(csv_bytes(recorded))});
     report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",
-                      csv_bytes(recorded | Tap::v_chain | Tap::x_chain)});
+                      count(csv_bytes(recorded | Tap::v_chain | Tap::x_chain))});
     report.push_back(
         {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
-         stream::SimulationSource::memory_bytes(scene) +
-             stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
-                          publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
-                                            std::nullopt))});
+         count(stream::SimulationSource::memory_bytes(scene) +
+               stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
+                            publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
+                                              std::nullopt)))});
     report.push_back({"run", "more for each of its recordings", "stream_recording_memory_bytes", "bytes",
-                      memory_of_recordings(scene, 1)});
+                      count(memory_of_recordings(scene, 1))});
     report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 

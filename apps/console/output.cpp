@@ -37,6 +37,23 @@ std::string value_text(const Json& value) {
     return json_text(value);
 }
 
+std::size_t width_of(const Json& summary) {
+    std::size_t width = 0;
+    for (const auto& [name, value] : summary.items()) {
+        width = std::max(width, name.size());
+    }
+    return width;
+}
+
+/// A name and its value on each line.
+std::string lines_of(const Json& summary, std::size_t width, std::string_view indent) {
+    std::string text;
+    for (const auto& [name, value] : summary.items()) {
+        text += fmt::format("{}{:<{}}  {}\n", indent, name, width, value_text(value));
+    }
+    return text;
+}
+
 }  // namespace
 
 void add_format_option(CLI::App& command, Format& format, const char* description) {
@@ -64,13 +81,26 @@ void print_summary(const Json& summary, Format format) {
         print(json_text(summary) + '\n');
         return;
     }
+    print(lines_of(summary, width_of(summary), ""));
+}
+
+void print_summary(std::span<const SummaryGroup> groups, Format format) {
+    if (format == Format::json) {
+        Json summary;
+        for (const SummaryGroup& group : groups) {
+            Json& place = group.member.empty() ? summary : summary[group.member];
+            place.update(group.values);
+        }
+        print_summary(summary, format);
+        return;
+    }
     std::size_t width = 0;
-    for (const auto& [name, value] : summary.items()) {
-        width = std::max(width, name.size());
+    for (const SummaryGroup& group : groups) {
+        width = std::max(width, width_of(group.values));
     }
     std::string text;
-    for (const auto& [name, value] : summary.items()) {
-        text += fmt::format("{:<{}}  {}\n", name, width, value_text(value));
+    for (const SummaryGroup& group : groups) {
+        text += (text.empty() ? "" : "\n") + group.heading + '\n' + lines_of(group.values, width, "  ");
     }
     print(text);
 }

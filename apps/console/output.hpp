@@ -2,6 +2,8 @@
 // What goes to stdout: data and summaries, nothing else.
 
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
 
 #include <CLI/CLI.hpp>
@@ -25,6 +27,16 @@ std::string json_text(const Json& json);
 
 /// A flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
+
+/// Lines of a summary that belong together.
+struct SummaryGroup {
+    std::string heading;  ///< above the lines, as text
+    Json values;          ///< a flat object
+    std::string member;  ///< in JSON the values stand in an object of this name; empty: in the summary itself
+};
+
+/// As JSON one object, as text the groups one after another.
+void print_summary(std::span<const SummaryGroup> groups, Format format);
 
 /// null where there is no value.
 Json number_or_null(const std::optional<double>& number);

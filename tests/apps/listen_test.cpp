@@ -272,8 +272,9 @@ std::int64_t frames_sent(Subscriber& meters) {
 TEST(Listen, AFloodThatFillsTheQueueIsCountedHonestly) {
     const TemporaryFolder folder;
     const std::string endpoint = "ipc://" + folder.file("s");
-    Program stream({"stream", "paper-stream", "--json", "--wait-for-subscriber", "--bind", endpoint, "--queue-memory", "1MiB",
-                    "--set", "output.frame_samples=1", "--set", "output.sample_rate_hz=40e3"});
+    Program stream({"stream", "paper-stream", "--json", "--wait-for-subscriber", "--bind", endpoint,
+                    "--queue-memory", "1MiB", "--set", "output.frame_samples=1", "--set",
+                    "output.sample_rate_hz=40e3"});
     Program listener({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")});
     Subscriber meters(endpoint);
     meters.subscribe("meters");

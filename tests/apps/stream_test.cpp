@@ -4,10 +4,12 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "stream/wire/subscriber.hpp"
 #include "tests/apps/program.hpp"
@@ -252,6 +254,21 @@ TEST(Stream, WhatMayWaitForItsFilesIsCountedForEachOfThem) {
     const Outcome many = hertzline(words);  // 256 MiB each
     EXPECT_EQ(many.status, 1);
     EXPECT_THAT(many.err, HasSubstr("needs 1.0 TiB of memory"));
+}
+
+TEST(Stream, AsksForAllTheDescriptorsThatItMayHave) {
+    rlimit before{};
+    getrlimit(RLIMIT_NOFILE, &before);
+    const rlimit few{256, before.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &few);
+    Program stream({"stream", "paper-stream", "--bind", any_port});
+    setrlimit(RLIMIT_NOFILE, &before);
+    stream.endpoint();
+    const std::string limits = file_text("/proc/" + std::to_string(stream.process()) + "/limits");
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(limits, found, std::regex("Max open files +([0-9]+) +([0-9]+)"))) << limits;
+    EXPECT_EQ(found[1], found[2]);
+    EXPECT_EQ(found[2], std::to_string(before.rlim_max));
 }
 
 TEST(Stream, SaysHowToListen) {

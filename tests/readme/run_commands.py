@@ -87,8 +87,8 @@ NO_COMMANDS = ("GNU Radio ", "PlotJuggler ")
 
 # What stands for something, and what makes a command end.
 INSTEAD = {
-    "hertzline run SCENE [-o FILE]... [--tap NAME]...":
-        "hertzline run paper-wall -o a.csv -o a.npy --tap v_horn --tap f_last",
+    "hertzline run SCENE [-o FILE]... [--tap NAME]... [--measure NAME]...":
+        "hertzline run paper-wall -o a.csv -o a.npy --tap v_horn --tap f_last --measure f_last",
     "hertzline stream SCENE [--record FILE]...": "hertzline stream paper-stream --record live.csv",
     "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",
     "hertzline listen [-o FILE]...": "hertzline listen -o heard.h5",

@@ -1,6 +1,6 @@
 #pragma once
-// What a record of velocity holds, frequency by frequency: harmonics, sub-harmonic, distortion and
-// bandwidths, as the field reports them of v_out.
+// What a record of an output holds, frequency by frequency: harmonics, sub-harmonic, distortion and bands, as the
+// field reports them. docs/measures.md tells users what each number means.
 //
 // One definition carries all of it: the magnitude of the Fourier sum of the whole record, without a window
 // and without removing the mean, zero-padded at least fourfold. A line "at" f is the largest magnitude within
@@ -19,24 +19,37 @@
 
 namespace hertzline::stream {
 
-/// A stretch of the frequency axis.
+/// The frequencies at which a spectrum reaches a threshold.
 struct Band {
-    double low_hz = 0;
-    double high_hz = 0;
+    double low_hz = 0;       ///< the lowest
+    double high_hz = 0;      ///< the highest
+    double occupied_hz = 0;  ///< all of them together, without the holes between
+
     double width_hz() const noexcept { return high_hz - low_hz; }
+    double centre_hz() const noexcept { return low_hz + width_hz() / 2; }
 };
 
 /// A value is absent where the record does not determine it: above half the sample rate, and everywhere when the
 /// record is silent or contains a value that is not finite.
 struct SpectrumSummary {
     double fundamental_hz = 0;
-    std::vector<double> harmonics_db;  ///< k = 1, 2, ... up to ten or Nyquist; [dB] under the largest of them
+    double lowest_hz = 0;  ///< bands and the strongest frequency are looked for from here upward
+    std::vector<double>
+        harmonics;  ///< amplitudes V_k at k = 1, 2, ... up to ten or Nyquist, as in MagnitudeSpectrum
+    std::vector<double> harmonics_db;      ///< the same [dB] under the largest of them
     std::optional<double> subharmonic_db;  ///< at f/2; [dB] under the largest harmonic
     std::optional<double> thd_r;  ///< sqrt(sum_{k>=2} V_k^2) / sqrt(sum_{k>=1} V_k^2), over the same ten
-    /// Lowest to highest frequency with at least 10^(-6/20) of the spectrum's maximum; 0 Hz counts like any other.
-    std::optional<Band> band_6db;
+    std::optional<double> thd_f;  ///< sqrt(sum_{k>=2} V_k^2) / V_1; absent where V_1 is 0
+    std::optional<double> strongest_hz;  ///< where the spectrum has its maximum from lowest_hz upward
+    std::optional<double> dc_db;         ///< at 0 Hz; [dB] under that maximum
+    std::optional<double>
+        below_db;                   ///< largest level below lowest_hz, 0 Hz included; [dB] under that maximum
+    std::optional<Band> band_6db;   ///< at least 10^(-6/20) of that maximum, from lowest_hz upward
     std::optional<Band> band_20db;  ///< the same with 10^(-20/20)
 };
+
+/// How much larger each line of a record is than the same line of another one [dB]; as many as both have.
+std::vector<double> level_differences_db(std::span<const double> harmonics, std::span<const double> others);
 
 /// Magnitudes over frequency, ready to be plotted.
 struct MagnitudeSpectrum {
@@ -65,9 +78,11 @@ public:
     /// can be judged.
     static double bytes_needed(double samples) noexcept;
 
-    /// The summary of a record. @throws std::invalid_argument when the record is longer than the constructor
-    /// was told, or the fundamental is not positive and finite.
-    SpectrumSummary analyse(std::span<const double> record, double fundamental_hz);
+    /// The summary of a record. @param lowest_hz where bands begin; left out: half the fundamental
+    /// @throws std::invalid_argument when the record is longer than the constructor was told, the fundamental is
+    /// not positive and finite, or lowest_hz negative or not finite.
+    SpectrumSummary analyse(std::span<const double> record, double fundamental_hz,
+                            std::optional<double> lowest_hz = std::nullopt);
 
     /// The spectrum itself: 2/n |sum v exp(-i omega t)|, and half of that at 0 Hz. A silent record gives
     /// zeros; one with a value that is not finite gives zeros too. @throws as analyse() does.
@@ -75,9 +90,14 @@ public:
 
 private:
     bool transform(std::span<const double> record);
-    double magnitude(std::size_t bin) const noexcept;
+    double amplitude_of_a_line(std::size_t samples) const noexcept {
+        return scale_ * (2 / static_cast<double>(samples));
+    }
+    void add_harmonics(SpectrumSummary& summary, double amplitude) const;
+    void add_bands(SpectrumSummary& summary) const;
+    double magnitude_at(double frequency_hz) const noexcept;
     double line(double frequency_hz, double half_width_hz) const noexcept;
-    Band band_above(double threshold) const noexcept;
+    std::optional<Band> band_above(double threshold, double lowest_hz) const noexcept;
 
     struct Transform;  // FFTW's types stay out of the header
 
@@ -86,8 +106,9 @@ private:
     std::size_t last_bin_ = 0;  // at half the sample rate
     double bin_hz_ = 0;
     double scale_ = 0;  // largest |sample| of the record that was transformed last
-    // The padded record, then its spectrum in place: bins 0 .. last_bin_, real and imaginary parts in turn.
-    std::vector<double> buffer_;
+    std::vector<double>
+        buffer_;  // the padded record, then its transform in place: real parts, imaginary ones
+    std::vector<double> magnitudes_;  // of the bins 0 to last_bin_, of the record scaled to a peak of 1
     std::unique_ptr<Transform> transform_;
 };
 

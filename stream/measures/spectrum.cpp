@@ -1,7 +1,8 @@
-#include "stream/spectrum.hpp"
+#include "stream/measures/spectrum.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -68,6 +69,15 @@ double parabola_top(double left, double middle, double right) {
 
 }  // namespace
 
+std::vector<double> level_differences_db(std::span<const double> harmonics, std::span<const double> others) {
+    std::vector<double> differences;
+    for (std::size_t k = 0; k < std::min(harmonics.size(), others.size()); ++k) {
+        const double ratio = others[k] > 0 ? harmonics[k] / others[k] : std::numeric_limits<double>::max();
+        differences.push_back(std::min(decibels(ratio), -SpectrumAnalyser::floor_db));
+    }
+    return differences;
+}
+
 struct SpectrumAnalyser::Transform {
     explicit Transform(fftw_plan made) : plan(made) {
         if (plan == nullptr) {
@@ -92,6 +102,7 @@ SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) :
     last_bin_ = padded_ / 2;
     bin_hz_ = sample_rate_hz / static_cast<double>(padded_);
     buffer_.resize(padded_);
+    magnitudes_.resize(last_bin_ + 1);
     // FFTW_ESTIMATE: the plan depends on the size alone, so the same record gives the same bits in every run. The halfcomplex format is
     // planned a dozen times as fast as FFTW's r2c.
     transform_ = std::make_unique<Transform>(fftw_plan_r2r_1d(static_cast<int>(padded_), buffer_.data(),
@@ -101,8 +112,8 @@ SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) :
 SpectrumAnalyser::~SpectrumAnalyser() = default;
 
 double SpectrumAnalyser::bytes_needed(double samples) noexcept {
-    // The padded record in place and, while it is transformed, somewhat more than that for FFTW: 2.2 times were seen.
-    return 2.5 * static_cast<double>(padding) * sizeof(double) * samples;
+    // The padded record in place, the magnitudes and, while it is transformed, somewhat more than the record for FFTW: 2.7 times were seen.
+    return 3.0 * static_cast<double>(padding) * sizeof(double) * samples;
 }
 
 /// True when there is a spectrum: the record is finite and not silent. It is transformed scaled to a peak of
@@ -119,12 +130,22 @@ bool SpectrumAnalyser::transform(std::span<const double> record) {
     const auto end = std::ranges::transform(record, buffer_.begin(), [&](double v) { return v / *peak; }).out;
     std::fill(end, buffer_.end(), 0.0);
     fftw_execute(transform_->plan);
+    magnitudes_[0] = std::abs(buffer_[0]);
+    for (std::size_t bin = 1; bin < last_bin_; ++bin) {
+        const double real = buffer_[bin];
+        const double imaginary = buffer_[padded_ - bin];
+        magnitudes_[bin] = std::sqrt(real * real + imaginary * imaginary);
+    }
+    magnitudes_[last_bin_] = std::abs(buffer_[last_bin_]);
     return true;
 }
 
-double SpectrumAnalyser::magnitude(std::size_t bin) const noexcept {
-    const bool is_real = bin == 0 || 2 * bin == padded_;
-    return std::hypot(buffer_[bin], is_real ? 0 : buffer_[padded_ - bin]);
+/// Straight lines are drawn between the bins. @param frequency_hz from 0 to half the sample rate
+double SpectrumAnalyser::magnitude_at(double frequency_hz) const noexcept {
+    const double bin = std::min(frequency_hz / bin_hz_, static_cast<double>(last_bin_));
+    const auto left = static_cast<std::size_t>(bin);
+    const std::size_t right = std::min(left + 1, last_bin_);
+    return std::lerp(magnitudes_[left], magnitudes_[right], bin - static_cast<double>(left));
 }
 
 /// Largest magnitude within half_width_hz of frequency_hz, between the bins too.
@@ -135,71 +156,109 @@ double SpectrumAnalyser::line(double frequency_hz, double half_width_hz) const n
     const double high = std::clamp(std::floor((frequency_hz + half_width_hz) / bin_hz_), nearest, last);
     auto top = static_cast<std::size_t>(low);
     for (std::size_t bin = top; bin <= static_cast<std::size_t>(high); ++bin) {
-        if (magnitude(bin) > magnitude(top)) {
+        if (magnitudes_[bin] > magnitudes_[top]) {
             top = bin;
         }
     }
-    const double middle = magnitude(top);
-    if (top == 0 || top == last_bin_ || magnitude(top - 1) > middle || magnitude(top + 1) > middle) {
+    const double middle = magnitudes_[top];
+    if (top == 0 || top == last_bin_ || magnitudes_[top - 1] > middle || magnitudes_[top + 1] > middle) {
         return middle;  // on the slope of something that is larger outside
     }
-    return parabola_top(magnitude(top - 1), middle, magnitude(top + 1));
+    return parabola_top(magnitudes_[top - 1], middle, magnitudes_[top + 1]);
 }
 
-/// The outermost crossings of the threshold, straight lines drawn between the bins.
-Band SpectrumAnalyser::band_above(double threshold) const noexcept {
-    const auto crossing = [&](std::size_t outside, std::size_t inside) {
-        const double below = magnitude(outside);
-        const double above = magnitude(inside);
-        const double part = above > below ? (threshold - below) / (above - below) : 1.0;
-        const auto from = static_cast<double>(outside);
-        return bin_hz_ * (from + part * (static_cast<double>(inside) - from));
-    };
-    std::size_t low = 0;
-    while (low < last_bin_ && magnitude(low) < threshold) {
-        ++low;
+/// Where the magnitudes, with straight lines between the bins, reach the threshold.
+std::optional<Band> SpectrumAnalyser::band_above(double threshold, double lowest_hz) const noexcept {
+    std::optional<Band> band;
+    double left_hz = lowest_hz;
+    double left = magnitude_at(lowest_hz);
+    const auto first = static_cast<std::size_t>(lowest_hz / bin_hz_) + 1;
+    for (std::size_t bin = first; bin <= last_bin_; ++bin) {
+        const double right_hz = bin_hz_ * static_cast<double>(bin);
+        const double right = magnitudes_[bin];
+        if (std::max(left, right) >= threshold) {
+            const double crossing = left_hz + (right_hz - left_hz) * (threshold - left) / (right - left);
+            const double from = left >= threshold ? left_hz : crossing;
+            const double to = right >= threshold ? right_hz : crossing;
+            band = {.low_hz = band ? band->low_hz : from,
+                    .high_hz = to,
+                    .occupied_hz = (band ? band->occupied_hz : 0) + (to - from)};
+        }
+        left_hz = right_hz;
+        left = right;
     }
-    std::size_t high = last_bin_;
-    while (high > low && magnitude(high) < threshold) {
-        --high;
-    }
-    return {.low_hz = low == 0 ? 0.0 : crossing(low - 1, low),
-            .high_hz = high == last_bin_ ? bin_hz_ * static_cast<double>(high) : crossing(high + 1, high)};
+    return band;
 }
 
-SpectrumSummary SpectrumAnalyser::analyse(std::span<const double> record, double fundamental_hz) {
+void SpectrumAnalyser::add_bands(SpectrumSummary& summary) const {
+    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
+    if (summary.lowest_hz >= nyquist) {
+        return;
+    }
+    // at lowest_hz itself, or at a bin above it
+    double maximum = magnitude_at(summary.lowest_hz);
+    summary.strongest_hz = summary.lowest_hz;
+    double below = magnitudes_[0];
+    for (std::size_t bin = 0; bin <= last_bin_; ++bin) {
+        const double frequency = bin_hz_ * static_cast<double>(bin);
+        if (frequency < summary.lowest_hz) {
+            below = std::max(below, magnitudes_[bin]);
+        } else if (magnitudes_[bin] > maximum) {
+            maximum = magnitudes_[bin];
+            summary.strongest_hz = frequency;
+        }
+    }
+    if (!(maximum > 0)) {
+        summary.strongest_hz = std::nullopt;
+        return;
+    }
+    summary.dc_db = decibels(magnitudes_[0] / maximum);
+    summary.below_db = decibels(below / maximum);
+    summary.band_6db = band_above(maximum * std::pow(10.0, -6.0 / 20), summary.lowest_hz);
+    summary.band_20db = band_above(maximum * std::pow(10.0, -20.0 / 20), summary.lowest_hz);
+}
+
+/// @param amplitude that of a line of magnitude 1
+void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude) const {
+    const double fundamental = summary.fundamental_hz;
+    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
+    std::vector<double> lines;
+    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental <= nyquist; ++k) {
+        lines.push_back(line(static_cast<double>(k) * fundamental, neighbourhood * fundamental));
+    }
+    const double largest = lines.empty() ? 0.0 : std::ranges::max(lines);
+    if (!(largest > 0)) {
+        return;
+    }
+    double power = 0;
+    for (const double magnitude : lines) {
+        summary.harmonics.push_back(std::min(amplitude * magnitude, std::numeric_limits<double>::max()));
+        summary.harmonics_db.push_back(decibels(magnitude / largest));
+        power += magnitude * magnitude;
+    }
+    const double overtones = std::max(power - lines.front() * lines.front(), 0.0);
+    summary.thd_r = std::sqrt(overtones / power);
+    if (lines.front() > 0) {
+        summary.thd_f = std::sqrt(overtones) / lines.front();
+    }
+    summary.subharmonic_db = decibels(line(fundamental / 2, neighbourhood * fundamental) / largest);
+}
+
+SpectrumSummary SpectrumAnalyser::analyse(std::span<const double> record, double fundamental_hz,
+                                          std::optional<double> lowest_hz) {
     if (!(fundamental_hz > 0) || !std::isfinite(fundamental_hz)) {
         throw std::invalid_argument("a spectrum needs a positive fundamental frequency");
     }
     SpectrumSummary summary;
     summary.fundamental_hz = fundamental_hz;
-    if (!transform(record)) {
-        return summary;
+    summary.lowest_hz = lowest_hz.value_or(fundamental_hz / 2);
+    if (!(summary.lowest_hz >= 0) || !std::isfinite(summary.lowest_hz)) {
+        throw std::invalid_argument("a band begins at 0 Hz or above");
     }
-    double maximum = 0;
-    for (std::size_t bin = 0; bin <= last_bin_; ++bin) {
-        maximum = std::max(maximum, magnitude(bin));
+    if (transform(record)) {
+        add_bands(summary);
+        add_harmonics(summary, amplitude_of_a_line(record.size()));
     }
-    summary.band_6db = band_above(maximum * std::pow(10.0, -6.0 / 20));
-    summary.band_20db = band_above(maximum * std::pow(10.0, -20.0 / 20));
-
-    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
-    std::vector<double> lines;
-    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental_hz <= nyquist; ++k) {
-        lines.push_back(line(static_cast<double>(k) * fundamental_hz, neighbourhood * fundamental_hz));
-    }
-    const double largest = lines.empty() ? 0.0 : std::ranges::max(lines);
-    if (!(largest > 0)) {
-        return summary;
-    }
-    double power = 0;
-    for (const double amplitude : lines) {
-        summary.harmonics_db.push_back(decibels(amplitude / largest));
-        power += amplitude * amplitude;
-    }
-    const double overtones = std::max(power - lines.front() * lines.front(), 0.0);
-    summary.thd_r = std::sqrt(overtones / power);
-    summary.subharmonic_db = decibels(line(fundamental_hz / 2, neighbourhood * fundamental_hz) / largest);
     return summary;
 }
 
@@ -212,9 +271,9 @@ MagnitudeSpectrum SpectrumAnalyser::magnitudes(std::span<const double> record) {
     for (std::size_t bin = 0; bin < bins; ++bin) {
         spectrum.frequencies_hz[bin] = bin_hz_ * static_cast<double>(bin);
         if (audible) {
-            const double sides =
-                bin == 0 ? 1.0 : 2.0;  // a real tone splits into +f and -f; a constant does not
-            spectrum.amplitudes[bin] = sides * scale_ * (magnitude(bin) / static_cast<double>(record.size()));
+            // a real tone splits into +f and -f; a constant does not
+            spectrum.amplitudes[bin] =
+                (bin == 0 ? 0.5 : 1.0) * amplitude_of_a_line(record.size()) * magnitudes_[bin];
         }
     }
     return spectrum;

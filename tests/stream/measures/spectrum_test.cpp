@@ -1,4 +1,4 @@
-#include "stream/spectrum.hpp"
+#include "stream/measures/spectrum.hpp"
 
 #include <cmath>
 #include <limits>
@@ -42,8 +42,16 @@ std::vector<double> faded(std::vector<double> record) {
     return record;
 }
 
-SpectrumSummary summary_of(const std::vector<double>& record, double fundamental_hz = f) {
-    return SpectrumAnalyser(record.size(), rate).analyse(record, fundamental_hz);
+SpectrumSummary summary_of(const std::vector<double>& record, double fundamental_hz = f,
+                           std::optional<double> lowest_hz = std::nullopt) {
+    return SpectrumAnalyser(record.size(), rate).analyse(record, fundamental_hz, lowest_hz);
+}
+
+std::vector<double> raised_by(double constant, std::vector<double> record) {
+    for (double& value : record) {
+        value += constant;
+    }
+    return record;
 }
 
 TEST(Spectrum, HarmonicsOfKnownAmplitudesComeOutInDecibelsUnderTheLargest) {
@@ -103,6 +111,72 @@ TEST(Spectrum, BandwidthSpansTheLinesWithinTheLevelAndTheValleysBetween) {
     EXPECT_DOUBLE_EQ(s.band_20db->width_hz(), s.band_20db->high_hz - s.band_20db->low_hz);
 }
 
+TEST(Spectrum, BandsDoNotCountTheMeanUnlessTheyBeginAtZero) {
+    const auto tones = sum_of({{2 * f, 1.0}, {3 * f, 0.5}}, 5001);
+    const auto with_mean = faded(raised_by(2, tones));
+    const auto s = summary_of(with_mean);
+    ASSERT_TRUE(s.band_20db && s.dc_db && s.below_db && s.strongest_hz);
+    EXPECT_NEAR(s.band_20db->low_hz, 2 * f, 4e3);
+    EXPECT_NEAR(*s.strongest_hz, 2 * f, 1e3);
+    EXPECT_EQ(s.lowest_hz, f / 2);
+    // A constant c has the sum c n, a tone of amplitude a the sum a n / 2.
+    EXPECT_NEAR(*s.dc_db, 20 * std::log10(2.0 / 0.5), 0.05);
+    EXPECT_NEAR(*s.below_db, *s.dc_db, 1e-9);
+
+    const auto from_zero = summary_of(with_mean, f, 0.0);
+    EXPECT_EQ(from_zero.band_20db->low_hz, 0);
+    EXPECT_NEAR(*from_zero.dc_db, 0, 1e-12);
+    EXPECT_EQ(*from_zero.strongest_hz, 0);
+}
+
+TEST(Spectrum, WhatIsBelowTheBandHasALevelOfItsOwn) {
+    const auto s = summary_of(faded(sum_of({{20e3, 0.1}, {2 * f, 1.0}}, 5001)));
+    EXPECT_NEAR(*s.below_db, -20, 0.1);
+    EXPECT_LT(*s.dc_db, -60);
+    EXPECT_NEAR(s.band_20db->low_hz, 2 * f, 4e3);
+}
+
+TEST(Spectrum, OccupiedIsTheSpanWithoutItsHoles) {
+    const auto one = summary_of(faded(sum_of({{f, 1.0}}, 5001)));
+    const auto two = summary_of(faded(sum_of({{f, 1.0}, {5 * f, 1.0}}, 5001)));
+    EXPECT_DOUBLE_EQ(one.band_6db->occupied_hz, one.band_6db->width_hz());
+    // The main lobe of a Hann-faded line of 500 us is at half its height 1 / (500 us) either side of its top.
+    EXPECT_NEAR(one.band_6db->occupied_hz, 2 / 500e-6, 0.01 * 2 / 500e-6);
+    EXPECT_NEAR(two.band_6db->occupied_hz, 2 * one.band_6db->occupied_hz, 20);
+    EXPECT_NEAR(two.band_6db->width_hz(), 4 * f + one.band_6db->width_hz(), 20);
+    EXPECT_NEAR(two.band_6db->centre_hz(), 3 * f, 20);
+}
+
+TEST(Spectrum, ABandAboveNyquistIsAbsent) {
+    const auto s = summary_of(faded(sum_of({{f, 1.0}}, 5001)), f, rate);
+    EXPECT_FALSE(s.band_6db || s.band_20db || s.strongest_hz || s.dc_db || s.below_db);
+    EXPECT_TRUE(s.thd_r);
+}
+
+TEST(Spectrum, DistortionByTheOtherDefinitionIsRelativeToTheFundamental) {
+    const auto s = summary_of(faded(sum_of({{f, 0.5}, {2 * f, 0.6}, {3 * f, 0.3}}, 5001)));
+    ASSERT_TRUE(s.thd_f);
+    EXPECT_NEAR(*s.thd_f, std::sqrt(0.45) / 0.5, 1e-3);
+}
+
+TEST(Spectrum, HarmonicsAreAmplitudes) {
+    constexpr std::size_t whole_periods = 10'000;  // of 100 kHz
+    const auto s = summary_of(sum_of({{100e3, 0.25}, {200e3, 0.125}}, whole_periods), 100e3);
+    EXPECT_NEAR(s.harmonics[0], 0.25, 2e-3);
+    EXPECT_NEAR(s.harmonics[1], 0.125, 2e-3);
+}
+
+TEST(Spectrum, LevelDifferencesAreThoseOfTheSameLines) {
+    const std::vector<double> some{1, 2, 0, 1};
+    const std::vector<double> others{0.1, 2, 1};
+    const auto differences = level_differences_db(some, others);
+    ASSERT_EQ(differences.size(), 3U);
+    EXPECT_NEAR(differences[0], 20, 1e-12);
+    EXPECT_EQ(differences[1], 0);
+    EXPECT_EQ(differences[2], SpectrumAnalyser::floor_db);
+    EXPECT_EQ(level_differences_db(std::vector<double>{1}, std::vector<double>{0})[0], 300);
+}
+
 TEST(Spectrum, BurstOfSharpEdgesHasTheBandwidthOfASinc) {
     const std::size_t n = 4000;
     std::vector<double> record = sum_of({{500e3, 1.0}}, n);
@@ -120,7 +194,7 @@ TEST(Spectrum, ImpulseIsFlatToNyquist) {
         EXPECT_NEAR(level, 0, 1e-9);
     }
     ASSERT_TRUE(s.band_6db && s.band_20db && s.thd_r);
-    EXPECT_EQ(s.band_20db->low_hz, 0);
+    EXPECT_EQ(s.band_20db->low_hz, f / 2);
     EXPECT_DOUBLE_EQ(s.band_20db->high_hz, rate / 2);
     EXPECT_NEAR(*s.thd_r, std::sqrt(0.9), 1e-9);
 }
@@ -153,6 +227,10 @@ TEST(Spectrum, EveryReportedValueIsFiniteForTheSmallestAndLargestRecords) {
             ASSERT_TRUE(s.thd_r && s.subharmonic_db && s.band_6db && s.band_20db);
             EXPECT_TRUE(std::isfinite(*s.thd_r) && std::isfinite(*s.subharmonic_db));
             EXPECT_TRUE(std::isfinite(s.band_6db->width_hz()) && std::isfinite(s.band_20db->width_hz()));
+            EXPECT_TRUE(std::isfinite(s.band_6db->occupied_hz) && std::isfinite(s.band_20db->occupied_hz));
+            EXPECT_TRUE(std::isfinite(*s.dc_db) && std::isfinite(*s.below_db) && std::isfinite(*s.thd_f));
+            EXPECT_THAT(s.harmonics,
+                        testing::Each(testing::Truly([](double v) { return std::isfinite(v); })));
         }
     }
 }
@@ -213,6 +291,9 @@ TEST(Spectrum, WrongUseIsRefused) {
     EXPECT_THROW(analyser.analyse(std::vector<double>(11), f), std::invalid_argument);
     EXPECT_THROW(analyser.analyse(std::vector<double>(10), 0), std::invalid_argument);
     EXPECT_THROW(analyser.analyse(std::vector<double>(10), -f), std::invalid_argument);
+    EXPECT_THROW(analyser.analyse(std::vector<double>(10), f, -1), std::invalid_argument);
+    EXPECT_THROW(analyser.analyse(std::vector<double>(10), f, std::numeric_limits<double>::infinity()),
+                 std::invalid_argument);
     EXPECT_THROW(analyser.magnitudes(std::vector<double>(11)), std::invalid_argument);
 }
 

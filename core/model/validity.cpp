@@ -1,0 +1,128 @@
+#include "core/model/validity.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string_view>
+
+#include "core/model/coupling.hpp"
+#include "core/model/hertz.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline {
+
+namespace {
+
+/// Hertz's law takes the contact for small beside the sphere: at this overlap its radius is 0.16 R between spheres.
+constexpr double deepest_overlap = 0.05;
+/// Thickness over radius of a disc that bends as a thin plate does.
+constexpr double thickest_disc = 0.2;
+
+/// Two digits.
+std::string briefly(double value) {
+    std::array<char, 32> text{};
+    const int length = std::snprintf(text.data(), text.size(), "%.2g", value);
+    return {text.data(), static_cast<std::size_t>(length)};
+}
+
+/// A number whose size suggests that another unit was meant.
+struct Smell {
+    std::string_view key;
+    double value;
+    bool odd;
+    std::string_view unit;
+    std::string_view meant;
+};
+
+void add_units(const Scene& s, std::vector<std::string>& warnings) {
+    const bool plate = s.end.kind == EndKind::plate;
+    const std::array smells{
+        Smell{"chain.diameter_m", s.chain.diameter_m, s.chain.diameter_m >= 0.1, "m", "millimetres"},
+        Smell{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
+        Smell{"end.thickness_m", s.end.thickness_m, plate && s.end.thickness_m >= 0.05, "m", "millimetres"},
+        Smell{"drive.amplitude_m", s.drive.amplitude_m, std::abs(s.drive.amplitude_m) >= 1e-3, "m",
+              "micrometres"},
+        Smell{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz", "kilohertz"},
+    };
+    for (const Smell& smell : smells) {
+        if (smell.odd) {
+            warnings.push_back(std::string(smell.key) + " is " + number_text(smell.value) + " " +
+                               std::string(smell.unit) + "; were " + std::string(smell.meant) + " meant?");
+        }
+    }
+}
+
+void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>& warnings) {
+    if (!chain.end.has_plate) {
+        return;
+    }
+    const double ratio = scene.end.thickness_m / scene.end.radius_m;
+    if (ratio > thickest_disc) {
+        warnings.push_back("the disc's thickness is " + briefly(ratio) +
+                           " of its radius; above 0.2 it is no thin plate, and its stiffness and frequency "
+                           "are overestimated");
+    }
+    const double sag = scene.chain.preload_n / chain.end.modes.front().spring;
+    if (sag > scene.end.thickness_m / 2) {
+        warnings.push_back("the preload bends the disc by " + briefly(sag) +
+                           " m, more than half its thickness; a disc that bends so far stiffens, which the "
+                           "model leaves out");
+    }
+}
+
+std::string deep_contact(double ratio, std::string_view when) {
+    return "a contact is pressed " + briefly(ratio) + " of a sphere's radius deep" + std::string(when) +
+           "; Hertz's law is for less than 0.05";
+}
+
+}  // namespace
+
+double contact_pressure(double stiffness, double overlap_m, double radius_m) noexcept {
+    return overlap_m > 0 ? 3 * stiffness * std::sqrt(overlap_m) / (2 * std::numbers::pi * radius_m) : 0;
+}
+
+ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, double radius_m) noexcept {
+    ContactLoad load;
+    const Eigen::Index last = chain.spheres();
+    for (Eigen::Index c = 0; c <= last; ++c) {
+        const double stiffness = chain.stiffness[c];
+        if (stiffness == 0) {
+            continue;  // a free end
+        }
+        const double curvature_radius = c == 0 || c == last ? radius_m : radius_m / 2;
+        load.force_n = std::max(load.force_n, elastic_force(stiffness, overlaps[c]));
+        load.pressure_pa =
+            std::max(load.pressure_pa, contact_pressure(stiffness, overlaps[c], curvature_radius));
+        load.overlap_ratio = std::max(load.overlap_ratio, overlaps[c] / radius_m);
+    }
+    return load;
+}
+
+std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {
+    std::vector<std::string> warnings;
+    add_units(scene, warnings);
+    add_plate(scene, chain, warnings);
+    const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
+    if (rest.overlap_ratio > deepest_overlap) {
+        warnings.push_back(deep_contact(rest.overlap_ratio, " by the preload alone"));
+    }
+    const Scene paper;
+    if (scene.chain.damping_kg_per_s == paper.chain.damping_kg_per_s &&
+        scene.chain.material != paper.chain.material) {
+        warnings.push_back("chain.damping_kg_per_s is " + number_text(scene.chain.damping_kg_per_s) +
+                           ", which the paper gives for " + paper.chain.material + "; the spheres are of " +
+                           scene.chain.material);
+    }
+    return warnings;
+}
+
+std::vector<std::string> validity_warnings(const ContactLoad& load) {
+    if (load.overlap_ratio > deepest_overlap) {
+        return {deep_contact(load.overlap_ratio, " by the motion")};
+    }
+    return {};
+}
+
+}  // namespace hertzline

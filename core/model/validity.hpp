@@ -1,0 +1,37 @@
+#pragma once
+// Where a scene leaves what its equations were made for. Nothing here is refused: the equations can still be solved.
+
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/model/chain.hpp"
+#include "core/scene/scene.hpp"
+
+namespace hertzline {
+
+/// What the contacts carry at most, each number of the contact where it is largest.
+struct ContactLoad {
+    double force_n = 0;        ///< elastic force [N]
+    double pressure_pa = 0;    ///< at the centre of the contact [Pa]
+    double overlap_ratio = 0;  ///< overlap over the radius of a sphere
+};
+
+/// Pressure at the centre of a contact of stiffness k [N/m^(3/2)] at an overlap [m]: 3 k sqrt(overlap) / (2 pi R) [Pa]
+/// (K. L. Johnson, Contact Mechanics, 1985, equation 4.24). @param radius_m relative radius of curvature: R of a sphere
+/// on a flat body, R/2 between two spheres
+double contact_pressure(double stiffness, double overlap_m, double radius_m) noexcept;
+
+/// The load at these overlaps [m], one for each contact. @param radius_m of a sphere
+ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, double radius_m) noexcept;
+
+/// What is odd about a scene before anything moves: lengths that smell of another unit, a disc that is no thin plate or
+/// sags by more than half its thickness, contacts that the preload presses too deep, damping of another material. A
+/// sentence each. @param scene has passed validate()
+std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain);
+
+/// What is odd about a motion: contacts that were pressed too deep.
+std::vector<std::string> validity_warnings(const ContactLoad& load);
+
+}  // namespace hertzline

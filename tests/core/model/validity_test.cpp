@@ -1,0 +1,121 @@
+#include "core/model/validity.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+
+namespace hertzline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+template <class Change>
+std::vector<std::string> warnings_after(Change change) {
+    Scene scene;
+    change(scene);
+    EXPECT_THAT(validate(scene), IsEmpty());
+    return validity_warnings(scene, Chain(scene));
+}
+
+TEST(Validity, ShippedScenesGiveNoCauseForWarnings) {
+    for (const ShippedScene& shipped : shipped_scenes()) {
+        const auto parsed = parse_scene(shipped.text, shipped.name);
+        ASSERT_TRUE(parsed);
+        EXPECT_THAT(validity_warnings(parsed->scene, Chain(parsed->scene)), IsEmpty()) << shipped.name;
+    }
+}
+
+TEST(Validity, LengthsInMillimetresAreNoticed) {
+    EXPECT_THAT(warnings_after([](Scene& s) { s.chain.diameter_m = 1; }),
+                ElementsAre(HasSubstr("chain.diameter_m is 1 m; were millimetres meant?")));
+    EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 0.5; }),
+                ElementsAre(HasSubstr("end.thickness_m is 0.5 m;"), HasSubstr("no thin plate")));
+    EXPECT_THAT(warnings_after([](Scene& s) { s.end.radius_m = 5; }),
+                testing::Contains(HasSubstr("end.radius_m is 5 m;")));
+    EXPECT_THAT(warnings_after([](Scene& s) { s.drive.amplitude_m = 0.003; }),
+                ElementsAre(HasSubstr("drive.amplitude_m is 0.003 m; were micrometres meant?")));
+    EXPECT_THAT(warnings_after([](Scene& s) { s.drive.frequency_hz = 73; }),
+                ElementsAre(HasSubstr("drive.frequency_hz is 73 Hz; were kilohertz meant?")));
+}
+
+TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
+    EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1e-3; }), IsEmpty());  // h/a = 0.2
+    EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1.8e-3; }),
+                ElementsAre(HasSubstr("the disc's thickness is 0.36 of its radius")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.kind = EndKind::wall;
+                    s.end.thickness_m = 0.5;
+                }),
+                IsEmpty());
+}
+
+TEST(Validity, ADiscThatSagsIsNoticed) {
+    // K = 16 pi D / a^2, so F = K h/2 is the most
+    Scene scene;
+    const double stiffness = Chain(scene).end.modes.front().spring;
+    const double most = stiffness * scene.end.thickness_m / 2;
+    const auto sags = HasSubstr("the preload bends the disc by");
+    EXPECT_THAT(warnings_after([&](Scene& s) { s.chain.preload_n = 1.01 * most; }), testing::Contains(sags));
+    EXPECT_THAT(warnings_after([&](Scene& s) { s.chain.preload_n = 0.99 * most; }),
+                testing::Not(testing::Contains(sags)));
+}
+
+TEST(Validity, ADeepContactIsNoticedAtRestAndInMotion) {
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.kind = EndKind::wall;
+                    s.chain.preload_n = 1000;
+                }),
+                ElementsAre(HasSubstr("deep by the preload alone")));
+    EXPECT_THAT(validity_warnings(ContactLoad{.overlap_ratio = 0.051}),
+                ElementsAre(HasSubstr("deep by the motion")));
+    EXPECT_THAT(validity_warnings(ContactLoad{.overlap_ratio = 0.049}), IsEmpty());
+}
+
+TEST(Validity, DampingOfAnotherMaterialIsNoticed) {
+    EXPECT_THAT(warnings_after([](Scene& s) { s.chain.material = "steel"; }),
+                ElementsAre(HasSubstr("the paper gives for aluminium; the spheres are of steel")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.chain.material = "steel";
+                    s.chain.damping_kg_per_s = 0.5;
+                }),
+                IsEmpty());
+}
+
+TEST(ContactLoad, IsThatOfTheTextbook) {
+    // Johnson 1985, equations 4.22 to 4.24: a = (3 F R / 4 E)^(1/3), overlap a^2 / R, p0 = 3 F / (2 pi a^2),
+    // here between two aluminium spheres of 1 mm: R = 0.25 mm, E = 69 GPa / (1 - 0.33^2) / 2.
+    const double force = 2.6;
+    const double radius = 0.25e-3;
+    const double modulus = 69e9 / (1 - 0.33 * 0.33) / 2;
+    const double contact_radius = std::cbrt(0.75 * force * radius / modulus);
+    Scene scene;
+    scene.end.kind = EndKind::free;
+    const Chain chain(scene);
+    Eigen::ArrayXd overlaps = Eigen::ArrayXd::Zero(chain.bodies());
+    overlaps[2] = contact_radius * contact_radius / radius;
+    overlaps[chain.spheres()] = 1;  // of a free end: nothing
+    const ContactLoad load = contact_load(chain, overlaps, 0.5e-3);
+    EXPECT_NEAR(load.force_n, force, 1e-9);
+    EXPECT_NEAR(load.pressure_pa, 1.5 * force / (std::numbers::pi * contact_radius * contact_radius), 1);
+    EXPECT_NEAR(load.overlap_ratio, overlaps[2] / 0.5e-3, 1e-12);
+}
+
+TEST(ContactLoad, OnAFlatBodyHasTheSpheresOwnRadius) {
+    const Scene scene;
+    const Chain chain(scene);
+    Eigen::ArrayXd overlaps = Eigen::ArrayXd::Zero(chain.bodies());
+    overlaps[0] = 1e-6;
+    const double k = chain.stiffness[0];
+    EXPECT_NEAR(contact_load(chain, overlaps, 0.5e-3).pressure_pa,
+                1.5 * k * 1e-3 / (std::numbers::pi * 0.5e-3), 1);
+}
+
+}  // namespace
+}  // namespace hertzline
