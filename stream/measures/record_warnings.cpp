@@ -39,20 +39,22 @@ std::string duration_setting(double seconds) {
     return fmt::format("output.duration_s={:.2g}", rounded_up(seconds));
 }
 
-/// When the ringing will have fallen to its share of the peak, judged from how it has fallen since the burst; absent
-/// where it does not fall, or too little was seen of it.
+/// When the ringing will have fallen to its share of the peak, judged from the second half of what was seen of it, with
+/// a margin of a twentieth; absent where it does not fall.
 std::optional<double> ringing_over_s(std::span<const double> after_burst, double duration_s, double rate_hz,
                                      double last, double peak) {
-    const std::size_t half = after_burst.size() / 2;
+    const std::span<const double> late =
+        after_burst.subspan(after_burst.size() / 2);  // at first it falls faster
+    const std::size_t half = late.size() / 2;
     if (half == 0) {
         return std::nullopt;
     }
-    const double decline = std::log(peak_of(after_burst.first(half)) / peak_of(after_burst.subspan(half)));
+    const double decline = std::log(peak_of(late.first(half)) / peak_of(late.subspan(half)));
     const double decline_per_s = decline * rate_hz / static_cast<double>(half);
     if (!(decline_per_s > 0) || !std::isfinite(decline_per_s)) {
         return std::nullopt;
     }
-    return duration_s + std::log(last / (ringing_share * peak)) / decline_per_s;
+    return 1.05 * (duration_s + std::log(last / (ringing_share * peak)) / decline_per_s);
 }
 
 std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out, double peak) {
@@ -74,7 +76,7 @@ std::optional<std::string> ringing(const Scene& scene, std::span<const double> v
         "v_out still rings at {:.1f} % of its peak when the run ends, which changes its spectrum; {}",
         100 * last / peak,
         enough
-            ? duration_setting(*enough) + " would let it fall to 1 %"
+            ? "about " + duration_setting(*enough) + " would let it fall to 1 %"
             : std::string("it has not fallen since the burst, so nothing can be said of when it will have"));
 }
 
