@@ -2,7 +2,6 @@
 
 #include "core/scene/materials.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <string>
 #include <variant>

@@ -72,15 +72,7 @@ struct RunRecord {
     double wall_s() const { return std::chrono::duration<double>(busy).count(); }
 };
 
-double peak_of(std::span<const double> values) {
-    double peak = 0;
-    for (const double value : values) {
-        peak = std::max(peak, std::abs(value));
-    }
-    return peak;
-}
-
-RunRecord empty_record(TapSet measured, std::size_t rows) {
+RunRecord empty_record(TapSet measured, const EndModel& end, std::size_t rows) {
     RunRecord record;
     record.taps.push_back({Tap::v_out, {}});
     for (const Tap tap : measured - Tap::v_out) {
@@ -89,11 +81,12 @@ RunRecord empty_record(TapSet measured, std::size_t rows) {
     for (TapRecord& tap : record.taps) {
         tap.values.reserve(rows);
     }
+    record.v_out_smooth.reserve(end.has_plate ? rows : 0);
     return record;
 }
 
 void keep(const Samples& block, const EndModel& end, RunRecord& record) {
-    record.peak_v_last = std::max(record.peak_v_last, peak_of(block[Tap::v_last]));
+    record.peak_v_last = std::max(record.peak_v_last, stream::peak_of(block[Tap::v_last]));
     for (TapRecord& tap : record.taps) {
         const std::span<const double> values = block[tap.tap];
         tap.values.insert(tap.values.end(), values.begin(), values.end());
@@ -140,7 +133,7 @@ RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
     const bool wants_files = recordings.any_left();
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
-    RunRecord record = empty_record(measured, rows);
+    RunRecord record = empty_record(measured, simulation.chain().end, rows);
     ProgressLine line;
     const std::atomic<bool>& stop = stop_asked();
     const stream::Nanoseconds start = stream::MonotonicClock::now();
@@ -197,12 +190,14 @@ std::vector<SummaryGroup> measure(const RunRecord& record, const Scene& scene,
         }
     }
     std::vector<SummaryGroup> groups{
-        {"result", {{"peak_v_out_m_per_s", peak_of(v_out)}, {"peak_v_last_m_per_s", record.peak_v_last}}, ""},
+        {"result",
+         {{"peak_v_out_m_per_s", stream::peak_of(v_out)}, {"peak_v_last_m_per_s", record.peak_v_last}},
+         ""},
         {"spectrum of v_out", stream::spectrum_json(spectrum), ""}};
     groups.back().values["switching_db"] = switching.empty() ? Json(nullptr) : Json(switching);
     for (const TapRecord& tap : std::span(record.taps).subspan(1)) {
         const TapRow& row = row_of(tap.tap);
-        Json values{{fmt::format("peak_{}", row.column), peak_of(tap.values)}};
+        Json values{{fmt::format("peak_{}", row.column), stream::peak_of(tap.values)}};
         values.update(
             stream::spectrum_json(analyser.analyse(tap.values, scene.drive.frequency_hz, band_from_hz)));
         groups.push_back({std::string(row.name), std::move(values), std::string(row.name)});

@@ -105,8 +105,4 @@ void print_summary(std::span<const SummaryGroup> groups, Format format) {
     print(text);
 }
 
-Json number_or_null(const std::optional<double>& number) {
-    return number ? Json(*number) : Json(nullptr);
-}
-
 }  // namespace hertzline::app

@@ -1,7 +1,6 @@
 #pragma once
 // What goes to stdout: data and summaries, nothing else.
 
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,8 +36,5 @@ struct SummaryGroup {
 
 /// As JSON one object, as text the groups one after another.
 void print_summary(std::span<const SummaryGroup> groups, Format format);
-
-/// null where there is no value.
-Json number_or_null(const std::optional<double>& number);
 
 }  // namespace hertzline::app

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <string_view>
 
-#include "core/model/coupling.hpp"
 #include "core/model/hertz.hpp"
 #include "core/scene/text.hpp"
 

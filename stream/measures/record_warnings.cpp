@@ -17,14 +17,6 @@ namespace {
 /// Of the horn's velocity; what is quieter has not passed the chain.
 constexpr double silence = 1e-9;
 
-double peak_of(std::span<const double> values) {
-    double peak = 0;
-    for (const double value : values) {
-        peak = std::max(peak, std::abs(value));
-    }
-    return peak;
-}
-
 double burst_s(const Drive& drive) {
     return drive.cycles / drive.frequency_hz;
 }

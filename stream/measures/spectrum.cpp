@@ -45,7 +45,7 @@ double decibels(double ratio) {
 }
 
 /// Largest |sample|; absent when one is not finite.
-std::optional<double> peak_of(std::span<const double> record) {
+std::optional<double> finite_peak_of(std::span<const double> record) {
     double peak = 0;
     for (const double v : record) {
         if (!std::isfinite(v)) {
@@ -68,6 +68,14 @@ double parabola_top(double left, double middle, double right) {
 }
 
 }  // namespace
+
+double peak_of(std::span<const double> values) {
+    double peak = 0;
+    for (const double value : values) {
+        peak = std::max(peak, std::abs(value));
+    }
+    return peak;
+}
 
 std::vector<double> level_differences_db(std::span<const double> harmonics, std::span<const double> others) {
     std::vector<double> differences;
@@ -122,7 +130,7 @@ bool SpectrumAnalyser::transform(std::span<const double> record) {
     if (record.size() > samples_) {
         throw std::invalid_argument("the record is longer than the spectrum was planned for");
     }
-    const std::optional<double> peak = peak_of(record);
+    const std::optional<double> peak = finite_peak_of(record);
     if (!peak || *peak == 0) {
         return false;
     }

@@ -48,6 +48,9 @@ struct SpectrumSummary {
     std::optional<Band> band_20db;  ///< the same with 10^(-20/20)
 };
 
+/// Largest absolute value, 0 of nothing.
+double peak_of(std::span<const double> values);
+
 /// How much larger each line of a record is than the same line of another one [dB]; as many as both have.
 std::vector<double> level_differences_db(std::span<const double> harmonics, std::span<const double> others);
 
