@@ -28,6 +28,7 @@ AddCommand run_command;
 AddCommand stream_command;
 AddCommand replay_command;
 AddCommand listen_command;
+AddCommand plot_command;
 AddCommand scenes_command;
 AddCommand materials_command;
 AddCommand check_command;

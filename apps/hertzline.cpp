@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdlib>
 #include <exception>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <string>
@@ -16,6 +17,7 @@
 #include <unistd.h>
 
 #include "apps/command.hpp"
+#include "apps/console/help.hpp"
 #include "apps/console/messages.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
@@ -39,6 +41,7 @@ constexpr std::array subcommands{
     Subcommand{"stream", "simulate a scene in step with the clock and publish it", stream_command},
     Subcommand{"replay", "publish a recording as if it were live", replay_command},
     Subcommand{"listen", "receive a stream, check that nothing is missing, save it", listen_command},
+    Subcommand{"plot", "draw waveforms and spectra of a recording", plot_command},
     Subcommand{"scenes", "list the shipped scenes, or print one with every default resolved", scenes_command},
     Subcommand{"materials", "list the built-in materials, their numbers and sources", materials_command},
     Subcommand{"check", "validate a scene; print derived values and advice on its step", check_command},
@@ -50,6 +53,7 @@ constexpr const char* examples =
     "  hertzline run paper-vitreous-carbon -o burst.csv\n"
     "  hertzline stream paper-stream\n"
     "  hertzline listen --connect tcp://127.0.0.1:5573\n"
+    "  hertzline plot burst.csv -o burst.png\n"
     "  hertzline scenes\n"
     "  hertzline check my-scene.toml\n"
     "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
@@ -111,23 +115,35 @@ void refuse_unknown_subcommand(int argc, char** argv) {
     }
 }
 
+/// What CLI11 says was wrong, and where to read what is right.
+std::string fault_of(const CLI::ParseError& error, const std::vector<Command>& commands, int argc,
+                     char** argv) {
+    const bool of_subcommand = argc > 1 && std::ranges::any_of(commands, [&](const Command& command) {
+                                   return command.app->get_name() == argv[1];
+                               });
+    return fmt::format("{}; hertzline {}--help says what is allowed", printable(error.what()),
+                       of_subcommand ? argv[1] + std::string(" ") : "");
+}
+
 Exit run_program(int argc, char** argv) {
     CLI::App program{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
     program.set_version_flag("--version",
                              fmt::format("hertzline {} ({})", stream::program_version(), stream::git_hash()));
     program.footer(examples);
+    program.formatter(std::make_shared<HelpFormatter>());  // before the subcommands, which inherit it
     const std::vector<Command> commands = add_subcommands(program);
     program.require_subcommand(0, 1);
     refuse_unknown_subcommand(argc, argv);
     try {
         program.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        std::ostringstream out;
-        std::ostringstream err;
-        const bool asked_for = program.exit(error, out, err) == 0;
-        write_message(err.str());
+        if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::Success)) {
+            throw WrongUse(fault_of(error, commands, argc, argv));
+        }
+        std::ostringstream out;  // --help or --version
+        program.exit(error, out, out);
         print(out.str());
-        return asked_for ? Exit::done : Exit::wrong_use;
+        return Exit::done;
     }
     const auto asked =
         std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });

@@ -18,6 +18,7 @@ install(TARGETS hertzline RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS hertzline_core EXPORT hertzlineCoreTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS hertzline_stream EXPORT hertzlineStreamTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/include/hertzline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(PROGRAMS apps/plot/hertzline_plot.py DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline FILES_MATCHING PATTERN "*.toml")
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/hertzline)

@@ -33,7 +33,7 @@ Scene simulable(const Scene& scene) {
     return std::move(result.scene);
 }
 
-SimulationOptions possible(SimulationOptions options, EndKind end) noexcept {
+SimulationOptions possible(SimulationOptions options, const End& end) noexcept {
     options.taps &= taps_of(end);
     return options;
 }
@@ -42,7 +42,7 @@ SimulationOptions possible(SimulationOptions options, EndKind end) noexcept {
 
 Simulation::Simulation(const Scene& scene, const SimulationOptions& options)
     : scene_(simulable(scene)),
-      options_(possible(options, scene.end.kind)),
+      options_(possible(options, scene.end)),
       chain_(std::make_unique<const Chain>(scene_)),
       step_s_(exact_step(*scene_.numerics.step_s, scene_.output.sample_rate_hz)),
       solver_(make_solver(scene_, *chain_, options_)) {}
@@ -80,7 +80,7 @@ Status Simulation::skip(std::int64_t count) noexcept {
 double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
     constexpr double columns = 11;  // of Chain and ChainState, a double for each body
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
-    return bodies * columns * sizeof(double) + solver_bytes(scene, taps & taps_of(scene.end.kind));
+    return bodies * columns * sizeof(double) + solver_bytes(scene, taps & taps_of(scene.end));
 }
 
 }  // namespace hertzline

@@ -14,23 +14,26 @@ namespace hertzline {
 
 /// A quantity of the model, sampled at the scene's sample rate. Streams are listed in this order.
 enum class Tap : unsigned {
-    v_out,    ///< transmitted into the medium [m/s]; without a plate the same as v_last
-    v_last,   ///< of the last sphere [m/s]
-    v_plate,  ///< of the plate [m/s]
-    v_chain,  ///< of all spheres [m/s], row-major [sample][sphere], horn side first
-    x_chain,  ///< displacements of all spheres from static equilibrium [m], as v_chain
-    v_horn,   ///< of the horn: the drive [m/s]
-    f_last,   ///< force of the last contact, positive when it pushes [N]
+    v_out,     ///< transmitted into the medium [m/s]; v_face of a modal plate, v_last without a plate
+    v_last,    ///< of the last sphere [m/s]
+    v_plate,   ///< of the plate [m/s]
+    v_chain,   ///< of all spheres [m/s], row-major [sample][sphere], horn side first
+    x_chain,   ///< displacements of all spheres from static equilibrium [m], as v_chain
+    v_horn,    ///< of the horn: the drive [m/s]
+    f_last,    ///< force of the last contact, positive when it pushes [N]
+    v_centre,  ///< of a modal plate under the contact [m/s]
+    v_face,    ///< of a modal plate's face, its mean [m/s]
+    p_axis,    ///< pressure at the hydrophone on the axis of a modal plate [Pa]
 };
 
 /// How many channels a tap has.
 enum class Extent { one, per_sphere };
 
 /// What a scene must have for a tap to exist.
-enum class Requires { nothing, last_contact, plate };
+enum class Requires { nothing, last_contact, lumped_plate, modal_plate };
 
 /// What a recording of a run holds unless told otherwise.
-enum class Recorded { always, with_plate, on_request };
+enum class Recorded { always, with_lumped_plate, with_modal_plate, on_request };
 
 struct TapRow {
     Tap tap;
@@ -57,8 +60,8 @@ inline constexpr std::array tap_rows{
            .name = "v_plate",
            .unit = "m/s",
            .extent = Extent::one,
-           .required = Requires::plate,
-           .recorded = Recorded::with_plate,
+           .required = Requires::lumped_plate,
+           .recorded = Recorded::with_lumped_plate,
            .streamed = true,
            .column = "v_plate_m_per_s"},
     TapRow{.tap = Tap::v_out,
@@ -66,9 +69,33 @@ inline constexpr std::array tap_rows{
            .unit = "m/s",
            .extent = Extent::one,
            .required = Requires::nothing,
-           .recorded = Recorded::with_plate,
+           .recorded = Recorded::with_lumped_plate,
            .streamed = true,
            .column = "v_out_m_per_s"},
+    TapRow{.tap = Tap::v_centre,
+           .name = "v_centre",
+           .unit = "m/s",
+           .extent = Extent::one,
+           .required = Requires::modal_plate,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "v_centre_m_per_s"},
+    TapRow{.tap = Tap::v_face,
+           .name = "v_face",
+           .unit = "m/s",
+           .extent = Extent::one,
+           .required = Requires::modal_plate,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "v_face_m_per_s"},
+    TapRow{.tap = Tap::p_axis,
+           .name = "p_axis",
+           .unit = "Pa",
+           .extent = Extent::one,
+           .required = Requires::modal_plate,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "p_axis_pa"},
     TapRow{.tap = Tap::x_chain,
            .name = "x_chain",
            .unit = "m",
@@ -190,33 +217,47 @@ constexpr TapSet taps_where(Keep keep) noexcept {
 inline constexpr TapSet all_taps = taps_where([](const TapRow& /*row*/) { return true; });
 
 /// Whether a scene with this end has what a tap requires.
-constexpr bool provides(EndKind end, Requires required) noexcept {
-    switch (end) {
-        case EndKind::plate:
+constexpr bool provides(const End& end, Requires required) noexcept {
+    switch (required) {
+        case Requires::nothing:
             return true;
-        case EndKind::wall:
-            return required != Requires::plate;
-        case EndKind::free:
-            return required == Requires::nothing;
+        case Requires::last_contact:
+            return end.kind != EndKind::free;
+        case Requires::lumped_plate:
+            return end.kind == EndKind::plate && end.model == PlateModel::lumped;
+        case Requires::modal_plate:
+            return end.kind == EndKind::plate && end.model == PlateModel::modal;
     }
     return false;
 }
 
 /// The taps that a scene with this end has.
-constexpr TapSet taps_of(EndKind end) noexcept {
-    return taps_where([end](const TapRow& row) { return provides(end, row.required); });
+constexpr TapSet taps_of(const End& end) noexcept {
+    return taps_where([&end](const TapRow& row) { return provides(end, row.required); });
 }
 
-/// Those of them that can be streamed.
-constexpr TapSet streamed_taps(EndKind end) noexcept {
-    return taps_of(end) & taps_where([](const TapRow& row) { return row.streamed; });
+/// The taps that can be streamed, of some scene.
+inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });
+
+/// Those of a scene with this end that can be streamed.
+constexpr TapSet streamed_taps_of(const End& end) noexcept {
+    return taps_of(end) & streamed_taps;
 }
 
 /// Those of them that a recording of a run holds unless told otherwise.
-constexpr TapSet recorded_taps(EndKind end) noexcept {
-    return taps_of(end) & taps_where([end](const TapRow& row) {
-               return row.recorded == Recorded::always ||
-                      (row.recorded == Recorded::with_plate && end == EndKind::plate);
+constexpr TapSet recorded_taps(const End& end) noexcept {
+    return taps_of(end) & taps_where([&end](const TapRow& row) {
+               switch (row.recorded) {
+                   case Recorded::always:
+                       return true;
+                   case Recorded::with_lumped_plate:
+                       return provides(end, Requires::lumped_plate);
+                   case Recorded::with_modal_plate:
+                       return provides(end, Requires::modal_plate);
+                   case Recorded::on_request:
+                       return false;
+               }
+               return false;
            });
 }
 

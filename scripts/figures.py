@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""Draws what the paper found: waveform and spectrum for five matching layers and the rigid wall.
+"""Draws what the paper found, and what the plate in water adds to it.
 
     scripts/figures.py --program build/release/hertzline --out docs/
 
-runs the program on the shipped scenes and writes docs/paper-result.png. Debian: python3-numpy python3-matplotlib.
+runs the program on the shipped scenes and writes docs/paper-result.png, waveform and spectrum for five matching layers and
+the rigid wall, and docs/plate-in-water.png, the two models of the plate side by side. Debian: python3-numpy
+python3-matplotlib.
 """
 import argparse
 import pathlib
@@ -101,6 +103,46 @@ def draw_all(csv_of, png):
     figure.savefig(png, dpi=110, facecolor="white")
 
 
+# The models side by side: scene name with what differs from it, title, colour; then what is drawn of each: columns, labels, scales.
+MODELS = [
+    (["paper-vitreous-carbon", "--set", "drive.envelope=tukey"], "the paper's plate: one mass, a vacuum", "#c46a1b"),
+    (["wet-vitreous-carbon"], "four modes, water", "#0b6e8a"),
+]
+ROWS = [
+    (("f_last_n", "f_last_n"), ("force on the plate [N]", "force on the plate [N]"), (1, 1)),
+    (("v_plate_m_per_s", "v_centre_m_per_s"), ("plate's centre [m/s]", "plate's centre [m/s]"), (1, 1)),
+    (("v_out_m_per_s", "p_axis_pa"), ("velocity into the medium [m/s]", "pressure at 10 mm [kPa]"), (1, 1e-3)),
+]
+
+
+def draw_models(csv_of, png):
+    """Waveforms and spectra of force, plate and output, a column pair for each model."""
+    pictures.use_style()
+    figure, axes = plt.subplots(len(ROWS), 2 * len(MODELS), figsize=(14, 6.5), sharex="col", layout="constrained")
+    for m, (_, title, colour) in enumerate(MODELS):
+        table = np.genfromtxt(csv_of(m), delimiter=",", names=True)
+        t = table["t_s"]
+        for (columns, labels, scales), row in zip(ROWS, axes):
+            values = table[columns[m]] * scales[m]
+            wave, lines = row[2 * m], row[2 * m + 1]
+            wave.plot(t * 1e6, values, color=colour, lw=0.8)
+            wave.set_xlim(*TIME_US)
+            wave.set_ylabel(labels[m])
+            wave.grid(axis="y")
+            draw_spectrum(lines, t, values - values[0], colour)
+        axes[0, 2 * m].set_title(title, loc="left", fontweight="bold", fontsize=11, color=colour)
+        explain(axes[0, 2 * m + 1])
+        axes[-1, 2 * m].set_xlabel("time [µs]")
+        axes[-1, 2 * m + 1].set_xlabel("frequency [kHz]      f = 73 kHz")
+    figure.savefig(png, dpi=110, facecolor="white")
+
+
+def run_models(program, folder):
+    for m, (scene, _, _) in enumerate(MODELS):
+        subprocess.run([program, "run", *scene, "--tap", "f_last", "-o", folder / f"model-{m}.csv"], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
 def run_scenes(program, folder):
     for scene, _, _ in SCENES:
         subprocess.run([program, "run", scene, "-o", folder / f"{scene}.csv"], check=True, stdout=subprocess.DEVNULL)
@@ -113,14 +155,14 @@ def main():
     parser.add_argument("--csv-dir", type=pathlib.Path, help="draw SCENE.csv files of this folder, run nothing")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
-    png = arguments.out / "paper-result.png"
-    if arguments.csv_dir:
-        draw_all(lambda scene: arguments.csv_dir / f"{scene}.csv", png)
-    else:
-        with tempfile.TemporaryDirectory() as folder:
-            run_scenes(arguments.program, pathlib.Path(folder))
-            draw_all(lambda scene: pathlib.Path(folder) / f"{scene}.csv", png)
-    print(png)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = arguments.csv_dir or pathlib.Path(temporary)
+        if not arguments.csv_dir:
+            run_scenes(arguments.program, folder)
+            run_models(arguments.program, folder)
+        draw_all(lambda scene: folder / f"{scene}.csv", arguments.out / "paper-result.png")
+        draw_models(lambda model: folder / f"model-{model}.csv", arguments.out / "plate-in-water.png")
+    print(arguments.out / "paper-result.png", arguments.out / "plate-in-water.png", sep="\n")
 
 
 if __name__ == "__main__":

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include "core/integrators/kernels.hpp"
+#include "core/model/end.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/taps.hpp"
 #include "stream/scene_json.hpp"
 
 namespace hertzline::stream {
@@ -18,9 +20,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 13> keys{
-    "program",    "version",    "git_hash", "compiler",        "simd_target",      "start_time", "run",
-    "scene_hash", "integrator", "step_s",   "estimated_error", "estimated_over_s", "scene"};
+constexpr std::array<std::string_view, 14> keys{"program",
+                                                "version",
+                                                "git_hash",
+                                                "compiler",
+                                                "simd_target",
+                                                "start_time",
+                                                "run",
+                                                "scene_hash",
+                                                "integrator",
+                                                "step_s",
+                                                "estimated_error",
+                                                "estimated_over_s",
+                                                "p_axis_travel_s",
+                                                "scene"};
 
 }  // namespace
 
@@ -55,6 +68,9 @@ Json provenance_json(const Provenance& provenance) {
     json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
     json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
     add_estimate(json, provenance.estimate);
+    if (provides(scene.end, Requires::modal_plate)) {
+        json["p_axis_travel_s"] = plate_parameters(scene).travel_s();
+    }
     json["scene"] = scene_json(scene);
     return json;
 }

@@ -21,6 +21,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 ROOMS = {
     "core": [
         ["scene", "shipped_scenes_data"],
+        ["plate"],
         ["model"],
         ["taps"],
         ["samples"],

@@ -1,11 +1,13 @@
 #include "apps/arguments/options.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
+#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
@@ -36,6 +38,42 @@ Tap tap_argument(const char* option, const std::string& name, TapSet allowed) {
     const std::vector<std::string> names = names_of(allowed);
     throw WrongUse(fmt::format("{}: found {}, allowed: {}{}", option, quoted_briefly(name),
                                comma_separated(names), suggestion(name, names)));
+}
+
+TapSet tap_arguments(const char* option, const std::vector<std::string>& names, TapSet allowed) {
+    Faults faults;
+    TapSet taps;
+    for (const std::string& name : names) {
+        faults.of([&] { taps |= tap_argument(option, name, allowed); });
+    }
+    faults.refuse();
+    return taps;
+}
+
+CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, TapSet there) {
+    return add_repeatable_option(
+               app, "--columns", names,
+               "save these outputs instead of the usual ones: " + comma_separated(names_of(there)))
+        ->delimiter(',')
+        ->type_name("NAME,...");
+}
+
+CLI::Option* add_wav_scale_option(CLI::App& app, std::optional<double>& scale) {
+    return app
+        .add_option("--wav-scale", scale,
+                    "what is full scale in WAV files: samples are divided by it (default: 1)")
+        ->type_name("M_PER_S");
+}
+
+void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::string> files) {
+    if (!scale) {
+        return;
+    }
+    require_positive("--wav-scale", *scale);
+    const auto is_wav = [](const std::string& file) { return stream::recording_ending(file) == ".wav"; };
+    if (std::ranges::none_of(files, is_wav)) {
+        throw WrongUse("--wav-scale: found no WAV file, allowed: together with one");
+    }
 }
 
 void require_positive(const char* option, double value) {

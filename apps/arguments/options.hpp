@@ -1,6 +1,8 @@
 #pragma once
 // What the options of several subcommands have in common.
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -48,6 +50,18 @@ std::vector<std::string> names_of(TapSet taps);
 
 /// The tap that the option's value names. @throws WrongUse unless it is one of the allowed ones
 Tap tap_argument(const char* option, const std::string& name, TapSet allowed);
+
+/// The taps that the option's values name. @throws WrongUse that tells every name that is not allowed
+TapSet tap_arguments(const char* option, const std::vector<std::string>& names, TapSet allowed);
+
+/// Adds --columns, which names the taps that recordings hold. @param there those that help tells of
+CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, TapSet there);
+
+/// Adds --wav-scale.
+CLI::Option* add_wav_scale_option(CLI::App& app, std::optional<double>& scale);
+
+/// @throws WrongUse unless it is left out, or positive with a WAV among the files
+void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::string> files);
 
 /// @throws WrongUse unless the option's value is a positive, finite number
 void require_positive(const char* option, double value);

@@ -12,6 +12,7 @@
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
 #include "stream/measures/spectrum.hpp"
+#include "stream/recordings/formats/table.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/recording_set.hpp"
 #include "stream/resources.hpp"
@@ -22,6 +23,7 @@ namespace {
 
 constexpr double max_rows = 268'435'456;   // 2^28, the longest record that a spectrum is made of
 constexpr double block_numbers = 1 << 18;  // of --all in a block: 2 MiB
+constexpr double lines_per_row = 2.1;      // of a spectrum, which is padded to four times its record
 constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
 
 double numbers_of(const Scene& scene, TapSet taps) noexcept {
@@ -40,7 +42,7 @@ double rows_of_run(const Scene& scene) noexcept {
 
 TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
     const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
-    return wanted | (of_summary & taps_of(scene.end.kind));
+    return wanted | (of_summary & taps_of(scene.end));
 }
 
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
@@ -61,10 +63,9 @@ double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexc
            records * rows * sizeof(double) + stream::SpectrumAnalyser::bytes_needed(rows);
 }
 
-double memory_of_recordings(const Scene& scene, std::size_t files) noexcept {
+double memory_of_recordings(const Scene& scene, TapSet recorded, std::size_t files) noexcept {
     return static_cast<double>(files) *
-           stream::RecordingSet::queue_bytes(numbers_of(scene, recorded_taps(scene.end.kind)),
-                                             scene.output.sample_rate_hz);
+           stream::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz);
 }
 
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps) {
@@ -81,19 +82,27 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
     }
 }
 
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded,
-                      TapSet measured) {
+void refuse_shortages(const Scene& scene, const RunDemand& demand) {
     const double rows = rows_of_run(scene);
+    const double lines = lines_per_row * rows;
+    const double columns = 1 + static_cast<double>((demand.measured | Tap::v_out).size());
+    const double spectra_bytes = demand.spectra.empty() ? 0 : (columns + 2) * lines * sizeof(double);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
-    if (const auto shortage = stream::memory_shortage(run, memory_of_run(scene, recorded, measured))) {
+    if (const auto shortage = stream::memory_shortage(
+            run, memory_of_run(scene, demand.recorded, demand.measured) + spectra_bytes)) {
         throw std::runtime_error(*shortage);
     }
     if (rows > max_rows) {
         throw std::runtime_error(
             fmt::format("{} is too long: the spectrum takes at most {} rows", run, number_text(max_rows)));
     }
-    refuse_disk_shortages(scene, rows, files, recorded);
+    refuse_disk_shortages(scene, rows, demand.files, demand.recorded);
+    for (const std::string& file : demand.spectra) {
+        if (const auto shortage = stream::disk_shortage(file, stream::table_bytes(file, columns, lines))) {
+            throw std::runtime_error(*shortage);
+        }
+    }
 }
 
 void refuse_wrong_files(std::span<const std::string> files) {

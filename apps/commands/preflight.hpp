@@ -24,9 +24,9 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 /// and their spectra.
 double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept;
 
-/// What may wait for the files of a stream, each of which may be stuck with other rows. (Those of a run wait for one
+/// What may wait for the files of a stream that hold those taps, each of which may be stuck with other rows. (Those of a run wait for one
 /// another, and share what waits.)
-double memory_of_recordings(const Scene& scene, std::size_t files) noexcept;
+double memory_of_recordings(const Scene& scene, TapSet recorded, std::size_t files) noexcept;
 
 /// Bytes of a recording of the taps in the format of that file, at most.
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps);
@@ -35,9 +35,16 @@ double file_bytes(const Scene& scene, double samples, const std::string& file, T
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
                            TapSet taps);
 
+/// What a run keeps.
+struct RunDemand {
+    std::span<const std::string> files;  ///< recordings
+    TapSet recorded;
+    std::span<const std::string> spectra;  ///< files
+    TapSet measured;
+};
+
 /// @throws std::runtime_error when there is not enough memory, or not enough disk for one of the files.
-void refuse_shortages(const Scene& scene, std::span<const std::string> files, TapSet recorded,
-                      TapSet measured);
+void refuse_shortages(const Scene& scene, const RunDemand& demand);
 
 /// @throws WrongUse that names every file whose ending is no recording's, or that is named twice
 void refuse_wrong_files(std::span<const std::string> files);

@@ -22,7 +22,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "The streams are those that hertzline stream has and the recording holds. If it holds none, a single\n"
+    "The streams are those that hertzline stream has and the recording holds. If it holds none, a single "
     "column is streamed as v_out, several as v_chain. Sample indices are the recording's, with its gaps.\n"
     "Examples:\n"
     "  hertzline replay burst.sigmf-meta\n"

@@ -85,7 +85,35 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
     }
 }
 
+/// A plate with modes in its fluid, and how well its poles say what they do.
+void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& scene) {
+    for (std::size_t n = 0; n < plate.modes.size(); ++n) {
+        const PlateMode& mode = plate.modes[n];
+        const auto add = [&](const char* label, const char* key, const char* unit, double value) {
+            report.push_back({"modes", fmt::format("mode {}, {}", n + 1, label),
+                              fmt::format("mode_{}_{}", n + 1, key), unit, value});
+        };
+        add("in a vacuum", "dry_hz", "Hz", mode.dry_hz);
+        add("with the fluid's mass", "wet_hz", "Hz", mode.wet_hz);
+        add("modal mass", "mass_kg", "kg", mode.mass_kg);
+        add("k_b h", "kb_h", "", mode.kb_h);
+    }
+    const auto add = [&](const char* label, const char* key, const char* unit, Value value) {
+        report.push_back({"fluid", label, key, unit, std::move(value)});
+    };
+    add("poles", "poles", "", scene.numerics.poles.value_or(0));
+    add("fitted up to", "fit_band_hz", "Hz", plate.parameters.band_hz);
+    add("error of the velocity's fit", "fit_velocity_error", "", plate.velocity_error);
+    add("error of the pressure's fit", "fit_pressure_error", "", plate.pressure_error);
+    add("least resistance over mobility", "fit_least_resistance", "", plate.least_resistance);
+    add("travel time to the hydrophone", "travel_s", "s", plate.parameters.travel_s());
+}
+
 void add_end(Report& report, const Scene& scene, const Chain& chain) {
+    if (chain.end.plate) {
+        add_modal_plate(report, *chain.end.plate, scene);
+        return;
+    }
     const bool plate = scene.end.kind == EndKind::plate;
     double mass = 0;
     double stiffness = 0;
@@ -183,7 +211,7 @@ void add_step(Report& report, const ResolvedScene& resolved) {
 
 void add_costs(Report& report, const Scene& scene) {
     const double rows = rows_of_run(scene);
-    const TapSet recorded = recorded_taps(scene.end.kind);
+    const TapSet recorded = recorded_taps(scene.end);
     report.push_back({"run", "rows", "rows", "", count(rows)});
     report.push_back(
         {"run", "memory, at most", "run_memory_bytes", "bytes", count(memory_of_run(scene, recorded, {}))});
@@ -198,7 +226,7 @@ void add_costs(Report& report, const Scene& scene) {
                             publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
                                               std::nullopt)))});
     report.push_back({"run", "more for each of its recordings", "stream_recording_memory_bytes", "bytes",
-                      count(memory_of_recordings(scene, 1))});
+                      count(memory_of_recordings(scene, recorded, 1))});
     report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,20 +37,42 @@ constexpr const char* examples =
     "Examples:\n"
     "  hertzline stream paper-stream\n"
     "  hertzline stream paper-stream --pace 0.1 --bind ipc:///tmp/hertzline\n"
-    "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --wait-for-subscriber --record wall.csv";
+    "  hertzline stream paper-stream --record out.h5 --columns v_out,v_horn\n"
+    "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --record wall.csv";
 
 struct StreamArguments {
     SceneRequest scene;
     PublishRequest publish;
     std::vector<std::string> recordings;
+    std::vector<std::string> columns;  ///< taps to be recorded; none: the usual ones
+    std::optional<double> wav_scale;
 };
 
+/// What is recorded, of what is streamed. @param end null: not known, because the scene has faults
+TapSet taps_to_record(const StreamArguments& arguments, const End* end) {
+    if (arguments.recordings.empty()) {
+        return {};
+    }
+    if (arguments.columns.empty()) {
+        return end == nullptr ? TapSet() : recorded_taps(*end);
+    }
+    return tap_arguments("--columns", arguments.columns,
+                         end == nullptr ? streamed_taps : streamed_taps_of(*end));
+}
+
+/// The faults of --columns that no scene is needed for. @throws WrongUse
+void refuse_wrong_columns(const StreamArguments& arguments) {
+    if (arguments.recordings.empty() && !arguments.columns.empty()) {
+        throw WrongUse("--columns: found no --record FILE to save them to, allowed: together with --record");
+    }
+}
+
 void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
-                      const stream::StreamOptions& options, const stream::PublisherOptions& publishing) {
-    const TapSet recorded = recorded_taps(scene.end.kind);
+                      const stream::StreamOptions& options, const stream::PublisherOptions& publishing,
+                      TapSet recorded) {
     const double memory = stream::SimulationSource::memory_bytes(scene) +
                           stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing) +
-                          memory_of_recordings(scene, arguments.recordings.size());
+                          memory_of_recordings(scene, recorded, arguments.recordings.size());
     if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
@@ -75,9 +98,17 @@ Exit stream(const StreamArguments& arguments) {
     Faults faults;
     std::optional<stream::CurveServer> curve;
     ResolvedScene resolved;
+    TapSet recorded;
     faults.of([&] { refuse_wrong_files(arguments.recordings); });
     faults.of([&] { curve = checked_curve(arguments.publish); });
-    faults.of([&] { resolved = resolved_scene(arguments.scene, Lasting::endless); });
+    faults.of([&] { refuse_wrong_columns(arguments); });
+    faults.of([&] { refuse_wrong_wav_scale(arguments.wav_scale, arguments.recordings); });
+    std::optional<End> end;  // unset: the scene has faults
+    faults.of([&] {
+        resolved = resolved_scene(arguments.scene, Lasting::endless);
+        end = resolved.scene.end;
+    });
+    faults.of([&] { recorded = taps_to_record(arguments, end ? &*end : nullptr); });
     faults.refuse();
     const Scene& scene = resolved.scene;
     const double rate = scene.output.sample_rate_hz;
@@ -87,17 +118,17 @@ Exit stream(const StreamArguments& arguments) {
     options.about = about(resolved, options.run);
     const stream::PublisherOptions publishing =
         publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), curve);
-    refuse_shortages(arguments, scene, options, publishing);
+    refuse_shortages(arguments, scene, options, publishing, recorded);
     stop_asked();  // from here on there are files to be cleaned up
-    const TapSet recorded = recorded_taps(scene.end.kind);
-    stream::SimulationSource source(scene, arguments.recordings.empty() ? TapSet() : recorded);
+    stream::SimulationSource source(scene, recorded);
     stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
     stream::RecordingSet recordings(
         arguments.recordings,
         {.columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
-         .provenance = options.about},
+         .provenance = options.about,
+         .full_scale = arguments.wav_scale.value_or(1)},
         options.pace.is_flat_out() ? stream::RecordingPatience::of_a_second(stop_asked())
                                    : stream::RecordingPatience::none(stop_asked()),
         [&line](const std::string& text) {
@@ -117,6 +148,10 @@ Exit stream(const StreamArguments& arguments) {
     const auto add_to_summary = [&](Json& summary, const stream::StreamMeters& meters) {
         // Before subscribers receive the end, recordings are complete or known not to be.
         recordings.commit();
+        for (const std::string& text : recordings.warnings()) {
+            line.clear();
+            spdlog::warn(text);
+        }
         told(estimate.finish(meters.motion));
         summary["recordings"] = stream::recordings_json(recordings);
         summary["steps"] = meters.account.steps;
@@ -150,6 +185,8 @@ Run stream_command(CLI::App& app) {
                               stream::recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
+    add_columns_option(app, arguments->columns, streamed_taps);
+    add_wav_scale_option(app, arguments->wav_scale);
     add_publish_options(app, arguments->publish);
     app.footer(examples);
     return [arguments] { return stream(*arguments); };

@@ -50,6 +50,10 @@ void end_at_once_when_asked() {
     catch_signals();
 }
 
+void note_when_asked() noexcept {
+    at_once.store(false, std::memory_order_relaxed);
+}
+
 const std::atomic<bool>& stop_asked() {
     static const bool caught = [] {
         at_once.store(false, std::memory_order_relaxed);

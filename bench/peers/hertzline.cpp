@@ -21,11 +21,11 @@ std::vector<Numerics> ladder(Integrator integrator) {
     for (const double step_ns :
          {1600.0, 1200.0, 1150.0, 1100.0, 1050.0, 1000.0, 950.0, 900.0, 850.0, 800.0, 750.0, 700.0,
           650.0,  600.0,  550.0,  500.0,  450.0,  400.0,  300.0, 250.0, 200.0, 175.0, 150.0, 125.0}) {
-        settings.push_back({.integrator = integrator, .step_s = step_ns * 1e-9, .accuracy = {}});
+        settings.push_back({.integrator = integrator, .step_s = step_ns * 1e-9, .accuracy = {}, .poles = {}});
     }
     for (const int steps_per_sample : {1, 2, 3, 4, 6, 8, 12, 16, 24, 32}) {
         const double step_s = 100e-9 / steps_per_sample;
-        settings.push_back({.integrator = integrator, .step_s = step_s, .accuracy = {}});
+        settings.push_back({.integrator = integrator, .step_s = step_s, .accuracy = {}, .poles = {}});
     }
     return settings;
 }

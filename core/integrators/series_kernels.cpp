@@ -77,11 +77,11 @@ template <int Degree>
 SeriesKernels for_rows(std::size_t rows) {
     switch (rows) {
         case 1:
-            return {take_piece<1, Degree>, sample_body<Degree>};
+            return {take_piece<1, Degree>, sample_body<Degree>, add_moments, sum_of_products};
         case 2:
-            return {take_piece<2, Degree>, sample_body<Degree>};
+            return {take_piece<2, Degree>, sample_body<Degree>, add_moments, sum_of_products};
         default:
-            return {take_piece<0, Degree>, sample_body<Degree>};
+            return {take_piece<0, Degree>, sample_body<Degree>, add_moments, sum_of_products};
     }
 }
 

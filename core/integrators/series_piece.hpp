@@ -14,6 +14,8 @@
 
 namespace hertzline::kernels {
 
+class PlateMotion;
+
 /// Degree of the displacements' series. The velocities' is one less, which makes the method of that order.
 constexpr int series_degree(Integrator integrator) noexcept {
     return method(integrator).order + 1;
@@ -64,6 +66,7 @@ public:
     double response = 1;       ///< how fast the chain answers to a force, in 1/unit
     bool keeps_ledger = true;  ///< whether work and losses are added up
     HornWaves waves;
+    PlateMotion* plate = nullptr;  ///< of a modal plate behind the last contact
 
     // what it gives
     alignas(64) std::array<double, 2 * HornWaves::pairs> horn{};  ///< coefficients of the horn's motion [m]
@@ -111,10 +114,22 @@ struct SampleTimes {
 using SampleKernel = void (*)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
                               std::size_t count, double* out, std::size_t stride);
 
+/// A part of an interval over which the velocities of a plate's modes are integrated, in z of the present piece.
+struct PlateInterval {
+    double from, to;
+    double line;      ///< where the interval ends
+    double interval;  ///< its length
+    double unit_s;
+};
+
 struct SeriesKernels {
     /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its end.
     void (*piece)(SimdChain& chain, SeriesPiece& piece);
     SampleKernel samples;
+    /// Adds integrals of the modes' velocities times Legendre's polynomials of degrees 0 to 3, [degree][mode_stride].
+    void (*add_moments)(const PlateMotion& plate, int degree, const PlateInterval& part, double* moments);
+    /// Of two stretches of numbers whose count is a multiple of mode_stride.
+    double (*sum_of_products)(const double* a, const double* b, std::size_t count);
 };
 
 /// The kernels for an integrator and a number of rows, for the widest SIMD instructions of this processor.

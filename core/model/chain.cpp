@@ -1,6 +1,5 @@
 #include "core/model/chain.hpp"
 
-#include <cassert>
 #include <numbers>
 
 #include "core/model/hertz.hpp"
@@ -37,11 +36,9 @@ Chain::Chain(const Scene& scene)
     inv_mass.setConstant(n + 1, 1 / sphere_mass(sphere, radius));
     spring.setZero(n + 1);
     bias.setZero(n + 1);
-    assert(end.modes.size() <= 1 && "the chain carries one mode of the end");
-    const EndMode mode = end.modes.empty() ? EndMode{} : end.modes.front();
-    inv_mass[n] = mode.inv_mass;
-    spring[n] = mode.spring;
-    bias[n] = mode.load;
+    inv_mass[n] = end.body.inv_mass;
+    spring[n] = end.body.spring;
+    bias[n] = end.body.load;
 
     static_overlap = stiffness.unaryExpr(
         [this](double k) { return k > 0 ? hertzline::static_overlap(k, preload_n) : 1.0; });

@@ -1,7 +1,12 @@
 #include "core/model/end.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "core/model/coupling.hpp"
 #include "core/model/hertz.hpp"
+#include "core/scene/text.hpp"
 
 namespace hertzline {
 
@@ -37,18 +42,92 @@ EndModel plate(const Scene& scene) {
     } else {
         end.loaded = EndLoad::end;
     }
-    end.modes = {mode};
+    end.body = mode;
     end.has_plate = true;
     end.transmission = output_transmission(scene);
     return end;
 }
 
+/// The disc with its modes and its fluid.
+EndModel modal_plate(const Scene& scene) {
+    EndModel end = wall(scene);
+    end.plate = plate_response(plate_parameters(scene), plate_poles(scene));
+    end.body = {.inv_mass = end.plate->mobility};
+    end.loaded = EndLoad::end;
+    return end;
+}
+
 }  // namespace
+
+double fastest_contact_hz(const Scene& scene) {
+    const Solid& sphere = solid(scene, scene.chain.material);
+    const double radius = scene.chain.diameter_m / 2;
+    const double mass = sphere.density_kg_per_m3 * 4 / 3 * std::numbers::pi * radius * radius * radius;
+    const double stiffness = sphere_sphere_stiffness(sphere, radius);
+    const double velocity = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
+    // two spheres that meet at twice the horn's velocity: all energy in the contact (K. L. Johnson, 1985, equation 11.22)
+    const double of_impact = std::pow(1.25 * 0.5 * mass * 4 * velocity * velocity / stiffness, 0.4);
+    const double overlap = std::max(of_impact, static_overlap(stiffness, scene.chain.preload_n));
+    return std::sqrt(4 * 1.5 * stiffness * std::sqrt(overlap) / mass) / (2 * std::numbers::pi);
+}
+
+PlateParameters plate_parameters(const Scene& scene) {
+    const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
+    PlateParameters parameters{.disc = solid(scene, scene.end.material),
+                               .fluid = fluid,
+                               .radius_m = scene.end.radius_m,
+                               .thickness_m = scene.end.thickness_m,
+                               .modes = static_cast<int>(scene.end.modes),
+                               .loss_factor = scene.end.loss_factor,
+                               .load = scene.medium.load,
+                               .hydrophone_m = scene.output.hydrophone_m};
+    constexpr double times_contact = 5;
+    constexpr double times_drive = 10;
+    constexpr double times_highest_mode = 1.5;
+    parameters.band_hz =
+        std::max({times_contact * fastest_contact_hz(scene), times_drive * scene.drive.frequency_hz,
+                  times_highest_mode * highest_dry_hz(parameters)});
+    return parameters;
+}
+
+std::vector<Fault> plate_faults(const Scene& scene) {
+    if (scene.end.kind != EndKind::plate || scene.end.model != PlateModel::modal) {
+        return {};
+    }
+    constexpr double largest_ka = 300;
+    constexpr double fastest_mode = 50;  // over the contacts' frequency
+    const PlateParameters p = plate_parameters(scene);
+    std::vector<Fault> faults;
+    const double ka = 2 * std::numbers::pi * p.band_hz * p.radius_m / p.fluid.sound_speed_m_per_s;
+    if (!(ka <= largest_ka)) {
+        faults.push_back(
+            {"end.radius_m",
+             number_text(p.radius_m) + ", k a = " + number_text(ka) + " at " + number_text(p.band_hz) + " Hz",
+             "k a of at most " + number_text(largest_ka) + " up to the highest frequency that counts"});
+    }
+    const double dry = highest_dry_hz(p);
+    if (!(dry <= fastest_mode * fastest_contact_hz(scene))) {
+        faults.push_back(
+            {"end.modes", number_text(scene.end.modes) + ", the last of " + number_text(dry) + " Hz",
+             "modes of at most " + number_text(fastest_mode * fastest_contact_hz(scene)) + " Hz, " +
+                 number_text(fastest_mode) + " times the frequency of the fastest contacts"});
+    }
+    return faults;
+}
+
+int plate_poles(const Scene& scene) {
+    if (scene.end.kind != EndKind::plate || scene.end.model != PlateModel::modal) {
+        return 0;
+    }
+    return scene.numerics.poles
+               ? static_cast<int>(*scene.numerics.poles)
+               : poles_for(plate_parameters(scene), scene.numerics.accuracy.value_or(default_accuracy));
+}
 
 EndModel end_model(const Scene& scene) {
     switch (scene.end.kind) {
         case EndKind::plate:
-            return plate(scene);
+            return scene.end.model == PlateModel::modal ? modal_plate(scene) : plate(scene);
         case EndKind::wall:
             return wall(scene);
         case EndKind::free:

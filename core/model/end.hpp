@@ -1,13 +1,15 @@
 #pragma once
 // What the last sphere leans on: a linear system that the force of the last contact drives.
 
+#include <memory>
 #include <vector>
 
+#include "core/plate/plate_response.hpp"
 #include "core/scene/scene.hpp"
 
 namespace hertzline {
 
-/// One degree of freedom of an end: q'' = inv_mass (f - spring q + load), where f is the force of the last contact [N].
+/// A body with one degree of freedom: q'' = inv_mass (f - spring q + load), where f is the force of the last contact [N].
 struct EndMode {
     double inv_mass = 0;  ///< [1/kg]
     double spring = 0;    ///< stiffness to ground [N/m]
@@ -17,14 +19,16 @@ struct EndMode {
 /// The body on which the static preload does work, see energy.hpp.
 enum class EndLoad { none, last_sphere, end };
 
-/// All that an end is to the rest of the program. A wall has no modes; the paper's plate has one. The chain carries the first mode
-/// as its last body (chain.hpp): integrators for ends with more of them must carry the others.
+/// All that an end is to the rest of the program. A wall does not move, and the paper's plate is one mass on one spring. A modal plate
+/// has many states: to the chain it is a body with the mobility that the plate has at once, and what its states do beside that is a
+/// force behind that body (integrators/plate_motion.hpp).
 struct EndModel {
     double contact_stiffness = 0;  ///< k of the last contact [N/m^(3/2)]; 0: nothing to touch
     double contact_damping = 0;    ///< lambda of the last contact [kg/s]
-    std::vector<EndMode> modes;    ///< the end's displacement is their sum
+    EndMode body;                  ///< the end as the chain's last body
     EndLoad loaded = EndLoad::none;
-    bool has_plate = false;  ///< whether the end's velocity is an output
+    bool has_plate = false;                      ///< the paper's: whether the end's velocity is an output
+    std::shared_ptr<const PlateResponse> plate;  ///< of a modal plate; else null
     /// sqrt(T_m T_w): part of the last sphere's velocity that goes into the medium directly
     double transmission = 1;
 
@@ -37,5 +41,19 @@ struct EndModel {
 
 /// The end of a scene that has passed validate().
 EndModel end_model(const Scene& scene);
+
+/// Frequency of a sphere between two contacts that are pressed as far as the drive can, or as the preload does [Hz]: the highest
+/// that a chain passes on.
+double fastest_contact_hz(const Scene& scene);
+
+/// What the response of the scene's plate hangs on, up to five times the frequency of its fastest contacts in motion.
+PlateParameters plate_parameters(const Scene& scene);
+
+/// Why the response of a modal plate cannot be computed: the disc is too large for the sound's waves, or too fast for the chain. Empty:
+/// it can, or the plate is not modal.
+std::vector<Fault> plate_faults(const Scene& scene);
+
+/// The poles of the scene's modal plate: numerics.poles, or as many as the accuracy asks for. 0: its plate is not modal.
+int plate_poles(const Scene& scene);
 
 }  // namespace hertzline

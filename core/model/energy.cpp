@@ -6,7 +6,9 @@ namespace hertzline {
 
 double kinetic_energy(const Chain& chain, const ChainState& state) noexcept {
     double twice = 0;
-    for (Eigen::Index b = 0; b < chain.bodies(); ++b) {
+    const Eigen::Index bodies =
+        chain.end.plate ? chain.spheres() : chain.bodies();  // a modal plate is no single mass
+    for (Eigen::Index b = 0; b < bodies; ++b) {
         if (chain.inv_mass[b] > 0) {
             twice += state.v[b] * state.v[b] / chain.inv_mass[b];
         }

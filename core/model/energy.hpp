@@ -1,5 +1,5 @@
 #pragma once
-// The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost must stay zero.
+// The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost + passed must stay zero.
 
 #include <cmath>
 
@@ -8,7 +8,7 @@
 
 namespace hertzline {
 
-/// sum m v^2/2 over the spheres and the plate [J].
+/// sum m v^2/2 over the spheres and the paper's plate [J].
 double kinetic_energy(const Chain& chain, const ChainState& state) noexcept;
 
 /// sum (2/5) k delta^(5/2) + K_m x_m^2/2 + F0 x_end [J], with the horn displaced by horn_x [m]. x_end is x_m
@@ -21,6 +21,12 @@ struct Ledger {
     double gross_work = 0;  ///< the same, back and forth: what the horn gets back adds to it
     double lost = 0;        ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
     double at_start = 0;    ///< kinetic + stored at step 0
+    double passed = 0;      ///< to a modal plate: the last contact's work on it, without that of the preload
+    double plate_lost = 0;  ///< of it in the plate's material
+    double plate_held = 0;  ///< of it as the modes' motion and bending
+
+    /// The rest of it: in the fluid.
+    double radiated() const noexcept { return passed - plate_lost - plate_held; }
 
     void add_work(double done) noexcept {
         work += done;

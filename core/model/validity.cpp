@@ -18,6 +18,9 @@ namespace {
 constexpr double deepest_overlap = 0.05;
 /// Thickness over radius of a disc that bends as a thin plate does.
 constexpr double thickest_disc = 0.2;
+constexpr double beyond_cut_off = 2;     // drive over the chain's highest frequency
+constexpr double shortest_wave = 1.5;    // k_b h of a mode
+constexpr double largest_mass_ka = 0.5;  // of a fluid that is taken for a mass
 
 /// Two digits.
 std::string briefly(double value) {
@@ -53,8 +56,39 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     }
 }
 
+/// Static displacement of the plate's centre per newton [m/N].
+double compliance(const EndModel& end) {
+    if (!end.plate) {
+        return 1 / end.body.spring;
+    }
+    double sum = 0;
+    for (const PlateMode& mode : end.plate->modes) {
+        sum += 1 / mode.stiffness_n_per_m;
+    }
+    return sum;
+}
+
+/// Modes whose waves are too short for thin-plate theory, and a fluid that is taken for a mass where it is not.
+void add_modes(const Scene& scene, const PlateResponse& plate, std::vector<std::string>& warnings) {
+    for (std::size_t n = 0; n < plate.modes.size(); ++n) {
+        if (plate.modes[n].kb_h > shortest_wave) {
+            warnings.push_back("mode " + std::to_string(n + 1) +
+                               " of the disc has k_b h = " + briefly(plate.modes[n].kb_h) +
+                               "; thin-plate theory is for less than 1.5, and its frequency of " +
+                               briefly(plate.modes[n].dry_hz) + " Hz is overestimated");
+            break;  // higher ones are worse
+        }
+    }
+    const double ka = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.end.radius_m /
+                      plate.parameters.fluid.sound_speed_m_per_s;
+    if (scene.medium.load == FluidLoad::added_mass && ka > largest_mass_ka) {
+        warnings.push_back("medium.load is \"added_mass\" with k a = " + briefly(ka) +
+                           " at the drive's frequency; above 0.5 the fluid radiates more than it weighs");
+    }
+}
+
 void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>& warnings) {
-    if (!chain.end.has_plate) {
+    if (scene.end.kind != EndKind::plate) {
         return;
     }
     const double ratio = scene.end.thickness_m / scene.end.radius_m;
@@ -63,7 +97,10 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
                            " of its radius; above 0.2 it is no thin plate, and its stiffness and frequency "
                            "are overestimated");
     }
-    const double sag = scene.chain.preload_n / chain.end.modes.front().spring;
+    if (chain.end.plate) {
+        add_modes(scene, *chain.end.plate, warnings);
+    }
+    const double sag = scene.chain.preload_n * compliance(chain.end);
     if (sag > scene.end.thickness_m / 2) {
         warnings.push_back("the preload bends the disc by " + briefly(sag) +
                            " m, more than half its thickness; a disc that bends so far stiffens, which the "
@@ -106,6 +143,12 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
     if (rest.overlap_ratio > deepest_overlap) {
         warnings.push_back(deep_contact(rest.overlap_ratio, " by the preload alone"));
+    }
+    const double highest = fastest_contact_hz(scene);
+    if (scene.chain.spheres > 1 && scene.drive.frequency_hz > beyond_cut_off * highest) {
+        warnings.push_back("the drive's frequency is " + briefly(scene.drive.frequency_hz / highest) +
+                           " times the highest that the chain passes on, " + briefly(highest) +
+                           " Hz; next to nothing of it reaches the end");
     }
     const Scene paper;
     if (scene.chain.damping_kg_per_s == paper.chain.damping_kg_per_s &&

@@ -110,6 +110,43 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
     }
 }
 
+/// A modal plate is what its modes say: nothing else may say it, too.
+void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
+    if (scene.end.model != PlateModel::modal) {
+        return;
+    }
+    const auto note = [&faults](const char* key, std::string found, std::string allowed) {
+        faults.push_back({key, std::move(found), std::move(allowed)});
+    };
+    if (scene.end.kind != EndKind::plate) {
+        note("end.model", R"("modal" with end.kind = )" + quoted(word(scene.end.kind)),
+             R"("lumped": only a plate has modes)");
+    }
+    if (scene.end.stiffness_n_per_m) {
+        note("end.stiffness_n_per_m",
+             number_text(*scene.end.stiffness_n_per_m) + R"( with end.model = "modal")",
+             "none: the modes' stiffnesses follow from the disc");
+    }
+    if (scene.end.preload != PlatePreload::balanced) {
+        note("end.preload", quoted(word(scene.end.preload)) + R"( with end.model = "modal")",
+             R"("balanced")");
+    }
+    if (scene.numerics.integrator && !is_series(*scene.numerics.integrator)) {
+        note("numerics.integrator", quoted(word(*scene.numerics.integrator)) + R"( with end.model = "modal")",
+             R"("taylor8" or "taylor12")");
+    }
+    constexpr double most_samples = 1e7;  // on the way to the hydrophone
+    const auto* fluid = find_material(scene, scene.medium.material);
+    const auto* medium = fluid == nullptr ? nullptr : std::get_if<Fluid>(fluid);
+    const double way = medium == nullptr ? 0
+                                         : scene.output.hydrophone_m / medium->sound_speed_m_per_s *
+                                               scene.output.sample_rate_hz;
+    if (way > most_samples) {
+        note("output.hydrophone_m", number_text(scene.output.hydrophone_m),
+             "at most " + number_text(most_samples) + " samples away at the speed of sound");
+    }
+}
+
 void check_materials(const Scene& scene, std::vector<Fault>& faults) {
     for (const auto& [name, material] : scene.materials) {
         const std::string section = "materials." + key_part(name);
@@ -132,6 +169,7 @@ std::vector<Fault> validate(const Scene& scene) {
     std::vector<Fault> faults;
     fields::visit_scene(scene, FieldCheck{scene, faults});
     check_combinations(scene, faults);
+    check_modal_plate(scene, faults);
     check_materials(scene, faults);
     return faults;
 }

@@ -19,6 +19,11 @@ enum class Envelope { hann, tukey, rectangular };
 enum class Tension { allowed, clamped };
 enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
+enum class PlateModel { lumped, modal };
+enum class FluidLoad { none, added_mass, radiation };
+
+/// Relative L2 error of the velocities that a scene gets when it asks for nothing.
+inline constexpr double default_accuracy = 1e-4;
 
 /// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
 struct Drive {
@@ -51,12 +56,16 @@ struct End {
     double thickness_m = 0.5e-3;
     std::optional<double> stiffness_n_per_m;  ///< unset: clamped-plate theory
     PlatePreload preload = PlatePreload::balanced;
+    PlateModel model = PlateModel::lumped;  ///< the paper's mass and spring, or modes of the disc
+    std::int64_t modes = 4;                 ///< of a modal plate
+    double loss_factor = 0.005;             ///< of a modal plate's material: an assumption
     bool operator==(const End&) const = default;
 };
 
 /// The fluid that the transducer radiates into.
 struct Medium {
     std::string material = "water";
+    FluidLoad load = FluidLoad::radiation;  ///< what it does to a modal plate
     bool operator==(const Medium&) const = default;
 };
 
@@ -67,6 +76,7 @@ struct Numerics {
     std::optional<double> accuracy;  ///< wanted relative L2 error of the velocities
     /// Between bursts, motion below this part of the horn's velocity is rest; 0: never.
     double rest_tolerance = 0;
+    std::optional<std::int64_t> poles;  ///< of a modal plate's response in its fluid
     bool operator==(const Numerics&) const = default;
 };
 
@@ -75,6 +85,7 @@ struct Output {
     double sample_rate_hz = 10e6;
     double duration_s = 500e-6;
     std::int64_t frame_samples = 1024;
+    double hydrophone_m = 10e-3;  ///< distance on the plate's axis; for a modal plate
     bool operator==(const Output&) const = default;
 };
 

@@ -100,30 +100,37 @@ void visit_scene(AnyScene& scene, Visit&& visit) {
         visit(Key{"chain", "tension"}, tension, OneOf<Tension>{});
     }
     {
-        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload] = scene.end;
+        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor] =
+            scene.end;
         visit(Key{"end", "kind"}, kind, OneOf<EndKind>{});
         visit(Key{"end", "material"}, material, solid);
         visit(Key{"end", "radius_m"}, radius_m, length);
         visit(Key{"end", "thickness_m"}, thickness_m, length);
         visit(Key{"end", "stiffness_n_per_m"}, stiffness_n_per_m, Range{0, 1e15, "N/m"});
         visit(Key{"end", "preload"}, preload, OneOf<PlatePreload>{});
+        visit(Key{"end", "model"}, model, OneOf<PlateModel>{});
+        visit(Key{"end", "modes"}, modes, Count{1, 6});
+        visit(Key{"end", "loss_factor"}, loss_factor, Range{1e-6, 1, ""});
     }
     {
-        auto& [material] = scene.medium;
+        auto& [material, load] = scene.medium;
         visit(Key{"medium", "material"}, material, MaterialSort::fluid);
+        visit(Key{"medium", "load"}, load, OneOf<FluidLoad>{});
     }
     {
-        auto& [integrator, step_s, accuracy, rest_tolerance] = scene.numerics;
+        auto& [integrator, step_s, accuracy, rest_tolerance, poles] = scene.numerics;
         visit(Key{"numerics", "integrator"}, integrator, OneOf<Integrator>{});
         visit(Key{"numerics", "step_s"}, step_s, Range{1e-12, 1, "s"});
         visit(Key{"numerics", "accuracy"}, accuracy, Range{1e-15, 0.1, ""});
         visit(Key{"numerics", "rest_tolerance"}, rest_tolerance, Range{0, 0.01, ""});
+        visit(Key{"numerics", "poles"}, poles, Count{16, 64});
     }
     {
-        auto& [sample_rate_hz, duration_s, frame_samples] = scene.output;
+        auto& [sample_rate_hz, duration_s, frame_samples, hydrophone_m] = scene.output;
         visit(Key{"output", "sample_rate_hz"}, sample_rate_hz, Range{1e-3, 1e12, "Hz"});
         visit(Key{"output", "duration_s"}, duration_s, Range{1e-12, 1e6, "s"});
         visit(Key{"output", "frame_samples"}, frame_samples, Count{1, 1'048'576});
+        visit(Key{"output", "hydrophone_m"}, hydrophone_m, Range{0, 10, "m"});
     }
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <type_traits>
 #include <utility>
@@ -32,10 +33,16 @@ requires std::is_enum_v<Choice> std::string toml_text(Choice value) {
     return quoted(word(value));
 }
 
+/// Keys of modal plates, which are left out where they have their defaults: the text of a scene that knows nothing of them, and its
+/// hash, stay what they were before there were such plates.
+constexpr std::array<std::string_view, 5> unwritten_defaults{"end.model", "end.modes", "end.loss_factor",
+                                                             "medium.load", "output.hydrophone_m"};
+
 // Visits the fields and writes each; a section's heading comes before its first key.
 struct Writer {
     std::string& text;
     std::string section;
+    std::vector<SceneKey> defaults;
 
     template <class Member, class Allowed>
     void operator()(const Key& key, const std::optional<Member>& member, const Allowed& allowed) {
@@ -45,11 +52,22 @@ struct Writer {
     }
     template <class Member, class Allowed>
     void operator()(const Key& key, const Member& member, const Allowed& /*allowed*/) {
+        if (is_unwritten(key.text(), toml_text(member))) {
+            return;
+        }
         if (key.section != section) {
             section = key.section;
             text += (text.empty() ? "[" : "\n[") + section + "]\n";
         }
         text += std::string(key.name) + " = " + toml_text(member) + '\n';
+    }
+
+    bool is_unwritten(const std::string& key, const std::string& value) const {
+        return std::find(unwritten_defaults.begin(), unwritten_defaults.end(), key) !=
+                   unwritten_defaults.end() &&
+               std::any_of(defaults.begin(), defaults.end(), [&](const SceneKey& other) {
+                   return other.key == key && other.default_value == value;
+               });
     }
 };
 
@@ -71,7 +89,7 @@ struct Lister {
 
 std::string to_toml(const Scene& scene) {
     std::string text;
-    Writer write{text, ""};
+    Writer write{text, "", scene_keys()};
     fields::visit_scene(scene, write);
     for (const auto& [name, material] : scene.materials) {
         const std::string section = "materials." + key_part(name);

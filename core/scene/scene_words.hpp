@@ -46,6 +46,19 @@ struct Words<PlatePreload> {
 };
 
 template <>
+struct Words<PlateModel> {
+    static constexpr std::array all{Word<PlateModel>{"lumped", PlateModel::lumped},
+                                    Word<PlateModel>{"modal", PlateModel::modal}};
+};
+
+template <>
+struct Words<FluidLoad> {
+    static constexpr std::array all{Word<FluidLoad>{"none", FluidLoad::none},
+                                    Word<FluidLoad>{"added_mass", FluidLoad::added_mass},
+                                    Word<FluidLoad>{"radiation", FluidLoad::radiation}};
+};
+
+template <>
 struct Words<Integrator> {
     static constexpr auto all = [] {
         std::array<Word<Integrator>, methods.size()> words{};

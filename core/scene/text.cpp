@@ -141,12 +141,11 @@ std::string suggestion(std::string_view text, std::span<const std::string> candi
             nearest = &candidate;
         }
     }
-    if (const std::string* only = only_one_that_contains(text, candidates); smallest > 2 && only != nullptr) {
-        return "; did you mean '" + *only + "'?";
-    }
     // One edit in three characters still looks like a slip of the fingers; more looks like another word.
     const std::size_t tolerated = std::max<std::size_t>(2, last_part(text).size() / 3);
-    return nearest != nullptr && smallest <= tolerated ? "; did you mean '" + *nearest + "'?" : "";
+    const std::string* const meant =
+        smallest <= tolerated ? nearest : only_one_that_contains(text, candidates);
+    return meant != nullptr ? "; did you mean '" + *meant + "'?" : "";
 }
 
 }  // namespace hertzline

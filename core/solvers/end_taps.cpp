@@ -20,6 +20,10 @@ struct Source {
 void output_velocity(const Source& source, double* out) noexcept {
     const EndModel& end = source.chain.end;
     const EndMotion& at = source.motion;
+    if (at.v_face != nullptr) {
+        std::copy_n(at.v_face, at.count, out);
+        return;
+    }
     for (std::size_t i = 0; i < at.count; ++i) {
         out[i] = end.output_velocity(at.v_last[i], at.v_end[i], at.closed[i]);
     }
@@ -45,7 +49,7 @@ void last_contact_force(const Source& source, double* out) noexcept {
     }
 }
 
-/// A tap and how it is computed. v_last and v_plate need no formula: they are the velocities themselves.
+/// A tap and how it is computed. The others need no formula: they are columns of the motion.
 struct Formula {
     Tap tap;
     bool needs_displacements;
@@ -57,7 +61,8 @@ constexpr std::array formulas{
     Formula{Tap::f_last, true, last_contact_force},
 };
 
-constexpr TapSet velocities = TapSet(Tap::v_last) | Tap::v_plate;
+constexpr TapSet columns_of_motion =
+    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_centre | Tap::v_face | Tap::p_axis;
 
 constexpr TapSet computed = [] {
     TapSet taps;
@@ -79,7 +84,7 @@ EndTaps::EndTaps(const Chain& chain, const Drive& drive, double sample_rate_hz)
     : chain_(chain), horn_(drive, sample_rate_hz) {}
 
 bool EndTaps::any_of(TapSet taps) noexcept {
-    return !(taps & (velocities | computed)).empty();
+    return !(taps & (columns_of_motion | computed)).empty();
 }
 
 EndMotion EndTaps::columns(Samples& samples) noexcept {
@@ -87,13 +92,17 @@ EndMotion EndTaps::columns(Samples& samples) noexcept {
         return samples.holds.contains(tap) ? samples.room(tap).data() + samples.count : scratch;
     };
     const bool displacements = needs_displacements(samples.holds);
+    const bool modal = chain_.end.plate != nullptr;
+    const bool face = modal && (samples.holds.contains(Tap::v_face) || samples.holds.contains(Tap::v_out));
     return {.first = samples.first + static_cast<std::int64_t>(samples.count),
             .count = 0,
             .v_last = own(Tap::v_last, v_last_.data()),
-            .v_end = own(Tap::v_plate, v_end_.data()),
+            .v_end = own(modal ? Tap::v_centre : Tap::v_plate, v_end_.data()),
             .x_last = displacements ? x_last_.data() : nullptr,
             .x_end = displacements ? x_end_.data() : nullptr,
-            .closed = closed_.data()};
+            .closed = closed_.data(),
+            .v_face = face ? own(Tap::v_face, v_face_.data()) : nullptr,
+            .p_axis = own(Tap::p_axis, nullptr)};
 }
 
 void EndTaps::fill(Samples& samples, const EndMotion& motion) noexcept {

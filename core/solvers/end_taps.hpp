@@ -20,6 +20,8 @@ struct EndMotion {
     double* x_last = nullptr;  ///< displacement of the last sphere [m]; null: not needed
     double* x_end = nullptr;   ///< of the end [m]; null: not needed
     bool* closed = nullptr;    ///< whether the last contact touches
+    double* v_face = nullptr;  ///< of a modal plate [m/s]; null: not needed
+    double* p_axis = nullptr;  ///< of a modal plate [Pa]; null: not needed
 };
 
 class EndTaps {
@@ -41,7 +43,7 @@ private:
 
     const Chain& chain_;
     HornAtSamples horn_;
-    std::array<double, max_count> v_last_{}, v_end_{}, x_last_{}, x_end_{};
+    std::array<double, max_count> v_last_{}, v_end_{}, x_last_{}, x_end_{}, v_face_{};
     std::array<bool, max_count> closed_{};
 };
 

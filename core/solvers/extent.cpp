@@ -25,7 +25,7 @@ double energy_missing(Solver& solver, const Chain& chain) noexcept {
     const Ledger ledger = solver.ledger();
     const ChainState& now = solver.state();
     const double held = kinetic_energy(chain, now) + stored_energy(chain, now, solver.horn_displacement());
-    return std::abs(held - ledger.at_start - ledger.work + ledger.lost);
+    return std::abs(held - ledger.at_start - ledger.work + ledger.lost + ledger.passed);
 }
 
 double energy_residual(Solver& solver, const Chain& chain) noexcept {

@@ -20,7 +20,7 @@ struct MotionExtent {
 /// Takes a pass over the chain; allocates nothing.
 MotionExtent extent_of(Solver& solver, const Chain& chain) noexcept;
 
-/// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost| [J].
+/// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost + passed| [J].
 double energy_missing(Solver& solver, const Chain& chain) noexcept;
 /// The same over what came and went: the horn's work back and forth, or the losses, or the kinetic energy, whichever is largest.
 double energy_residual(Solver& solver, const Chain& chain) noexcept;

@@ -5,9 +5,11 @@
 
 namespace hertzline {
 
-std::int64_t SeriesSamples::put(EndTapsWriter& writer, kernels::SampleKernel kernel, const FixedTime& begin,
-                                std::int64_t sample, std::int64_t available) const noexcept {
-    const Stretch stretch{
+std::int64_t SeriesSamples::put(EndTapsWriter& writer, kernels::SampleKernel kernel,
+                                PlateOutputs& plate_outputs, const Stretch& piece, std::int64_t sample,
+                                std::int64_t available) const noexcept {
+    const FixedTime& begin = piece.begin;
+    const Moments moments{
         .kernel = kernel,
         .times = {static_cast<double>(sample - begin.whole), begin.fraction(),
                   sample_period_s_ / piece_.unit_s},
@@ -20,31 +22,32 @@ std::int64_t SeriesSamples::put(EndTapsWriter& writer, kernels::SampleKernel ker
         }
         double* const out = samples.room(tap).data() + writer.next() * spheres;
         for (std::size_t s = 0; s < spheres; ++s) {
-            put_body(static_cast<Eigen::Index>(s), quantity, stretch, out + s, spheres);
+            put_body(static_cast<Eigen::Index>(s), quantity, moments, out + s, spheres);
         }
     };
     put_chain(Tap::v_chain, Quantity::velocity);
     put_chain(Tap::x_chain, Quantity::displacement);
     if (writer.shows_end()) {
-        put_end(writer.motion(), stretch);
+        put_end(writer.motion(), moments);
+        plate_outputs.put(writer.motion(), moments.times, moments.count, piece, sample);
     }
-    writer.advance(stretch.count);
-    return static_cast<std::int64_t>(stretch.count);
+    writer.advance(moments.count);
+    return static_cast<std::int64_t>(moments.count);
 }
 
 /// The motion of the chain's far end.
-void SeriesSamples::put_end(const EndMotion& motion, const Stretch& stretch) const noexcept {
+void SeriesSamples::put_end(const EndMotion& motion, const Moments& moments) const noexcept {
     const Eigen::Index end = chain_.spheres();
     const std::size_t at = motion.count;
-    put_body(end - 1, Quantity::velocity, stretch, motion.v_last + at, 1);
-    if (chain_.end.has_plate || motion.x_last != nullptr) {
-        put_body(end, Quantity::velocity, stretch, motion.v_end + at, 1);
+    put_body(end - 1, Quantity::velocity, moments, motion.v_last + at, 1);
+    if (chain_.inv_mass[end] > 0 || motion.x_last != nullptr) {
+        put_body(end, Quantity::velocity, moments, motion.v_end + at, 1);
     }
     if (motion.x_last != nullptr) {
-        put_body(end - 1, Quantity::displacement, stretch, motion.x_last + at, 1);
-        put_body(end, Quantity::displacement, stretch, motion.x_end + at, 1);
+        put_body(end - 1, Quantity::displacement, moments, motion.x_last + at, 1);
+        put_body(end, Quantity::displacement, moments, motion.x_end + at, 1);
     }
-    std::fill_n(motion.closed + at, stretch.count, end_is_closed());
+    std::fill_n(motion.closed + at, moments.count, end_is_closed());
 }
 
 /// Whether the last contact touches.
@@ -55,26 +58,26 @@ bool SeriesSamples::end_is_closed() const noexcept {
                : state_.closed[end] > 0;
 }
 
-void SeriesSamples::put_body(Eigen::Index body, Quantity quantity, const Stretch& stretch, double* out,
+void SeriesSamples::put_body(Eigen::Index body, Quantity quantity, const Moments& moments, double* out,
                              std::size_t stride) const noexcept {
     if (body >= simd_chain_.active()) {  // the wave has not reached it
-        for (std::size_t i = 0; i < stretch.count; ++i) {
+        for (std::size_t i = 0; i < moments.count; ++i) {
             out[i * stride] = 0;
         }
         return;
     }
     const std::size_t slot = simd_chain_.slot(body);
-    stretch.kernel(piece_, slot, quantity == Quantity::velocity, stretch.times, stretch.count, out, stride);
+    moments.kernel(piece_, slot, quantity == Quantity::velocity, moments.times, moments.count, out, stride);
     if (piece_.onset) {
-        add_onset(slot, quantity, stretch, out, stride);
+        add_onset(slot, quantity, moments, out, stride);
     }
 }
 
 /// Adds what the contacts that have just closed do, which is no power series.
-void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Stretch& stretch, double* out,
+void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Moments& moments, double* out,
                               std::size_t stride) const noexcept {
-    const kernels::SampleTimes& times = stretch.times;
-    for (std::size_t i = 0; i < stretch.count; ++i) {
+    const kernels::SampleTimes& times = moments.times;
+    for (std::size_t i = 0; i < moments.count; ++i) {
         const double z =
             ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
         double power = z * z * std::sqrt(z) * piece_.per_unit;

@@ -8,6 +8,7 @@
 #include "core/model/state.hpp"
 #include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
+#include "core/solvers/plate_outputs.hpp"
 
 namespace hertzline {
 
@@ -23,23 +24,23 @@ public:
           sample_period_s_(sample_period_s) {}
 
     /// Hands samples of the present piece to the writer, as many as there are and find room. @return how many
-    /// @param begin of the piece [samples] @param sample the first one
-    std::int64_t put(EndTapsWriter& writer, kernels::SampleKernel kernel, const FixedTime& begin,
-                     std::int64_t sample, std::int64_t available) const noexcept;
+    /// @param piece its begin and end [samples] @param sample the first one
+    std::int64_t put(EndTapsWriter& writer, kernels::SampleKernel kernel, PlateOutputs& plate_outputs,
+                     const Stretch& piece, std::int64_t sample, std::int64_t available) const noexcept;
 
 private:
     enum class Quantity { displacement, velocity };
 
     /// Some successive samples.
-    struct Stretch {
+    struct Moments {
         kernels::SampleKernel kernel;
         kernels::SampleTimes times;
         std::size_t count;
     };
-    void put_end(const EndMotion& motion, const Stretch& stretch) const noexcept;
-    void put_body(Eigen::Index body, Quantity quantity, const Stretch& stretch, double* out,
+    void put_end(const EndMotion& motion, const Moments& moments) const noexcept;
+    void put_body(Eigen::Index body, Quantity quantity, const Moments& moments, double* out,
                   std::size_t stride) const noexcept;
-    void add_onset(std::size_t slot, Quantity quantity, const Stretch& stretch, double* out,
+    void add_onset(std::size_t slot, Quantity quantity, const Moments& moments, double* out,
                    std::size_t stride) const noexcept;
     bool end_is_closed() const noexcept;
 

@@ -66,7 +66,12 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
              kernels::series_degree(integrator_),
              kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
+      plate_(chain.end.plate ? std::make_unique<kernels::PlateMotion>(
+                                   *chain.end.plate, kernels::kernel_lanes(),
+                                   kernels::series_degree(integrator_), *scene.numerics.step_s)
+                             : nullptr),
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
+      plate_outputs_(chain, plate_.get(), piece_, sample_period_s_, options.taps),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;
@@ -94,6 +99,10 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
 
 void SeriesSolver::reset() noexcept {
     state_.reset(chain_);
+    if (plate_) {
+        plate_->reset();
+    }
+    plate_outputs_.reset();
     lay_out(active_at_start_);
     simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
@@ -113,6 +122,11 @@ const ChainState& SeriesSolver::state() noexcept {
 void SeriesSolver::lay_out(Eigen::Index active) noexcept {
     simd_chain_.load(chain_, state_, active);
     kernels_ = kernels::series_kernels(integrator_, simd_chain_.rows());
+    piece_.plate = active == chain_.bodies() ? plate_.get()
+                                             : nullptr;  // before the wave is there the plate stands still
+    if (piece_.plate != nullptr) {
+        plate_->find_slots(simd_chain_);
+    }
 }
 
 /// A piece carries a disturbance no more bodies far than its series has terms. Where twice as many at the far end of what is laid
@@ -142,6 +156,11 @@ Ledger SeriesSolver::ledger() noexcept {
     }
     now.work += *simd_chain_.column(kernels::ChainField::work);
     now.gross_work += *simd_chain_.column(kernels::ChainField::gross_work);
+    if (plate_) {
+        now.passed = plate_->passed;
+        now.plate_lost = plate_->lost;
+        now.plate_held = plate_->energy();
+    }
     return now;
 }
 
@@ -186,6 +205,7 @@ double SeriesSolver::horn_displacement() const noexcept {
 }
 
 void SeriesSolver::next_piece() noexcept {
+    plate_outputs_.leave_piece({begin_, end_});
     follow_the_wave();
     begin_ = end_;
     double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
@@ -225,7 +245,8 @@ bool SeriesSolver::stands_still() noexcept {
 
 double SeriesSolver::energy_above_rest() noexcept {
     const ChainState& now = state();
-    return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start;
+    return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start +
+           (plate_ ? plate_->energy() : 0);
 }
 
 /// To exact rest; what motion is left counts as lost.
@@ -238,6 +259,9 @@ void SeriesSolver::sleep() noexcept {
     std::copy_n(simd_chain_.column(kernels::ChainField::closed), simd_chain_.slots(),
                 simd_chain_.column(kernels::ChainField::overlap));
     piece_.reset_motion();
+    if (plate_) {
+        plate_->rest();
+    }
 }
 
 bool SeriesSolver::finite() const noexcept {
@@ -260,8 +284,9 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
         const std::int64_t beyond = std::min(end, end_.rounded_up());
         if (next_sample_ < beyond) {
             const std::int64_t available = beyond - next_sample_;
-            next_sample_ +=
-                writer ? samples_.put(*writer, kernels_.samples, begin_, next_sample_, available) : available;
+            next_sample_ += writer ? samples_.put(*writer, kernels_.samples, plate_outputs_, {begin_, end_},
+                                                  next_sample_, available)
+                                   : available;
         } else if (options_.stop_asked()) {
             return Status::stopped;
         } else {

@@ -4,11 +4,14 @@
 // of the series.
 
 #include <array>
+#include <memory>
 
+#include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
 #include "core/model/tone_burst.hpp"
 #include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
+#include "core/solvers/plate_outputs.hpp"
 #include "core/solvers/series_samples.hpp"
 #include "core/solvers/solver.hpp"
 
@@ -55,6 +58,7 @@ private:
     Integrator integrator_;
     kernels::SimdChain simd_chain_;
     kernels::SeriesPiece piece_;
+    std::unique_ptr<kernels::PlateMotion> plate_;  ///< of a modal plate
     kernels::SeriesKernels kernels_{};
     FixedTime begin_, end_;  ///< of the present piece [samples]
     FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
@@ -64,6 +68,7 @@ private:
     double still_ = 0;                  ///< a body that moves less stands still [m/s]
     Eigen::Index active_at_start_ = 0;  ///< bodies that are laid out before the wave has gone further
     SeriesSamples samples_;
+    PlateOutputs plate_outputs_;
     EndTaps end_taps_;
     std::int64_t next_sample_ = 0;
     Ledger ledger_;

@@ -31,13 +31,23 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain,
     if (is_series(*scene.numerics.integrator)) {
         return std::make_unique<SeriesSolver>(scene, chain, options);
     }
+    if (chain.end.plate) {
+        throw std::invalid_argument("make_solver: only series integrate a modal plate");
+    }
     return std::make_unique<SteppedSolver>(scene, chain, options);
 }
 
 double solver_bytes(const Scene& scene, TapSet taps) noexcept {
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
     const bool series = scene.numerics.integrator && is_series(*scene.numerics.integrator);
-    return series ? SeriesSolver::memory_bytes(bodies) : SteppedSolver::memory_bytes(bodies, taps);
+    double delayed = 0;  // samples on their way to the hydrophone
+    if (taps.contains(Tap::p_axis)) {
+        const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
+        delayed = (scene.output.hydrophone_m + scene.end.radius_m) / fluid.sound_speed_m_per_s *
+                  scene.output.sample_rate_hz;
+    }
+    return (series ? SeriesSolver::memory_bytes(bodies) : SteppedSolver::memory_bytes(bodies, taps)) +
+           PlateOutputs::bytes(delayed);
 }
 
 }  // namespace hertzline

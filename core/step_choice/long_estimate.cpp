@@ -9,6 +9,8 @@ namespace {
 
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 constexpr std::size_t block_samples = 256;
+constexpr TapSet outputs =
+    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre | Tap::v_face | Tap::p_axis;
 
 Scene with_step(Scene scene, Integrator integrator, double step_s) {
     scene.numerics.integrator = integrator;
@@ -26,8 +28,9 @@ double bodies(const Scene& scene) noexcept {
 LongEstimate::Run::Run(const Scene& of, Integrator integrator, double step_s, const std::atomic<bool>& stop)
     : scene(with_step(of, integrator, step_s)),
       chain(scene),
-      solver(make_solver(scene, chain, {.ledger = LedgerKeeping::off, .stop = &stop})),
-      block(SimulationOptions().taps & taps_of(scene.end.kind), 0, block_samples) {}
+      solver(make_solver(
+          scene, chain, {.taps = outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = &stop})),
+      block(outputs & taps_of(scene.end), 0, block_samples) {}
 
 LongEstimate::LongEstimate(const Scene& scene, const std::atomic<bool>& stop)
     : sample_rate_hz_(scene.output.sample_rate_hz),
@@ -69,9 +72,9 @@ void LongEstimate::add(Tap tap) noexcept {
 }
 
 ErrorEstimate LongEstimate::estimate() const noexcept {
-    double loudest = 0;
-    for (const Sums& sums : sums_) {
-        loudest = std::max(loudest, sums.norm);
+    double loudest = 0;  // of the velocities
+    for (const Tap tap : used_.block.taps() - Tap::p_axis) {
+        loudest = std::max(loudest, sums_[static_cast<std::size_t>(tap)].norm);
     }
     double found = 0;
     double own = 0;

@@ -17,9 +17,24 @@ Scene with_step(Scene scene, Integrator integrator, double step_s) {
     return scene;
 }
 
-TapSet taps_of_pilot(const Chain& chain) noexcept {
-    const TapSet outputs = chain.end.has_plate ? TapSet(Tap::v_plate) | Tap::v_out : TapSet();
-    return outputs | Tap::v_chain;
+/// Beside the spheres' velocities. The pressure of a plane wave with the velocity v is rho c v: over rho c it is one of them.
+std::vector<PilotOutput> outputs_of(const EndModel& end) {
+    if (end.plate) {
+        const Fluid& fluid = end.plate->parameters.fluid;
+        return {{Tap::v_centre, 1},
+                {Tap::v_face, 1},
+                {Tap::p_axis, 1 / (fluid.density_kg_per_m3 * fluid.sound_speed_m_per_s)}};
+    }
+    return end.has_plate ? std::vector<PilotOutput>{{Tap::v_plate, 1}, {Tap::v_out, 1}}
+                         : std::vector<PilotOutput>{};
+}
+
+TapSet taps_of_pilot(const std::vector<PilotOutput>& outputs) noexcept {
+    TapSet taps = Tap::v_chain;
+    for (const PilotOutput& output : outputs) {
+        taps |= output.tap;
+    }
+    return taps;
 }
 
 }  // namespace
@@ -27,11 +42,12 @@ TapSet taps_of_pilot(const Chain& chain) noexcept {
 Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
     : scene_(with_step(std::move(scene), integrator, step_s)),
       chain_(std::make_unique<const Chain>(scene_)),
-      taps_(taps_of_pilot(*chain_)),
+      outputs_(outputs_of(chain_->end)),
+      taps_(taps_of_pilot(outputs_)),
       solver_(make_solver(scene_, *chain_, {.taps = taps_, .ledger = LedgerKeeping::off})),
       block_(taps_, static_cast<std::size_t>(chain_->spheres()), block_samples),
       spheres_(static_cast<std::size_t>(chain_->spheres())),
-      columns_(spheres_ + (chain_->end.has_plate ? 2 : 0)),
+      columns_(spheres_ + outputs_.size()),
       event_rate_(scene_.drive) {}
 
 void Pilot::run_to(std::size_t samples) {
@@ -42,9 +58,8 @@ void Pilot::run_to(std::size_t samples) {
         for (std::size_t i = 0; i < block_.count; ++i) {
             const auto row = block_[Tap::v_chain].subspan(i * spheres_, spheres_);
             velocities_.insert(velocities_.end(), row.begin(), row.end());
-            if (has_plate()) {
-                velocities_.push_back(block_[Tap::v_plate][i]);
-                velocities_.push_back(block_[Tap::v_out][i]);
+            for (const PilotOutput& output : outputs_) {
+                velocities_.push_back(output.scale * block_[output.tap][i]);
             }
         }
         event_rate_.note(static_cast<double>(solver_->next_sample()) / sample_rate_hz(),

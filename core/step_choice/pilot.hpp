@@ -14,7 +14,13 @@
 
 namespace hertzline {
 
-/// A simulation whose velocities are kept: those of all spheres, and with a plate those of the plate and the output.
+/// An output that a pilot keeps, as a velocity: its values times the scale [m/s].
+struct PilotOutput {
+    Tap tap;
+    double scale;
+};
+
+/// A simulation whose velocities are kept: those of all spheres, and with a plate those of the plate and the outputs.
 class Pilot {
 public:
     /// @throws std::bad_alloc
@@ -35,13 +41,15 @@ public:
 
     std::size_t spheres() const noexcept { return spheres_; }
     std::size_t columns() const noexcept { return columns_; }
-    bool has_plate() const noexcept { return columns_ > spheres_; }
-    /// The velocities at a sample [m/s]: the spheres', the plate's, the output.
+    /// Whether it has the paper's plate, whose output jumps.
+    bool has_plate() const noexcept { return chain_->end.has_plate; }
+    /// The velocities at a sample [m/s]: the spheres', the plate's, the outputs.
     const double* row(std::size_t sample) const noexcept { return velocities_.data() + sample * columns_; }
 
 private:
     Scene scene_;
     std::unique_ptr<const Chain> chain_;
+    std::vector<PilotOutput> outputs_;
     TapSet taps_;
     std::unique_ptr<Solver> solver_;
     Samples block_;
@@ -55,7 +63,7 @@ private:
 /// How two pilots differ: relative L2, infinite if one of them failed.
 struct Difference {
     double of_any = 0;     ///< the column where it is largest
-    double of_output = 0;  ///< the same of v_last, v_plate and v_out alone
+    double of_output = 0;  ///< the same of v_last and what the plate shows alone
     double loudness =
         0;  ///< L2 norm of v_out, or what it is judged by if it is quiet [m/s]; 0 without a plate
 };

@@ -43,7 +43,7 @@ struct Trial {
 
 /// An error and the stretch from the start over which it was found.
 struct ErrorEstimate {
-    double error = 0;        ///< relative L2 of the worst of v_last, v_plate and v_out
+    double error = 0;        ///< relative L2 of the worst of v_last and what the plate shows
     double over_s = 0;       ///< [s]
     bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
 };

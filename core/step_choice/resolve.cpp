@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/model/end.hpp"
 #include "core/scene/scene_words.hpp"
 
 namespace hertzline {
@@ -19,6 +20,23 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
                   "at most %.4g s, the stability limit in this scene (recommended: %.4g s)",
                   advice.largest_stable_step_s, advice.recommended_step_s);
     return {"numerics.step_s", found.data(), allowed.data()};
+}
+
+/// With the poles of a modal plate settled.
+Scene with_poles(Scene scene) {
+    if (const int poles = plate_poles(scene); poles > 0) {
+        scene.numerics.poles = poles;
+    }
+    return scene;
+}
+
+/// What the poles leave out, relative to the response in the band; 0 without a modal plate.
+double fit_error(const Scene& scene) {
+    if (plate_poles(scene) == 0) {
+        return 0;
+    }
+    const auto plate = plate_response(plate_parameters(scene), plate_poles(scene));
+    return std::max(plate->velocity_error, plate->pressure_error);
 }
 
 ReferencePilot reference_for(const Scene& scene) {
@@ -44,13 +62,18 @@ Scene with_integrator(Scene scene) {
 }
 
 StepAdvice advise_step(const Scene& asked) {
-    const Scene scene = with_integrator(asked);
+    const Scene scene = with_poles(with_integrator(asked));
     return advise(scene, reference_for(scene)).advice;
 }
 
 ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
     ResolvedScene result;
-    result.scene = with_integrator(asked);
+    result.scene = asked;
+    result.faults = plate_faults(asked);
+    if (!result.faults.empty()) {
+        return result;
+    }
+    result.scene = with_poles(with_integrator(asked));
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
     ReferencePilot reference = reference_for(result.scene);
@@ -78,7 +101,8 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
     const double burst_s = result.scene.drive.cycles / result.scene.drive.frequency_hz;
     result.steps_per_burst = burst_s * (trial ? trial->steps_per_s : 1 / *numerics.step_s);
     if (trial) {
-        const ErrorEstimate estimate = reference.estimate(*trial, run_s);
+        ErrorEstimate estimate = reference.estimate(*trial, run_s);
+        estimate.error += fit_error(result.scene);
         if (std::isfinite(estimate.error)) {
             result.estimate = estimate;
             result.seen = trial->pilot.seen(estimate.error);

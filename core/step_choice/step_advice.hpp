@@ -6,9 +6,6 @@
 
 namespace hertzline {
 
-/// Relative L2 error of the velocities that a scene gets when it asks for nothing.
-inline constexpr double default_accuracy = 1e-4;
-
 /// An error that shorter steps do not bring below this is no truncation error: the motion is chaotic.
 inline constexpr double chaotic_error = 0.05;
 

@@ -67,8 +67,15 @@ void GrowingFile::fail(int reason) {
     file_.fail(reason);
 }
 
-void GrowingFile::commit() {
+void GrowingFile::close() {
     flush();
+    file_.close();
+}
+
+void GrowingFile::commit() {
+    if (!file_.is_closed()) {
+        close();
+    }
     file_.commit();
 }
 

@@ -30,7 +30,14 @@ public:
     void flush();
 
     /// Flushes and closes.
+    void close();
+
+    /// Closes, unless it is closed, and gives the file its name.
     void commit();
+
+    /// See StagedFile.
+    bool is_closed() const noexcept { return file_.is_closed(); }
+    bool is_doubtful() const noexcept { return file_.is_doubtful(); }
 
     /// Fails when the file is there no more: removed, or replaced by another of its name.
     void require_present();

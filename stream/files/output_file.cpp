@@ -86,9 +86,16 @@ std::filesystem::path OutputFile::keep() noexcept {
     return file_.temporary();
 }
 
-void OutputFile::commit() {
+void OutputFile::close() {
     file_.require_open();  // fails when an earlier write did
     flush();
+    file_.close();
+}
+
+void OutputFile::commit() {
+    if (!file_.is_closed()) {
+        close();
+    }
     file_.commit();
 }
 

@@ -35,7 +35,11 @@ public:
     /// Writes out the buffer: what the disk has no room for is known now.
     void flush();
 
-    /// Writes out the buffer, closes, and gives the file its name.
+    /// Writes out the buffer and closes: what the system tells only then is known now. After it commit() and keep()
+    /// are left.
+    void close();
+
+    /// Closes, unless it is closed, and gives the file its name.
     void commit();
 
     /// Bytes that lie in the file: after a failed flush a part of what it was to write.
@@ -52,6 +56,10 @@ public:
 
     /// Closes it and removes what was written.
     void abandon() noexcept { file_.abandon(); }
+
+    /// See StagedFile.
+    bool is_closed() const noexcept { return file_.is_closed(); }
+    bool is_doubtful() const noexcept { return file_.is_doubtful(); }
 
     /// As the user named it.
     const std::filesystem::path& path() const noexcept { return file_.path(); }

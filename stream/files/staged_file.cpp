@@ -84,6 +84,19 @@ int own_descriptor(const fs::path& path) {
     return error == std::errc() && end == name.data() + name.size() ? number : -1;
 }
 
+/// Owner and mode of the file that is replaced, as far as the system lets us; neither is worth losing the data for.
+void inherit(int descriptor, const struct stat& replaced) noexcept {
+    constexpr uid_t as_it_is = static_cast<uid_t>(-1);
+    // Owner first: changing it clears bits of the mode.
+    const bool same_group = ::fchown(descriptor, replaced.st_uid, replaced.st_gid) == 0 ||
+                            ::fchown(descriptor, as_it_is, replaced.st_gid) == 0;
+    const mode_t mode = replaced.st_mode & 07777;
+    const mode_t as_others = (mode & S_IRWXO) << 3;
+    // Another group may do no more than everybody.
+    [[maybe_unused]] const int failed =
+        ::fchmod(descriptor, same_group ? mode : mode & (~mode_t{S_IRWXG} | as_others));
+}
+
 std::string random_ending() {
     std::random_device random;
     std::array<char, 24> text{};
@@ -143,8 +156,8 @@ void StagedFile::open_temporary() {
     // Not mkstemp: its files are private (0600), and the umask cannot be read without changing it for all threads.
     for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
         temporary_ = target_.parent_path() / (stem + random_ending());
-        // Never open to more than the target is, not even until fchmod().
-        const mode_t mode = 0666 & (replaces ? existing.st_mode : ~mode_t{0});
+        // Ours alone until it has the target's group.
+        const mode_t mode = replaces ? S_IRUSR | S_IWUSR : 0666;
         descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (descriptor_ < 0 && errno != EEXIST) {
             refuse(path_, errno);
@@ -154,9 +167,7 @@ void StagedFile::open_temporary() {
         refuse(path_, EEXIST);
     }
     if (replaces) {
-        // Owner first: changing it clears bits of the mode. Neither is worth losing the data for.
-        [[maybe_unused]] const int owner = ::fchown(descriptor_, existing.st_uid, existing.st_gid);
-        [[maybe_unused]] const int mode = ::fchmod(descriptor_, existing.st_mode & 07777);
+        inherit(descriptor_, existing);
     }
 }
 
@@ -180,19 +191,24 @@ StagedFile::~StagedFile() {
 }
 
 void StagedFile::keep() noexcept {
-    if (descriptor_ >= 0) {
-        ::close(std::exchange(descriptor_, -1));
-    }
+    close_descriptor();
+    settled_ = true;
 }
 
 void StagedFile::abandon() noexcept {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-        descriptor_ = -1;
-        if (!temporary_.empty()) {
-            ::unlink(temporary_.c_str());
-        }
+    close_descriptor();
+    if (!std::exchange(settled_, true) && !temporary_.empty()) {
+        ::unlink(temporary_.c_str());
     }
+}
+
+/// @returns 0, or the errno of what went wrong with the file
+int StagedFile::close_descriptor() noexcept {
+    if (descriptor_ < 0 || ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR) {
+        return 0;
+    }
+    doubtful_ = true;
+    return errno;
 }
 
 void StagedFile::fail(int reason) {
@@ -205,22 +221,25 @@ void StagedFile::require_open() const {
         refuse(path_, failure_);
     }
     if (descriptor_ < 0) {
-        throw std::logic_error("write to " + path_.string() + " after its commit");
+        throw std::logic_error("write to " + path_.string() + " after its end");
+    }
+}
+
+void StagedFile::close() {
+    require_open();
+    if (const int error = close_descriptor()) {
+        fail(error);
     }
 }
 
 void StagedFile::commit() {
-    require_open();
-    // Some file systems tell of a full disk or quota only here.
-    const bool closed = ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR;
-    if (closed && (temporary_.empty() || ::rename(temporary_.c_str(), target_.c_str()) == 0)) {
-        return;
+    if (descriptor_ >= 0 || settled_ || failure_ != 0) {
+        close();
     }
-    failure_ = errno;
-    if (!temporary_.empty() && !appeared_) {
-        ::unlink(temporary_.c_str());
+    if (!temporary_.empty() && ::rename(temporary_.c_str(), target_.c_str()) != 0) {
+        fail(errno);
     }
-    refuse(path_, failure_);
+    settled_ = true;
 }
 
 }  // namespace hertzline::stream

@@ -35,10 +35,11 @@ Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publi
       pacer_(format_.sample_rate_hz, options_.pace),
       producer_(source, pacer_, ring_size(format_, options_.pace), options_.samples,
                 options_.pace.is_flat_out() ? OnOverrun::wait : options_.on_overrun),
-      demand_(format_.taps),
+      demand_(format_.taps, recorder != nullptr ? recorder->taps() : TapSet()),
       frames_(publisher, format_, options_.run),
       monitor_(producer_.origin(), format_.sample_rate_hz) {
     options_.about["security"] = word(publisher.security());
+    demand_.update(publisher, producer_);  // what is recorded is in the first block, too
 }
 
 StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& events) {
@@ -153,6 +154,12 @@ void Pipeline::listen_for_subscriptions() {
     }
     if (news > 0) {
         send_meta();
+    }
+    if (!told_of_too_many_clients_ && publisher_.has_had_too_many_clients()) {
+        told_of_too_many_clients_ = true;
+        events_->warn("more than " + std::to_string(publisher_.max_clients()) +
+                      " clients want to be connected (--max-clients): those that subscribe to nothing, then "
+                      "those that came last are disconnected until others leave");
     }
 }
 

@@ -75,6 +75,7 @@ private:
 
     std::optional<Nanoseconds> start_time_;
     std::optional<Nanoseconds> first_subscription_;
+    bool told_of_too_many_clients_ = false;
     Nanoseconds next_meters_{0};
     Nanoseconds next_meta_{0};
 };

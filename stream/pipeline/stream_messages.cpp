@@ -25,12 +25,14 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
                            {"dtype", "<f4"}});
     }
     Json meta = options.about;
-    meta.update(Json{{"run", options.run},
-                     {"fs", format.sample_rate_hz},
-                     {"frame_samples", format.frame_samples},
-                     {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
-                     {"streams", streams},
-                     {"units", {{"velocity", "m/s"}, {"force", "N"}, {"time", "s"}, {"frequency", "Hz"}}}});
+    meta.update(Json{
+        {"run", options.run},
+        {"fs", format.sample_rate_hz},
+        {"frame_samples", format.frame_samples},
+        {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},
+        {"streams", streams},
+        {"units",
+         {{"velocity", "m/s"}, {"force", "N"}, {"pressure", "Pa"}, {"time", "s"}, {"frequency", "Hz"}}}});
     // A file name need not be UTF-8.
     return meta.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

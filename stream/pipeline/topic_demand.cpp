@@ -13,7 +13,7 @@ void TopicDemand::update(const Publisher& publisher, Producer& producer) noexcep
         np_ |= publisher.wanted(topics.np) ? TapSet(tap) : TapSet();
     }
     const TapSet wanted = raw_ | np_;
-    const std::uint32_t generation = producer.want(wanted);
+    const std::uint32_t generation = producer.want(wanted | always_);
     for (const Tap tap : wanted - before) {
         since_[static_cast<std::size_t>(tap)] = generation;
     }

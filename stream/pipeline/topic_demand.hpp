@@ -13,7 +13,8 @@ namespace hertzline::stream {
 /// What somebody subscribes to, of the taps that the stream has. For the sending thread.
 class TopicDemand {
 public:
-    explicit TopicDemand(TapSet taps) noexcept : taps_(taps) {}
+    /// @param always taps that are computed whether or not somebody subscribes: those that are recorded
+    TopicDemand(TapSet taps, TapSet always) noexcept : taps_(taps), always_(always & taps) {}
 
     /// Asks the publisher what is wanted now, and the producer to compute it.
     void update(const Publisher& publisher, Producer& producer) noexcept;
@@ -29,6 +30,7 @@ public:
 
 private:
     TapSet taps_;
+    TapSet always_;
     TapSet raw_;
     TapSet np_;
     std::array<std::uint32_t, tap_count> since_{};  // generation of the demand that began it, by tap

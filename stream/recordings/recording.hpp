@@ -32,6 +32,8 @@ struct RecordingHead {
     double sample_rate_hz = 0;
     NumberType numbers = NumberType::float64;
     nlohmann::ordered_json provenance;  ///< where it comes from: an object (stream/provenance)
+    /// Of WAV: what is 1 in the file, in each column's unit. Other formats hold samples as they are.
+    double full_scale = 1;
 };
 
 /// When a recording takes its name. Only SigMF can early: the others are whole at their end only.
@@ -46,7 +48,8 @@ struct RecordedRows {
     std::vector<double> values;  ///< row-major, [sample][column]
 };
 
-/// What a recording has left: so many rows, and the file that they are in (empty: none).
+/// What a recording has left: so many rows, and the file that they are in (empty: none). Without rows: nobody knows how
+/// many are in that file, because the system reported an error when it was closed.
 struct KeptRows {
     std::int64_t rows = 0;
     std::filesystem::path file;
@@ -70,6 +73,8 @@ public:
     virtual void discard() noexcept = 0;
     /// What commit(), keep() or an error has left.
     virtual const KeptRows& kept() const noexcept = 0;
+    /// What other programs may make of it that is not so, in a sentence; empty: nothing. Known at its end.
+    virtual std::string warning() const { return {}; }
 };
 
 /// A recording that is being read. What it holds comes from outside and is not trusted.

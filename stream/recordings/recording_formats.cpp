@@ -10,7 +10,7 @@
 #include "stream/recordings/formats/csv.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/npy.hpp"
-#include "stream/recordings/formats/sigmf.hpp"
+#include "stream/recordings/formats/sigmf/sigmf.hpp"
 #include "stream/recordings/formats/wav/wav.hpp"
 
 namespace hertzline::stream {
@@ -39,22 +39,16 @@ constexpr std::array formats{
            open_csv_reader},  // 17 digits, sign, point, exponent, comma
     Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
+    Format{sigmf_collection_ending, 4, open_sigmf_collection_writer, open_sigmf_collection_reader},
     Format{".h5", 8, when_complete<open_hdf5_writer>,
            [](const fs::path& path) { return open_hdf5_reader(path); }},
     Format{".wav", 4, when_complete<open_wav_writer>, open_wav_reader},
     Format{".npy", 8, when_complete<open_npy_writer>, open_npy_reader},
 };
 
-std::string ending_of(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::ranges::transform(ending, ending.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
-}
-
 /// nullptr for an unknown ending.
 const Format* format_of(const fs::path& path) {
-    const std::string ending = ending_of(path);
+    const std::string ending = recording_ending(path);
     std::error_code unknown;  // a name that cannot be asked about is no device
     const bool device = fs::is_character_file(path, unknown) || fs::is_fifo(path, unknown);
     const std::string_view wanted = ending.empty() && device ? ".csv" : std::string_view(ending);
@@ -72,6 +66,13 @@ const Format& format_or_refuse(const fs::path& path) {
 
 }  // namespace
 
+std::string recording_ending(const fs::path& path) {
+    std::string ending = path.extension().string();
+    std::ranges::transform(ending, ending.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending;
+}
+
 std::string recording_endings() {
     std::string endings;
     for (const Format& format : formats) {
@@ -84,11 +85,12 @@ std::optional<std::string> recording_fault(const fs::path& path) {
     if (format_of(path) != nullptr) {
         return std::nullopt;
     }
-    return path.string() + ": found the ending \"" + ending_of(path) + "\", allowed: " + recording_endings();
+    return path.string() + ": found the ending \"" + recording_ending(path) +
+           "\", allowed: " + recording_endings();
 }
 
 fs::path recording_name(const fs::path& path) {
-    return (ending_of(path) == sigmf_data_ending ? sigmf_paths(path).meta : path).lexically_normal();
+    return (recording_ending(path) == sigmf_data_ending ? sigmf_paths(path).meta : path).lexically_normal();
 }
 
 double recording_bytes(const fs::path& path, double columns, double samples) noexcept {

@@ -13,6 +13,9 @@ namespace hertzline::stream {
 /// Every ending that a recording can have: ".csv, .sigmf-meta, .sigmf-data".
 std::string recording_endings();
 
+/// The ending that picks a file's format, in small letters: ".csv".
+std::string recording_ending(const std::filesystem::path& path);
+
 /// Why a file of that name cannot be recorded to (unknown ending); nothing when it can. A device or FIFO
 /// without an ending gets a CSV.
 std::optional<std::string> recording_fault(const std::filesystem::path& path);

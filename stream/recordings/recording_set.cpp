@@ -36,7 +36,7 @@ RecordingSet::RecordingSet(std::span<const std::string> paths, const RecordingHe
     std::vector<std::unique_ptr<RecordingWriter>> writers;
     for (const std::string& path : paths) {
         writers.push_back(open_recording(path, head, appearance));
-        status_.push_back({.file = path, .failure = ""});
+        status_.push_back({.file = path, .failure = "", .warning = ""});
     }
     const auto most =
         static_cast<std::size_t>(queue_bytes(static_cast<double>(columns_), head.sample_rate_hz));
@@ -155,14 +155,19 @@ void RecordingSet::conclude(std::size_t recording) {
         status.samples = result.kept.rows;
         status.missing += result.unwritten_numbers / columns;
         status.failure = result.failure;
+        status.warning = result.warning;
         if (result.failure.empty() && status.missing > 0) {
             status.failure =
                 fmt::format("{} samples are missing: the file took them too slowly", status.missing);
         }
-        if (result.kept.rows > 0 && result.kept.file != status.file) {
-            status.failure +=
-                fmt::format("{}{} samples are in {}", status.failure.empty() ? "not completed: " : "; ",
-                            result.kept.rows, result.kept.file.string());
+        const std::string file = result.kept.file.string();
+        const char* const then = status.failure.empty() ? "not completed: " : "; ";
+        const bool complete =
+            status.failure.empty() && file == status.file;  // also of a run that was stopped at once
+        if (result.kept.rows == 0 && !file.empty() && !complete) {
+            status.failure += fmt::format("{}nobody knows how much of it is in {}", then, file);
+        } else if (result.kept.rows > 0 && file != status.file) {
+            status.failure += fmt::format("{}{} samples are in {}", then, result.kept.rows, file);
         }
     } else {
         status.samples = threads_[recording]->numbers() / columns;
@@ -178,6 +183,16 @@ void RecordingSet::conclude(std::size_t recording) {
 
 bool RecordingSet::sound() const noexcept {
     return std::ranges::all_of(status_, [](const Status& status) { return status.failure.empty(); });
+}
+
+std::vector<std::string> RecordingSet::warnings() const {
+    std::vector<std::string> texts;
+    for (const Status& status : status_) {
+        if (!status.warning.empty()) {
+            texts.push_back(fmt::format("recording {}: {}", status.file, status.warning));
+        }
+    }
+    return texts;
 }
 
 bool RecordingSet::any_left() const noexcept {

@@ -45,6 +45,7 @@ public:
         std::int64_t samples = 0;  ///< that are in the file, known at the end; at most, where it is stuck
         std::int64_t missing = 0;  ///< left out because the file was too slow or stuck
         std::string failure;       ///< empty: none; else with the name of the file that holds what was saved
+        std::string warning;       ///< known at the end; empty: none
     };
 
     /// Begins all of them. @throws std::runtime_error that names the path and the reason when one cannot be.
@@ -72,6 +73,8 @@ public:
     bool sound() const noexcept;
     /// Some is still being written.
     bool any_left() const noexcept;
+    /// What the user should know of recordings that are over, a sentence each.
+    std::vector<std::string> warnings() const;
     /// In the order of the paths.
     const std::vector<Status>& status() const noexcept { return status_; }
 

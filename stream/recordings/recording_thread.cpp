@@ -93,6 +93,7 @@ void RecordingThread::work(Shared& shared) {
         result.failure = failure_of([&] { end_writer(*shared.writer, how); });
     }
     result.kept = shared.writer->kept();
+    result.warning = shared.writer->warning();
     shared.writer.reset();  // closes its file
     lock.lock();
     shared.result = std::move(result);

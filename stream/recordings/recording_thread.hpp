@@ -25,6 +25,7 @@ enum class RecordingEnd { commit, keep, discard };
 /// What has become of a recording.
 struct RecordingResult {
     std::string failure;                 ///< empty: none
+    std::string warning;                 ///< the writer's; empty: none
     KeptRows kept;                       ///< what it has left
     std::int64_t unwritten_numbers = 0;  ///< that waited when it ended, and are lost
 };

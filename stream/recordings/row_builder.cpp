@@ -4,7 +4,7 @@
 
 namespace hertzline::stream {
 
-RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings) {
+RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {
     for (const TapRow& row : tap_rows) {
         if (taps.contains(row.tap)) {
             (row.extent == Extent::one ? single_ : per_sphere_).push_back(row.tap);

@@ -15,11 +15,14 @@ public:
     /// @param recordings outlives the builder; its columns are recorded_columns() of the same taps
     RowBuilder(RecordingSet& recordings, TapSet taps);
 
+    TapSet taps() const noexcept { return taps_; }
+
     /// Appends a block that holds the taps. Does not throw when a recording cannot be written: `recordings` tells.
     void write(const Samples& block);
 
 private:
     RecordingSet& recordings_;
+    TapSet taps_;
     std::vector<Tap> single_;      ///< taps of one channel
     std::vector<Tap> per_sphere_;  ///< taps of a channel per sphere
 };

@@ -3,14 +3,14 @@
 namespace hertzline::stream {
 
 StreamFormat SimulationSource::format_of(const Scene& scene) noexcept {
-    return {.taps = streamed_taps(scene.end.kind),
+    return {.taps = streamed_taps_of(scene.end),
             .spheres = static_cast<std::size_t>(scene.chain.spheres),
             .sample_rate_hz = scene.output.sample_rate_hz,
             .frame_samples = scene.output.frame_samples};
 }
 
 double SimulationSource::memory_bytes(const Scene& scene) noexcept {
-    return Simulation::memory_bytes(scene, streamed_taps(scene.end.kind));
+    return Simulation::memory_bytes(scene, streamed_taps_of(scene.end));
 }
 
 SimulationSource::SimulationSource(const Scene& scene, TapSet always)

@@ -117,6 +117,10 @@ public:
     /// before that and is not counted.)
     std::uint64_t refused_clients() const noexcept { return gate_ ? gate_->refused() : 0; }
 
+    /// More clients wanted to be connected than may be.
+    bool has_had_too_many_clients() const noexcept { return connections_.have_been_too_many(); }
+    int max_clients() const noexcept { return options_.max_clients; }
+
 private:
     template <class Part>
     static std::span<const std::byte> bytes_of(const Part& part) noexcept {

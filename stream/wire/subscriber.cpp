@@ -15,8 +15,9 @@ namespace {
 
 constexpr std::chrono::hours longest{24};  // milliseconds::max() would overflow the clock
 
-constexpr int failed_handshakes = ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
-                                  ZMQ_EVENT_HANDSHAKE_FAILED_AUTH;
+constexpr int what_becomes_of_connections =
+    ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+    ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED;
 
 /// What a monitor's event of a failed handshake means for the user.
 Refusal refusal_of(int event, std::uint32_t value) {
@@ -30,8 +31,8 @@ Refusal refusal_of(int event, std::uint32_t value) {
         return {"the peer is not a hertzline publisher", true};
     }
     return {
-        "the peer closed the connection during the handshake: only one side encrypts, or --server-key is "
-        "wrong",
+        "the peer closed the connection during the handshake: only one side encrypts, --server-key is wrong, "
+        "or it has as many clients as it serves (--max-clients)",
         false};
 }
 
@@ -47,7 +48,7 @@ std::span<const std::byte> Message::bytes(std::size_t i) const noexcept {
 }
 
 Subscriber::Subscriber(const std::string& endpoint, const SubscriberOptions& options)
-    : socket_(context_, zmq::socket_type::sub), handshakes_(context_, socket_, failed_handshakes) {
+    : socket_(context_, zmq::socket_type::sub), connections_(context_, socket_, what_becomes_of_connections) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
         throw std::runtime_error(*fault);
     }
@@ -79,8 +80,20 @@ void Subscriber::set_options(const std::string& endpoint, const SubscriberOption
 
 std::optional<Refusal> Subscriber::refusal() {
     std::optional<Refusal> last;
-    while (const auto event = handshakes_.next()) {
-        last = refusal_of(event->kind, event->value);
+    while (const auto event = connections_.next()) {
+        if (event->kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+            introduced_ = true;
+        } else if (event->kind != ZMQ_EVENT_DISCONNECTED) {
+            last = refusal_of(event->kind, event->value);
+        } else {
+            if (introduced_ && !heard_) {
+                last = {
+                    "the publisher ended the connection before it said anything: it has as many clients as "
+                    "it serves (--max-clients), or is ending",
+                    false};
+            }
+            introduced_ = heard_ = false;
+        }
     }
     return last;
 }
@@ -102,6 +115,7 @@ const Message* Subscriber::receive(std::chrono::milliseconds timeout) {
             continue;
         }
         if (message_.size_ > 0) {
+            heard_ = true;
             return &message_;
         }
         const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());

@@ -72,7 +72,7 @@ public:
     /// Messages of more parts than any of ours (8) are passed over.
     const Message* receive(std::chrono::milliseconds timeout);
 
-    /// The last handshake that failed since this was asked before.
+    /// The last connection that failed since this was asked before: in its handshake, or without a message after it.
     std::optional<Refusal> refusal();
 
 private:
@@ -80,7 +80,9 @@ private:
 
     zmq::context_t context_;
     zmq::socket_t socket_;
-    SocketMonitor handshakes_;  // tells of those that fail
+    SocketMonitor connections_;
+    bool introduced_ = false;  // the handshake of the present connection is done
+    bool heard_ = false;       // since the last one ended
     Message message_;
 };
 

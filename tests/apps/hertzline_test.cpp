@@ -1,7 +1,8 @@
-// The program as a whole: help, version, and wrong use: a clear message on stderr, nothing on stdout, no files,
+// The program as a whole and wrong use: a clear message on stderr, nothing on stdout, no files,
 // the right exit status.
 
 #include <ostream>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -17,7 +18,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::MatchesRegex;
 
 using Words = std::vector<std::string>;
 
@@ -58,6 +58,10 @@ TEST_P(WrongUse, GivesAClearMessageAndTheRightStatus) {
     const Outcome outcome = hertzline(arguments);
     EXPECT_EQ(outcome.status, GetParam().status) << outcome.err;
     EXPECT_THAT(outcome.out, IsEmpty());
+    std::istringstream lines(outcome.err);
+    for (std::string line; std::getline(lines, line) && !GetParam().arguments.empty();) {
+        EXPECT_THAT(line, testing::ContainsRegex("^(error|warning|info): "));
+    }
     for (const std::string& text : GetParam().says) {
         EXPECT_THAT(outcome.err, HasSubstr(placed(text, path)));
     }
@@ -72,8 +76,12 @@ const Mistake mistakes[] = {
     // the command line
     {"NoSubcommand", {}, 2, {"Usage:", "Examples:"}},
     {"UnknownSubcommand", {"steam"}, 2, {"steam", "did you mean 'stream'?", "run"}},
-    {"UnknownOption", {"run", "paper-wall", "--frobnicate"}, 2, {"--frobnicate"}},
-    {"NoScene", {"run"}, 2, {"SCENE is required"}},
+    {"UnknownOption",
+     {"run", "paper-wall", "--frobnicate"},
+     2,
+     {"error: ", "--frobnicate", "hertzline run --help"}},
+    {"NoScene", {"run"}, 2, {"error: SCENE is required; hertzline run --help"}},
+    {"UnknownOptionOfTheProgram", {"--frobnicate\x1b"}, 2, {"error: ", "; hertzline --help says"}},
     {"TwoScenes", {"run", "paper-wall", "paper-pyrex"}, 2, {"paper-pyrex"}},
     {"PaceIsNoWord", {"stream", "paper-wall", "--pace", "warp"}, 2, {"--pace", "warp", "flat-out"}},
     {"PaceOfZero", {"stream", "paper-wall", "--pace", "0"}, 2, {"--pace"}},
@@ -84,6 +92,37 @@ const Mistake mistakes[] = {
     {"EndlessDuration", {"stream", "paper-wall", "--duration", "1e300"}, 2, {"--duration", "samples"}},
     {"NegativeTimeout", {"listen", "--timeout", "-3"}, 2, {"--timeout", "-3"}},
     {"UnknownStream", {"listen", "--stream", "v_outt"}, 2, {"v_outt", "did you mean 'v_out'?"}},
+    {"UnknownColumn",
+     {"run", "paper-wall", "-o", "FOLDER/a.csv", "--columns", "v_last,v_horm,v_plate"},
+     2,
+     {"--columns: found \"v_horm\", allowed: v_out, v_last", "did you mean 'v_horn'?",
+      "--columns: found \"v_plate\""}},
+    {"ColumnsWithoutAFile", {"run", "paper-wall", "--columns", "v_out"}, 2, {"--columns", "-o FILE"}},
+    {"ColumnsWithoutARecording",
+     {"stream", "paper-wall", "--columns", "v_out"},
+     2,
+     {"--columns", "--record"}},
+    {"ColumnThatIsNotStreamed",
+     {"stream", "paper-wall", "--record", "FOLDER/a.csv", "--columns", "x_chain", "--set", "chain.spheres=0"},
+     2,
+     {"--columns: found \"x_chain\", allowed: v_out", "chain.spheres"}},
+    {"WavScaleOfNothing",
+     {"run", "paper-wall", "-o", "FOLDER/a.wav", "--wav-scale", "0"},
+     2,
+     {"--wav-scale"}},
+    {"WavScaleWithoutAWav",
+     {"run", "paper-wall", "-o", "FOLDER/a.csv", "--wav-scale", "2"},
+     2,
+     {"--wav-scale: found no WAV file"}},
+    {"WavScaleOfAListener", {"listen", "-o", "FOLDER/a.wav", "--wav-scale", "-1"}, 2, {"--wav-scale", "-1"}},
+    {"SpectrumOfNoFormat",
+     {"run", "paper-wall", "--spectrum", "FOLDER/a.wav", "--spectrum", "FOLDER/b.txt"},
+     2,
+     {"--spectrum: FOLDER/a.wav: found the ending \".wav\", allowed: .csv, .npy, .h5", "FOLDER/b.txt"}},
+    {"SpectrumOverItsRecording",
+     {"run", "paper-wall", "-o", "FOLDER/a.csv", "--spectrum", "FOLDER/./a.csv"},
+     2,
+     {"--spectrum: FOLDER/./a.csv: found a second time"}},
     {"SettingWithoutScene", {"scenes", "--set", "chain.spheres=3"}, 2, {"--set"}},
 
     // scenes that cannot be read
@@ -269,39 +308,6 @@ TEST(Endpoints, PortInUseIsAFailureThatNamesIt) {
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr(occupant.endpoint()));
     EXPECT_THAT(outcome.err, HasSubstr("in use"));
-}
-
-TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
-    const Outcome program = hertzline({"--help"});
-    EXPECT_EQ(program.status, 0);
-    for (const char* command : {"run", "stream", "listen", "scenes", "check", "keys"}) {
-        const Outcome help = hertzline({command, "--help"});
-        EXPECT_EQ(help.status, 0);
-        EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));
-        EXPECT_THAT(program.out, HasSubstr(command));
-    }
-}
-
-TEST(Help, VersionIsTheProjects) {
-    const Outcome outcome = hertzline({"--version"});
-    EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.out,
-                MatchesRegex("hertzline " HERTZLINE_VERSION " \\(([0-9a-f]+(-dirty)?|unknown)\\)\n"));
-}
-
-TEST(Output, HelpThatCannotBePrintedIsAFailure) {
-    for (const char* option : {"--help", "--version"}) {
-        Program program({option}, "/dev/full");
-        const Outcome outcome = program.wait();
-        EXPECT_EQ(outcome.status, 1) << option;
-        EXPECT_THAT(outcome.err, testing::HasSubstr("No space left on device"));
-    }
-}
-
-TEST(Output, AFullStandardOutputIsAFailure) {
-    const Outcome full = Program({"scenes"}, "/dev/full").wait();
-    EXPECT_EQ(full.status, 1);
-    EXPECT_THAT(full.err, HasSubstr("standard output"));
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ const std::string any_port = "tcp://127.0.0.1:*";
 /// A stream that sends what a test tells it to, to one listener.
 class FakeStream {
 public:
+    /// @param timeout_s empty: the program's own
     explicit FakeStream(const std::string& timeout_s = "100", const std::vector<std::string>& words = {},
                         const std::string& name = "v_out")
         : publisher_(any_port), listener_(command(timeout_s, words)), topic(name + "/np") {
@@ -80,7 +81,10 @@ private:
     using Words = std::vector<std::string>;
 
     Words command(const std::string& timeout_s, const Words& more) const {
-        Words words{"listen", "--json", "--timeout", timeout_s, "--connect", publisher_.endpoint()};
+        Words words{"listen", "--json", "--connect", publisher_.endpoint()};
+        if (!timeout_s.empty()) {
+            words.insert(words.end(), {"--timeout", timeout_s});
+        }
         words.insert(words.end(), more.begin(), more.end());
         return words;
     }
@@ -147,6 +151,15 @@ TEST(Listen, AStreamThatFallsSilentWasNotHeardToItsEnd) {
     EXPECT_THAT(outcome.err, HasSubstr("nothing arrived for 2 s"));
 }
 
+TEST(Listen, WaitsFifteenSecondsForAStreamThatWasHeard) {
+    FakeStream stream("");
+    stream.send(0, 0);
+    const auto start = std::chrono::steady_clock::now();
+    const Outcome outcome = stream.fall_silent();
+    EXPECT_GT(std::chrono::steady_clock::now() - start, std::chrono::seconds(14));
+    EXPECT_THAT(outcome.err, HasSubstr("nothing arrived for 15 s"));
+}
+
 TEST(Listen, RepeatedAndLateFramesAreNotKept) {
     FakeStream stream;
     stream.send(3, 30);
@@ -156,7 +169,7 @@ TEST(Listen, RepeatedAndLateFramesAreNotKept) {
 }
 
 TEST(Listen, AnOddFrameCostsNothingThatWasRecorded) {
-    for (const char* name : {"a.sigmf-meta", "a.csv", "a.npy", "a.h5", "a.wav"}) {
+    for (const char* name : {"a.sigmf-meta", "a.sigmf-collection", "a.csv", "a.npy", "a.h5", "a.wav"}) {
         const TemporaryFolder folder;
         FakeStream stream("100", {"-o", folder.file(name)});
         std::uint64_t seq = 0;

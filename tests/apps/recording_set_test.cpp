@@ -127,6 +127,16 @@ TEST(RecordingSet, EachSaysWhereItComesFrom) {
     }
 }
 
+TEST(RecordingSet, OneThatCannotBeBegunIsAnErrorBeforeAnythingIsStreamed) {
+    const TemporaryFolder folder;
+    const Outcome stream = hertzline({"stream", "paper-stream", "--bind", any_port, "--record",
+                                      folder.file("a.csv"), "--record", folder.file("none/b.csv")});
+    EXPECT_EQ(stream.status, 1);
+    EXPECT_THAT(stream.err, AllOf(HasSubstr("none/b.csv"), HasSubstr("No such file or directory"),
+                                  testing::Not(HasSubstr("endpoint"))));
+    EXPECT_TRUE(fs::is_empty(fs::path(folder.file("a.csv")).parent_path()));
+}
+
 TEST(RecordingSet, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
     const TemporaryFolder folder;
     const Outcome outcome =
@@ -270,7 +280,11 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     Program run({"run", "paper-stream", "-o", folder.file("a.sigmf-meta"), "--set", "output.duration_s=5"});
     const auto has_written = [&] {
         return std::ranges::any_of(fs::directory_iterator(fs::path(folder.file("x")).parent_path()),
-                                   [](const fs::directory_entry& entry) { return entry.file_size() > 3; });
+                                   [](const fs::directory_entry& entry) {
+                                       std::error_code gone;
+                                       const auto size = entry.file_size(gone);
+                                       return !gone && size > 3;
+                                   });
     };
     while (!has_written()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));

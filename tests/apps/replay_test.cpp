@@ -78,7 +78,8 @@ TEST_P(EachFormat, IsStreamedAgainSampleBySample) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Replay, EachFormat, testing::Values(".csv", ".sigmf-meta", ".npy", ".h5", ".wav"));
+INSTANTIATE_TEST_SUITE_P(Replay, EachFormat,
+                         testing::Values(".csv", ".sigmf-meta", ".sigmf-collection", ".npy", ".h5", ".wav"));
 
 TEST(Replay, FramesAndIndicesAreThoseOfTheRunThatWasRecorded) {
     const TemporaryFolder folder;

@@ -7,8 +7,12 @@ import resource
 import signal
 import socket
 import struct
+import subprocess
 import sys
+import threading
 import time
+
+import zmq
 
 import stand as stands
 from stand import check, wait_until
@@ -19,13 +23,19 @@ READY = b"\x04\x19\x05READY\x0bSocket-Type\x00\x00\x00\x03SUB"
 LENGTH_OF_READY = 27  # what the stream answers at least
 
 
-def _connected(stream):
-    return socket.create_connection(stream.address, timeout=stands.LONG_ENOUGH_S)
+def _connected(stream, receives=None):
+    """receives: bytes that the system takes for it before it reads."""
+    peer = socket.socket()
+    peer.settimeout(stands.LONG_ENOUGH_S)
+    if receives:
+        peer.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receives)
+    peer.connect(stream.address)
+    return peer
 
 
-def _subscriber(stream):
+def _subscriber(stream, **how):
     """A connection with its handshake done, for what no library would send."""
-    peer = _connected(stream)
+    peer = _connected(stream, **how)
     peer.sendall(GREETING + READY)
     received = 0
     while received < len(GREETING) + LENGTH_OF_READY:
@@ -105,7 +115,7 @@ def subscribers_that_read_nothing(stand):
     budget = 32 << 20
     with _on_a_unix_socket(stand, "--queue-memory", str(budget), scene=stands.BUSY) as stream:
         stopped = []
-        for _ in range(6):
+        for _ in range(9):
             stopped.append(_hearing_peer(stream, "--everything"))
             stopped[-1].send_signal(signal.SIGSTOP)
             time.sleep(0.7)
@@ -113,6 +123,65 @@ def subscribers_that_read_nothing(stand):
             check(stand.sanitized or memory < budget + stands.KEPT_BY_ALLOCATOR, f"{memory >> 20} MiB for queues")
         for peer in stopped:
             peer.kill()
+
+
+def subscribers_that_trickle(stand):
+    """They read a few bytes at a time and never stop, so nobody can take them for dead."""
+    budget = 32 << 20
+    peers, over = [], threading.Event()
+
+    def read_a_little():
+        while not over.wait(0.005):
+            for peer in list(peers):
+                with contextlib.suppress(BlockingIOError, ConnectionError):
+                    peer.recv(16)
+    reader = threading.Thread(target=read_a_little)
+    with stand.stream("--queue-memory", str(budget), scene=stands.BUSY) as stream, contextlib.ExitStack() as connections:
+        reader.start()
+        try:
+            most = 0
+            for _ in range(9):  # one after the other: each one's queue holds what the others' do not
+                peer = connections.enter_context(_subscriber(stream, receives=4096))
+                peer.sendall(_subscription(b"v_chain/raw"))
+                peer.setblocking(False)
+                peers.append(peer)
+                time.sleep(0.7)
+                most = max(most, stream.footprint()[1] - stream.before[1])
+            check(stand.sanitized or 4 << 20 < most < budget + stands.KEPT_BY_ALLOCATOR, f"{most >> 20} MiB for queues")
+        finally:
+            over.set()
+            reader.join()
+
+
+def clients_beyond_the_limit(stand):
+    """All subscribe to something. A newcomer is told, and comes in when one leaves."""
+    most = 64
+    with stand.stream() as stream, contextlib.ExitStack() as leaving:
+        context = leaving.enter_context(zmq.Context())
+        clients = []
+        for _ in range(most - 1):  # beside the listener
+            client = context.socket(zmq.SUB)
+            client.linger, client.rcvhwm = 0, 10
+            client.connect(stream.endpoint)
+            client.subscribe("meters")
+            clients.append(client)
+        leaving.callback(lambda: [client.close() for client in clients])
+        wait_until(lambda: all(client.poll(1) for client in clients), "served all that it may")
+        file = stand.folder / "newcomer.csv"
+        newcomer = stream._start([stand.program, "listen", "--connect", stream.endpoint, "-o", file, "--json",
+                                  "--duration", "0.001"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(2)
+        check(newcomer.poll() is None, "it gave up")
+        check(not list(stand.folder.glob("newcomer*")), "it was served although there were enough")
+        for client in clients:
+            while client.poll(0):
+                client.recv_multipart()
+        wait_until(lambda: all(client.poll(1) for client in clients), "went on serving the others")
+        clients.pop().close()
+        out, messages = newcomer.communicate(timeout=stands.LONG_ENOUGH_S)
+        check(newcomer.returncode == 0 and json.loads(out)["samples"] == 1000, f"{newcomer.returncode}: {out} {messages}")
+        check("as many clients as it serves (--max-clients)" in messages, f"it was told: {messages}")
+    check(stream.messages.read_text().count("(--max-clients)") == 1, f"{stream.messages.read_text()}")
 
 
 def port_scan(stand):

@@ -1,6 +1,8 @@
 """What files do that take samples: pipes that nobody reads, and work that takes long when somebody wants to end."""
 import json
 import os
+import re
+import resource
 import select
 import signal
 import subprocess
@@ -142,6 +144,53 @@ def replay_of_a_pipe_that_nobody_writes(stand):
                 time.sleep(0.05)
                 check(select.select([writer], [], [], 0)[0], "somebody still takes what is written")
                 os.close(writer)
+
+
+def _run_that_loses(stand, file, *words, **how):
+    """To that file, whose samples cannot be closed."""
+    loses = stand.with_shim(loses=str(file).replace("-meta", "-data") + ".partial-")
+    done = stand.run("run", "paper-wall", "--json", "-o", file, *words, env={**os.environ, **loses}, **how)
+    print(done.stderr)
+    check(done.returncode == 1, f"{file}: exit status {done.returncode}: {done.stderr}")
+    return done
+
+
+def files_whose_closing_fails(stand):
+    """Nobody knows what is in them, and nothing is claimed. What was there before stays."""
+    for ending in ("csv", "npy", "h5", "wav", "sigmf-meta"):
+        file = stand.folder / f"a.{ending}"
+        check(stand.run("run", "paper-wall", "-o", file).returncode == 0, "no recording")
+        before = {path: path.read_bytes() for path in stand.folder.glob("a.*")}
+        (recording,) = json.loads(_run_that_loses(stand, file).stdout)["recordings"]
+        check(recording["samples"] == 0, f"{recording}")
+        told = re.fullmatch(r"cannot write .*: Input/output error; nobody knows how much of it is in (\S+)",
+                            recording["status"])
+        check(told and ".partial-" in told[1] and os.path.exists(told[1]), f"{recording}")
+        check({path: path.read_bytes() for path in before} == before, f"{file}: what was there before is gone")
+        for path in stand.folder.glob("a.*"):
+            path.unlink()
+
+
+def files_whose_closing_fails_on_a_full_disk(stand):
+    limit = 200_000
+    full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    for ending in ("csv", "npy", "wav", "sigmf-meta"):
+        file = stand.folder / f"a.{ending}"
+        told = _run_that_loses(stand, file, "--set", "output.duration_s=0.02", preexec_fn=full).stderr
+        check("ended after 0 samples: cannot write" in told and "File too large; nobody knows how much of it is in" in told,
+              told)
+
+
+def recording_whose_closing_fails(stand):
+    """SigMF has its name already."""
+    file = stand.folder / "a.sigmf-meta"
+    with stand.stream("--record", file, env=stand.with_shim(loses=stand.folder / "a.sigmf-data"), exit_status=1) as stream:
+        time.sleep(1)
+    recordings = json.loads(stream.summary.read_text())["recordings"]
+    (lost,) = (recording for recording in recordings if recording["file"] == str(file))
+    check(lost["samples"] == 0 and lost["status"].endswith(f"Input/output error; nobody knows how much of it is in {file}"),
+          f"{lost}")
+    check((stand.folder / "a.sigmf-data").stat().st_size > 0, "nothing is left of it")
 
 
 def _children(process):

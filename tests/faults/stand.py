@@ -82,10 +82,11 @@ class Stand:
         return subprocess.run([self.program, *words], text=True, timeout=LONG_ENOUGH_S, **{
             "stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how})
 
-    def with_shim(self):
-        """The environment in which the program hears SIGUSR1 and SIGUSR2 as shim.cpp says."""
+    def with_shim(self, loses=None):
+        """The environment in which the program hears SIGUSR1 and SIGUSR2 as shim.cpp says. loses: the begin of the paths of
+        files that cannot be closed."""
         order = "verify_asan_link_order=0:" + os.environ.get("ASAN_OPTIONS", "")
-        return {"LD_PRELOAD": self.shim, "ASAN_OPTIONS": order}
+        return {"LD_PRELOAD": self.shim, "ASAN_OPTIONS": order, **({"HERTZLINE_LOSES": str(loses)} if loses else {})}
 
 
 class Stream:

@@ -87,11 +87,14 @@ NO_COMMANDS = ("GNU Radio ", "PlotJuggler ")
 
 # What stands for something, and what makes a command end.
 INSTEAD = {
-    "hertzline run SCENE [-o FILE]... [--tap NAME]... [--measure NAME]...":
-        "hertzline run paper-wall -o a.csv -o a.npy --tap v_horn --tap f_last --measure f_last",
-    "hertzline stream SCENE [--record FILE]...": "hertzline stream paper-stream --record live.csv",
+    "hertzline run SCENE [-o FILE]... [--columns NAME,...] [--tap NAME]... [--measure NAME,...] [--spectrum FILE]... [--plot FILE]":
+        "hertzline run paper-wall -o a.csv -o a.npy --columns v_last,v_horn --tap f_last --measure f_last --spectrum s.h5 "
+        "--plot a.png",
+    "hertzline stream SCENE [--record FILE]... [--columns NAME,...]":
+        "hertzline stream paper-stream --record live.h5 --columns v_out,v_horn",
     "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",
     "hertzline listen [-o FILE]...": "hertzline listen -o heard.h5",
+    "hertzline plot RECORDING -o FILE.png": "hertzline plot a.npy -o b.png && test -s a.png && test -s b.png",
     "hertzline scenes [NAME]": "hertzline scenes && hertzline scenes paper-wall",
     "hertzline check SCENE": "hertzline check paper-wall",
     "hertzline keys NAME": "hertzline keys name",

@@ -1,10 +1,11 @@
 """Reads recordings with what Python has for them and compares each number.
 
 read_recordings.py FOLDER [--schema FILE]: SigMF metadata are held against that JSON schema (default: sigmf.schema.json
-beside this file; whoever has SigMF's own sigmf-schema.json can give it)
+beside this file; whoever has SigMF's own sigmf-schema.json can give it), collections against sigmf-collection.schema.json
 """
 
 import argparse
+import hashlib
 import json
 import pathlib
 import struct
@@ -102,11 +103,15 @@ def check_csv(name, datatype, columns, values, samples):
     assert metadata["urn:hertzline:provenance"]["version"] == "1.2.3"
 
 
+def check_schema(schema_file, document):
+    schema = json.loads(schema_file.read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.Draft202012Validator(schema).validate(document)
+
+
 def check_sigmf(name, columns, values, samples):
     meta = json.loads((folder / f"{name}.sigmf-meta").read_text())
-    schema = json.loads(arguments.schema.read_text())
-    jsonschema.Draft202012Validator.check_schema(schema)
-    jsonschema.Draft202012Validator(schema).validate(meta)
+    check_schema(arguments.schema, meta)
     shared = meta["global"]
     assert shared["core:sample_rate"] == rate and shared["core:datatype"] == "rf32_le"
     data = np.fromfile(folder / f"{name}.sigmf-data", "<f4").reshape(-1, shared["core:num_channels"])
@@ -117,10 +122,43 @@ def check_sigmf(name, columns, values, samples):
         numbers[start:] = capture["core:global_index"] + np.arange(len(data) - start)
     assert same(numbers, samples)
     assert [c["name"] for c in shared["hertzline:columns"]] == columns
-    assert shared["hertzline:columns"][0] == {"name": "v_last_m_per_s", "quantity": "v_last", "unit": "m/s"}
+    if columns[0] == "v_last_m_per_s":
+        assert shared["hertzline:columns"][0] == {"name": "v_last_m_per_s", "quantity": "v_last", "unit": "m/s"}
     assert shared["hertzline:version"] == "1.2.3"
+    return meta
 
 
+def check_collection(name, columns, values, samples):
+    document = json.loads((folder / f"{name}.sigmf-collection").read_text())
+    check_schema(pathlib.Path(__file__).parent / "sigmf-collection.schema.json", document)
+    streams = document["collection"]["core:streams"]
+    assert [s["name"] for s in streams] == [f"{name}-{column}" for column in columns]
+    for k, (stream, column) in enumerate(zip(streams, columns)):
+        assert stream["hash"] == hashlib.sha512((folder / f"{stream['name']}.sigmf-meta").read_bytes()).hexdigest()
+        meta = check_sigmf(stream["name"], [column], values[:, k : k + 1], samples)
+        assert meta["global"]["core:collection"] == name
+
+
+def check_tables():
+    i = np.arange(300_000)
+    columns = {"frequency_hz": i / 3.0, "f_last_n": 1.0 / (1 + i)}
+    about = [["frequency_hz", "frequency", "Hz"], ["f_last_n", "f_last", "N"]]
+    with open(folder / "spectrum.npy", "rb") as f:
+        npy, description = np.load(f), json.loads(np.load(f).item())
+    assert description == {"columns": about, "provenance": {"version": "1.2.3"}}
+    csv = np.genfromtxt(folder / "spectrum.csv", delimiter=",", names=True, deletechars="")
+    metadata = json.loads((folder / "spectrum.csv-metadata.json").read_text())
+    assert [c["schema:unitText"] for c in metadata["tableSchema"]["columns"]] == ["Hz", "N"]
+    assert metadata["url"] == "spectrum.csv" and metadata["urn:hertzline:provenance"] == {"version": "1.2.3"}
+    with h5py.File(folder / "spectrum.h5") as h5:
+        assert json.loads(h5.attrs["columns"]) == about and sorted(h5) == ["f_last", "frequency"]
+        for name, quantity, unit in about:
+            assert same(npy[name], columns[name]) and same(csv[name], columns[name])
+            assert same(h5[quantity][:], columns[name]) and h5[quantity].attrs["units"] == unit
+    print("spectrum: in each format the same")
+
+
+check_tables()
 for name, number, spheres in [("narrow", "<f4", 3), ("exact", "<f8", 3), ("wide", "<f8", 2000)]:
     columns = columns_of(spheres)
     samples = np.fromfile(folder / f"{name}.samples", "<i8")
@@ -131,5 +169,6 @@ for name, number, spheres in [("narrow", "<f4", 3), ("exact", "<f8", 3), ("wide"
         check_csv(name, "float" if number == "<f4" else "double", columns, values, samples)
     if number == "<f4":
         check_sigmf(name, columns, values, samples)
+        check_collection(name, columns, values, samples)
         check_wav(name, columns, values)
     print(f"{name}: {values.size} numbers, each the same")

@@ -1,5 +1,7 @@
 // Writes recordings for read_recordings.py and .m, with their numbers as raw bytes: write_recordings FOLDER
 
+#include <array>
+#include <atomic>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
@@ -7,7 +9,8 @@
 #include "stream/recordings/formats/csv.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/npy.hpp"
-#include "stream/recordings/formats/sigmf.hpp"
+#include "stream/recordings/formats/sigmf/sigmf.hpp"
+#include "stream/recordings/formats/table.hpp"
 #include "stream/recordings/formats/wav/wav.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -32,10 +35,14 @@ void write_all(const fs::path& folder, const std::string& name, const RecordingH
     const auto csv = open_csv_writer(folder / (name + ".csv"), head);
     const bool narrow = head.numbers == NumberType::float32;
     const auto sigmf = narrow ? open_sigmf_writer(folder / (name + ".sigmf-meta"), head) : nullptr;
+    const auto collection =
+        narrow ? open_sigmf_collection_writer(folder / (name + ".sigmf-collection"), head) : nullptr;
     const auto wav = narrow ? open_wav_writer(folder / (name + ".wav"), head) : nullptr;
+    const std::array<RecordingWriter*, 6> writers{npy.get(),   hdf5.get(),       csv.get(),
+                                                  sigmf.get(), collection.get(), wav.get()};
     for (const std::int64_t first : {3, 5000, 6000}) {
         const RecordedRows rows = test::recorded_rows(head, first, 1000);
-        for (RecordingWriter* writer : {npy.get(), hdf5.get(), csv.get(), sigmf.get(), wav.get()}) {
+        for (RecordingWriter* writer : writers) {
             if (writer != nullptr) {
                 writer->write(rows.first, rows.values);
             }
@@ -45,13 +52,29 @@ void write_all(const fs::path& folder, const std::string& name, const RecordingH
             samples.push_back(first + i);
         }
     }
-    for (RecordingWriter* writer : {npy.get(), hdf5.get(), csv.get(), sigmf.get(), wav.get()}) {
+    for (RecordingWriter* writer : writers) {
         if (writer != nullptr) {
             writer->commit();
         }
     }
     write_raw(folder / (name + ".values"), values);
     write_raw(folder / (name + ".samples"), samples);
+}
+
+/// spectrum.csv, .npy and .h5, as read_recordings.py expects them.
+void write_tables(const fs::path& folder) {
+    Table table;
+    table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
+    table.columns.push_back({{"f_last_n", "f_last", "N"}, {}});
+    table.provenance["version"] = "1.2.3";
+    for (int i = 0; i < 300'000; ++i) {
+        table.columns[0].values.push_back(i / 3.0);
+        table.columns[1].values.push_back(1.0 / (1 + i));
+    }
+    const std::atomic<bool> stop{false};
+    for (const char* name : {"spectrum.csv", "spectrum.npy", "spectrum.h5"}) {
+        write_table(folder / name, table, stop);
+    }
 }
 
 }  // namespace
@@ -67,5 +90,6 @@ int main(int count, char** arguments) {
     write_all(folder, "narrow", test::recording_head(NumberType::float32, 3));
     write_all(folder, "exact", test::recording_head(NumberType::float64, 3));
     write_all(folder, "wide", test::recording_head(NumberType::float64, 2000));
+    write_tables(folder);
     return 0;
 }

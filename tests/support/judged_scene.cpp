@@ -52,7 +52,7 @@ private:
 /// @param scene resolved
 Outputs outputs_of(const Scene& scene) {
     constexpr std::size_t block = 512;
-    Simulation simulation(scene, {.taps = recorded_taps(scene.end.kind) | Tap::v_chain});
+    Simulation simulation(scene, {.taps = recorded_taps(scene.end) | Tap::v_chain});
     Samples part = simulation.make_samples(block);
     Outputs result;
     Loudness loudness;

@@ -43,11 +43,12 @@ struct ListenOptions {
     std::optional<double> duration_s;
     std::optional<double> timeout_s;
     std::vector<std::string> files;
+    std::optional<double> wav_scale;
     Format format = Format::text;
 };
 
 Tap tap_of(const ListenOptions& options) {
-    return tap_argument("--stream", options.stream, streamed_taps(EndKind::plate));
+    return tap_argument("--stream", options.stream, streamed_taps);
 }
 
 /// What the options ask for, checked.
@@ -77,6 +78,7 @@ Wanted checked(const ListenOptions& options) {
         }
     });
     faults.of([&] { refuse_wrong_files(options.files); });
+    faults.of([&] { refuse_wrong_wav_scale(options.wav_scale, options.files); });
     faults.of([&] { wanted.curve = curve_of(options.curve); });
     faults.refuse();
     return wanted;
@@ -149,7 +151,8 @@ Exit listen(const ListenOptions& options) {
         stream::require_writable(file);
     }
     ProgressLine line;
-    ListenSession session(wanted.tap, options.duration_s, options.files, [&line](const std::string& text) {
+    const RecordingRequest recordings{options.files, options.wav_scale.value_or(1)};
+    ListenSession session(wanted.tap, options.duration_s, recordings, [&line](const std::string& text) {
         line.clear();
         spdlog::warn(text);
     });
@@ -187,6 +190,7 @@ Run listen_command(CLI::App& app) {
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
+    add_wav_scale_option(app, options->wav_scale);
     app.add_option(
            "--timeout", options->timeout_s,
            "give up when nothing arrives for S seconds (default: 15 after the first samples, never before)")

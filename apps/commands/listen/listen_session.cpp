@@ -50,9 +50,8 @@ std::uint64_t count_in(const Json& object, const char* key) {
 
 }  // namespace
 
-ListenSession::ListenSession(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files,
-                             Notify notify)
-    : tap_(tap), wanted_s_(wanted_s), files_(std::move(files)), notify_(std::move(notify)) {}
+ListenSession::ListenSession(Tap tap, std::optional<double> wanted_s, RecordingRequest request, Notify notify)
+    : tap_(tap), wanted_s_(wanted_s), request_(std::move(request)), notify_(std::move(notify)) {}
 
 void ListenSession::take(const stream::Message& message) {
     if (message.topic() == topic()) {
@@ -142,11 +141,12 @@ void ListenSession::begin(const stream::FrameHeader& header) {
     stream::RecordingHead head{.columns = {},
                                .sample_rate_hz = fs_,
                                .numbers = stream::NumberType::float32,
-                               .provenance = provenance_};
-    if (!files_.empty()) {
+                               .provenance = provenance_,
+                               .full_scale = request_.full_scale};
+    if (!request_.files.empty()) {
         head.columns = stream::recorded_columns(tap_, channels_);
     }
-    recordings_.emplace(files_, head, stream::RecordingPatience::of_a_second(stop_asked()), notify_);
+    recordings_.emplace(request_.files, head, stream::RecordingPatience::of_a_second(stop_asked()), notify_);
     if (first_sample_ > 0) {
         notify_(fmt::format("joined run {} at sample {}", run_, first_sample_));
     }
@@ -237,6 +237,9 @@ void ListenSession::take_samples(const stream::FrameHeader& header) {
 void ListenSession::save() {
     if (recordings_) {
         recordings_->commit();
+        for (const std::string& text : recordings_->warnings()) {
+            notify_(text);
+        }
     }
 }
 

@@ -30,14 +30,20 @@ enum class EndReason {
     refused
 };
 
+/// Where a listener saves what it hears.
+struct RecordingRequest {
+    std::vector<std::string> files;
+    double full_scale = 1;  ///< of WAV files
+};
+
 /// One run as a listener receives it, from its meta to its end.
 class ListenSession {
 public:
     /// Takes a message for the user, as things happen.
     using Notify = std::function<void(const std::string&)>;
 
-    /// @param wanted_s simulated seconds; unset: all of the run. @param files where to save
-    ListenSession(Tap tap, std::optional<double> wanted_s, std::vector<std::string> files, Notify notify);
+    /// @param wanted_s simulated seconds; unset: all of the run
+    ListenSession(Tap tap, std::optional<double> wanted_s, RecordingRequest request, Notify notify);
 
     /// Takes the next message. Afterwards end_reason() says whether it was the last one.
     /// @throws std::runtime_error when the first samples come and a recording cannot be begun
@@ -86,7 +92,7 @@ private:
 
     Tap tap_;
     std::optional<double> wanted_s_;
-    std::vector<std::string> files_;
+    RecordingRequest request_;
     Notify notify_;
     stream::ContinuityCheck check_;
     std::optional<stream::RecordingSet> recordings_;  // once the first frame has told what is in them

@@ -11,6 +11,7 @@
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/taylor/clamped_law-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
+#include "core/integrators/taylor/plate-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -152,6 +153,9 @@ HWY_INLINE void order(Expansion<K, Degree>& e) {
         const Vec of_place = share_of_place<N>(e, k);
         const Vec decay = splat(1.0 / (N + 2)) * e.decay[k];
         force.set(k, MulAdd(decay, e.d[N + 1][k], of_place));
+    }
+    if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
+        exchange_with_plate<N>(e, force);
     }
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         const Vec right = e.rows.right(force, k);

@@ -50,6 +50,9 @@ HWY_INLINE double trusted_length(Expansion<K, Degree>& e, bool onset) {
         last = Max(last, Max(Abs(e.x[Degree][k]), half_before));
     }
     e.piece.largest = largest_lane(last);
+    if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
+        e.piece.largest = std::max(e.piece.largest, last_of_plate<Degree>(*e.piece.plate));
+    }
     const double error = Degree * e.piece.largest + 1e-300;
     double length = rough_power(e.piece.tolerance, error, 1, Degree - 1);
     if (HWY_UNLIKELY(onset)) {
@@ -122,6 +125,23 @@ HWY_INLINE void save(const Expansion<K, Degree>& e, double length) {
     }
 }
 
+/// The plate to the end of the piece, and the last body with it.
+template <std::size_t K, int Degree>
+HWY_INLINE void take_plate(Expansion<K, Degree>& e, double length, bool onset) {
+    const PlateMotion& plate = *e.piece.plate;
+    move_plate<Degree>(plate, length);
+    if (onset) {
+        add_onset_to_plate(plate, e.piece, plate.mobility(), length);
+    }
+    follow_plate(e);
+    if (e.piece.keeps_ledger || plate.wants_modes) {
+        find_mode_terms(plate, Degree);
+    }
+    if (e.piece.keeps_ledger) {
+        account_plate<Quadrature<Degree>>(Expansion<K, Degree>(e), length);
+    }
+}
+
 /// What happens rarely works on a copy: nothing that has its address taken stays in registers.
 template <std::size_t K, int Degree>
 HWY_INLINE void take(Expansion<K, Degree>& e) {
@@ -129,6 +149,9 @@ HWY_INLINE void take(Expansion<K, Degree>& e) {
     SeriesPiece& piece = e.piece;
     if (!piece.waves.silent) {
         expand_horn(piece);
+    }
+    if (HWY_UNLIKELY(piece.plate != nullptr)) {
+        begin_plate(*piece.plate);
     }
     const bool onset = begin(e);
     orders(e, std::make_integer_sequence<int, Degree - 1>());
@@ -148,6 +171,9 @@ HWY_INLINE void take(Expansion<K, Degree>& e) {
         add_onset_force(copy, length);
         e.x_now = copy.x_now;
         e.v_now = copy.v_now;
+    }
+    if (HWY_UNLIKELY(piece.plate != nullptr)) {
+        take_plate(e, length, onset);
     }
     if (piece.keeps_ledger) {
         account(e, length);

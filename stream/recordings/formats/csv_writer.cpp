@@ -87,7 +87,10 @@ private:
 
     void finish() override {
         flush();
-        if (metadata_) {  // the old ones first: nobody shall find them beside the new samples
+        file_.close();
+        if (metadata_) {
+            metadata_->close();  // what was there before goes only when all is in the new files
+            // the old ones first: nobody shall find them beside the new samples
             fs::remove(csv_metadata_path(path()));
         }
         file_.commit();
@@ -102,13 +105,16 @@ private:
         if (committed_) {  // only the metadata are missing
             return {rows(), path()};
         }
+        if (file_.is_closed()) {
+            return kept_as_it_is(rows());
+        }
         try {
             flush();
         } catch (const std::exception&) {  // the disk is full: what it has taken counts
         }
         constexpr std::int64_t names = 1;  // line
         if (file_.is_device()) {
-            return {std::max<std::int64_t>(0, flushed_lines_ - names), path()};
+            return kept_as_it_is(std::max<std::int64_t>(0, flushed_lines_ - names));
         }
         const std::string tail = file_.text_from(flushed_bytes_);
         const std::size_t whole = tail.rfind('\n') + 1;  // 0 when there is none
@@ -118,8 +124,15 @@ private:
             return {};
         }
         file_.resume_at(flushed_bytes_ + whole);
-        metadata_->keep();
-        return {rows, file_.keep()};
+        return kept_as_it_is(rows);
+    }
+
+    KeptRows kept_as_it_is(std::int64_t rows) {
+        if (metadata_) {
+            metadata_->keep();
+        }
+        const fs::path temporary = file_.keep();
+        return {file_.is_doubtful() ? 0 : rows, file_.is_device() ? path() : temporary};
     }
 
     void remove() noexcept override {

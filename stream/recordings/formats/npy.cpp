@@ -97,6 +97,9 @@ private:
 
     /// The last rows make room for the description when the disk is full.
     KeptRows rescue() override {
+        if (file_.is_closed()) {
+            return kept_as_it_is(rows());
+        }
         const std::string text = description();
         const std::uint64_t begin = header().size();
         const std::uint64_t row_bytes = sizeof(double) + head().columns.size() * bytes_of(head().numbers);
@@ -117,7 +120,12 @@ private:
         file_.resume_at(begin + rows * row_bytes);
         file_.write(text);
         file_.rewrite(0, header_of(rows));
-        return {static_cast<std::int64_t>(rows), file_.keep()};
+        return kept_as_it_is(static_cast<std::int64_t>(rows));
+    }
+
+    KeptRows kept_as_it_is(std::int64_t rows) {
+        const std::filesystem::path temporary = file_.keep();
+        return {file_.is_doubtful() ? 0 : rows, temporary};
     }
 
     void remove() noexcept override { file_.abandon(); }

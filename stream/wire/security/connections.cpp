@@ -93,6 +93,7 @@ void Connections::keep_to_the_limit() {
     for (std::size_t i = 0; i + most_ < those.size(); ++i) {
         cut_off(those[i]->first, those[i]->second.cookie);
         those[i]->second.cut = true;
+        have_been_too_many_ = true;
     }
 }
 

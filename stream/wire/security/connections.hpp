@@ -31,6 +31,9 @@ public:
     /// them the oldest; then the newest.
     void update();
 
+    /// Somebody was cut off because there were more than there may be.
+    bool have_been_too_many() const noexcept { return have_been_too_many_; }
+
     /// A message of that connection subscribed to something.
     void note_subscriber(int descriptor) noexcept;
 
@@ -55,6 +58,7 @@ private:
     std::size_t most_;
     std::unordered_map<int, Connection> connections_;  // by descriptor
     std::uint64_t came_ = 0;
+    bool have_been_too_many_ = false;
 };
 
 }  // namespace hertzline::stream

@@ -89,7 +89,7 @@ struct SpoilNumber {
 };
 
 TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
-    constexpr int number_fields = 16;
+    constexpr int number_fields = 18;
     std::set<std::string> keys;
     for (const double value : {nan, inf, -inf, 1e300, -1e300}) {
         for (int wanted = 0; wanted < number_fields; ++wanted) {
@@ -168,7 +168,8 @@ TEST(Scene, AllFaultsAreListedAtOnce) {
     scene.chain.material = "cheese";
     scene.end.thickness_m = nan;
     scene.medium.material = "steel";
-    scene.numerics = {std::nullopt, 1e-9, 1e-4};
+    scene.numerics.step_s = 1e-9;
+    scene.numerics.accuracy = 1e-4;
     scene.materials["glass"] = Solid{70e9, 0.5, 0};
     EXPECT_THAT(faulty_keys(scene),
                 ElementsAre("drive.frequency_hz", "chain.material", "chain.spheres", "end.thickness_m",
@@ -244,6 +245,20 @@ TEST(Scene, OwnMaterialsHideBuiltInOnes) {
     EXPECT_EQ(std::get<Solid>(*find_material(scene, "steel")).youngs_modulus_pa, 190e9);
     scene.materials["steel"] = Fluid{1000, 1500};
     EXPECT_THAT(faulty_keys(scene), ElementsAre("drive.material"));
+}
+
+TEST(Scene, AModalPlateIsWhatItsModesSayAndOnlySeriesIntegrateIt) {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
+    EXPECT_THAT(faulty_keys(scene), ElementsAre());
+    scene.end.kind = EndKind::wall;
+    scene.end.stiffness_n_per_m = 1e5;
+    scene.end.preload = PlatePreload::as_printed;
+    scene.numerics.integrator = Integrator::leapfrog;
+    scene.output.sample_rate_hz = 1e12;
+    scene.output.hydrophone_m = 0.1;
+    EXPECT_THAT(faulty_keys(scene), ElementsAre("end.model", "end.stiffness_n_per_m", "end.preload",
+                                                "numerics.integrator", "output.hydrophone_m"));
 }
 
 }  // namespace

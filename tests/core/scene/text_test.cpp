@@ -32,6 +32,9 @@ TEST(Text, SuggestionsAreNearAndNotFarFetched) {
     EXPECT_EQ(suggestion("vacuum", scenes), "; did you mean 'sonic-vacuum'?");
     EXPECT_EQ(suggestion("wall", std::vector<std::string>{"paper-wall", "stone-wall"}), "");
     EXPECT_EQ(suggestion("uum", scenes), "");
+    // a slip of the fingers in a whole name, before a name of which it is half
+    const std::vector<std::string> names{"paper-silicone-rubber", "my-papr-silicon-ruber-disc"};
+    EXPECT_EQ(suggestion("papr-silicon-ruber", names), "; did you mean 'paper-silicone-rubber'?");
     EXPECT_EQ(suggestion("", keys), "");
     EXPECT_EQ(suggestion(std::string(60'000, 'x'), keys), "");
     EXPECT_EQ(suggestion("x", {}), "");

@@ -16,6 +16,12 @@
 namespace hertzline::test {
 namespace {
 
+End end_of(EndKind kind) {
+    End end;
+    end.kind = kind;
+    return end;
+}
+
 class EndTapsOf : public ::testing::TestWithParam<Integrator> {};
 INSTANTIATE_TEST_SUITE_P(Integrators, EndTapsOf, every_integrator, integrator_name);
 
@@ -174,8 +180,8 @@ TEST_P(EndTapsOf, WithoutTensionTheLastContactNeverPulls) {
 }
 
 TEST(EndTaps, AFreeEndHasNoLastContact) {
-    EXPECT_FALSE(taps_of(EndKind::free).contains(Tap::f_last));
-    EXPECT_TRUE(taps_of(EndKind::wall).contains(Tap::f_last));
+    EXPECT_FALSE(taps_of(end_of(EndKind::free)).contains(Tap::f_last));
+    EXPECT_TRUE(taps_of(end_of(EndKind::wall)).contains(Tap::f_last));
     Simulation simulation(with_step(with_end(EndKind::free), Integrator::taylor8, 900e-9),
                           {.taps = everything});
     EXPECT_FALSE(simulation.taps().contains(Tap::f_last));

@@ -8,10 +8,7 @@ using namespace stream;
 namespace {
 
 StreamFormat chain_of(std::size_t spheres) {
-    return {.taps = streamed_taps(EndKind::plate),
-            .spheres = spheres,
-            .sample_rate_hz = 1e7,
-            .frame_samples = 1024};
+    return {.taps = streamed_taps, .spheres = spheres, .sample_rate_hz = 1e7, .frame_samples = 1024};
 }
 
 TEST(RingSize, LastsFiftyMillisecondsHoweverLongTheChain) {

@@ -23,7 +23,7 @@ namespace hertzline::test {
 using namespace stream;
 namespace {
 
-constexpr TapSet everything = streamed_taps(EndKind::plate);
+constexpr TapSet everything = streamed_taps;
 
 Scene repeated_bursts() {
     Scene scene;

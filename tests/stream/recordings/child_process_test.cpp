@@ -15,6 +15,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 #include "tests/support/error_of.hpp"
@@ -65,6 +66,11 @@ TEST(ChildProcess, AnswersArriveInOrderHoweverMany) {
         ASSERT_EQ(next_answer(child), i);
     }
     EXPECT_THAT(error_of([&] { next_answer(child); }), HasSubstr("ended in the midst, with exit status 0"));
+}
+
+TEST(ChildProcess, LeavesNoCoreDump) {
+    ChildProcess child([](Answers& answers) { answer(answers, ::prctl(PR_GET_DUMPABLE)); }, {});
+    EXPECT_EQ(next_answer(child), 0);
 }
 
 TEST(ChildProcess, WhatEndedItIsTold) {

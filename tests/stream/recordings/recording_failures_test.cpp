@@ -209,9 +209,10 @@ constexpr Format h5_f8{"h5", NumberType::float64}, h5_f4{"h5", NumberType::float
 constexpr Format wav{"wav", NumberType::float32};
 constexpr Format csv{"csv", NumberType::float64};
 constexpr Format sigmf{"sigmf-meta", NumberType::float32};
+constexpr Format sigmf_collection{"sigmf-collection", NumberType::float32};
 
 INSTANTIATE_TEST_SUITE_P(All, FailedRecording,
-                         testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav, csv, sigmf));
+                         testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav, csv, sigmf, sigmf_collection));
 // SigMF has its name from the first sample on, and CSV has a second file.
 INSTANTIATE_TEST_SUITE_P(All, FailedStagedRecording, testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav));
 

@@ -2,6 +2,7 @@
 
 #include "stream/recordings/recording_formats.hpp"
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <ostream>
@@ -236,14 +237,18 @@ constexpr Format h5_f8{"h5", NumberType::float64}, h5_f4{"h5", NumberType::float
 constexpr Format wav{"wav", NumberType::float32};
 constexpr Format csv_f8{"csv", NumberType::float64}, csv_f4{"csv", NumberType::float32};
 constexpr Format sigmf{"sigmf-meta", NumberType::float32};
+constexpr Format sigmf_collection{"sigmf-collection", NumberType::float32};
 
 std::string name_of(const testing::TestParamInfo<Format>& format) {
-    const std::string ending = format.param.ending;
-    return ending.substr(0, ending.find('-')) + (format.param.numbers == NumberType::float32 ? "_f4" : "_f8");
+    std::string ending = format.param.ending;
+    std::ranges::replace(ending, '-', '_');
+    return ending + (format.param.numbers == NumberType::float32 ? "_f4" : "_f8");
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RecordingFormat,
-                         testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav, csv_f8, csv_f4, sigmf), name_of);
+                         testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav, csv_f8, csv_f4, sigmf,
+                                         sigmf_collection),
+                         name_of);
 // SigMF has its name from the first sample on, and CSV has a second file.
 INSTANTIATE_TEST_SUITE_P(All, StagedFormat, testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav), name_of);
 // Neither CSV nor SigMF says how long it is.

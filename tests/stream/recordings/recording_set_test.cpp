@@ -71,6 +71,28 @@ private:
     std::string text_;
 };
 
+class EmptyRecording : public testing::TestWithParam<const char*> {};
+
+INSTANTIATE_TEST_SUITE_P(Formats, EmptyRecording,
+                         testing::Values("csv", "h5", "npy", "wav", "sigmf-meta", "sigmf-collection"),
+                         [](const auto& instance) {
+                             std::string name = instance.param;
+                             std::ranges::replace(name, '-', '_');
+                             return name;
+                         });
+
+TEST_P(EmptyRecording, OfARunThatWasStoppedAtOnceIsComplete) {
+    const TemporaryFolder folder;
+    const std::vector files{folder.file(std::string("empty.") + GetParam())};
+    const std::atomic<bool> stop{false};
+    std::vector<std::string> told;
+    RecordingSet set(files, recording_head({"v"}, 1e6), RecordingPatience::endless(stop),
+                     [&](const std::string& text) { told.push_back(text); });
+    set.commit();
+    EXPECT_THAT(told, IsEmpty());
+    EXPECT_TRUE(set.sound());
+}
+
 class SlowRecording : public testing::Test {
 protected:
     static constexpr std::int64_t block = 10'000;

@@ -10,9 +10,11 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "stream/wire/publisher.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline {
@@ -173,6 +175,20 @@ TEST(Endpoint, AFileThatIsNoSocketIsOccupied) {
     ASSERT_TRUE(fault);
     EXPECT_THAT(*fault, HasSubstr("not a socket"));
     EXPECT_TRUE(occupied_fault("ipc://" + folder.file(".")));
+}
+
+TEST(Endpoint, TheFileOfAnIpcEndpointHasTheModeThatTheUmaskLeaves) {
+    const test::TemporaryFolder folder;
+    for (const mode_t mask : {077U, 027U}) {
+        const std::string path = folder.file("s" + std::to_string(mask));
+        const mode_t before = ::umask(mask);
+        const Publisher publisher("ipc://" + path);
+        ::umask(before);
+        struct stat file {};
+        ASSERT_EQ(::stat(path.c_str(), &file), 0);
+        EXPECT_EQ(file.st_mode & mask, 0U) << std::oct << file.st_mode;
+        EXPECT_EQ(file.st_uid, ::geteuid());
+    }
 }
 
 TEST(Endpoint, TcpIsNeverJudgedOccupied) {

@@ -1,6 +1,7 @@
 #pragma once
 // Where in an HDF5 file a recording's columns are.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -27,6 +28,17 @@ std::vector<Hdf5Quantity> hdf5_quantities(const RecordingHead& head);
 
 /// How numbers are in the file.
 hid_t hdf5_type(NumberType numbers);
+
+/// Gives an object an attribute.
+void hdf5_write_text(hid_t object, const char* name, const std::string& text);
+
+/// An empty dataset whose rows may be many. @param rank 1: of numbers; 2: of rows with so many columns
+Hdf5Object hdf5_create_dataset(hid_t file, const std::string& name, hid_t type, int rank, hsize_t columns,
+                               std::array<hsize_t, 2> chunk);
+
+/// Makes the dataset so many rows longer than `row`, and writes them. @param type of the values in memory
+void hdf5_append_rows(hid_t dataset, hid_t type, std::int64_t row, std::int64_t rows, std::size_t columns,
+                      const void* values);
 
 /// Consecutive rows of a dataset, in memory and in the file.
 struct Hdf5Rows {

@@ -3,23 +3,32 @@
 #include <cerrno>
 #include <string_view>
 
+#include <fcntl.h>
+#include <unistd.h>
+
 namespace hertzline::stream {
 namespace {
 
 std::mutex library_mutex;
 
 // Both under the mutex.
-int* failure = nullptr;   // of who holds the library now
-H5FD_class_t ordinary{};  // the library's driver for files
+Hdf5WriteFailure* failure = nullptr;  // of who holds the library now
+H5FD_class_t ordinary{};              // the library's driver for files
+
+void note_failure(int error) noexcept {
+    if (failure->reason == 0) {
+        failure->reason = error != 0 ? error : EIO;
+    }
+}
 
 template <class Write>
 herr_t write_unless_failed(Write write) {
-    if (failure == nullptr || *failure != 0) {
+    if (failure == nullptr || failure->reason != 0) {
         return 0;
     }
     errno = 0;
     if (write() < 0) {
-        *failure = errno != 0 ? errno : EIO;
+        note_failure(errno);
     }
     return 0;
 }
@@ -33,7 +42,21 @@ herr_t set_length(H5FD_t* file, hid_t transfer, hbool_t closing) {
     return write_unless_failed([&] { return ordinary.truncate(file, transfer, closing); });
 }
 
-/// The ordinary driver with these two in its place. Its description is only to be had from an open file.
+/// The library does not end once a file could not be closed. So the system tells of it when another descriptor of the
+/// file is closed before: it tells once.
+herr_t close_file(H5FD_t* file) {
+    void* descriptor = nullptr;
+    if (failure != nullptr && ordinary.get_handle(file, H5P_DEFAULT, &descriptor) >= 0) {
+        const int other = ::fcntl(*static_cast<const int*>(descriptor), F_DUPFD_CLOEXEC, 0);
+        if (other >= 0 && ::close(other) != 0 && errno != EINTR) {
+            note_failure(errno);
+            failure->doubtful = true;
+        }
+    }
+    return ordinary.close(file);
+}
+
+/// The ordinary driver with these in its place. Its description is only to be had from an open file.
 hid_t driver_made_from(const std::filesystem::path& existing) {
     const Hdf5Object access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     hdf5(H5Pset_fapl_sec2(access.id()));
@@ -46,6 +69,7 @@ hid_t driver_made_from(const std::filesystem::path& existing) {
     H5FD_class_t driver = ordinary;
     driver.write = write_bytes;
     driver.truncate = set_length;
+    driver.close = close_file;
     return hdf5(H5FDregister(&driver));
 }
 
@@ -59,7 +83,7 @@ herr_t take_first(unsigned index, const H5E_error2_t* error, void* text) {
 
 }  // namespace
 
-Hdf5Library::Hdf5Library(int* write_failure) : lock_(library_mutex) {
+Hdf5Library::Hdf5Library(Hdf5WriteFailure* write_failure) : lock_(library_mutex) {
     load_hdf5();
     failure = write_failure;
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);

@@ -11,6 +11,12 @@
 
 namespace hertzline::stream {
 
+/// What went wrong when a file was written.
+struct Hdf5WriteFailure {
+    int reason = 0;         ///< errno of the first error; 0: none
+    bool doubtful = false;  ///< the file could not be closed: nobody knows how much of it has arrived
+};
+
 /// To be held around every use of the library, closing of handles included: one thread at a time, and errors
 /// are not printed to stderr meanwhile. The first one loads it.
 class Hdf5Library {
@@ -18,8 +24,8 @@ public:
     /// @throws std::runtime_error when the library is not there
     Hdf5Library() : Hdf5Library(nullptr) {}
     /// For files of hdf5_access(): the first system error while writing is left in `write_failure`, and as
-    /// long as that is not 0 nothing is written any more, although the library takes it as written.
-    explicit Hdf5Library(int* write_failure);
+    /// long as there is one nothing is written any more, although the library takes it as written.
+    explicit Hdf5Library(Hdf5WriteFailure* write_failure);
     ~Hdf5Library();
     Hdf5Library(const Hdf5Library&) = delete;
     Hdf5Library& operator=(const Hdf5Library&) = delete;

@@ -38,34 +38,6 @@ std::array<hsize_t, 2> chunk_of(std::size_t columns, NumberType numbers) {
     return {1, (columns + pieces - 1) / pieces};
 }
 
-void write_text(hid_t object, const char* name, const std::string& text) {
-    const Hdf5Object type = hdf5_text_type();
-    const Hdf5Object space(H5Screate(H5S_SCALAR), H5Sclose);
-    const Hdf5Object attribute(H5Acreate2(object, name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
-                               H5Aclose);
-    const char* const characters = text.c_str();
-    hdf5(H5Awrite(attribute.id(), type.id(), &characters));
-}
-
-Hdf5Object create_dataset(hid_t file, const std::string& name, hid_t type, int rank, hsize_t columns,
-                          std::array<hsize_t, 2> chunk) {
-    const std::array<hsize_t, 2> none{0, columns};
-    const std::array<hsize_t, 2> most{H5S_UNLIMITED, columns};
-    const Hdf5Object space(H5Screate_simple(rank, none.data(), most.data()), H5Sclose);
-    const Hdf5Object properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    hdf5(H5Pset_chunk(properties.id(), rank, chunk.data()));
-    return {H5Dcreate2(file, name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
-            H5Dclose};
-}
-
-void append_rows(hid_t dataset, hid_t type, std::int64_t row, std::int64_t rows, std::size_t columns,
-                 const void* values) {
-    const std::array<hsize_t, 2> size{static_cast<hsize_t>(row + rows), columns};
-    hdf5(H5Dset_extent(dataset, size.data()));
-    const Hdf5Rows part(dataset, row, rows);
-    hdf5(H5Dwrite(dataset, type, part.memory.id(), part.file.id(), H5P_DEFAULT, values));
-}
-
 class Hdf5Writer final : public CheckedWriter {
 public:
     Hdf5Writer(const std::filesystem::path& path, const RecordingHead& head)
@@ -93,9 +65,9 @@ private:
             give_up(ECANCELED);
             cannot_write(path(), error.what());
         }
-        if (failure_ != 0) {
-            give_up(failure_);
-            staged_.fail(failure_);
+        if (failure_.reason != 0) {
+            give_up(failure_.reason);
+            staged_.fail(failure_.reason);
         }
     }
 
@@ -109,22 +81,22 @@ private:
             H5Acreate2(file_.id(), "sample_rate_hz", H5T_IEEE_F64LE, one.id(), H5P_DEFAULT, H5P_DEFAULT),
             H5Aclose);
         hdf5(H5Awrite(rate.id(), H5T_NATIVE_DOUBLE, &head().sample_rate_hz));
-        write_text(file_.id(), "columns", text_of(description.at("columns")));
-        write_text(file_.id(), "provenance", text_of(description.at("provenance")));
-        captures_ = create_dataset(file_.id(), hdf5_captures, H5T_STD_I64LE, 2, 2, {capture_chunk, 2});
+        hdf5_write_text(file_.id(), "columns", text_of(description.at("columns")));
+        hdf5_write_text(file_.id(), "provenance", text_of(description.at("provenance")));
+        captures_ = hdf5_create_dataset(file_.id(), hdf5_captures, H5T_STD_I64LE, 2, 2, {capture_chunk, 2});
         for (Hdf5Quantity& quantity : quantities_) {
             const std::size_t columns = quantity.columns.size();
             quantity.dataset =
-                create_dataset(file_.id(), quantity.name, hdf5_type(head().numbers),
-                               quantity.of_spheres ? 2 : 1, columns, chunk_of(columns, head().numbers));
-            write_text(quantity.dataset.id(), "units", quantity.unit);
+                hdf5_create_dataset(file_.id(), quantity.name, hdf5_type(head().numbers),
+                                    quantity.of_spheres ? 2 : 1, columns, chunk_of(columns, head().numbers));
+            hdf5_write_text(quantity.dataset.id(), "units", quantity.unit);
         }
     }
 
     void begin_capture(Capture capture) override {
         inside_the_library([&] {
             const std::array<std::int64_t, 2> entry{capture.row, capture.sample};
-            append_rows(captures_.id(), H5T_NATIVE_INT64, captures_written_, 1, 2, entry.data());
+            hdf5_append_rows(captures_.id(), H5T_NATIVE_INT64, captures_written_, 1, 2, entry.data());
             ++captures_written_;
         });
     }
@@ -139,9 +111,9 @@ private:
                         part_.push_back(values[row + column]);
                     }
                 }
-                append_rows(quantity.dataset.id(), H5T_NATIVE_DOUBLE, rows(),
-                            static_cast<std::int64_t>(values.size() / columns), quantity.columns.size(),
-                            part_.data());
+                hdf5_append_rows(quantity.dataset.id(), H5T_NATIVE_DOUBLE, rows(),
+                                 static_cast<std::int64_t>(values.size() / columns), quantity.columns.size(),
+                                 part_.data());
             }
         });
         if (steady_clock::now() - last_flush_ >= flush_period) {
@@ -172,7 +144,10 @@ private:
 
     /// After a failure the file is as the last flush left it.
     KeptRows rescue() override {
-        const bool failed = failure_ != 0;
+        if (staged_.is_closed() || failure_.doubtful) {
+            return kept_as_it_is(rows());
+        }
+        const bool failed = failure_.reason != 0;
         if (!failed) {
             close();
         }
@@ -183,7 +158,12 @@ private:
         }
         staged_.keep();
         open_own_hdf5(staged_.temporary());  // throws when even that cannot be read
-        return {kept, staged_.temporary()};
+        return kept_as_it_is(kept);
+    }
+
+    KeptRows kept_as_it_is(std::int64_t rows) {
+        staged_.keep();
+        return {staged_.is_doubtful() || failure_.doubtful ? 0 : rows, staged_.temporary()};
     }
 
     void remove() noexcept override {
@@ -194,13 +174,13 @@ private:
 
     /// Closes what is open without writing it.
     void give_up(int reason) noexcept {
-        failure_ = reason;
+        failure_.reason = reason;
         captures_ = {};
         quantities_.clear();
         file_ = {};
     }
 
-    int failure_ = 0;  // errno of the first error in writing
+    Hdf5WriteFailure failure_;
     StagedFile staged_;
     Hdf5Object file_;
     Hdf5Object captures_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -86,6 +87,11 @@ public:
             cannot_read(path_,
                         fmt::format("damaged: it ends within the {} rows after row {}", count, rows_.row()));
         }
+        if (head_.full_scale != 1) {
+            for (double& value : rows.values) {
+                value *= head_.full_scale;
+            }
+        }
         require_undamaged(path_, rows_.row(), rows.values, columns);
         rows_.advance(count);
         return count > 0;
@@ -143,6 +149,10 @@ private:
             if (noted.at("rows") != info.frames) {
                 throw std::runtime_error(fmt::format("damaged: {} rows where the comment says {}",
                                                      info.frames, noted.at("rows").dump()));
+            }
+            head_.full_scale = noted.value("full_scale", 1.0);
+            if (!(head_.full_scale > 0) || !std::isfinite(head_.full_scale)) {
+                throw std::runtime_error("damaged: full_scale is not a finite number above 0");
             }
             std::vector<Capture> captures;
             for (const Json& capture : noted.at("captures")) {

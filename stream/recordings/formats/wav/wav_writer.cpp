@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "core/scene/text.hpp"
 #include "stream/files/errors.hpp"
 #include "stream/files/staged_file.hpp"
 #include "stream/files/write_all.hpp"
@@ -69,7 +70,20 @@ public:
     }
 
 private:
+    std::string warning() const override {
+        if (!(peak_ > 1)) {
+            return {};
+        }
+        return fmt::format(
+            "{} reaches {:.4g}, beyond the full scale of {}, where audio programs cut it; --wav-scale sets "
+            "the full scale",
+            head().columns[peak_column_].name, peak_ * head().full_scale, number_text(head().full_scale));
+    }
+
     static RecordingHead as_float32(RecordingHead head) {
+        if (!(head.full_scale > 0) || !std::isfinite(head.full_scale)) {
+            throw std::invalid_argument("the full scale of a WAV is a finite number above 0");
+        }
         head.numbers = NumberType::float32;
         return head;
     }
@@ -126,11 +140,32 @@ private:
         for (const Capture& capture : captures_) {
             list += fmt::format("{}[{},{}]", list.empty() ? "" : ",", capture.row, capture.sample);
         }
-        return fmt::format(R"({{"rows":{},"captures":[{}]}})", rows, list.empty() ? "[0,0]" : list);
+        const std::string scale =
+            head().full_scale == 1 ? "" : fmt::format(R"("full_scale":{},)", head().full_scale);
+        return fmt::format(R"({{{}"rows":{},"captures":[{}]}})", scale, rows, list.empty() ? "[0,0]" : list);
     }
 
-    void append(std::int64_t, std::span<const double> values) override {
-        samples_.assign(values.begin(), values.end());
+    /// Divides by the full scale, and notes the largest.
+    void scale(std::int64_t first, std::span<const double> values) {
+        samples_.resize(values.size());
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const double scaled = values[i] / head().full_scale;
+            if (std::abs(scaled) > peak_) {
+                peak_ = std::abs(scaled);
+                peak_column_ = i % head().columns.size();
+            }
+            samples_[i] = static_cast<float>(scaled);
+        }
+        if (peak_ > std::numeric_limits<float>::max()) {
+            cannot_write(
+                path(),
+                fmt::format("{} of the samples from {} on is too large for a full scale of {}",
+                            head().columns[peak_column_].name, first, number_text(head().full_scale)));
+        }
+    }
+
+    void append(std::int64_t first, std::span<const double> values) override {
+        scale(first, values);
         begun_rows_ = rows() + std::ssize(samples_) / std::ssize(head().columns);
         sf_write_float(sound_.get(), samples_.data(), static_cast<sf_count_t>(samples_.size()));
         require_written();
@@ -156,6 +191,9 @@ private:
 
     /// The last rows make room for the comment when the disk is full.
     KeptRows rescue() override {
+        if (output_.file.is_closed()) {
+            return kept_as_it_is(this->rows());
+        }
         constexpr sf_count_t room_bytes = 4096;
         const auto row_bytes = std::ssize(head().columns) * sample_bytes;
         const sf_count_t data = Output::length(&output_) - data_begin_;
@@ -175,8 +213,12 @@ private:
         }
         std::erase_if(captures_, [rows](const Capture& capture) { return capture.row >= rows; });
         complete(rows);
+        return kept_as_it_is(rows);
+    }
+
+    KeptRows kept_as_it_is(std::int64_t rows) {
         output_.file.keep();
-        return {rows, output_.file.temporary()};
+        return {output_.file.is_doubtful() ? 0 : rows, output_.file.temporary()};
     }
 
     void remove() noexcept override {
@@ -199,6 +241,8 @@ private:
     std::int64_t begun_rows_ = 0;  // the last of them may be in the file in part
     sf_count_t data_begin_ = 0;    // in the file, once it has samples
     std::vector<float> samples_;
+    double peak_ = 0;  // of the numbers in the file
+    std::size_t peak_column_ = 0;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "stream/recordings/formats/sigmf.hpp"
+#include "stream/recordings/formats/sigmf/sigmf.hpp"
 
 #include <array>
 #include <csignal>
@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "stream/provenance.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -75,6 +76,25 @@ TEST_F(Sigmf, LostSamplesAreANewCapture) {
     EXPECT_EQ(captures[1]["core:sample_start"], 100);
     EXPECT_EQ(captures[1]["core:global_index"], 1000);
     EXPECT_EQ(fs::file_size(data_file), 110U * 2 * sizeof(float));
+}
+
+TEST_F(Sigmf, ACaptureHasTheTimeAtWhichItsFirstSampleWasWritten) {
+    const auto now = [] { return utc_text(std::chrono::system_clock::now()); };  // sorts as time does
+    const auto writer = open_sigmf_writer(meta_file, recording_head(two, 10e6));
+    std::vector<std::string> before;
+    std::vector<std::string> after;
+    for (const std::int64_t first : {0, 1000}) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(30));
+        before.push_back(now());
+        writer->write(first, numbered_rows(first, 1));
+        after.push_back(now());
+    }
+    writer->commit();
+    for (std::size_t i = 0; i < 2; ++i) {
+        const std::string time = meta()["captures"][i]["core:datetime"];
+        EXPECT_GE(time, before[i]);
+        EXPECT_LE(time, after[i]);
+    }
 }
 
 TEST_F(Sigmf, IsWholeWhileItIsWritten) {

@@ -1,7 +1,9 @@
 #include "stream/recordings/formats/wav/wav.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -62,6 +64,66 @@ TEST_F(Wav, SaysWhatItCannotHold) {
     head.provenance["scene"] = std::string(60'000, 's');
     EXPECT_THAT(refusal(head), HasSubstr("allowed in WAV: 49152"));
     EXPECT_TRUE(fs::is_empty(fs::path(file).parent_path()));
+}
+
+TEST_F(Wav, AnotherFullScaleDividesWhatIsInTheFileAndReadsBack) {
+    RecordingHead head = test::recording_head(NumberType::float32);
+    head.full_scale = 4;
+    const RecordedRows rows = test::recorded_rows(head, 0, 1000);
+    const auto writer = open_wav_writer(file, head);
+    writer->write(rows.first, rows.values);
+    writer->commit();
+    EXPECT_THAT(test::contents(file), HasSubstr(R"({"full_scale":4,"rows":1000,)"));
+    const auto reader = open_wav_reader(file);
+    EXPECT_EQ(reader->head().full_scale, 4);
+    const auto read = test::read_rows(*reader);
+    ASSERT_EQ(read.size(), 1U);
+    EXPECT_EQ(read[0].values, rows.values);
+    std::string quarter = test::contents(file);
+    quarter.replace(quarter.find("full_scale"), 10, "other_name");  // as a program that knows nothing of it
+    test::write_text(file, quarter);
+    const auto others = test::read_rows(*open_wav_reader(file));
+    EXPECT_EQ(others.at(0).values[0], rows.values[0] / 4);
+    head.full_scale = 0;
+    EXPECT_THROW(open_wav_writer(file, head), std::invalid_argument);
+}
+
+TEST_F(Wav, AFullScaleThatIsNoneIsDamage) {
+    RecordingHead head = test::recording_head(NumberType::float32);
+    head.full_scale = 4.5;
+    open_wav_writer(file, head)->commit();
+    const std::string whole = test::contents(file);
+    for (const char* wrong : {"0.0", "-45", "1e9", "\"5\""}) {
+        std::string damaged = whole;
+        damaged.replace(damaged.find("4.5"), 3, wrong);
+        test::write_text(file, damaged);
+        const std::string fault = test::error_of([&] { open_wav_reader(file); });
+        EXPECT_EQ(fault.empty(), std::string(wrong) == "1e9") << wrong;
+    }
+}
+
+TEST_F(Wav, WarnsOfSamplesBeyondTheFullScale) {
+    for (const auto& [scale, peak, warns] : {std::tuple{1.0, 1.0, false}, std::tuple{1.0, -1.996, true},
+                                             std::tuple{2.0, -1.996, false}, std::tuple{0.5, 0.75, true}}) {
+        RecordingHead head = test::recording_head(NumberType::float32);
+        head.full_scale = scale;
+        const auto writer = open_wav_writer(file, head);
+        writer->write(0, std::vector<double>{0.1, 0.2, 0.3, peak, 0.1, 0.2});
+        writer->commit();
+        EXPECT_EQ(writer->warning().empty(), !warns) << scale << ' ' << peak;
+        if (warns) {
+            EXPECT_THAT(writer->warning(),
+                        HasSubstr(fmt::format("v_out_m_per_s reaches {}, beyond the full scale of {}",
+                                              std::abs(peak), scale)));
+        }
+    }
+    RecordingHead head = test::recording_head(NumberType::float32);
+    head.full_scale = 1e-30;
+    const auto writer = open_wav_writer(file, head);
+    EXPECT_THAT(test::error_of([&] {
+                    writer->write(0, std::vector<double>{1e9, 0});
+                }),
+                HasSubstr("too large for a full scale of 1e-30"));
 }
 
 TEST_F(Wav, LongestDescriptionRoundTrips) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <fcntl.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <malloc.h>
 #include <poll.h>
@@ -92,6 +93,44 @@ TEST(Connections, StrangersThatSubscribeToNothingGoFirstAndTheOldestOfThem) {
     publisher.send("meta", std::string_view("{}"));
     EXPECT_NE(subscriber.receive(patience), nullptr);
     EXPECT_NE(newcomer.receive(patience), nullptr);
+}
+
+TEST(Connections, ANewcomerBeyondSoManySubscribersIsToldAndComesInWhenOneLeaves) {
+    for (const bool over_tcp : {false, true}) {
+        const TemporaryFolder folder;
+        Publisher publisher(over_tcp ? "tcp://127.0.0.1:*" : "ipc://" + folder.file("s"), all_topics,
+                            {.max_clients = 3});
+        std::vector<std::unique_ptr<Subscriber>> subscribers;
+        for (std::size_t i = 1; i <= 3; ++i) {
+            subscribers.push_back(std::make_unique<Subscriber>(publisher.endpoint()));
+            subscribers.back()->subscribe("end");
+            EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions() > 0; }));
+        }
+        EXPECT_FALSE(publisher.has_had_too_many_clients());
+        Subscriber newcomer(publisher.endpoint());
+        newcomer.subscribe("meta");
+        std::optional<Refusal> refusal;
+        EXPECT_TRUE(eventually([&] {
+            publisher.poll_subscriptions();
+            refusal = newcomer.refusal();
+            return refusal.has_value();
+        }));
+        EXPECT_THAT(refusal->reason, testing::HasSubstr("as many clients as it serves (--max-clients)"));
+        EXPECT_FALSE(refusal->final);
+        EXPECT_TRUE(publisher.has_had_too_many_clients());
+        publisher.poll_subscriptions();
+        publisher.send("end", std::string_view("{}"));
+        for (const auto& each : subscribers) {
+            EXPECT_NE(each->receive(patience), nullptr) << "somebody else was disconnected";
+        }
+        subscribers.pop_back();
+        const Message* message = nullptr;
+        EXPECT_TRUE(eventually([&] {
+            publisher.poll_subscriptions();
+            publisher.send("meta", std::string_view("{}"));
+            return (message = newcomer.receive(1ms)) != nullptr;
+        }));
+    }
 }
 
 /// Memory of this process's own [bytes].
@@ -172,6 +211,47 @@ TEST(Connections, QueuesOfSubscribersThatDoNotReadTogetherKeepToTheirMemory) {
     }
     EXPECT_GT(memory() - before, 0.2 * budget) << "there are no queues: this tests nothing";
     EXPECT_LT(memory() - before, most_queued_bytes(options));
+}
+
+TEST(Connections, TheOneThatHasTakenNothingForLongestIsCutOff) {
+    const TemporaryFolder folder;
+    zmq::context_t context;
+    zmq::socket_t publisher(context, zmq::socket_type::xpub);
+    publisher.set(zmq::sockopt::linger, 0);
+    Connections connections(context, publisher, 10);
+    publisher.bind("ipc://" + folder.file("s"));
+    const auto now = std::chrono::steady_clock::now();
+    const auto one_that_is_full = [&](char topic, std::chrono::seconds since) {
+        zmq::socket_t peer(context, zmq::socket_type::xsub);
+        peer.set(zmq::sockopt::linger, 0);
+        peer.set(zmq::sockopt::rcvhwm, 1);
+        peer.set(zmq::sockopt::reconnect_ivl, -1);  // cut off once, it is gone
+        peer.connect(publisher.get(zmq::sockopt::last_endpoint));
+        peer.send(zmq::buffer(std::string{'\1', topic}));
+        zmq::message_t subscription;
+        EXPECT_TRUE(publisher.recv(subscription));
+        const std::string text(1 << 20, topic);
+        for (int i = 0; i < 20; ++i) {  // beyond its queue and what the system takes
+            publisher.send(zmq::buffer(text), zmq::send_flags::none);
+        }
+        std::this_thread::sleep_for(500ms);
+        connections.update();
+        connections.look_for_slow_ones(now + since);
+        return peer;
+    };
+    const auto has_left = [&](char topic) {
+        zmq::message_t message;
+        return publisher.recv(message, zmq::recv_flags::dontwait) &&
+               message.to_string() == std::string{'\0', topic};
+    };
+    const zmq::socket_t slow = one_that_is_full('a', 0s);
+    const zmq::socket_t slow_later = one_that_is_full('b', 10s);
+    connections.cut_off_the_slowest(now + 11s);
+    EXPECT_TRUE(eventually([&] { return has_left('a'); }));
+    std::this_thread::sleep_for(100ms);
+    EXPECT_FALSE(has_left('b'));
+    connections.cut_off_the_slowest(now + 12s);
+    EXPECT_TRUE(eventually([&] { return has_left('b'); }));
 }
 
 TEST(QueueLength, FillsHalfOfTheMemoryWithTheLargestMessages) {

@@ -10,7 +10,7 @@
 #include "stream/float32.hpp"
 #include "stream/json_from_outside.hpp"
 #include "stream/recordings/captures.hpp"
-#include "stream/recordings/formats/sigmf.hpp"
+#include "stream/recordings/formats/sigmf/sigmf.hpp"
 #include "stream/recordings/recording_head.hpp"
 
 namespace hertzline::stream {

@@ -6,7 +6,11 @@
 // core:global_index that sample's number in the run, core:datetime the time at which it was written. Columns
 // and provenance have names of the namespace "hertzline".
 //
-// Both files are whole at any time, so that the recording survives the sudden end of the program: data go to
+// Viewers take interleaved channels for a single one. A SigMF collection (x.sigmf-collection) has a recording of one
+// channel for each column, x-COLUMN.sigmf-meta and x-COLUMN.sigmf-data, all of the same samples, and lists them with
+// the SHA-512 of their metadata, as the specification demands.
+//
+// The files are whole at any time, so that the recording survives the sudden end of the program: data go to
 // the system at least once in half a second, and a capture becomes known before its first sample.
 
 #include <filesystem>
@@ -19,6 +23,7 @@ namespace hertzline::stream {
 
 inline constexpr std::string_view sigmf_meta_ending = ".sigmf-meta";
 inline constexpr std::string_view sigmf_data_ending = ".sigmf-data";
+inline constexpr std::string_view sigmf_collection_ending = ".sigmf-collection";
 
 /// The two files of a SigMF recording.
 struct SigmfPaths {
@@ -35,8 +40,18 @@ std::unique_ptr<RecordingWriter> open_sigmf_writer(const std::filesystem::path& 
                                                    const RecordingHead& head,
                                                    Appearance appearance = Appearance::early);
 
+/// The same, a recording for each column. What has a column's name is replaced, too. While it is written the hashes may lag
+/// behind the metadata for a moment. At most 100 columns: each has files of its own.
+std::unique_ptr<RecordingWriter> open_sigmf_collection_writer(const std::filesystem::path& collection,
+                                                              const RecordingHead& head,
+                                                              Appearance appearance = Appearance::early);
+
 /// Reads recordings of one or more channels in rf32_le. Half a sample at the end, which a kill in the midst
 /// of writing may leave, is passed over.
 std::unique_ptr<RecordingReader> open_sigmf_reader(const std::filesystem::path& either);
+
+/// Reads a collection whose recordings have one rate and the same samples, up to the end of the shortest: a kill may leave
+/// them of different lengths. Hashes are not looked at: whoever annotates a recording changes them.
+std::unique_ptr<RecordingReader> open_sigmf_collection_reader(const std::filesystem::path& collection);
 
 }  // namespace hertzline::stream

@@ -1,0 +1,167 @@
+#include "apps/commands/plot/picture.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "apps/command.hpp"
+#include "apps/commands/plot/plot_script.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "stream/files/errors.hpp"
+#include "stream/recordings/recording_formats.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array endings{".png", ".svg", ".pdf"};
+
+/// That of the path first: who has matplotlib in an environment of Python's means that one.
+constexpr std::array pythons{"python3", "/usr/bin/python3"};
+
+/// A folder for the samples and the script, its owner's alone.
+fs::path new_folder() {
+    std::string name = fs::temp_directory_path() / "hertzline-plot-XXXXXX";
+    if (::mkdtemp(name.data()) == nullptr) {
+        stream::cannot_write(name, std::generic_category().message(errno));
+    }
+    return name;
+}
+
+/// What a file holds, at most a few lines.
+std::string beginning_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string text(4096, '\0');
+    in.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(in.gcount()));
+    return text;
+}
+
+/// The line in which Python says what was wrong, fit for a terminal.
+std::string last_line_of(const std::string& text) {
+    const std::size_t end = text.find_last_not_of('\n');
+    if (end == std::string::npos) {
+        return "it does not say why";
+    }
+    const std::size_t begin = text.rfind('\n', end);
+    return printable(text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin));
+}
+
+/// Starts a program that reads nothing and says what is wrong in a file. @returns its process, or nothing where it is not there
+std::optional<pid_t> start(std::vector<std::string> words, const fs::path& messages) {
+    std::vector<char*> arguments;
+    std::ranges::transform(words, std::back_inserter(arguments),
+                           [](std::string& word) { return word.data(); });
+    arguments.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&files, STDERR_FILENO, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                     0600);
+    pid_t process = -1;
+    const int failure =
+        ::posix_spawnp(&process, arguments.front(), &files, nullptr, arguments.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    return failure == 0 ? std::optional(process) : std::nullopt;
+}
+
+/// Waits for its end; ends it when the user asks to stop. @returns its status as of waitpid, or nothing when it was stopped
+std::optional<int> wait_for(pid_t process) {
+    constexpr std::chrono::milliseconds glance(10);
+    int status = 0;
+    while (::waitpid(process, &status, WNOHANG) == 0) {
+        if (stop_asked()) {
+            ::kill(process, SIGKILL);
+            ::waitpid(process, &status, 0);
+            return std::nullopt;
+        }
+        std::this_thread::sleep_for(glance);
+    }
+    return status;
+}
+
+}  // namespace
+
+void refuse_wrong_picture(const char* option, const fs::path& picture) {
+    if (std::ranges::find(endings, stream::recording_ending(picture)) == endings.end()) {
+        throw WrongUse(fmt::format("{}: found {}, allowed: a name that ends in {}", option,
+                                   quoted_briefly(picture.string()), fmt::join(endings, ", ")));
+    }
+}
+
+Picture::Picture(const fs::path& picture, const stream::RecordingHead& head)
+    : format_(stream::recording_ending(picture).substr(1)),
+      file_(picture, stream::StagedFile::Devices::refused),
+      folder_(new_folder()) {
+    try {
+        samples_ = stream::open_recording(folder_ / "samples.npy", head);
+    } catch (...) {
+        std::error_code gone;
+        fs::remove_all(folder_, gone);
+        throw;
+    }
+}
+
+Picture::~Picture() {
+    std::error_code gone;
+    fs::remove_all(folder_, gone);
+}
+
+void Picture::write(std::int64_t first, std::span<const double> values) {
+    samples_->write(first, values);
+}
+
+bool Picture::draw(const std::string& title) {
+    samples_->commit();
+    const fs::path script = folder_ / "hertzline_plot.py";
+    std::ofstream(script) << plot_script;
+    std::string missing;
+    for (const char* python : pythons) {
+        const fs::path messages = folder_ / "messages";
+        const auto process = start({python, script, folder_ / "samples.npy", "-o", file_.temporary(),
+                                    "--format", format_, "--title=" + title},
+                                   messages);
+        if (!process) {
+            continue;
+        }
+        const std::optional<int> status = wait_for(*process);
+        if (!status) {
+            return false;
+        }
+        if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) {
+            file_.commit();
+            return true;
+        }
+        const std::string reason = last_line_of(beginning_of(messages));
+        if (!WIFEXITED(*status) || WEXITSTATUS(*status) != plot_modules_missing) {
+            stream::cannot_write(file_.path(), fmt::format("{} failed: {}", python, reason));
+        }
+        missing = reason;
+    }
+    stream::cannot_write(file_.path(),
+                         fmt::format("pictures need Python with matplotlib ({}); on Debian: apt install "
+                                     "python3-matplotlib",
+                                     missing.empty() ? "there is no python3" : missing));
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,156 @@
+// hertzline plot: a picture of a recording.
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "apps/commands/plot/picture.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "stream/recordings/recording_formats.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Waveform and spectrum of each column, in dB under the maximum, with the multiples of the drive's "
+    "frequency and the band at -20 dB. Needs Python with matplotlib.\n"
+    "Examples:\n"
+    "  hertzline plot burst.csv -o burst.png\n"
+    "  hertzline plot live.h5 -o live.svg --columns v_out,f_last";
+
+struct PlotOptions {
+    std::string recording;
+    std::string picture;
+    std::vector<std::string> columns;  ///< none: the first ones
+};
+
+bool is_called(const stream::Column& column, const std::string& name) {
+    return column.name == name || column.quantity == name;
+}
+
+/// The columns to be drawn. @throws WrongUse that tells every name that no column has
+std::vector<std::size_t> chosen_columns(const stream::RecordingHead& head, const PlotOptions& options) {
+    std::vector<std::size_t> chosen;
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < head.columns.size(); ++i) {
+        const stream::Column& column = head.columns[i];
+        if (options.columns.empty() || std::ranges::any_of(options.columns, [&](const std::string& name) {
+                return is_called(column, name);
+            })) {
+            chosen.push_back(i);
+        }
+        if (names.empty() || names.back() != column.quantity) {
+            names.push_back(column.quantity);
+        }
+    }
+    Faults faults;
+    for (const std::string& name : options.columns) {
+        faults.of([&] {
+            if (std::ranges::none_of(head.columns,
+                                     [&](const stream::Column& column) { return is_called(column, name); })) {
+                throw WrongUse(fmt::format("--columns: found {}, allowed: {}{}", quoted_briefly(name),
+                                           comma_separated(names), suggestion(name, names)));
+            }
+        });
+    }
+    faults.refuse();
+    if (chosen.size() > max_picture_columns) {
+        spdlog::info("the picture shows the first {} of {} columns", max_picture_columns, chosen.size());
+        chosen.resize(max_picture_columns);
+    }
+    return chosen;
+}
+
+stream::RecordingHead head_of_columns(const stream::RecordingHead& head,
+                                      const std::vector<std::size_t>& chosen) {
+    stream::RecordingHead part = head;
+    part.columns.clear();
+    for (const std::size_t column : chosen) {
+        part.columns.push_back(head.columns[column]);
+    }
+    part.numbers = stream::NumberType::float64;
+    return part;
+}
+
+/// The chosen columns, as far as a picture takes them. Tells when there is more.
+std::vector<stream::RecordedRows> samples_of(stream::RecordingReader& reader,
+                                             const std::vector<std::size_t>& chosen) {
+    constexpr std::size_t portion = 1 << 14;  // rows
+    const std::size_t columns = reader.head().columns.size();
+    std::vector<stream::RecordedRows> samples;
+    stream::RecordedRows rows;
+    std::int64_t taken = 0;
+    while (reader.read(rows, portion)) {
+        if (taken >= max_picture_samples) {
+            spdlog::info("the picture shows the first {} samples", taken);
+            break;
+        }
+        samples.push_back({rows.first, {}});
+        for (std::size_t row = 0; row < rows.values.size(); row += columns) {
+            for (const std::size_t column : chosen) {
+                samples.back().values.push_back(rows.values[row + column]);
+            }
+        }
+        taken += static_cast<std::int64_t>(rows.values.size() / columns);
+    }
+    return samples;
+}
+
+Exit plot(const PlotOptions& options) {
+    Faults faults;
+    faults.of([&] {
+        if (const auto fault = stream::recording_fault(options.recording)) {
+            throw WrongUse(*fault);
+        }
+    });
+    faults.of([&] { refuse_wrong_picture("-o", options.picture); });
+    faults.refuse();
+    const std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(options.recording);
+    if (!(reader->head().sample_rate_hz > 0)) {
+        throw std::runtime_error(options.recording + " does not say its sample rate");
+    }
+    const std::vector<std::size_t> chosen = chosen_columns(reader->head(), options);
+    const std::vector<stream::RecordedRows> samples = samples_of(*reader, chosen);
+    if (samples.empty()) {
+        throw std::runtime_error(options.recording + " has no samples");
+    }
+    stop_asked();  // from here on there are files to be cleaned up
+    Picture picture(options.picture, head_of_columns(reader->head(), chosen));
+    for (const stream::RecordedRows& rows : samples) {
+        picture.write(rows.first, rows.values);
+    }
+    if (!picture.draw(printable(options.recording))) {
+        spdlog::error("stopped before the end; nothing was saved");
+        return Exit::failed;
+    }
+    return Exit::done;
+}
+
+}  // namespace
+
+Run plot_command(CLI::App& app) {
+    auto options = std::make_shared<PlotOptions>();
+    app.add_option("RECORDING", options->recording, "a recording: " + stream::recording_endings())
+        ->required()
+        ->check(missing_name)
+        ->type_name("");
+    app.add_option("-o,--output", options->picture, "the picture: .png, .svg or .pdf")
+        ->required()
+        ->type_name("FILE");
+    add_repeatable_option(app, "--columns", options->columns,
+                          "draw these outputs or columns only (default: the first six)")
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    app.footer(examples);
+    return [options] { return plot(*options); };
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,11 @@
+#pragma once
+
+namespace hertzline::app {
+
+/// The text of apps/plot/hertzline_plot.py, which is part of the program.
+extern const char* const plot_script;
+
+/// Its exit status when a module of Python is missing.
+inline constexpr int plot_modules_missing = 3;
+
+}  // namespace hertzline::app

@@ -1,0 +1,247 @@
+// hertzline run: a scene flat out, to files and a summary.
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/arguments/scene_argument.hpp"
+#include "apps/command.hpp"
+#include "apps/commands/plot/picture.hpp"
+#include "apps/commands/preflight.hpp"
+#include "apps/commands/run/run_picture.hpp"
+#include "apps/commands/run/run_record.hpp"
+#include "apps/commands/run/run_spectra.hpp"
+#include "apps/commands/run/run_summary.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/progress.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "stream/pipeline/pacer.hpp"
+#include "stream/provenance.hpp"
+#include "stream/recordings/formats/table.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/row_builder.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "wall_s and real_time_factor measure the simulation alone: no choice of the step, no files, no "
+    "spectrum. docs/measures.md explains every number.\n"
+    "Examples:\n"
+    "  hertzline run paper-vitreous-carbon\n"
+    "  hertzline run paper-wall -o wall.csv --set chain.spheres=7\n"
+    "  hertzline run paper-vitreous-carbon -o force.csv --columns v_out,f_last\n"
+    "  hertzline run paper-vitreous-carbon --measure v_plate --spectrum lines.csv\n"
+    "  hertzline run paper-wall --measure f_last --plot wall.png\n"
+    "  hertzline run my-scene.toml --all -o all.csv --json";
+
+struct RunOptions {
+    SceneRequest scene;
+    std::vector<std::string> files;
+    std::vector<std::string> columns;   ///< taps to be recorded; none: the usual ones
+    std::vector<std::string> taps;      ///< to be recorded beside those
+    std::vector<std::string> measures;  ///< taps to be measured beside v_out
+    std::optional<double> band_from_hz;
+    std::optional<double> wav_scale;
+    std::vector<std::string> spectra;  ///< files
+    std::string picture;               ///< a file; empty: none
+    bool all_bodies = false;
+    Format format = Format::text;
+};
+
+/// What has a peak and a spectrum of its own.
+constexpr TapSet measurable_taps = taps_where([](const TapRow& row) { return row.extent == Extent::one; });
+
+/// What is measured beside v_out when the scene has it.
+constexpr TapSet measured_unasked = TapSet(Tap::p_axis) | Tap::v_centre;
+
+/// @throws WrongUse unless it is a frequency, or left out
+void refuse_wrong_band(std::optional<double> from_hz) {
+    if (from_hz && !(*from_hz >= 0 && std::isfinite(*from_hz))) {
+        throw WrongUse(fmt::format("--band-from: found {}, allowed: a finite number from 0 [Hz]",
+                                   number_text(*from_hz)));
+    }
+}
+
+/// @throws WrongUse when there is no file for what is to be saved
+void refuse_taps_without_files(const RunOptions& options) {
+    if (options.files.empty() && !(options.columns.empty() && options.taps.empty())) {
+        throw WrongUse(fmt::format("{}: found no -o FILE to save it to, allowed: together with -o",
+                                   options.columns.empty() ? "--tap" : "--columns"));
+    }
+}
+
+/// The taps that the recordings hold.
+TapSet asked_taps(const RunOptions& options, TapSet columns, TapSet beside, const End& end) {
+    const TapSet taps = (options.columns.empty() ? recorded_taps(end) : columns) | beside;
+    return options.all_bodies ? taps | Tap::v_chain | Tap::x_chain : taps;
+}
+
+/// What is written after the run fails before it where it can. @throws std::runtime_error
+void refuse_unwritable(const RunOptions& options) {
+    for (const std::string& file : options.spectra) {
+        stream::require_writable(file);
+    }
+    if (!options.picture.empty()) {
+        stream::require_writable(options.picture);
+    }
+}
+
+RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
+                   stream::RecordingSet& recordings) {
+    const Scene& scene = simulation.scene();
+    stream::RowBuilder row_builder(recordings, recorded);
+    const bool wants_files = recordings.any_left();
+    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
+    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
+    RunRecord record = empty_record(measured, simulation.chain().end, rows);
+    ProgressLine line;
+    const std::atomic<bool>& stop = stop_asked();
+    const stream::Nanoseconds start = stream::MonotonicClock::now();
+    while (record.rows() < rows) {
+        if (stop) {
+            record.stopped = true;
+            return record;
+        }
+        const stream::Nanoseconds before = stream::MonotonicClock::now();
+        const Status status = simulation.advance(block, std::min(block.capacity(), rows - record.rows()));
+        const stream::Nanoseconds after = stream::MonotonicClock::now();
+        record.busy += after - before;
+        if (status == Status::stopped) {
+            continue;  // to the look at `stop`
+        }
+        if (status != Status::running) {
+            throw std::runtime_error(simulation.failure());
+        }
+        keep(block, simulation.chain().end, record);
+        row_builder.write(block);
+        if (wants_files && !recordings.any_left()) {
+            throw std::runtime_error("every recording has failed, so the run was stopped");
+        }
+        if (line.due()) {
+            line.show(progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
+                                     scene.output.duration_s,
+                                     std::chrono::duration<double>(after - start).count()}));
+        }
+    }
+    return record;
+}
+
+Exit run(const RunOptions& options) {
+    const stream::Nanoseconds start = stream::MonotonicClock::now();
+    Faults faults;
+    std::optional<ResolvedScene> sound;  // unset: the scene has faults
+    TapSet columns;
+    TapSet beside;
+    TapSet measured;
+    faults.of([&] { refuse_wrong_files(options.files); });
+    faults.of([&] { refuse_taps_without_files(options); });
+    faults.of([&] { refuse_wrong_spectra(options.spectra, options.files); });
+    faults.of([&] {
+        if (!options.picture.empty()) {
+            refuse_wrong_picture("--plot", options.picture);
+        }
+    });
+    faults.of([&] { refuse_wrong_wav_scale(options.wav_scale, options.files); });
+    faults.of([&] { sound = resolved_scene(options.scene); });
+    const TapSet there = sound ? taps_of(sound->scene.end) : all_taps;
+    faults.of([&] { columns = tap_arguments("--columns", options.columns, there); });
+    faults.of([&] { beside = tap_arguments("--tap", options.taps, there); });
+    faults.of([&] { measured = tap_arguments("--measure", options.measures, there & measurable_taps); });
+    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
+    faults.refuse();
+    const ResolvedScene& resolved = *sound;
+    const Scene& scene = resolved.scene;
+    measured |= there & measured_unasked;
+    const TapSet recorded = asked_taps(options, columns, beside, scene.end);
+    refuse_unwritable(options);
+    refuse_shortages(scene, {options.files, recorded, options.spectra, measured});
+    stop_asked();  // from here on there are files to be cleaned up
+    Simulation simulation(scene, {.taps = taps_of_run(scene, recorded | measured), .stop = &stop_asked()});
+    const stream::RecordingHead head{
+        .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
+        .sample_rate_hz = scene.output.sample_rate_hz,
+        .provenance = stream::provenance_json(
+            {scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), std::nullopt}),
+        .full_scale = options.wav_scale.value_or(1)};
+    stream::RecordingSet recordings(
+        options.files, head, stream::RecordingPatience::endless(stop_asked()),
+        [](const std::string& text) { spdlog::error(text); }, stream::Appearance::when_complete);
+    const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
+    const RunRecord record = simulate(simulation, recorded, measured, recordings);
+    if (record.stopped) {
+        recordings.discard();
+        spdlog::error("stopped before the end; nothing was saved");
+        return Exit::failed;
+    }
+    recordings.commit();
+    for (const std::string& text : recordings.warnings()) {
+        spdlog::warn(text);
+    }
+    end_at_once_when_asked();  // the spectrum of a long run takes long
+    if (stop_was_asked()) {
+        spdlog::error("stopped before the summary");
+        return Exit::failed;
+    }
+    bool saved = save_spectra(options.spectra, record, scene, head.provenance);
+    saved = !stop_was_asked() &&
+            save_picture(options.picture, record, scene, head.provenance, options.scene.scene) && saved;
+    if (stop_was_asked()) {
+        spdlog::error("stopped before the summary");
+        return Exit::failed;
+    }
+    std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz);
+    summary.push_back(contacts(simulation));
+    summary.push_back(trust(simulation, resolved));
+    summary.push_back(account(simulation, setup_s, record, recordings));
+    print_summary(summary, options.format);
+    return recordings.sound() && saved ? Exit::done : Exit::failed;
+}
+
+}  // namespace
+
+Run run_command(CLI::App& app) {
+    auto options = std::make_shared<RunOptions>();
+    add_scene_options(app, options->scene)->required();
+    add_repeatable_option(
+        app, "-o,--output", options->files,
+        "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
+        ->type_name("FILE");
+    add_columns_option(app, options->columns, all_taps);
+    app.add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
+    add_repeatable_option(app, "--tap", options->taps,
+                          "save this output too; repeatable: " + comma_separated(names_of(all_taps)))
+        ->type_name("NAME");
+    add_wav_scale_option(app, options->wav_scale);
+    add_repeatable_option(
+        app, "--measure", options->measures,
+        "measure these outputs, too, as v_out: " + comma_separated(names_of(measurable_taps)))
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    add_repeatable_option(app, "--spectrum", options->spectra,
+                          "save the spectra of v_out and of what --measure names: " + stream::table_endings())
+        ->check(missing_name)
+        ->type_name("FILE");
+    app.add_option("--plot", options->picture,
+                   "draw v_out and what --measure names, and their spectra: .png, .svg or .pdf; needs Python "
+                   "with matplotlib")
+        ->check(missing_name)
+        ->type_name("FILE");
+    app.add_option("--band-from", options->band_from_hz,
+                   "bands are looked for from here upward (default: half the drive's frequency)")
+        ->type_name("HZ");
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return run(*options); };
+}
+
+}  // namespace hertzline::app

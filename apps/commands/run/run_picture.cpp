@@ -1,0 +1,67 @@
+#include "apps/commands/run/run_picture.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include <spdlog/spdlog.h>
+
+#include "apps/commands/plot/picture.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "core/taps.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+stream::RecordingHead head_of(const RunRecord& record, const Scene& scene, const Json& provenance) {
+    stream::RecordingHead head;
+    for (const TapRecord& tap : record.taps) {
+        const TapRow& row = row_of(tap.tap);
+        head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
+    }
+    head.columns.resize(std::min(head.columns.size(), max_picture_columns));
+    head.sample_rate_hz = scene.output.sample_rate_hz;
+    head.provenance = provenance;
+    return head;
+}
+
+/// @returns false when stopped meanwhile
+bool draw(const std::string& file, const RunRecord& record, const stream::RecordingHead& head,
+          const std::string& title) {
+    Picture picture(file, head);
+    const std::size_t rows = std::min(record.rows(), static_cast<std::size_t>(max_picture_samples));
+    if (rows < record.rows()) {
+        spdlog::info("the picture shows the first {} samples", rows);
+    }
+    std::vector<double> values;
+    values.reserve(rows * head.columns.size());
+    for (std::size_t row = 0; row < rows; ++row) {
+        for (std::size_t column = 0; column < head.columns.size(); ++column) {
+            values.push_back(record.taps[column].values[row]);
+        }
+    }
+    picture.write(0, values);
+    return picture.draw(title);
+}
+
+}  // namespace
+
+bool save_picture(const std::string& file, const RunRecord& record, const Scene& scene,
+                  const Json& provenance, const std::string& title) {
+    if (file.empty()) {
+        return true;
+    }
+    note_when_asked();  // from here on there are files to be cleaned up
+    bool drawn = false;
+    try {
+        drawn = draw(file, record, head_of(record, scene, provenance), printable(title));
+    } catch (const std::runtime_error& error) {
+        spdlog::error(error.what());
+    }
+    end_at_once_when_asked();
+    return drawn;
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,82 @@
+#include "apps/commands/run/run_spectra.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "apps/console/signals.hpp"
+#include "core/taps.hpp"
+#include "stream/measures/spectrum.hpp"
+#include "stream/recordings/formats/table.hpp"
+#include "stream/recordings/recording_formats.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+stream::Table spectra_of(const RunRecord& record, const Scene& scene, const Json& provenance) {
+    stream::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
+    stream::Table table;
+    table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
+    table.provenance = provenance;
+    for (const TapRecord& tap : record.taps) {
+        const TapRow& row = row_of(tap.tap);
+        stream::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
+        table.columns.front().values = std::move(spectrum.frequencies_hz);
+        table.columns.push_back({{std::string(row.column), std::string(row.name), std::string(row.unit)},
+                                 std::move(spectrum.amplitudes)});
+    }
+    return table;
+}
+
+}  // namespace
+
+void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const std::string> recordings) {
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : recordings) {
+        names.insert(stream::recording_name(file));
+    }
+    Faults faults;
+    for (const std::string& file : spectra) {
+        faults.of([&] {
+            if (const auto fault = stream::table_fault(file)) {
+                throw WrongUse("--spectrum: " + *fault);
+            }
+            if (!names.insert(stream::recording_name(file)).second) {
+                throw WrongUse(
+                    fmt::format("--spectrum: {}: found a second time, allowed: each file once", file));
+            }
+        });
+    }
+    faults.refuse();
+}
+
+bool save_spectra(std::span<const std::string> files, const RunRecord& record, const Scene& scene,
+                  const Json& provenance) {
+    if (files.empty()) {
+        return true;
+    }
+    const stream::Table table = spectra_of(record, scene, provenance);
+    note_when_asked();  // from here on there are files to be cleaned up
+    bool all = true;
+    for (const std::string& file : files) {
+        try {
+            all = stream::write_table(file, table, stop_asked()) && all;
+        } catch (const std::runtime_error& error) {
+            spdlog::error(error.what());
+            all = false;
+        }
+    }
+    end_at_once_when_asked();
+    return all;
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,39 @@
+#pragma once
+// What a fluid does to a vibrating disc in a rigid baffle, and the pressure that the disc sends out along its axis. In numbers without
+// units: lengths in units of the disc's radius a, impedances in units of rho c pi a^2.
+
+#include <complex>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/plate/disc_modes.hpp"
+
+namespace hertzline {
+
+std::vector<DiscMode> disc_modes(int count);
+
+/// The radiation impedance between the modes, Z_mn = rho c pi a^2 zeta_mn(k a) with time as exp(i w t): zeta_mn = 2 k a int_0^inf
+/// Phi_m(q) Phi_n(q) q dq / sqrt((k a)^2 - q^2), Phi the transforms (docs/model.md, section 10). @param ka from 0 on
+Eigen::MatrixXcd radiation_impedance(const std::vector<DiscMode>& modes, double ka);
+
+/// Its limit for low frequencies is that of a mass: 2 rho a^3 pi times this matrix, int_0^inf Phi_m Phi_n dq.
+Eigen::MatrixXd added_mass(const std::vector<DiscMode>& modes);
+
+/// The radiation impedance up to some k a, from a table: it is an entire function of k a, whose Chebyshev series falls off faster than
+/// exponentially once it has 2 terms for each oscillation.
+class ImpedanceTable {
+public:
+    ImpedanceTable(const std::vector<DiscMode>& modes, double max_ka);
+    Eigen::MatrixXcd operator()(double ka) const;
+
+private:
+    double max_ka_;
+    std::vector<Eigen::MatrixXcd> coefficients_;
+};
+
+/// Pressure on the axis per rho c and per velocity of a mode, without the travel time z/c: i k int phi(sqrt(R^2 - z^2)) exp(-i k (R - z))
+/// dR, R from z to sqrt(z^2 + a^2) (P. R. Stepanishen, J. Acoust. Soc. Am. 69 (1981) 1815). @param ka k a @param z over a
+std::complex<double> axial_pressure(const DiscMode& mode, double ka, double z);
+
+}  // namespace hertzline

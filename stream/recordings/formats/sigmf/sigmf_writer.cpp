@@ -1,0 +1,249 @@
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/scene/text.hpp"
+#include "stream/files/errors.hpp"
+#include "stream/files/output_file.hpp"
+#include "stream/provenance.hpp"
+#include "stream/recordings/checked_writer.hpp"
+#include "stream/recordings/formats/sigmf/sigmf.hpp"
+#include "stream/recordings/formats/sigmf/sigmf_files.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Json = nlohmann::ordered_json;
+using std::chrono::steady_clock;
+
+constexpr double flush_every_s = 0.5;         // of samples or by the clock, what comes first
+constexpr std::size_t max_captures = 10'000;  // each costs a hundred bytes, written anew with the next one
+
+/// What the specification allows.
+constexpr std::size_t max_channels = 1000;
+constexpr double lowest_rate_hz = 1;
+constexpr double highest_rate_hz = 1e12;
+
+constexpr std::size_t max_recordings = 100;  // of a collection: each has a descriptor and a buffer of 1 MiB
+
+class SigmfWriter final : public CheckedWriter {
+public:
+    /// A single recording, or a collection with one for each column.
+    enum class Kind { recording, collection };
+
+    SigmfWriter(const fs::path& path, const RecordingHead& head, Appearance appearance, Kind kind)
+        : CheckedWriter(path, {head.columns, head.sample_rate_hz, NumberType::float32, head.provenance}),
+          appearance_(appearance),
+          half_a_second_(static_cast<std::int64_t>(flush_every_s * head.sample_rate_hz)) {
+        if (kind == Kind::collection) {
+            require_possible(max_recordings, "a SigMF collection, which has files for each");
+            begin_collection();
+        } else {
+            require_possible(max_channels, "SigMF");
+            std::vector<std::size_t> all(head.columns.size());
+            std::iota(all.begin(), all.end(), std::size_t{0});
+            recordings_.emplace_back(sigmf_paths(path), head, std::move(all));
+        }
+    }
+
+private:
+    void require_possible(std::size_t max_columns, const char* format) const {
+        if (head().columns.size() > max_columns) {
+            cannot_write(path(), fmt::format("found {} columns, allowed: at most {} in {}",
+                                             head().columns.size(), max_columns, format));
+        }
+        if (!(head().sample_rate_hz >= lowest_rate_hz && head().sample_rate_hz <= highest_rate_hz)) {
+            cannot_write(path(), fmt::format("found {} samples per second, allowed: {} to {} in SigMF",
+                                             number_text(head().sample_rate_hz), number_text(lowest_rate_hz),
+                                             number_text(highest_rate_hz)));
+        }
+    }
+
+    void begin_collection() {
+        const OutputFile writable(path(), StagedFile::Devices::refused);  // fails now or not at all
+        const std::string name = path().stem().string();
+        try {
+            static_cast<void>(Json(name).dump());
+        } catch (const Json::exception&) {
+            cannot_write(path(), "its name is not UTF-8, as the names in a SigMF collection have to be");
+        }
+        collection_ = path();
+        for (std::size_t i = 0; i < head().columns.size(); ++i) {
+            const std::string base = name + '-' + head().columns[i].name;
+            const auto place = [&](std::string_view ending) {
+                return path().parent_path() / (base + std::string(ending));
+            };
+            recordings_.emplace_back(SigmfPaths{place(sigmf_meta_ending), place(sigmf_data_ending)}, head(),
+                                     std::vector<std::size_t>{i});
+            recordings_.back().name_collection(name);
+        }
+    }
+
+    void begin_capture(Capture capture) override {
+        if (captures_.size() == max_captures) {
+            cannot_write(path(), fmt::format("found more than {} gaps", max_captures - 1));
+        }
+        captures_.push_back({{"core:sample_start", capture.row},
+                             {"core:global_index", capture.sample},
+                             {"core:datetime", utc_text(std::chrono::system_clock::now())}});
+        meta_is_stale_ = true;
+    }
+
+    void append(std::int64_t, std::span<const double> values) override {
+        if (!appeared_ && appearance_ == Appearance::early) {
+            appear();
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.write(values, [this] { flush(); });
+        }
+        const auto now_held = rows() + static_cast<std::int64_t>(values.size() / head().columns.size());
+        const std::chrono::duration<double> waited = steady_clock::now() - last_flush_;
+        if (now_held - flushed_ >= half_a_second_ || waited.count() >= flush_every_s) {
+            flush();
+            flushed_ = now_held;
+        }
+    }
+
+    void finish() override {
+        if (appeared_) {
+            flush();
+            for (SigmfFiles& recording : recordings_) {
+                recording.commit();
+            }
+            return;
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.close();  // what was there before goes only when all is in the new files
+        }
+        appear();
+    }
+
+    KeptRows rescue() override {
+        const auto any = [this](bool (SigmfFiles::*is)() const noexcept) {
+            return std::any_of(recordings_.begin(), recordings_.end(),
+                               [is](const SigmfFiles& recording) { return (recording.*is)(); });
+        };
+        std::int64_t rows = this->rows();
+        if (!any(&SigmfFiles::is_closed)) {
+            try {
+                flush();
+            } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
+            }
+            for (const SigmfFiles& recording : recordings_) {
+                rows = std::min(rows, recording.rows());  // so many have all of them
+            }
+            if (rows == 0 && !appeared_) {
+                remove();
+                return {};
+            }
+        }
+        std::vector<fs::path> files;
+        for (SigmfFiles& recording : recordings_) {
+            files.push_back(recording.keep(captures_));
+        }
+        const bool doubtful = any(&SigmfFiles::is_doubtful);
+        rows = doubtful ? 0 : rows;
+        if (appeared_) {
+            return {rows, rows > 0 || doubtful ? path() : fs::path()};
+        }
+        return {rows, files.front()};
+    }
+
+    void remove() noexcept override {
+        for (SigmfFiles& recording : recordings_) {
+            recording.remove();
+        }
+        if (appeared_ && collection_) {
+            std::error_code gone;
+            fs::remove(*collection_, gone);
+        }
+    }
+
+    /// A collection lists no recordings that are not its own: the old one goes first and the new one comes last.
+    void appear() {
+        if (collection_) {
+            fs::remove(*collection_);
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.appear(captures_);
+        }
+        appeared_ = true;
+        meta_is_stale_ = false;
+        save_collection();
+    }
+
+    /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
+    void flush() {
+        for (SigmfFiles& recording : recordings_) {
+            recording.require_present();  // else the metadata of that name are another recording's
+        }
+        if (meta_is_stale_ && appeared_) {
+            for (SigmfFiles& recording : recordings_) {
+                recording.save_meta(captures_);
+            }
+            meta_is_stale_ = false;
+            save_collection();
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.flush();
+        }
+        last_flush_ = steady_clock::now();
+    }
+
+    void save_collection() const {
+        if (!collection_) {
+            return;
+        }
+        Json streams = Json::array();
+        for (const SigmfFiles& recording : recordings_) {
+            streams.push_back(recording.listed());
+        }
+        const Json collection{{"core:version", sigmf_version},
+                              {"core:description", "A granular-chain ultrasound source, an output each"},
+                              {"core:extensions", sigmf_extensions()},
+                              {"core:streams", std::move(streams)}};
+        OutputFile file(*collection_, StagedFile::Devices::refused);
+        file.write(sigmf_text(Json::object({{"collection", collection}})));
+        file.commit();
+    }
+
+    Appearance appearance_;
+    std::optional<fs::path> collection_;
+    std::deque<SigmfFiles> recordings_;  // of a collection one for each column
+    Json captures_ = Json::array();
+    std::int64_t half_a_second_;  // in samples
+    std::int64_t flushed_ = 0;    // samples
+    steady_clock::time_point last_flush_ = steady_clock::now();
+    bool meta_is_stale_ = false;
+    bool appeared_ = false;
+};
+
+}  // namespace
+
+SigmfPaths sigmf_paths(const fs::path& either) {
+    fs::path meta = either;
+    fs::path data = either;
+    return {meta.replace_extension(sigmf_meta_ending), data.replace_extension(sigmf_data_ending)};
+}
+
+std::unique_ptr<RecordingWriter> open_sigmf_writer(const fs::path& either, const RecordingHead& head,
+                                                   Appearance appearance) {
+    return std::make_unique<SigmfWriter>(either, head, appearance, SigmfWriter::Kind::recording);
+}
+
+std::unique_ptr<RecordingWriter> open_sigmf_collection_writer(const fs::path& collection,
+                                                              const RecordingHead& head,
+                                                              Appearance appearance) {
+    return std::make_unique<SigmfWriter>(collection, head, appearance, SigmfWriter::Kind::collection);
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,161 @@
+#include "stream/recordings/formats/table.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <span>
+#include <stdexcept>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "stream/files/output_file.hpp"
+#include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/hdf5/hdf5.hpp"
+#include "stream/recordings/formats/npy_header.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/recording_head.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Json = nlohmann::ordered_json;
+
+static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+
+constexpr std::size_t rows_between_looks = 1 << 12;  // at the stop flag
+
+bool stopped(std::size_t row, const std::atomic<bool>& stop) noexcept {
+    return row % rows_between_looks == 0 && stop.load(std::memory_order_relaxed);
+}
+
+/// CSV on the Web, as of recordings (csv.hpp).
+std::string csv_metadata(const fs::path& path, const Table& table) {
+    const std::string own = "urn:hertzline:";
+    Json columns = Json::array();
+    for (const TableColumn& column : table.columns) {
+        columns.push_back(Json{{"name", column.about.name},
+                               {"titles", column.about.name},
+                               {"datatype", "double"},
+                               {"schema:unitText", column.about.unit},
+                               {own + "quantity", column.about.quantity}});
+    }
+    const Json json{{"@context", "http://www.w3.org/ns/csvw"},
+                    {"url", path.filename().string()},
+                    {"tableSchema", {{"columns", columns}, {"primaryKey", table.columns.front().about.name}}},
+                    {own + "provenance", table.provenance}};
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+bool write_csv(const fs::path& path, const Table& table, const std::atomic<bool>& stop) {
+    OutputFile file(path, StagedFile::Devices::refused);
+    OutputFile metadata(csv_metadata_path(path), StagedFile::Devices::refused);
+    std::string line;
+    for (const TableColumn& column : table.columns) {
+        line += (line.empty() ? "" : ",") + column.about.name;
+    }
+    file.write(line + '\n');
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        if (stopped(row, stop)) {
+            return false;
+        }
+        line.clear();
+        for (const TableColumn& column : table.columns) {
+            line += line.empty() ? "" : ",";
+            append_csv_number(line, column.values[row]);
+        }
+        file.write(line + '\n');
+    }
+    file.flush();
+    metadata.write(csv_metadata(path, table));
+    metadata.flush();
+    fs::remove(csv_metadata_path(path));  // the old ones first: nobody shall find them beside the new numbers
+    file.commit();
+    metadata.commit();
+    return true;
+}
+
+bool write_npy(const fs::path& path, const Table& table, const std::atomic<bool>& stop) {
+    OutputFile file(path, StagedFile::Devices::refused);
+    std::vector<NpyField> fields;
+    for (const TableColumn& column : table.columns) {
+        fields.push_back({column.about.name, "<f8"});
+    }
+    file.write(npy_header({fields, {table.rows()}}));
+    std::vector<double> numbers(table.columns.size());
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        if (stopped(row, stop)) {
+            return false;
+        }
+        std::ranges::transform(table.columns, numbers.begin(),
+                               [row](const TableColumn& column) { return column.values[row]; });
+        file.write(std::as_bytes(std::span(numbers)));
+    }
+    const std::string text =
+        text_of(Json{{"columns", table_columns_json(table)}, {"provenance", table.provenance}});
+    file.write(npy_header({{{"", "|S" + std::to_string(text.size())}}, {}}) + text);
+    file.commit();
+    return true;
+}
+
+struct TableFormat {
+    std::string_view ending;
+    double bytes_per_number;  // from above
+    bool (*write)(const fs::path&, const Table&, const std::atomic<bool>&);
+};
+
+constexpr std::array formats{
+    TableFormat{".csv", 24, write_csv},
+    TableFormat{".npy", 8, write_npy},
+    TableFormat{".h5", 8, write_hdf5_table},
+};
+
+const TableFormat* format_of(const fs::path& path) {
+    const std::string ending = recording_ending(path);
+    const auto* const found = std::ranges::find(formats, ending, &TableFormat::ending);
+    return found != formats.end() ? found : nullptr;
+}
+
+}  // namespace
+
+Json table_columns_json(const Table& table) {
+    Json columns = Json::array();
+    for (const TableColumn& column : table.columns) {
+        columns.push_back(Json::array({column.about.name, column.about.quantity, column.about.unit}));
+    }
+    return columns;
+}
+
+std::string table_endings() {
+    std::string endings;
+    for (const TableFormat& format : formats) {
+        endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
+    }
+    return endings;
+}
+
+std::optional<std::string> table_fault(const fs::path& path) {
+    if (format_of(path) != nullptr) {
+        return std::nullopt;
+    }
+    return fmt::format("{}: found the ending \"{}\", allowed: {}", path.string(), recording_ending(path),
+                       table_endings());
+}
+
+double table_bytes(const fs::path& path, double columns, double rows) noexcept {
+    const TableFormat* format = format_of(path);
+    return format != nullptr ? rows * columns * format->bytes_per_number : 0;
+}
+
+bool write_table(const fs::path& path, const Table& table, const std::atomic<bool>& stop) {
+    const TableFormat* format = format_of(path);
+    if (format == nullptr) {
+        throw std::runtime_error(*table_fault(path));
+    }
+    return format->write(path, table, stop);
+}
+
+}  // namespace hertzline::stream

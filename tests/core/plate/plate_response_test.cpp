@@ -1,0 +1,175 @@
+// The states of a plate in a fluid against its exact response, frequency by frequency.
+
+#include "core/plate/plate_response.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "core/model/end.hpp"
+#include "core/plate/radiation.hpp"
+
+namespace hertzline {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double two_pi = 2 * std::numbers::pi;
+
+Scene modal_scene() {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
+    return scene;
+}
+
+/// Without tables or fits.
+Eigen::VectorXcd exact_mobilities(const PlateResponse& plate, double frequency_hz) {
+    const PlateParameters& p = plate.parameters;
+    const auto discs = disc_modes(p.modes);
+    const double rho_c = p.fluid.density_kg_per_m3 * p.fluid.sound_speed_m_per_s;
+    const double omega = two_pi * frequency_hz;
+    Eigen::MatrixXcd z = Eigen::MatrixXcd::Zero(p.modes, p.modes);
+    if (p.load == FluidLoad::radiation) {
+        z = rho_c * std::numbers::pi * p.radius_m * p.radius_m *
+            radiation_impedance(discs, omega * p.radius_m / p.fluid.sound_speed_m_per_s);
+    } else if (p.load == FluidLoad::added_mass) {
+        z = Complex(0, omega * two_pi * p.fluid.density_kg_per_m3 * std::pow(p.radius_m, 3)) *
+            added_mass(discs);
+    }
+    return mode_mobilities(plate.modes, z, frequency_hz);
+}
+
+Complex exact_pressure(const PlateResponse& plate, double frequency_hz) {
+    const PlateParameters& p = plate.parameters;
+    const Eigen::VectorXcd v = exact_mobilities(plate, frequency_hz);
+    Complex sum = 0;
+    for (int n = 0; n < p.modes; ++n) {
+        sum += v[n] * axial_pressure(DiscMode(n),
+                                     two_pi * frequency_hz * p.radius_m / p.fluid.sound_speed_m_per_s,
+                                     p.hydrophone_m / p.radius_m);
+    }
+    return p.fluid.density_kg_per_m3 * p.fluid.sound_speed_m_per_s * sum;
+}
+
+Complex fitted(const PlateResponse& plate, const Eigen::VectorXcd& output, double frequency_hz) {
+    return value_at(plate.poles, output, Complex(0, two_pi * frequency_hz));
+}
+
+TEST(PlateResponse, FrequenciesAreThoseOfAnIndependentSolver) {
+    const auto carbon = plate_response(plate_parameters(modal_scene()), 32);
+    constexpr std::array dry{47.14e3, 183.5e3, 411.1e3, 729.9e3};
+    constexpr std::array wet{19.9e3, 113.1e3, 292.9e3, 562e3};
+    for (std::size_t n = 0; n < 4; ++n) {
+        EXPECT_NEAR(carbon->modes[n].dry_hz, dry[n], 1e-3 * dry[n]) << n;
+        EXPECT_NEAR(carbon->modes[n].wet_hz, wet[n], 3e-3 * wet[n]) << n;
+    }
+    Scene aluminium = modal_scene();
+    aluminium.end.material = "aluminium";
+    EXPECT_NEAR(plate_response(plate_parameters(aluminium), 32)->modes[0].wet_hz, 27.2e3, 60);
+}
+
+TEST(PlateResponse, PressurePerNewtonIsThatOfAnIndependentSolver) {
+    const auto plate = plate_response(plate_parameters(modal_scene()), 40);
+    constexpr std::array kilopascals{12.51, 18.75, 24.57, 100.49, 31.75, 26.82};
+    for (std::size_t k = 0; k < kilopascals.size(); ++k) {
+        const double frequency = 73e3 * static_cast<double>(k + 1);
+        EXPECT_NEAR(std::abs(exact_pressure(*plate, frequency)) / 1e3, kilopascals[k], 0.006) << k;
+    }
+}
+
+struct Case {
+    const char* name;
+    FluidLoad load;
+    double loss_factor;
+    double thickness_m;
+    const char* material;
+};
+
+class EveryPlate : public ::testing::TestWithParam<Case> {};
+
+INSTANTIATE_TEST_SUITE_P(
+    Plates, EveryPlate,
+    ::testing::Values(Case{"radiation", FluidLoad::radiation, 0.005, 0.5e-3, "vitreous_carbon"},
+                      Case{"thick", FluidLoad::radiation, 0.005, 2.5e-3, "vitreous_carbon"},
+                      Case{"soft", FluidLoad::radiation, 0.02, 0.5e-3, "silicone_rubber"},
+                      Case{"lossless", FluidLoad::radiation, 1e-6, 0.5e-3, "aluminium"},
+                      Case{"mass", FluidLoad::added_mass, 0.005, 0.5e-3, "acrylic"},
+                      Case{"dry", FluidLoad::none, 0.02, 0.5e-3, "vitreous_carbon"},
+                      Case{"ringing", FluidLoad::none, 1e-6, 0.5e-3, "vitreous_carbon"}),
+    [](const auto& instance) { return std::string(instance.param.name); });
+
+std::shared_ptr<const PlateResponse> response_of(const Case& given, double accuracy) {
+    Scene scene = modal_scene();
+    scene.medium.load = given.load;
+    scene.end.loss_factor = given.loss_factor;
+    scene.end.thickness_m = given.thickness_m;
+    scene.end.material = given.material;
+    scene.numerics.accuracy = accuracy;
+    return plate_response(plate_parameters(scene), plate_poles(scene));
+}
+
+TEST_P(EveryPlate, IsFittedAsWellAsItSays) {
+    for (const double accuracy : {1e-3, 1e-4, 1e-6}) {
+        const auto plate = response_of(GetParam(), accuracy);
+        if (accuracy >= 1e-4) {  // below that 64 poles are not always enough, which the errors say
+            EXPECT_LE(std::max(plate->velocity_error, plate->pressure_error), 0.25 * accuracy);
+        }
+        const double said = plate->velocity_error;
+        for (double f = 1.234e3; f < plate->parameters.band_hz; f *= 1.137) {
+            const Complex v = exact_mobilities(*plate, f).sum();
+            EXPECT_LE(std::abs(fitted(*plate, plate->centre_m_per_s, f) - v), 3 * said * std::abs(v) + 1e-11)
+                << f;
+        }
+    }
+}
+
+TEST_P(EveryPlate, NeverGivesMoreThanItTook) {
+    for (const double accuracy : {1e-3, 1e-4}) {
+        EXPECT_GE(response_of(GetParam(), accuracy)->least_resistance, 0);
+    }
+}
+
+TEST_P(EveryPlate, RestsWhereTheModesSprings) {
+    const auto plate = response_of(GetParam(), 1e-4);
+    double compliance = 0;
+    for (const PlateMode& mode : plate->modes) {
+        compliance += 1 / mode.stiffness_n_per_m;
+    }
+    const double displaced = value_at(plate->poles, plate->centre_m, 0).real();
+    EXPECT_NEAR(displaced / compliance, 1, 1e-9);
+}
+
+TEST_P(EveryPlate, StartsWithItsMass) {
+    const auto plate = response_of(GetParam(), 1e-4);
+    EXPECT_NEAR(2 * plate->centre_m_per_s.real().sum() / plate->mobility, 1, 1e-9);
+    EXPECT_NEAR(2 * plate->centre_m.real().sum() * 1e6 / plate->mobility, 0, 1e-7);  // within a microsecond
+}
+
+TEST(PlateResponse, MorePolesFitBetter) {
+    const PlateParameters parameters = plate_parameters(modal_scene());
+    double before = 1;
+    for (const int poles : {16, 24, 32, 40}) {
+        const auto plate = plate_response(parameters, poles);
+        EXPECT_LT(plate->velocity_error, before / 3) << poles;
+        before = plate->velocity_error;
+    }
+}
+
+TEST(PlateResponse, SixCompliancesComeNearTheStaticDisc) {
+    Scene scene = modal_scene();
+    scene.end.modes = 6;
+    double compliance = 0;
+    const PlateParameters p = plate_parameters(scene);
+    for (const PlateMode& mode : plate_response(p, 40)->modes) {
+        compliance += 1 / mode.stiffness_n_per_m;
+    }
+    const double h = p.thickness_m;
+    const double nu = p.disc.poissons_ratio;
+    const double bending = p.disc.youngs_modulus_pa * h * h * h / (12 * (1 - nu * nu));
+    const double whole = p.radius_m * p.radius_m / (16 * std::numbers::pi * bending);
+    EXPECT_NEAR(compliance / whole, 0.99, 0.005);
+}
+
+}  // namespace
+}  // namespace hertzline

@@ -1,0 +1,129 @@
+// What a fluid does to a disc, and what it hears: against an independent solver, the literature's limits and plain sums.
+
+#include "core/plate/radiation.hpp"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "core/plate/quadrature.hpp"
+
+namespace hertzline {
+namespace {
+
+using std::numbers::pi;
+
+// a = 5 mm in water
+constexpr double a = 5e-3;
+constexpr double rho = 998;
+constexpr double c = 1482;
+constexpr double kg_per_s = rho * c * pi * a * a;
+double ka(double frequency_hz) {
+    return 2 * pi * frequency_hz * a / c;
+}
+
+TEST(Radiation, ResistanceOfTheFirstModeIsThatOfAnIndependentSolver) {
+    constexpr std::array<std::array<double, 2>, 6> known{
+        {{36.5e3, 3.22}, {73e3, 11.17}, {146e3, 25.96}, {219e3, 27.20}, {292e3, 23.90}, {365e3, 22.71}}};
+    for (const auto& [frequency, resistance] : known) {
+        EXPECT_NEAR(kg_per_s * radiation_impedance(disc_modes(1), ka(frequency))(0, 0).real(), resistance,
+                    0.006);
+    }
+}
+
+TEST(Radiation, AddedMassesAreThoseOfAnIndependentSolver) {
+    const Eigen::MatrixXd mass = 2 * pi * rho * a * a * a * added_mass(disc_modes(4));
+    constexpr std::array milligrams{46.85, 11.03, 4.37, 2.29};
+    for (Eigen::Index n = 0; n < 4; ++n) {
+        EXPECT_NEAR(1e6 * mass(n, n), milligrams[static_cast<std::size_t>(n)], 0.006);
+    }
+}
+
+TEST(Radiation, TheAddedMassOfTheFirstModeIsNearLambs) {
+    // H. Lamb, Proc. R. Soc. A 98 (1920) 205: 0.6689 rho a/(rho_disc h) of the plate's own for his trial shape
+    const double own = DiscMode(0).mass() * pi;  // of rho_disc h a^2
+    const double added = 2 * pi * added_mass(disc_modes(1))(0, 0);
+    EXPECT_NEAR(added / own, 0.6689, 0.025 * 0.6689);
+}
+
+TEST(Radiation, LowFrequenciesFeelTheAddedMass) {
+    const auto modes = disc_modes(4);
+    const Eigen::MatrixXcd zeta = radiation_impedance(modes, 1e-3);
+    EXPECT_LT((zeta.imag() - 2e-3 * added_mass(modes)).norm(), 1e-5 * zeta.imag().norm());
+}
+
+TEST(Radiation, HighFrequenciesFeelPlaneWaves) {
+    for (int n = 0; n < 4; ++n) {
+        const auto modes = disc_modes(4);
+        const double ratio =
+            radiation_impedance(modes, 120)(n, n).real() / modes[static_cast<std::size_t>(n)].mass();
+        EXPECT_NEAR(ratio, 1, 0.01) << n;
+    }
+}
+
+TEST(Radiation, NeverGivesEnergyBack) {
+    const auto modes = disc_modes(max_disc_modes);
+    for (double k = 0.01; k < 60; k *= 1.3) {
+        const Eigen::MatrixXd resistance = radiation_impedance(modes, k).real();
+        const Eigen::VectorXd values =
+            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(resistance).eigenvalues();
+        EXPECT_GE(values.minCoeff(), -1e-12 * values.maxCoeff()) << k;
+    }
+}
+
+TEST(Radiation, WhatIsFeltOnTheFaceIsHeardFarAway) {
+    // far away p = i w rho exp(-i k r)/r sum V Phi(k sin theta) (Rayleigh): its intensity over the hemisphere is the
+    // resistance, in units of rho c pi a^2
+    const auto modes = disc_modes(3);
+    const double k = ka(146e3);
+    const Eigen::Vector3d velocities(1, -0.4, 0.3);
+    const double heard = integral<60>(0, pi / 2, [&](double theta) {
+        const double q = k * std::sin(theta);
+        double sum = 0;
+        for (int n = 0; n < 3; ++n) {
+            sum += velocities[n] * modes[static_cast<std::size_t>(n)].transform(q, ::j0(q), ::j1(q));
+        }
+        return 2 * k * k * sum * sum * std::sin(theta);
+    });
+    const double felt = velocities.dot(radiation_impedance(modes, k).real() * velocities);
+    EXPECT_NEAR(heard / felt, 1, 1e-9);
+}
+
+TEST(Radiation, TheTableIsAsGoodAsTheIntegral) {
+    const auto modes = disc_modes(4);
+    const ImpedanceTable table(modes, 32);
+    for (const double k : {0.0, 1e-4, 0.3, 1.55, 7.0, 19.3, 31.99}) {
+        EXPECT_LT((table(k) - radiation_impedance(modes, k)).norm(), 1e-10) << k;
+    }
+}
+
+TEST(Radiation, PressureOnTheAxisIsRayleighsIntegral) {
+    // p = i k rho c int v exp(-i k R)/(2 pi R) dS over the face, by many rings
+    for (const double z : {0.02, 0.4, 2.0, 8.0}) {
+        for (const double k : {0.2, 1.55, 7.7, 30.0}) {
+            for (int n = 0; n < 4; ++n) {
+                const DiscMode mode(n);
+                std::complex<double> sum = 0;
+                constexpr int rings = 400;
+                for (int ring = 0; ring < rings; ++ring) {
+                    // rings are narrow near the axis, where 1/R is steep
+                    const double from = std::pow(static_cast<double>(ring) / rings, 2);
+                    const double to = std::pow((ring + 1.0) / rings, 2);
+                    each_node<8>(from, to, [&](double r, double weight) {
+                        const double distance = std::hypot(r, z);
+                        sum += weight * mode.shape(r) * std::polar(1.0, -k * (distance - z)) * r / distance;
+                    });
+                }
+                const std::complex<double> expected = std::complex<double>(0, k) * sum;
+                EXPECT_LT(std::abs(axial_pressure(mode, k, z) - expected), 1e-6 * std::abs(expected) + 1e-12)
+                    << z << ' ' << k << ' ' << n;
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace hertzline
