@@ -16,7 +16,8 @@
 
 namespace {
 
-std::vector<mode_t> modes;  // of files, just before their owner or mode was changed
+// Of files, just before their owner or mode was changed: by this thread, as other tests of this program write files from several.
+thread_local std::vector<mode_t> modes;
 
 void note_mode(int descriptor) {
     struct stat now {};
