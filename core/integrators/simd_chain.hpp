@@ -32,6 +32,8 @@
 
 namespace hertzline::kernels {
 
+class PlateSteps;
+
 /// Columns of a SimdChain. The first groups mirror Chain and ChainState, the others belong to the kernels.
 enum class ChainField : std::size_t {
     // constants (Chain)
@@ -113,6 +115,8 @@ public:
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
     double step_s = 0;
     Tension tension = Tension::allowed;
+    PlateSteps* plate =
+        nullptr;          ///< modal, behind the last contact; for grid kernels in memory (plate_kernel())
     bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
 
 private:

@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/simd/plate_body-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
 #include "core/integrators/simd/work-inl.hpp"
@@ -49,7 +50,9 @@ public:
           force_(rows_.scratch(Scratch::force)),
           middle_v_(rows_.scratch(Scratch::middle_v)) {}
 
-    HWY_INLINE void step(const HornStep& horn) {
+    /// @param number of the step
+    HWY_INLINE void step(const HornStep& horn, std::int64_t number) {
+        begin_with_plate(number);
         drift(0.5 * h_);
         contacts(horn.middle);
         dashpots(v_, horn.middle);
@@ -57,7 +60,9 @@ public:
         dashpots(middle_v_, horn.middle);
         account(horn.middle);
         kick(v_, h_);
+        kick_plate();
         drift(0.5 * h_);
+        end_with_plate();
     }
 
     /// Writes what moved back to the chain.
@@ -84,6 +89,10 @@ public:
             force_.set(k, force - static_force_[k]);
         }
         HERTZLINE_EACH_ROW(k, rows_.count()) a.set(k, acceleration(k));
+        if (const PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
+            const double reaction = plate->reaction(PlateSteps::At::begin);
+            put_in(a, plate->end_slot, value_in(a, plate->end_slot) + reaction);
+        }
         rows_.store(ChainField::total_accel, a);
     }
 
@@ -92,6 +101,27 @@ private:
 
     HWY_INLINE void drift(double time) {
         HERTZLINE_EACH_ROW(k, rows_.count()) x_.set(k, MulAdd(splat(time), v_[k], x_[k]));
+        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
+            plate->drift(time);
+            follow_plate(*plate, x_, v_);
+        }
+    }
+
+    HWY_INLINE void begin_with_plate(std::int64_t number) {
+        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
+            plate->enter(number);
+            plate->begin();
+        }
+    }
+    HWY_INLINE void kick_plate() {
+        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
+            plate->kick(value_in(v_, plate->end_slot));
+        }
+    }
+    HWY_INLINE void end_with_plate() {
+        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
+            plate->accept_kicked(h_);
+        }
     }
 
     /// Overlaps and elastic forces, relative to the static ones, at mid-step.
@@ -159,7 +189,7 @@ int advance_leapfrog(SimdChain& chain, const ToneBurst&, const HornStep* horn, s
     Leapfrog<K> leapfrog(chain);
     int taken = 0;
     while (taken < count && trace.has_room()) {
-        leapfrog.step(horn[taken]);
+        leapfrog.step(horn[taken], first + taken);
         ++taken;
         if (trace.between) {
             leapfrog.save_accelerations(horn[taken - 1].end);
