@@ -40,6 +40,11 @@ void put(Eigen::ArrayXd& numbers, Eigen::Index i, Complex value) noexcept {
     numbers[numbers.size() / 2 + i] = value.imag();
 }
 
+/// Hermite's rule: from values and slopes at both ends.
+double integral(double time, double from, double slope, double to, double slope_there) noexcept {
+    return time * (0.5 * (from + to) + time / 12 * (slope - slope_there));
+}
+
 }  // namespace
 
 PlateSteps::PlateSteps(const PlateResponse& response, double step_s, PlateListener* listener)
@@ -102,7 +107,7 @@ const PlateSteps::Flow& PlateSteps::flow(double time) noexcept {
 void PlateSteps::reset() noexcept {
     begin_.y.setZero();
     begin_.body.setZero();
-    begin_.displacement = begin_.velocity = begin_.acceleration = Modes::Zero();
+    begin_.velocity = begin_.acceleration = Modes::Zero();
     begin_.passing = begin_.passing_dot = begin_.kicked = 0;
     now_ = begin_;
     passed_ = lost_ = 0;
@@ -181,65 +186,46 @@ void PlateSteps::observe(At at, const Drive& drive) noexcept {
     state.passing_dot = drive.force_dot * drive.velocity + drive.force * drive.acceleration;
 }
 
-/// By Hermite's rule, as the rest of the ledger.
 void PlateSteps::accept(double time) noexcept {
-    const double half = 0.5 * time;
-    const double hermite = time * time / 12;
-    passed_ += half * (begin_.passing + now_.passing) + hermite * (begin_.passing_dot - now_.passing_dot);
-    const auto slope = [this](const State& state) {
-        return 2 * (loss_ * state.velocity * state.acceleration).sum();
-    };
-    lost_ += half * (losses(begin_) + losses(now_)) + hermite * (slope(begin_) - slope(now_));
-    PlatePart part;
-    if (listener_ != nullptr) {
-        for (std::size_t n = 0; n < response_.modes.size(); ++n) {
-            const auto row = static_cast<Eigen::Index>(n);
-            const double v0 = begin_.velocity[row];
-            const double v1 = now_.velocity[row];
-            const double slope0 = time * begin_.acceleration[row];
-            const double slope1 = time * now_.acceleration[row];
-            part.velocities[0][n] = v0;
-            part.velocities[1][n] = slope0;
-            part.velocities[2][n] = 3 * (v1 - v0) - 2 * slope0 - slope1;
-            part.velocities[3][n] = 2 * (v0 - v1) + slope0 + slope1;
-        }
-    }
-    finish(time, part);
+    passed_ += integral(time, begin_.passing, begin_.passing_dot, now_.passing, now_.passing_dot);
+    finish(time);
 }
 
-/// By the trapezoidal rule. Velocities are parabolas through those at both ends, and over the way between.
 void PlateSteps::accept_kicked(double time) noexcept {
     passed_ += now_.kicked;
-    now_.velocity.matrix().noalias() = mode_velocities_ * now_.y.matrix();
-    lost_ += 0.5 * time * (losses(begin_) + losses(now_));
-    PlatePart part;
-    if (listener_ != nullptr) {
-        now_.displacement.matrix().noalias() = mode_displacements_ * now_.y.matrix();
-        for (std::size_t n = 0; n < response_.modes.size(); ++n) {
-            const auto row = static_cast<Eigen::Index>(n);
-            const double v0 = begin_.velocity[row];
-            const double v1 = now_.velocity[row];
-            const double mean = (now_.displacement[row] - begin_.displacement[row]) / time;
-            part.velocities[0][n] = v0;
-            part.velocities[1][n] = 6 * mean - 4 * v0 - 2 * v1;
-            part.velocities[2][n] = 3 * (v0 + v1) - 6 * mean;
-        }
-    }
-    finish(time, part);
+    finish(time);
 }
 
-void PlateSteps::finish(double time, PlatePart& part) noexcept {
+void PlateSteps::finish(double time) noexcept {
+    const auto loss = [this](const State& at) { return (loss_ * at.velocity.square()).sum(); };
+    const auto slope = [this](const State& at) { return 2 * (loss_ * at.velocity * at.acceleration).sum(); };
+    lost_ += integral(time, loss(begin_), slope(begin_), loss(now_), slope(now_));
     constexpr double sliver = 2e-9;  // of a step, which its last part may lack
-    part.from = moment_;
-    const double to = moment_.fraction + time / step_s_;
-    moment_.fraction = to > 1 - sliver ? 1 : to;
-    part.to = moment_;
-    part.duration_s = time;
+    const double reached = moment_.fraction + time / step_s_;
+    const StepMoment from = moment_;
+    moment_.fraction = reached > 1 - sliver ? 1 : reached;
+    if (listener_ != nullptr) {
+        tell(from, time);
+    }
     now_.kicked = 0;
     begin_ = now_;
-    if (listener_ != nullptr) {
-        listener_->note(part);
+}
+
+/// The cubics through the modes' velocities and accelerations at both ends.
+void PlateSteps::tell(const StepMoment& from, double time) const noexcept {
+    PlatePart part{.from = from, .to = moment_, .duration_s = time};
+    for (std::size_t n = 0; n < response_.modes.size(); ++n) {
+        const auto row = static_cast<Eigen::Index>(n);
+        const double v0 = begin_.velocity[row];
+        const double v1 = now_.velocity[row];
+        const double slope0 = time * begin_.acceleration[row];
+        const double slope1 = time * now_.acceleration[row];
+        part.velocities[0][n] = v0;
+        part.velocities[1][n] = slope0;
+        part.velocities[2][n] = 3 * (v1 - v0) - 2 * slope0 - slope1;
+        part.velocities[3][n] = 2 * (v0 - v1) + slope0 + slope1;
     }
+    listener_->note(part);
 }
 
 double PlateSteps::energy() const noexcept {

@@ -95,9 +95,9 @@ public:
     };
     /// Looks at the modes there, for accept().
     void observe(At at, const Drive& drive) noexcept;
-    /// The step, or a part of one, has come to its end, at both ends of which observe() has looked: fourth order.
+    /// The step, or a part of one, has come to its end, and observe() has looked at both ends.
     void accept(double time) noexcept;
-    /// The same of a step whose forces are known at its middle alone: second order.
+    /// The same where the contact's work is what the kicks do.
     void accept_kicked(double time) noexcept;
 
     /// Of all modes [J].
@@ -113,7 +113,7 @@ private:
     struct State {
         Eigen::ArrayXd y;  ///< [N s]
         Eigen::Vector3d body = Eigen::Vector3d::Zero();
-        Modes displacement = Modes::Zero(), velocity = Modes::Zero(), acceleration = Modes::Zero();
+        Modes velocity = Modes::Zero(), acceleration = Modes::Zero();
         double passing = 0, passing_dot = 0;  ///< work of the last contact on the plate [W], [W/s]
         double kicked = 0;                    ///< the same by kicks since the step was begun [J]
     };
@@ -131,8 +131,8 @@ private:
     Eigen::VectorXd row_of(const Eigen::VectorXcd& residues) const;
     void make(Flow& flow, double time) const noexcept;
     const Flow& flow(double time) noexcept;
-    double losses(const State& at) const noexcept { return (loss_ * at.velocity.square()).sum(); }
-    void finish(double time, PlatePart& part) noexcept;
+    void finish(double time) noexcept;
+    void tell(const StepMoment& from, double time) const noexcept;
 
     const PlateResponse& response_;
     double step_s_;

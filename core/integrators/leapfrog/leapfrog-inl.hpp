@@ -62,7 +62,7 @@ public:
         kick(v_, h_);
         kick_plate();
         drift(0.5 * h_);
-        end_with_plate();
+        end_with_plate(horn.end);
     }
 
     /// Writes what moved back to the chain.
@@ -82,11 +82,7 @@ public:
     HWY_INLINE void save_accelerations(const HornMotion& horn) {
         Col<K> a = rows_.scratch(Scratch::accel);
         HERTZLINE_EACH_ROW(k, rows_.count()) {
-            const Vec overlap = rows_.difference(static_overlap_[k], x_, k, horn.x);
-            const Vec dashpot = damping_[k] * rows_.difference(v_, k, horn.v);
-            const Vec pulled = IfThenElseZero(Gt(overlap, zero()), dashpot);
-            const Vec force = Max(elastic_force(stiffness_[k], overlap) + pulled, splat(lowest_));
-            force_.set(k, force - static_force_[k]);
+            force_.set(k, force_now(k, horn));
         }
         HERTZLINE_EACH_ROW(k, rows_.count()) a.set(k, acceleration(k));
         if (const PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
@@ -98,6 +94,15 @@ public:
 
 private:
     enum class Scratch { overlap, elastic, force, middle_v, accel, count };
+
+    /// Forces of contacts, relative to the static ones, at the end of a step.
+    HWY_INLINE Vec force_now(std::size_t k, const HornMotion& horn) const {
+        const Vec overlap = rows_.difference(static_overlap_[k], x_, k, horn.x);
+        const Vec dashpot = damping_[k] * rows_.difference(v_, k, horn.v);
+        const Vec pulled = IfThenElseZero(Gt(overlap, zero()), dashpot);
+        const Vec force = Max(elastic_force(stiffness_[k], overlap) + pulled, splat(lowest_));
+        return force - static_force_[k];
+    }
 
     HWY_INLINE void drift(double time) {
         HERTZLINE_EACH_ROW(k, rows_.count()) x_.set(k, MulAdd(splat(time), v_[k], x_[k]));
@@ -118,8 +123,15 @@ private:
             plate->kick(value_in(v_, plate->end_slot));
         }
     }
-    HWY_INLINE void end_with_plate() {
+    HWY_INLINE void end_with_plate(const HornMotion& horn) {
         if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
+            const std::size_t lane = plate->end_slot % lanes();
+            const double force = hn::ExtractLane(force_now(plate->end_slot / lanes(), horn), lane);
+            plate->observe(PlateSteps::At::now, {.force = force,
+                                                 .force_dot = 0,  // not asked for
+                                                 .velocity = plate->velocity(),
+                                                 .acceleration = plate->mobility() * force +
+                                                                 plate->reaction(PlateSteps::At::now)});
             plate->accept_kicked(h_);
         }
     }
