@@ -30,9 +30,11 @@
 #include "core/model/state.hpp"
 #include "core/model/tone_burst.hpp"
 
-namespace hertzline::kernels {
-
+namespace hertzline {
 class PlateSteps;
+}  // namespace hertzline
+
+namespace hertzline::kernels {
 
 /// Columns of a SimdChain. The first groups mirror Chain and ChainState, the others belong to the kernels.
 enum class ChainField : std::size_t {

@@ -29,12 +29,12 @@ PlateSamples::PlateSamples(const Chain& chain, const Scene& scene, double step_s
       per_step_(FixedTime::of(scene.output.sample_rate_hz * step_s)),
       samples_per_step_(grid_ > 0 ? 1.0 / grid_ : scene.output.sample_rate_hz * step_s),
       steps_kept_(std::max<std::int64_t>(1, static_cast<std::int64_t>(samples_kept / samples_per_step_))),
-      motion_(*chain.end.plate, kernels::kernel_lanes(), kernels::PlatePart::terms, step_s),
-      piece_(1, kernels::PlatePart::terms, no_horn(step_s)),
+      motion_(*chain.end.plate, kernels::kernel_lanes(), PlatePart::terms, step_s),
+      piece_(1, PlatePart::terms, no_horn(step_s)),
       outputs_(chain, &motion_, piece_, 1 / scene.output.sample_rate_hz, taps),
       has_face_(taps.contains(Tap::v_face) || taps.contains(Tap::v_out)),
       has_pressure_(taps.contains(Tap::p_axis)) {
-    static_assert(kernels::PlatePart::most_modes == kernels::PlateMotion::mode_stride);
+    static_assert(PlatePart::most_modes == kernels::PlateMotion::mode_stride);
     piece_.plate = &motion_;
     const double kept = std::ceil((static_cast<double>(steps_kept_) + 2) * samples_per_step_) + 2;
     v_face_.resize(static_cast<std::size_t>(kept));
@@ -51,7 +51,7 @@ void PlateSamples::reset() noexcept {
     next_at_ = {};
 }
 
-FixedTime PlateSamples::in_samples(const kernels::StepMoment& moment) const noexcept {
+FixedTime PlateSamples::in_samples(const StepMoment& moment) const noexcept {
     if (grid_ > 0) {
         const std::int64_t steps = moment.step % grid_;
         FixedTime at = FixedTime::of((static_cast<double>(steps) + moment.fraction) / grid_);
@@ -68,7 +68,7 @@ void PlateSamples::rest_until(std::int64_t step) noexcept {
     note({.from = reached_, .to = {step, 0}, .duration_s = steps * step_s_});
 }
 
-void PlateSamples::note(const kernels::PlatePart& part) noexcept {
+void PlateSamples::note(const PlatePart& part) noexcept {
     reached_ = part.to;
     const auto after = [&part](std::int64_t step, double fraction) {
         return static_cast<double>(step - part.from.step) + fraction;

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "core/integrators/plate_motion.hpp"
-#include "core/integrators/plate_steps.hpp"
 #include "core/integrators/series_piece.hpp"
+#include "core/plate/plate_steps.hpp"
 #include "core/scene/scene.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/plate_outputs.hpp"
 
 namespace hertzline {
 
-class PlateSamples final : public kernels::PlateListener {
+class PlateSamples final : public PlateListener {
 public:
     /// @param chain with a modal plate; outlives the object
     PlateSamples(const Chain& chain, const Scene& scene, double step_s, TapSet taps);
@@ -25,7 +25,7 @@ public:
     /// Back to sample 0, the plate at rest.
     void reset() noexcept;
 
-    void note(const kernels::PlatePart& part) noexcept override;
+    void note(const PlatePart& part) noexcept override;
     /// The plate has been at rest up to a step.
     void rest_until(std::int64_t step) noexcept;
 
@@ -38,7 +38,7 @@ private:
     std::size_t place(std::int64_t sample) const noexcept {
         return static_cast<std::size_t>(sample) % v_face_.size();
     }
-    FixedTime in_samples(const kernels::StepMoment& moment) const noexcept;
+    FixedTime in_samples(const StepMoment& moment) const noexcept;
 
     double step_s_;
     int grid_;              ///< steps per sample, as Sampler has it
@@ -51,7 +51,7 @@ private:
     PlateOutputs outputs_;
     std::vector<double> v_face_, p_axis_;  // rings
     bool has_face_, has_pressure_;
-    kernels::StepMoment reached_;
+    StepMoment reached_;
     std::int64_t next_ = 0;  ///< sample
     FixedTime next_at_;      ///< where it lies [steps]
 };

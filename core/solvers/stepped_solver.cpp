@@ -30,9 +30,8 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
       state_(chain_),
       simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
       plate_samples_(samples_of_plate(chain, scene, step_s_, options.taps)),
-      plate_(chain.end.plate
-                 ? std::make_unique<kernels::PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get())
-                 : nullptr),
+      plate_(chain.end.plate ? std::make_unique<PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get())
+                             : nullptr),
       horn_(ToneBurst::batch_steps),
       sampler_(chain_, scene, step_s_, options.taps, plate_samples_.get()) {
     simd_chain_.step_s = step_s_;
@@ -63,7 +62,8 @@ void SteppedSolver::lay_out(Eigen::Index active) noexcept {
     kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
     if (plate_ && active == chain_.bodies()) {  // before the wave is there the plate stands still
         simd_chain_.plate = plate_.get();
-        plate_->find_slots(simd_chain_);
+        plate_->last_slot = simd_chain_.slot(active - 2);
+        plate_->end_slot = simd_chain_.slot(active - 1);
         kernel_ = kernels::plate_kernel(integrator_);
     } else {
         simd_chain_.plate = nullptr;

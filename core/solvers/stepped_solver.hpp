@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/integrators/kernels.hpp"
-#include "core/integrators/plate_steps.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/tone_burst.hpp"
+#include "core/plate/plate_steps.hpp"
 #include "core/solvers/plate_samples.hpp"
 #include "core/solvers/sampler.hpp"
 #include "core/solvers/solver.hpp"
@@ -51,7 +51,7 @@ private:
     ChainState state_;
     kernels::SimdChain simd_chain_;
     std::unique_ptr<PlateSamples> plate_samples_;  ///< of a modal plate, when they may be wanted
-    std::unique_ptr<kernels::PlateSteps> plate_;   ///< of a modal plate
+    std::unique_ptr<PlateSteps> plate_;            ///< of a modal plate
     kernels::Kernel kernel_ = nullptr;
     std::vector<HornStep> horn_;
     std::int64_t horn_first_ = -1;

@@ -8,8 +8,8 @@
 #define HERTZLINE_PLATE_BODY_INL
 #endif
 
-#include "core/integrators/plate_steps.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
+#include "core/plate/plate_steps.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

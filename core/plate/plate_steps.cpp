@@ -1,10 +1,10 @@
-#include "core/integrators/plate_steps.hpp"
+#include "core/plate/plate_steps.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
-namespace hertzline::kernels {
+namespace hertzline {
 
 namespace {
 
@@ -112,11 +112,6 @@ void PlateSteps::reset() noexcept {
     now_ = begin_;
     passed_ = lost_ = 0;
     moment_ = {};
-}
-
-void PlateSteps::find_slots(const SimdChain& chain) noexcept {
-    last_slot = chain.slot(chain.active() - 2);
-    end_slot = chain.slot(chain.active() - 1);
 }
 
 void PlateSteps::enter(std::int64_t step) noexcept {
@@ -239,4 +234,4 @@ double PlateSteps::energy() const noexcept {
     return twice / 2;
 }
 
-}  // namespace hertzline::kernels
+}  // namespace hertzline

@@ -1,6 +1,6 @@
 // A modal plate in the steps of a grid, on its own: what drifts and kicks do to its states.
 
-#include "core/integrators/plate_steps.hpp"
+#include "core/plate/plate_steps.hpp"
 
 #include <array>
 #include <cmath>
@@ -12,8 +12,6 @@
 
 namespace hertzline::test {
 namespace {
-
-using kernels::PlateSteps;
 
 std::shared_ptr<const PlateResponse> response() {
     return plate_response(plate_parameters(modal_scene()), 40);

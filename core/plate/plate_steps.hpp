@@ -14,10 +14,9 @@
 
 #include <Eigen/Core>
 
-#include "core/integrators/simd_chain.hpp"
 #include "core/plate/plate_response.hpp"
 
-namespace hertzline::kernels {
+namespace hertzline {
 
 /// A moment of a grid.
 struct StepMoment {
@@ -55,10 +54,9 @@ public:
 
     /// To rest, nothing booked.
     void reset() noexcept;
-    /// The chain was laid out anew.
-    void find_slots(const SimdChain& chain) noexcept;
-    std::size_t last_slot = 0;  ///< of the last sphere
-    std::size_t end_slot = 0;   ///< of the plate
+    // where kernels find bodies in their columns
+    std::size_t last_slot = 0;  ///< the last sphere
+    std::size_t end_slot = 0;   ///< the plate
 
     /// Of a step, where it is begun or where the kernel has got to.
     enum class At { begin, now };
@@ -157,4 +155,4 @@ private:
     double lost_ = 0;
 };
 
-}  // namespace hertzline::kernels
+}  // namespace hertzline
