@@ -19,6 +19,7 @@ set(core_headers
   core/scene/fault.hpp
   core/model/chain.hpp
   core/model/end.hpp
+  core/plate/plate_modes.hpp
   core/plate/plate_response.hpp
   core/plate/rational_fit.hpp
   core/model/energy.hpp

@@ -7,20 +7,8 @@ import sys
 import matplotlib
 
 matplotlib.use("Agg")
-
-STYLE = {
-    "font.family": "DejaVu Sans",
-    "axes.edgecolor": "#8a8a8a",
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.labelcolor": "#333333",
-    "xtick.color": "#555555",
-    "ytick.color": "#555555",
-    "text.color": "#222222",
-    "grid.color": "#e4e4e4",
-    "grid.linewidth": 0.7,
-}
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "apps" / "plot"))
+from hertzline_plot import STYLE  # noqa: E402 (its folder has to be known first)
 
 
 def use_style(font_size=10):

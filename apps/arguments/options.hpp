@@ -54,7 +54,7 @@ Tap tap_argument(const char* option, const std::string& name, TapSet allowed);
 /// The taps that the option's values name. @throws WrongUse that tells every name that is not allowed
 TapSet tap_arguments(const char* option, const std::vector<std::string>& names, TapSet allowed);
 
-/// Adds --columns, which names the taps that recordings hold. @param there those that help tells of
+/// Adds --columns, which names the taps that recordings hold. @param there those that the help names
 CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, TapSet there);
 
 /// Adds --wav-scale.

@@ -10,6 +10,13 @@ namespace {
 
 constexpr std::align_val_t alignment{64};  // of the widest vector register
 
+constexpr std::size_t modes_beside_each_other = 4;
+
+/// The next whole multiple.
+constexpr std::size_t whole(std::size_t count, std::size_t of) noexcept {
+    return (count + of - 1) / of * of;
+}
+
 double* zeros(std::size_t count) {
     auto* const room = static_cast<double*>(::operator new[](count * sizeof(double), alignment));
     std::fill_n(room, count, 0.0);
@@ -22,36 +29,64 @@ void PlateMotion::Free::operator()(double* p) const noexcept {
     ::operator delete[](p, alignment);
 }
 
-/// States are kept times unit, so that their input is a force times unit^2, as the kernels have it.
 PlateMotion::PlateMotion(const PlateResponse& response, std::size_t lanes, int degree, double unit_s)
     : response_(response),
-      size_((response.poles.size() + lanes - 1) / lanes * lanes),
-      degree_(degree),
+      size_(whole(response.poles.size(), lanes)),
+      stride_(whole(response.modes.size(), modes_beside_each_other)),
+      degree_(static_cast<std::size_t>(degree)),
       unit_s_(unit_s),
-      columns_(zeros(2 * size_ * (6 + static_cast<std::size_t>(degree)))),
-      flags_(zeros(3 * flag_stride)),
-      modes_(zeros((2 * size_ + most_terms + 1) * mode_stride)) {
-    for (std::size_t j = 0; j < response.poles.size(); ++j) {
-        const std::complex<double> pole = response.poles[j];
-        rate().re[j] = pole.real() * unit_s;
-        rate().im[j] = pole.imag() * unit_s;
-        const std::complex<double> x = response.centre_m[static_cast<Eigen::Index>(j)];
-        const auto put = [j](const Pairs& row, std::complex<double> factor) {
-            row.re[j] = 2 * factor.real();
-            row.im[j] = -2 * factor.imag();
-        };
-        put(displacement(), x / unit_s);
-        put(velocity(), x * pole / unit_s);
-        put(reaction(), -unit_s / response.mobility * x * pole * pole);
-        weight().re[j] = weight().im[j] = 2 * std::abs(x * pole);
-    }
+      fastest_(size_),
+      columns_(zeros(2 * size_ * 4)),
+      flags_(zeros((2 + most_terms) * flag_stride)),
+      tables_(zeros(stride_ * (3 * most_terms + 2 + degree_ * 2 * response.poles.size()))) {
     for (std::size_t n = 0; n < response.modes.size(); ++n) {
+        const PlateMode& mode = response.modes[n];
         mode_m_.push_back(row_of(response.mode_m[n]));
         mode_m_per_s_.push_back(row_of(response.mode_m_per_s[n]));
-        for (std::size_t j = 0; j < 2 * size_; ++j) {
-            mode_rows()[j * mode_stride + n] = mode_m_per_s_.back()[j];
+        mode_losses()[n] = unit_s * mode.loss_kg_per_s;
+        mean_shapes()[n] = mode.mean;
+    }
+    fill_columns(lanes);
+    fill_tables();
+}
+
+void PlateMotion::fill_columns(std::size_t lanes) noexcept {
+    for (std::size_t j = 0; j < pairs(); ++j) {
+        const std::complex<double> pole = response_.poles[j];
+        rate().re[j] = pole.real() * unit_s_;
+        rate().im[j] = pole.imag() * unit_s_;
+        for (std::size_t i = 0; i < size_; ++i) {
+            fastest_[i] =
+                j / lanes <= i / lanes ? std::max(fastest_[i], std::abs(pole) * unit_s_) : fastest_[i];
         }
-        mode_losses()[n] = unit_s * response.modes[n].loss_kg_per_s;
+        const std::complex<double> x = response_.centre_m[static_cast<Eigen::Index>(j)] / unit_s_;
+        displacement().re[j] = 2 * x.real();
+        displacement().im[j] = -2 * x.imag();
+        velocity().re[j] = 2 * (x * pole).real();
+        velocity().im[j] = -2 * (x * pole).imag();
+    }
+}
+
+/// A derivative by z more is a pole times unit more. The states' reaction follows from the velocities of the modes together: what
+/// changes these, beside the force, is a force on the body.
+void PlateMotion::fill_tables() noexcept {
+    double* const forced = mode_terms() + 2 * most_terms * stride_;
+    for (std::size_t j = 0; j < pairs(); ++j) {
+        const std::complex<double> rate = response_.poles[j] * unit_s_;
+        for (std::size_t n = 0; n < modes(); ++n) {
+            std::complex<double> factor =
+                2.0 / unit_s_ * response_.mode_m_per_s[n][static_cast<Eigen::Index>(j)];
+            double* const re = mean_shapes() + stride_ * (1 + degree_ * 2 * j) + n;
+            double* const im = re + stride_ * degree_;
+            for (std::size_t k = 0; k < degree_; ++k, factor *= rate) {
+                re[k * stride_] = factor.real();
+                im[k * stride_] = -factor.imag();
+                forced[k * stride_ + n] += factor.real();
+                if (k > 0) {
+                    answer[k - 1] += reaction() * factor.real();
+                }
+            }
+        }
     }
 }
 
@@ -80,7 +115,7 @@ void PlateMotion::find_slots(const SimdChain& chain) noexcept {
     };
     end_slot = slot(end);
     pad_slot = slot(end + 1);
-    std::fill_n(flags_.get(), 3 * flag_stride, 0.0);
+    std::fill_n(flags_.get(), 2 * flag_stride, 0.0);
     if (chain.slots() <= flag_stride) {
         flags_[end_slot] = 1;
         flags_[flag_stride + pad_slot] = 1;
@@ -89,7 +124,9 @@ void PlateMotion::find_slots(const SimdChain& chain) noexcept {
 
 void PlateMotion::rest() noexcept {
     std::fill_n(state().re, 2 * size_, 0.0);
-    std::fill_n(derivative(0).re, 2 * size_ * static_cast<std::size_t>(degree_), 0.0);
+    std::fill_n(mode_terms(), 2 * most_terms * stride_, 0.0);
+    centre = face = {};
+    onset = moves = false;
 }
 
 void PlateMotion::reset() noexcept {
@@ -105,10 +142,6 @@ double PlateMotion::energy() const noexcept {
         twice += response_.modes[n].stiffness_n_per_m * q * q + response_.modes[n].mass_kg * v * v;
     }
     return twice / 2;
-}
-
-double PlateMotion::share_at_once(std::size_t mode) const noexcept {
-    return 2 * response_.mode_m_per_s[mode].real().sum() / response_.mobility;
 }
 
 }  // namespace hertzline::kernels

@@ -73,16 +73,21 @@ void sample_body(const SeriesPiece& piece, std::size_t slot, bool velocities, Sa
     }
 }
 
+/// A polynomial of no more terms than a body's velocity has.
+template <int Degree>
+void sample_velocity(const std::array<double, most_series_terms>& terms, SampleTimes times, std::size_t count,
+                     double* out) {
+    std::array<double, Degree> used;
+    std::copy_n(terms.begin(), used.size(), used.begin());
+    sample_polynomial(used, 1, times, count, out, 1);
+}
+
 template <int Degree>
 SeriesKernels for_rows(std::size_t rows) {
-    switch (rows) {
-        case 1:
-            return {take_piece<1, Degree>, sample_body<Degree>, add_moments, sum_of_products};
-        case 2:
-            return {take_piece<2, Degree>, sample_body<Degree>, add_moments, sum_of_products};
-        default:
-            return {take_piece<0, Degree>, sample_body<Degree>, add_moments, sum_of_products};
-    }
+    const auto piece = rows == 1   ? take_piece<1, Degree>
+                       : rows == 2 ? take_piece<2, Degree>
+                                   : take_piece<0, Degree>;
+    return {piece, sample_body<Degree>, sample_velocity<Degree>, add_moments, sum_of_products};
 }
 
 /// Every series in the table of integrators has its kernels.

@@ -28,6 +28,8 @@ inline constexpr int highest_series_degree = [] {
     return highest;
 }();
 
+inline constexpr std::size_t most_series_terms = 16;
+
 /// Terms of the elastic force of a contact that has just closed (SeriesPiece::onset).
 inline constexpr int onset_terms = 5;
 
@@ -126,9 +128,12 @@ struct SeriesKernels {
     /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its end.
     void (*piece)(SimdChain& chain, SeriesPiece& piece);
     SampleKernel samples;
-    /// Adds integrals of the modes' velocities times Legendre's polynomials of degrees 0 to 3, [degree][mode_stride].
+    /// A polynomial, lowest term first, at `count` samples.
+    void (*polynomial)(const std::array<double, most_series_terms>& terms, SampleTimes times,
+                       std::size_t count, double* out);
+    /// Adds integrals of the modes' velocities times Legendre's polynomials of degrees 0 to 3, [degree][stride].
     void (*add_moments)(const PlateMotion& plate, int degree, const PlateInterval& part, double* moments);
-    /// Of two stretches of numbers whose count is a multiple of mode_stride.
+    /// Of two stretches of numbers whose count is a multiple of 16.
     double (*sum_of_products)(const double* a, const double* b, std::size_t count);
 };
 

@@ -7,10 +7,7 @@
 #include <mutex>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
-
-#include "core/plate/radiation.hpp"
+#include "core/plate/exact_plate.hpp"
 
 namespace hertzline {
 
@@ -19,116 +16,6 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 constexpr double two_pi = 2 * std::numbers::pi;
-
-// A mode without loss would have a pole on the axis; this loss takes 0.3 % of its amplitude in ten thousand periods.
-constexpr double least_loss_factor = 1e-7;
-
-/// The modes in a vacuum.
-std::vector<PlateMode> plate_modes(const PlateParameters& p, const std::vector<DiscMode>& discs) {
-    const double h = p.thickness_m;
-    const double area = std::numbers::pi * p.radius_m * p.radius_m;
-    const double nu = p.disc.poissons_ratio;
-    const double bending = p.disc.youngs_modulus_pa * h * h * h / (12 * (1 - nu * nu));
-    const double mass = p.disc.density_kg_per_m3 * h;
-    std::vector<PlateMode> modes;
-    for (const DiscMode& disc : discs) {
-        const double number = disc.root() / p.radius_m;
-        const double omega = number * number * std::sqrt(bending / mass);
-        PlateMode mode{.mass_kg = disc.mass() * mass * area,
-                       .mean = disc.mean(),
-                       .dry_hz = omega / two_pi,
-                       .kb_h = number * h};
-        mode.stiffness_n_per_m = mode.mass_kg * omega * omega;
-        mode.loss_kg_per_s = std::max(p.loss_factor, least_loss_factor) * mode.stiffness_n_per_m / omega;
-        modes.push_back(mode);
-    }
-    return modes;
-}
-
-/// The exact response of a plate.
-class ExactPlate {
-public:
-    explicit ExactPlate(const PlateParameters& parameters)
-        : p_(parameters),
-          discs_(disc_modes(p_.modes)),
-          mass_unit_(two_pi * p_.fluid.density_kg_per_m3 * std::pow(p_.radius_m, 3)),
-          modes_(plate_modes(p_, discs_)) {
-        find_wet_frequencies();
-        if (p_.load == FluidLoad::radiation) {
-            table_.emplace_back(discs_, ka(p_.band_hz));
-        }
-    }
-
-    const std::vector<PlateMode>& modes() const noexcept { return modes_; }
-    double ka(double frequency_hz) const noexcept {
-        return two_pi * frequency_hz * p_.radius_m / p_.fluid.sound_speed_m_per_s;
-    }
-    /// What moves at once when a force sets in: the inverse mass matrix times ones [1/kg].
-    Eigen::VectorXd mobility_at_once() const {
-        Eigen::MatrixXd mass = Eigen::MatrixXd::Zero(size(), size());
-        for (Index n = 0; n < size(); ++n) {
-            mass(n, n) = mode(n).mass_kg;
-        }
-        if (p_.load == FluidLoad::added_mass) {
-            mass += mass_unit_ * added_mass(discs_);
-        }
-        return mass.inverse() * Eigen::VectorXd::Ones(size());
-    }
-    /// Velocity of each mode per newton.
-    Eigen::VectorXcd mobilities(double frequency_hz) const {
-        Eigen::MatrixXcd z = Eigen::MatrixXcd::Zero(size(), size());
-        if (p_.load == FluidLoad::added_mass) {
-            z = Complex(0, two_pi * frequency_hz) * mass_unit_ * added_;
-        } else if (p_.load == FluidLoad::radiation) {
-            const double area = std::numbers::pi * p_.radius_m * p_.radius_m;
-            z = p_.fluid.density_kg_per_m3 * p_.fluid.sound_speed_m_per_s * area *
-                table_[0](ka(frequency_hz));
-        }
-        return mode_mobilities(modes_, z, frequency_hz);
-    }
-    /// Pressure at the hydrophone before the travel time, per rho c.
-    Complex pressure(double frequency_hz, const Eigen::VectorXcd& velocities) const {
-        Complex sum = 0;
-        for (Index n = 0; n < size(); ++n) {
-            sum += velocities[n] * axial_pressure(discs_[static_cast<std::size_t>(n)], ka(frequency_hz),
-                                                  p_.hydrophone_m / p_.radius_m);
-        }
-        return sum;
-    }
-
-private:
-    Index size() const noexcept { return static_cast<Index>(discs_.size()); }
-    const PlateMode& mode(Index n) const noexcept { return modes_[static_cast<std::size_t>(n)]; }
-
-    void find_wet_frequencies() {
-        added_ = added_mass(discs_);
-        Eigen::MatrixXd mass =
-            p_.load == FluidLoad::none ? Eigen::MatrixXd(0 * added_) : Eigen::MatrixXd(mass_unit_ * added_);
-        Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size(), size());
-        for (Index n = 0; n < size(); ++n) {
-            mass(n, n) += mode(n).mass_kg;
-            stiffness(n, n) = mode(n).stiffness_n_per_m;
-        }
-        const Eigen::VectorXd squares =
-            Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(stiffness, mass, Eigen::EigenvaluesOnly)
-                .eigenvalues();
-        for (Index n = 0; n < size(); ++n) {
-            PlateMode& mode = modes_[static_cast<std::size_t>(n)];
-            mode.wet_hz = std::sqrt(squares[n]) / two_pi;
-            constexpr double by_radiation = 0.01;
-            mode.half_width = p_.load == FluidLoad::radiation
-                                  ? by_radiation
-                                  : 0.5 * mode.loss_kg_per_s / mode.stiffness_n_per_m * std::sqrt(squares[n]);
-        }
-    }
-
-    PlateParameters p_;
-    std::vector<DiscMode> discs_;
-    double mass_unit_;  ///< 2 pi rho a^3 [kg]
-    Eigen::MatrixXd added_;
-    std::vector<PlateMode> modes_;
-    std::vector<ImpedanceTable> table_;  ///< one, with radiation
-};
 
 /// Frequencies around a resonance, as fractions of its half width.
 constexpr std::array around{-8.0, -4.0, -2.5, -1.5, -1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0};
@@ -163,20 +50,18 @@ std::vector<double> frequencies(double band_hz, int count, const std::vector<Res
 struct Sampled {
     Eigen::VectorXcd s;
     Eigen::MatrixXcd modes;  // [point][mode]
-    Eigen::VectorXcd centre, pressure;
+    Eigen::VectorXcd centre;
 
-    Sampled(const ExactPlate& plate, const PlateParameters& p, const std::vector<double>& at) {
+    Sampled(const ExactPlate& plate, const std::vector<double>& at) {
         const auto points = static_cast<Index>(at.size());
-        const double unit = plate.modes()[0].mass_kg * two_pi * p.band_hz;
+        const double band_hz = plate.parameters().band_hz;
+        const double unit = plate.modes()[0].mass_kg * two_pi * band_hz;
         s.resize(points);
-        modes.resize(points, p.modes);
-        pressure.resize(points);
+        modes.resize(points, plate.parameters().modes);
         for (Index i = 0; i < points; ++i) {
             const double f = at[static_cast<std::size_t>(i)];
-            const Eigen::VectorXcd mobilities = plate.mobilities(f);
-            s[i] = Complex(0, f / p.band_hz);
-            modes.row(i) = unit * mobilities;
-            pressure[i] = unit * plate.pressure(f, mobilities);
+            s[i] = Complex(0, f / band_hz);
+            modes.row(i) = unit * plate.mobilities(f);
         }
         centre = modes.rowwise().sum();
     }
@@ -191,11 +76,23 @@ Eigen::VectorXd weights_of(const Eigen::VectorXcd& values) {
     return (sizes.array() + floor * sorted[sorted.size() / 2]).inverse();
 }
 
+constexpr double blunt = 0.03;  // damping ratio from which on a resonance needs no points of its own
+
+/// Whether the sharp resonances stay where they were, compared with their widths.
+bool resonances_stay(const Poles& before, const Poles& now) {
+    constexpr double share = 0.01;
+    return std::all_of(now.begin(), now.end(), [&](const Complex& pole) {
+        const double width = -pole.real();
+        return width >= blunt * std::abs(pole) ||
+               std::any_of(before.begin(), before.end(),
+                           [&](const Complex& other) { return std::abs(other - pole) < share * width; });
+    });
+}
+
 /// Resonances of the poles that are sharp enough to need points of their own.
 std::vector<Resonance> sharp(const Poles& poles, double band_hz) {
     std::vector<Resonance> found;
     for (const Complex& pole : poles) {
-        constexpr double blunt = 0.03;
         if (pole.imag() > 0 && -pole.real() < blunt * std::abs(pole)) {
             found.push_back({pole.imag() * band_hz, -pole.real() * band_hz});
         }
@@ -218,20 +115,28 @@ Poles first_poles(const ExactPlate& plate, double band_hz, int count) {
     return poles;
 }
 
-Poles fitted_poles(const ExactPlate& plate, const PlateParameters& p, int count) {
+Poles fitted_poles(const ExactPlate& plate, int count) {
+    const PlateParameters& p = plate.parameters();
     constexpr int points = 110;
     constexpr double farthest = 1.3;  // of the band
-    constexpr std::array rounds{10, 5, 5};
+    struct Rounds {
+        int least, most;
+    };
+    constexpr std::array stages{Rounds{5, 10}, Rounds{4, 8},
+                                Rounds{3, 8}};  // each with points at the resonances found before
     Poles poles = first_poles(plate, p.band_hz, count);
     std::vector<Resonance> resonances;
     for (const PlateMode& mode : plate.modes()) {
         resonances.push_back({mode.wet_hz, mode.half_width * mode.wet_hz});
     }
-    for (const int most : rounds) {
-        const Sampled sampled(plate, p, frequencies(p.band_hz, points, resonances));
+    for (const Rounds& rounds : stages) {
+        const Sampled sampled(plate, frequencies(p.band_hz, points, resonances));
         const Responses responses{sampled.s, sampled.modes, weights_of(sampled.centre).replicate(1, p.modes)};
-        for (int round = 0; round < most; ++round) {
+        bool settled = false;
+        for (int round = 0; round < rounds.least || (round < rounds.most && !settled); ++round) {
+            const Poles before = poles;
             poles = relocated(poles, responses, farthest);
+            settled = resonances_stay(before, poles);
         }
         const std::vector<Resonance> more = sharp(poles, p.band_hz);
         resonances.insert(resonances.end(), more.begin(), more.end());
@@ -264,23 +169,22 @@ double least_resistance(const Poles& poles, const Eigen::VectorXcd& residues) {
     return least;
 }
 
-PlateResponse fitted(const PlateParameters& p, int count) {
-    const ExactPlate plate(p);
-    const Poles poles = fitted_poles(plate, p, count);
+/// The response with these poles, given in units of the band.
+PlateResponse with_poles(const ExactPlate& plate, const Poles& poles) {
+    const PlateParameters& p = plate.parameters();
     const double omega = two_pi * p.band_hz;
     const double unit_kg = plate.modes()[0].mass_kg;
-    std::vector<Resonance> resonances = sharp(poles, p.band_hz);
     constexpr int points = 150;  // other ones than the poles were found with
-    const Sampled sampled(plate, p, frequencies(p.band_hz, points, resonances));
+    const Sampled sampled(plate, frequencies(p.band_hz, points, sharp(poles, p.band_hz)));
+    const Eigen::VectorXd of_centre = weights_of(sampled.centre);
     const Eigen::VectorXd at_once = plate.mobility_at_once();
 
     PlateResponse response;
     response.parameters = p;
     response.modes = plate.modes();
+    response.mobility = at_once.sum();
     const auto size = static_cast<Index>(poles.size());
-    Eigen::VectorXcd centre = Eigen::VectorXcd::Zero(size);
-    response.face_m_per_s = response.centre_m = Eigen::VectorXcd::Zero(size);
-    const Eigen::VectorXd of_centre = weights_of(sampled.centre);
+    response.centre_m = response.centre_m_per_s = Eigen::VectorXcd::Zero(size);
     Eigen::VectorXcd inverse(size);
     for (Index j = 0; j < size; ++j) {
         response.poles.push_back(omega * poles[static_cast<std::size_t>(j)]);
@@ -294,52 +198,49 @@ PlateResponse fitted(const PlateParameters& p, int count) {
                                           {-2, -soft},
                                           {-3, soft * omega * mode.loss_kg_per_s / mode.stiffness_n_per_m},
                                           {0, unit_kg * at_once[n]}};
-        const Eigen::VectorXcd of_mode = residues(poles, sampled.s, sampled.modes.col(n), of_centre, moments);
-        centre += of_mode;
-        response.mode_m_per_s.emplace_back(of_mode / unit_kg);
+        response.mode_m_per_s.emplace_back(
+            residues(poles, sampled.s, sampled.modes.col(n), of_centre, moments) / unit_kg);
         response.mode_m.emplace_back(response.mode_m_per_s.back().cwiseProduct(inverse));
-        response.face_m_per_s += mode.mean * response.mode_m_per_s.back();
+        response.centre_m_per_s += response.mode_m_per_s.back();
         response.centre_m += response.mode_m.back();
     }
-    response.centre_m_per_s = centre / unit_kg;
-    response.mobility = at_once.sum();
+    return response;
+}
 
-    constexpr int checks = 467;  // between the points of both
-    const Sampled checked(plate, p, frequencies(p.band_hz, checks, resonances));
-    Eigen::VectorXcd velocity(checked.s.size());
-    Eigen::VectorXcd pressure(checked.s.size());
-    for (Index i = 0; i < checked.s.size(); ++i) {
+/// Finds out how good the response is, at other points than it was fitted to.
+void judge(PlateResponse& response, const ExactPlate& plate, const Poles& poles) {
+    const PlateParameters& p = plate.parameters();
+    const double unit_kg = plate.modes()[0].mass_kg;
+    constexpr int points = 467;
+    const Sampled exact(plate, frequencies(p.band_hz, points, sharp(poles, p.band_hz)));
+    Eigen::VectorXcd velocity(exact.s.size());
+    Eigen::VectorXcd pressure(exact.s.size());
+    Eigen::VectorXcd exact_pressure(exact.s.size());
+    for (Index i = 0; i < exact.s.size(); ++i) {
         Eigen::VectorXcd of_modes(p.modes);
         for (Index n = 0; n < p.modes; ++n) {
             of_modes[n] =
-                unit_kg * value_at(poles, response.mode_m_per_s[static_cast<std::size_t>(n)], checked.s[i]);
+                unit_kg * value_at(poles, response.mode_m_per_s[static_cast<std::size_t>(n)], exact.s[i]);
         }
+        const Eigen::VectorXcd pressures = plate.pressures(exact.s[i].imag() * p.band_hz);
         velocity[i] = of_modes.sum();
-        pressure[i] = plate.pressure(checked.s[i].imag() * p.band_hz, of_modes);
+        pressure[i] = pressures.cwiseProduct(of_modes).sum();
+        exact_pressure[i] = pressures.cwiseProduct(exact.modes.row(i).transpose()).sum();
     }
-    response.velocity_error = largest_error(velocity, checked.centre);
-    response.pressure_error = largest_error(pressure, checked.pressure);
-    response.least_resistance = least_resistance(poles, centre);
+    response.velocity_error = largest_error(velocity, exact.centre);
+    response.pressure_error = largest_error(pressure, exact_pressure);
+    response.least_resistance = least_resistance(poles, unit_kg * response.centre_m_per_s);
+}
+
+PlateResponse fitted(const PlateParameters& parameters, int count) {
+    const ExactPlate plate(parameters);
+    const Poles poles = fitted_poles(plate, count);
+    PlateResponse response = with_poles(plate, poles);
+    judge(response, plate, poles);
     return response;
 }
 
 }  // namespace
-
-Eigen::VectorXcd mode_mobilities(const std::vector<PlateMode>& modes, const Eigen::MatrixXcd& impedance,
-                                 double frequency_hz) {
-    const auto size = static_cast<Index>(modes.size());
-    const double omega = two_pi * frequency_hz;
-    Eigen::MatrixXcd all = impedance;
-    for (Index n = 0; n < size; ++n) {
-        const PlateMode& mode = modes[static_cast<std::size_t>(n)];
-        all(n, n) += Complex(mode.loss_kg_per_s, omega * mode.mass_kg - mode.stiffness_n_per_m / omega);
-    }
-    return all.partialPivLu().solve(Eigen::VectorXcd::Ones(size));
-}
-
-double highest_dry_hz(const PlateParameters& parameters) {
-    return plate_modes(parameters, disc_modes(parameters.modes)).back().dry_hz;
-}
 
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles) {
     struct Kept {
@@ -348,32 +249,47 @@ std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& param
     };
     static std::mutex mutex;
     static std::deque<Kept> kept;
+    const auto find = [&]() -> std::shared_ptr<const PlateResponse> {
+        const auto found = std::find_if(kept.begin(), kept.end(), [&](const Kept& entry) {
+            return entry.poles == poles && entry.response->parameters == parameters;
+        });
+        return found == kept.end() ? nullptr : found->response;
+    };
+    {
+        const std::scoped_lock lock(mutex);
+        if (auto response = find()) {
+            return response;
+        }
+    }
+    auto response = std::make_shared<const PlateResponse>(fitted(parameters, poles));  // others go on
     const std::scoped_lock lock(mutex);
-    const auto found = std::find_if(kept.begin(), kept.end(), [&](const Kept& entry) {
-        return entry.poles == poles && entry.response->parameters == parameters;
-    });
-    if (found != kept.end()) {
-        return found->response;
+    if (auto other = find()) {
+        return other;
     }
     constexpr std::size_t most = 16;
     if (kept.size() == most) {
         kept.pop_front();
     }
-    kept.push_back({poles, std::make_shared<const PlateResponse>(fitted(parameters, poles))});
-    return kept.back().response;
+    kept.push_back({poles, response});
+    return response;
 }
 
 int poles_for(const PlateParameters& parameters, double accuracy) {
-    constexpr std::array counts{16, 24, 32, 40, 48, 56, 64};  // whole vectors of pairs
+    constexpr int fewest = 16;
+    constexpr int most = 64;
+    constexpr int more = 4;
     constexpr double share = 0.25;
-    for (const int count : counts) {
+    for (int count = fewest; count < most;) {
         const auto response = plate_response(parameters, count);
-        if (std::max(response->velocity_error, response->pressure_error) <= share * accuracy &&
-            response->least_resistance >= 0) {
+        const double excess =
+            std::max(response->velocity_error, response->pressure_error) / (share * accuracy);
+        if (excess <= 1 && response->least_resistance >= 0) {
             return count;
         }
+        // with four poles more the error falls by no more than ten times, as a rule
+        count += more * std::max(1, static_cast<int>(std::log10(excess)));
     }
-    return counts.back();
+    return most;
 }
 
 }  // namespace hertzline

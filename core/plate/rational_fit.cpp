@@ -58,7 +58,7 @@ Eigen::MatrixXd stacked(const Eigen::MatrixXcd& rows) {
     return both;
 }
 
-/// Least squares that bear columns that hardly differ.
+/// Solves by least squares. Columns may be almost the same.
 Eigen::VectorXd solved(Eigen::MatrixXd rows, const Eigen::VectorXd& values) {
     const Eigen::VectorXd scale = rows.colwise().norm().cwiseMax(1e-300).cwiseInverse();
     rows *= scale.asDiagonal();

@@ -24,19 +24,15 @@ std::array<double, PlateOutputs::moments> legendre(double x) noexcept {
 }  // namespace
 
 PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
-                           double sample_period_s, TapSet taps)
+                           Integrator integrator, double sample_period_s, TapSet taps)
     : plate_(plate),
-      kernels_(kernels::series_kernels(Integrator::taylor8, 1)),  // these do not hang on the order
+      kernels_(kernels::series_kernels(integrator, 1)),
       piece_(piece),
       sample_period_s_(sample_period_s) {
     if (plate_ == nullptr) {
         return;
     }
-    for (std::size_t n = 0; n < plate_->modes(); ++n) {
-        centre_at_once_ += plate_->share_at_once(n);
-        face_at_once_ += plate_->mean_shape(n) * plate_->share_at_once(n);
-    }
-    plate_->wants_modes =
+    plate_->shows_modes =
         taps.contains(Tap::p_axis) || taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
     if (!taps.contains(Tap::p_axis)) {
         return;
@@ -59,11 +55,15 @@ void PlateOutputs::make_kernel(const PlateResponse& response, double sample_peri
     const double z = p.hydrophone_m;
     const double way = a / (std::hypot(z / a, 1.0) + z / a);  // of the last sound beyond the first
     const double interval = c * sample_period_s / static_cast<double>(intervals_per_sample_);
-    kernel_.resize(static_cast<std::size_t>(std::ceil(way / interval)));
+    const auto intervals = static_cast<std::size_t>(std::ceil(way / interval));
+    const std::size_t stride = plate_->stride();
+    per_interval_ = moments * stride;
+    kernel_.resize(intervals * per_interval_);
     history_.resize(kernel_.size());
+    open_.resize(per_interval_);
     for (std::size_t n = 0; n < response.modes.size(); ++n) {
         const DiscMode mode(static_cast<int>(n));
-        for (std::size_t j = 0; j < kernel_.size(); ++j) {
+        for (std::size_t j = 0; j < intervals; ++j) {
             const double begin = static_cast<double>(j) * interval;
             const double end = std::min(begin + interval, way);
             each_node<24>(begin, end, [&](double beyond, double weight) {
@@ -72,7 +72,7 @@ void PlateOutputs::make_kernel(const PlateResponse& response, double sample_peri
                 const auto polynomials = legendre(1 - 2 * (beyond - begin) / interval);
                 for (std::size_t q = 0; q < moments; ++q) {
                     // the coefficient, and 1/c for the integral over time instead of way
-                    kernel_[kernel_.size() - 1 - j][q * stride + n] +=
+                    kernel_[(intervals - 1 - j) * per_interval_ + q * stride + n] +=
                         (2 * static_cast<double>(q) + 1) / interval * weight * slope * polynomials[q] * c;
                 }
             });
@@ -82,50 +82,27 @@ void PlateOutputs::make_kernel(const PlateResponse& response, double sample_peri
 
 void PlateOutputs::reset() noexcept {
     std::fill(ring_.begin(), ring_.end(), 0.0);
-    std::fill(history_.begin(), history_.end(), Moments{});
-    open_ = {};
+    std::fill(history_.begin(), history_.end(), 0.0);
+    std::fill(open_.begin(), open_.end(), 0.0);
     done_ = 0;
-    velocities_.reset();
     // the first line that lies behind the start
     FixedTime lines = delay_.times(intervals_per_sample_);
     line_ = lines.rounded_up();
 }
 
-const PlateVelocities& PlateOutputs::velocities() noexcept {
-    if (velocities_) {
-        return *velocities_;
-    }
-    PlateVelocities& sums = velocities_.emplace();
-    sums.centre.at_once = centre_at_once_;
-    sums.face.at_once = face_at_once_;
+double PlateOutputs::velocity(const kernels::PlateMotion::Velocity& of, double z) const noexcept {
     if (piece_.plate == nullptr) {
-        return sums;
+        return 0;
     }
-    for (std::size_t n = 0; n < plate_->modes(); ++n) {
-        const double mean = plate_->mean_shape(n);
-        for (std::size_t k = 0; k < static_cast<std::size_t>(piece_.degree()); ++k) {
-            const double term = plate_->mode_terms()[k * stride + n];
-            sums.centre.terms[k] += term;
-            sums.face.terms[k] += mean * term;
-            sums.none = sums.none && term == 0;
+    const auto at = [this, z](const auto& terms) {
+        double value = 0;
+        for (auto k = static_cast<std::size_t>(piece_.degree()); k-- > 0;) {
+            value = value * z + terms[k];
         }
-    }
-    return sums;
-}
-
-/// The polynomial and, after a closing, what the onset force adds.
-double PlateOutputs::velocity(const SumOfModes& sum, double z) const noexcept {
-    double value = 0;
-    for (auto k = static_cast<std::size_t>(piece_.degree()); k-- > 0;) {
-        value = value * z + sum.terms[k];
-    }
-    if (piece_.onset) {
-        double power = z * z * std::sqrt(std::max(z, 0.0)) * piece_.per_unit;
-        for (int i = 0; i < kernels::onset_terms; ++i, power *= z) {
-            value += sum.at_once * piece_.onset_force(i)[plate_->end_slot] * power / (i + 2.5);
-        }
-    }
-    return value;
+        return value;
+    };
+    return plate_->onset ? at(of.terms) + z * z * std::sqrt(std::max(z, 0.0)) * at(of.onset_terms)
+                         : at(of.terms);
 }
 
 /// Integrals over a part of the open interval. @param line where the interval ends [z]
@@ -141,13 +118,10 @@ double PlateOutputs::pressure(double centre) const noexcept {
     if (size == 0) {
         return sum;
     }
-    // the latest intervals lie before the line's place in the ring, the others behind it
-    const std::size_t place = static_cast<std::size_t>(line_) % size;
-    const std::size_t before = place + 1;
-    sum += kernels_.sum_of_products(kernel_[size - before].data(), history_[0].data(),
-                                    before * Moments().size());
-    sum += kernels_.sum_of_products(kernel_[0].data(), history_[place + 1 < size ? place + 1 : 0].data(),
-                                    (size - before) * Moments().size());
+    // the latest intervals lie up to the line's place in the ring, the others behind it
+    const std::size_t latest = (static_cast<std::size_t>(line_) * per_interval_) % size + per_interval_;
+    sum += kernels_.sum_of_products(kernel_.data() + (size - latest), history_.data(), latest);
+    sum += kernels_.sum_of_products(kernel_.data(), history_.data() + latest, size - latest);
     return sum;
 }
 
@@ -163,12 +137,12 @@ double PlateOutputs::place_of(std::int64_t line, const Stretch& piece) const noe
 
 /// Goes on through the piece. @param until [z]
 void PlateOutputs::send(double until, const Stretch& piece) noexcept {
-    const auto size = static_cast<std::int64_t>(history_.size());
+    const bool moves = piece_.plate != nullptr && plate_->moves;
     for (;;) {
         const double line = place_of(line_, piece);
         const double to = std::min(line, until);
         if (to > done_) {
-            if (!velocities().none) {
+            if (moves) {
                 add_moments(done_, to, line);
             }
             done_ = to;
@@ -176,14 +150,29 @@ void PlateOutputs::send(double until, const Stretch& piece) noexcept {
         if (line > until) {
             return;
         }
-        if (size > 0) {
-            history_[static_cast<std::size_t>(line_ % size)] = open_;
+        if (!history_.empty()) {
+            const std::size_t place = (static_cast<std::size_t>(line_) * per_interval_) % history_.size();
+            std::copy(open_.begin(), open_.end(), history_.begin() + static_cast<std::ptrdiff_t>(place));
         }
         if (line_ % intervals_per_sample_ == 0) {
-            in_ring(line_ / intervals_per_sample_) = pressure(velocity(velocities().centre, line));
+            in_ring(line_ / intervals_per_sample_) = pressure(velocity(plate_->centre, line));
         }
-        open_ = {};
+        std::fill(open_.begin(), open_.end(), 0.0);
         ++line_;
+    }
+}
+
+void PlateOutputs::put_velocity(const kernels::PlateMotion::Velocity& of, const kernels::SampleTimes& times,
+                                std::size_t count, double* out) const noexcept {
+    if (piece_.plate == nullptr) {
+        std::fill_n(out, count, 0.0);
+    } else if (plate_->onset) {
+        for (std::size_t i = 0; i < count; ++i) {
+            out[i] = velocity(
+                of, ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample);
+        }
+    } else {
+        kernels_.polynomial(of.terms, times, count, out);
     }
 }
 
@@ -193,10 +182,8 @@ void PlateOutputs::put(const EndMotion& motion, const kernels::SampleTimes& time
         return;
     }
     const std::size_t at = motion.count;
-    for (std::size_t i = 0; motion.v_face != nullptr && i < count; ++i) {
-        const double z =
-            ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
-        motion.v_face[at + i] = velocity(velocities().face, z);
+    if (motion.v_face != nullptr) {
+        put_velocity(plate_->face, times, count, motion.v_face + at);
     }
     if (motion.p_axis != nullptr) {
         // a piece that is longer than the way may send what arrives in it
@@ -215,7 +202,6 @@ void PlateOutputs::leave_piece(const Stretch& piece) noexcept {
         send(difference(piece.end, piece.begin) * sample_period_s_ / piece_.unit_s, piece);
     }
     done_ = 0;
-    velocities_.reset();
 }
 
 double PlateOutputs::bytes(double delay) noexcept {

@@ -9,7 +9,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "core/integrators/plate_motion.hpp"
@@ -27,22 +26,11 @@ struct Stretch {
     FixedTime end;
 };
 
-/// A sum over the velocities of a plate's modes in a piece, as a polynomial in z.
-struct SumOfModes {
-    std::array<double, kernels::PlateMotion::most_terms> terms{};
-    double at_once = 0;  ///< per velocity of the body when a force sets in
-};
-/// The sums that outputs are made of, for a piece.
-struct PlateVelocities {
-    SumOfModes centre, face;
-    bool none = true;  ///< nothing moves
-};
-
 class PlateOutputs {
 public:
     /// All outlive the object. @param plate null: there is none, and nothing is done @param taps all that may be wanted
     PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
-                 double sample_period_s, TapSet taps);
+                 Integrator integrator, double sample_period_s, TapSet taps);
 
     /// Back to sample 0: the plate at rest, and no sound on its way.
     void reset() noexcept;
@@ -60,11 +48,10 @@ public:
     static constexpr std::size_t moments = 4;  ///< polynomials across an interval
 
 private:
-    static constexpr std::size_t stride = kernels::PlateMotion::mode_stride;
-    using Moments = std::array<double, moments * stride>;  // [polynomial][mode]
     void make_kernel(const PlateResponse& response, double sample_period_s);
-    const PlateVelocities& velocities() noexcept;
-    double velocity(const SumOfModes& sum, double z) const noexcept;
+    void put_velocity(const kernels::PlateMotion::Velocity& of, const kernels::SampleTimes& times,
+                      std::size_t count, double* out) const noexcept;
+    double velocity(const kernels::PlateMotion::Velocity& of, double z) const noexcept;
     void add_moments(double from, double to, double line) noexcept;
     double pressure(double centre) const noexcept;
     double place_of(std::int64_t line, const Stretch& piece) const noexcept;
@@ -76,19 +63,19 @@ private:
     kernels::PlateMotion* plate_;
     kernels::SeriesKernels kernels_;
     const kernels::SeriesPiece& piece_;
-    double centre_at_once_ = 0, face_at_once_ = 0;  ///< as SumOfModes has it
     double sample_period_s_;
     bool has_pressure_ = false;
     double rho_c_ = 0;
     FixedTime delay_;  ///< of the pressure [samples]
     std::int64_t intervals_per_sample_ = 1;
-    std::vector<Moments> kernel_;                ///< by intervals, the earliest first
-    std::vector<Moments> history_;               ///< a ring of as many intervals
-    Moments open_{};                             ///< of the interval that is not over
-    std::int64_t line_ = 0;                      ///< the end of that interval, counted in intervals
-    double done_ = 0;                            ///< of the present piece [z]
-    std::vector<double> ring_;                   ///< pressures by samples
-    std::optional<PlateVelocities> velocities_;  ///< of the present piece, when they were needed
+    // integrals over intervals, [polynomial][mode], as kernels::add_moments has them
+    std::size_t per_interval_ = 0;  ///< of them
+    std::vector<double> kernel_;    ///< by intervals, the earliest first
+    std::vector<double> history_;   ///< a ring of as many intervals
+    std::vector<double> open_;      ///< of the interval that is not over
+    std::int64_t line_ = 0;         ///< the end of that interval, counted in intervals
+    double done_ = 0;               ///< of the present piece [z]
+    std::vector<double> ring_;      ///< pressures by samples
 };
 
 }  // namespace hertzline

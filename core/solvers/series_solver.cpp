@@ -71,7 +71,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
                                    kernels::series_degree(integrator_), *scene.numerics.step_s)
                              : nullptr),
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
-      plate_outputs_(chain, plate_.get(), piece_, sample_period_s_, options.taps),
+      plate_outputs_(chain, plate_.get(), piece_, integrator_, sample_period_s_, options.taps),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     const double unit = *scene.numerics.step_s;

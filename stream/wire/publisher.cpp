@@ -94,7 +94,7 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
 void Publisher::set_options(const std::string& endpoint) {
     socket_.set(zmq::sockopt::sndhwm, queue_length(options_));
     socket_.set(zmq::sockopt::linger, static_cast<int>(options_.linger.count()));
-    // Tells of every subscriber, not of a topic's first one only: each has to be sent the meta message.
+    // Reports every subscriber, not only the first one of a topic: each has to be sent the meta message.
     socket_.set(zmq::sockopt::xpub_verbose, true);
     // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake
     // of CURVE counts, too: its longest command has 257 bytes and what the peer says of itself.

@@ -7,6 +7,7 @@
 
 #include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
+#include "tests/apps/recorded_columns.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
@@ -19,30 +20,6 @@ using testing::HasSubstr;
 
 const std::string any_port = "tcp://127.0.0.1:*";
 using Words = std::vector<std::string>;
-
-/// All samples of a recording without gaps, and the column of that name.
-std::vector<double> column(const std::string& file, const std::string& name) {
-    const auto reader = open_reader(file);
-    const auto& columns = reader->head().columns;
-    const auto found = std::ranges::find(columns, name, &Column::name);
-    EXPECT_NE(found, columns.end()) << name;
-    const std::vector<RecordedRows> stretches = read_rows(*reader, 1 << 16);
-    EXPECT_LE(stretches.size(), 1U) << "gaps";
-    std::vector<double> values;
-    if (!stretches.empty()) {
-        EXPECT_EQ(stretches[0].first, 0);
-        for (auto i = static_cast<std::size_t>(found - columns.begin()); i < stretches[0].values.size();
-             i += columns.size()) {
-            values.push_back(stretches[0].values[i]);
-        }
-    }
-    return values;
-}
-
-std::vector<double> as_float32(std::vector<double> values) {
-    std::ranges::transform(values, values.begin(), [](double v) { return static_cast<float>(v); });
-    return values;
-}
 
 std::vector<std::string> column_names(const std::string& file) {
     std::vector<std::string> names;

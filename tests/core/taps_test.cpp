@@ -7,14 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/ends.hpp"
+
 namespace hertzline {
 namespace {
 
-End end_of(EndKind kind) {
-    End end;
-    end.kind = kind;
-    return end;
-}
+using test::end_of;
 
 TEST(Taps, EachHasARowOfItsOwn) {
     std::set<std::string_view> names;

@@ -154,7 +154,7 @@ def subscribers_that_trickle(stand):
 
 
 def clients_beyond_the_limit(stand):
-    """All subscribe to something. A newcomer is told, and comes in when one leaves."""
+    """All subscribe to something. A newcomer gets a message that says so, and comes in when one leaves."""
     most = 64
     with stand.stream() as stream, contextlib.ExitStack() as leaving:
         context = leaving.enter_context(zmq.Context())

@@ -9,7 +9,7 @@
 
 namespace hertzline::app {
 
-/// Draws the taps of the record; nothing where no file is named. Tells of a picture that cannot be drawn.
+/// Draws the taps of the record; nothing where no file is named. Reports a picture that cannot be drawn.
 /// @param title stands above @returns whether it was drawn
 bool save_picture(const std::string& file, const RunRecord& record, const Scene& scene,
                   const Json& provenance, const std::string& title);

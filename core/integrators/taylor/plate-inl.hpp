@@ -7,11 +7,14 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
+#include "core/integrators/taylor/modes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -21,9 +24,215 @@ constexpr double factorial(int n) {
     return n < 2 ? 1 : n * factorial(n - 1);
 }
 
-/// Sum over all pairs of a row times states.
-HWY_INLINE double row_times(const PlateMotion& plate, const PlateMotion::Pairs& row,
-                            const PlateMotion::Pairs& states) {
+/// 1/k!
+inline constexpr auto per_factorial = [] {
+    std::array<double, PlateMotion::most_state_terms + 4> all{1};
+    for (std::size_t k = 1; k < all.size(); ++k) {
+        all[k] = all[k - 1] / static_cast<double>(k);
+    }
+    return all;
+}();
+
+/// Adds what one part of one state does to the derivatives of all orders.
+template <std::size_t... K>
+HWY_INLINE void add_state(double state, const double* row, std::size_t stride,
+                          std::array<ModeVec, sizeof...(K)>& sums, std::index_sequence<K...> /*orders*/) {
+    const ModeVec s = hn::Set(ModeTag(), state);
+    ((sums[K] = MulAdd(s, hn::Load(ModeTag(), row + K * stride), sums[K])), ...);
+}
+
+/// Derivatives of the modes' velocities, and the reaction to the body, as they are without the force of this piece.
+template <int Degree>
+HWY_INLINE void begin_plate(PlateMotion& plate) {
+    plate.behind.fill(0);
+    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
+        constexpr auto orders = std::make_index_sequence<Degree>();
+        std::array<ModeVec, Degree> sums;
+        sums.fill(hn::Zero(ModeTag()));
+        for (std::size_t j = 0; j < plate.pairs(); ++j) {
+            add_state(plate.state().re[j], plate.of_state(j, 0) + first, plate.stride(), sums, orders);
+            add_state(plate.state().im[j], plate.of_state(j, 1) + first, plate.stride(), sums, orders);
+        }
+        for (std::size_t k = 0; k < Degree; ++k) {
+            hn::Store(sums[k], ModeTag(), plate.mode_terms() + k * plate.stride() + first);
+            if (k > 0) {
+                plate.behind[k - 1] += plate.reaction() * sum_of_modes(sums[k]);
+            }
+        }
+    });
+}
+
+/// Order N of the last contact's force is taken down; what the plate does to the last body goes into the pad's slot.
+template <int N, std::size_t K, int Degree>
+HWY_INLINE void exchange_with_plate(Expansion<K, Degree>& e, Col<K>& force) {
+    PlateMotion& plate = *e.piece.plate;
+    double behind = plate.behind[N];
+    for (std::size_t m = 0; m < N; ++m) {
+        behind += plate.answer[N - 1 - m] * plate.force[m];
+    }
+    behind /= factorial(N + 2);
+    double handed = 0;
+    if constexpr (K == 0) {
+        handed = force.rows[plate.end_slot];
+        force.rows[plate.pad_slot] += behind;
+    } else {
+        HERTZLINE_EACH_ROW(k, K) store_row(force[k], plate.room(0) + k * lanes());
+        handed = plate.room(0)[plate.end_slot];
+        HERTZLINE_EACH_ROW(k, K) {
+            force.set(k, MulAdd(splat(behind), load_row(plate.pad_flag() + k * lanes()), force[k]));
+        }
+    }
+    plate.force[N] = factorial(N + 2) * handed;
+}
+
+/// The polynomials of the modes' velocities, once all orders of the force are known.
+/// @returns their largest last term, as those of the displacements are looked at [m]
+template <int Degree>
+HWY_INLINE double finish_modes(PlateMotion& plate, double unit_s) {
+    double largest = 0;
+    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
+        double* const terms = plate.mode_terms() + first;
+        const double* const of_force = plate.of_force() + first;
+        const std::size_t stride = plate.stride();
+        ModeVec last = hn::Zero(ModeTag());
+        double share = 1;
+        for (std::size_t k = 0; k < Degree; ++k) {
+            ModeVec sum = hn::Load(ModeTag(), terms + k * stride);
+            for (std::size_t m = 0; m < k; ++m) {
+                const ModeVec answer = hn::Load(ModeTag(), of_force + (k - 1 - m) * stride);
+                sum = MulAdd(hn::Set(ModeTag(), plate.force[m]), answer, sum);
+            }
+            sum = sum * hn::Set(ModeTag(), share);
+            hn::Store(sum, ModeTag(), terms + k * stride);
+            share /= static_cast<double>(k + 1);
+            if (k >= Degree - 2) {
+                const double factor = k == Degree - 1 ? unit_s / Degree : 0.5 * unit_s / (Degree - 1);
+                last = Max(last, hn::Set(ModeTag(), factor) * Abs(sum));
+            }
+        }
+        largest = std::max(largest, GetLane(hn::MaxOfLanes(ModeTag(), last)));
+    });
+    plate.moves = true;
+    return largest;
+}
+
+/// A complex number in each lane.
+struct Complexes {
+    Vec re, im;
+};
+/// a b + c
+HWY_INLINE Complexes product_plus(const Complexes& a, const Complexes& b, double c) {
+    return {NegMulAdd(a.im, b.im, MulAdd(a.re, b.re, splat(c))), MulAdd(a.re, b.im, a.im * b.re)};
+}
+
+/// sum_j w^j/(j + K)!, by its even and odd terms side by side. @param terms of both
+template <int K>
+HWY_INLINE Complexes phi(const Complexes& w, int terms) {
+    const Complexes square = product_plus(w, w, 0);
+    Complexes even{zero(), zero()};
+    Complexes odd{zero(), zero()};
+    for (int j = (terms + 1) / 2 * 2; j >= 0; j -= 2) {
+        even = product_plus(even, square, per_factorial[K + j]);
+        odd = product_plus(odd, square, per_factorial[K + j + 1]);
+    }
+    const Complexes rest = product_plus(odd, w, 0);
+    return {even.re + rest.re, even.im + rest.im};
+}
+
+/// The states at z, as exactly as the force's polynomial has them: exp(w) y + sum_m F^(m) z^(m + 1) phi_(m + 1)(w), where w is a rate
+/// times z (M. Hochbruck and A. Ostermann, Acta Numerica 19 (2010) 209, section 2.1). Rates may be much faster than the motion that the
+/// series follow: no step is too long for them.
+template <int Degree>
+HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
+    constexpr int first = Degree - 1;
+    const PlateMotion::Pairs state = plate.state();
+    const PlateMotion::Pairs rate = plate.rate();
+    std::array<double, Degree> pushes{};  // F^(m) z^(m + 1)
+    double power = z;
+    for (std::size_t m = 0; m < first; ++m, power *= z) {
+        pushes[m] = plate.force[m] * power;
+    }
+    for (std::size_t j = 0; j < plate.size(); j += lanes()) {
+        const Complexes w{splat(z) * load_row(rate.re + j), splat(z) * load_row(rate.im + j)};
+        Complexes phi_k = phi<first>(w, plate.terms_until(z, j) - first);
+        Vec re = splat(pushes[first - 1]) * phi_k.re;
+        Vec im = splat(pushes[first - 1]) * phi_k.im;
+        for (std::size_t k = first - 1; k > 0; --k) {
+            phi_k = product_plus(w, phi_k, per_factorial[k]);
+            re = MulAdd(splat(pushes[k - 1]), phi_k.re, re);
+            im = MulAdd(splat(pushes[k - 1]), phi_k.im, im);
+        }
+        const Complexes turn = product_plus(w, phi_k, 1);
+        const Vec y_re = load_row(state.re + j);
+        const Vec y_im = load_row(state.im + j);
+        store_row(NegMulAdd(turn.im, y_im, MulAdd(turn.re, y_re, re)), state.re + j);
+        store_row(MulAdd(turn.im, y_re, MulAdd(turn.re, y_im, im)), state.im + j);
+    }
+}
+
+/// Adds what the onset force of the last contact does to the states: f_i z^(i + 3/2), integrated over and over with their rates.
+template <int Degree>
+HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const std::array<double, onset_terms>& force,
+                                    double z) {
+    const PlateMotion::Pairs state = plate.state();
+    const PlateMotion::Pairs rate = plate.rate();
+    const double start = z * z * std::sqrt(z);
+    for (std::size_t j = 0; j < plate.size(); j += lanes()) {
+        const Vec rate_re = splat(z) * load_row(rate.re + j);
+        const Vec rate_im = splat(z) * load_row(rate.im + j);
+        Vec re = zero();
+        Vec im = zero();
+        Vec sum_re = load_row(state.re + j);
+        Vec sum_im = load_row(state.im + j);
+        double power = start;
+        for (int m = 0; m < Degree; ++m, power *= z) {
+            const Vec share = splat(1 / (m + 2.5));
+            const Vec input = splat(m < onset_terms ? force[m] * power : 0.0);
+            const Vec before = re;
+            re = share * NegMulAdd(rate_im, im, MulAdd(rate_re, before, input));
+            im = share * MulAdd(rate_im, before, rate_re * im);
+            sum_re = sum_re + re;
+            sum_im = sum_im + im;
+        }
+        store_row(sum_re, state.re + j);
+        store_row(sum_im, state.im + j);
+    }
+}
+
+/// What the onset force does to the modes' velocities.
+template <int Degree>
+HWY_INLINE void find_onset_terms(const PlateMotion& plate, const std::array<double, onset_terms>& force) {
+    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
+        for (int m = 0; m < Degree; ++m) {
+            ModeVec sum = hn::Zero(ModeTag());
+            for (int i = 0; i <= std::min(m, onset_terms - 1); ++i) {
+                double share = force[i];
+                for (int k = i; k <= m; ++k) {
+                    share /= k + 2.5;
+                }
+                const auto row = static_cast<std::size_t>(m - i);
+                const ModeVec answer = hn::Load(ModeTag(), plate.of_force() + row * plate.stride() + first);
+                sum = MulAdd(hn::Set(ModeTag(), share), answer, sum);
+            }
+            hn::Store(sum, ModeTag(),
+                      plate.onset_terms() + static_cast<std::size_t>(m) * plate.stride() + first);
+        }
+    });
+}
+
+template <int Degree>
+HWY_NOINLINE void add_onset_to_plate(const PlateMotion& plate, const SeriesPiece& piece, double z) {
+    std::array<double, onset_terms> force{};
+    for (int i = 0; i < onset_terms; ++i) {
+        force[i] = piece.onset_force(i)[plate.end_slot] / plate.mobility();
+    }
+    add_onset_to_states<Degree>(plate, force, z);
+    find_onset_terms<Degree>(plate, force);
+}
+
+/// Sum over all pairs of a row times the states.
+HWY_INLINE double row_times_states(const PlateMotion& plate, const PlateMotion::Pairs& row) {
+    const PlateMotion::Pairs states = plate.state();
     Vec re = zero();
     Vec im = zero();
     for (std::size_t j = 0; j < plate.size(); j += lanes()) {
@@ -33,112 +242,12 @@ HWY_INLINE double row_times(const PlateMotion& plate, const PlateMotion::Pairs& 
     return GetLane(hn::SumOfLanes(Doubles(), re + im));
 }
 
-/// The states' next derivative: rate times this one plus that of the force. @returns their reaction to the body
-HWY_INLINE double differentiate(const PlateMotion& plate, int order, double force) {
-    const PlateMotion::Pairs reaction = plate.reaction();
-    Vec sum_re = zero();
-    Vec sum_im = zero();
-    const PlateMotion::Pairs now = plate.derivative(order);
-    const PlateMotion::Pairs next = plate.derivative(order + 1);
-    const PlateMotion::Pairs rate = plate.rate();
-    const Vec input = splat(force);
-    for (std::size_t j = 0; j < plate.size(); j += lanes()) {
-        const Vec re = load_row(now.re + j);
-        const Vec im = load_row(now.im + j);
-        const Vec rate_re = load_row(rate.re + j);
-        const Vec rate_im = load_row(rate.im + j);
-        const Vec next_re = NegMulAdd(rate_im, im, MulAdd(rate_re, re, input));
-        const Vec next_im = MulAdd(rate_im, re, rate_re * im);
-        store_row(next_re, next.re + j);
-        store_row(next_im, next.im + j);
-        sum_re = MulAdd(load_row(reaction.re + j), next_re, sum_re);
-        sum_im = MulAdd(load_row(reaction.im + j), next_im, sum_im);
-    }
-    return GetLane(hn::SumOfLanes(Doubles(), sum_re + sum_im));
-}
-
-/// Order N of the last contact's force goes to the plate; what the plate does to the last body comes back into the pad's slot.
-template <int N, std::size_t K, int Degree>
-HWY_INLINE void exchange_with_plate(Expansion<K, Degree>& e, Col<K>& force) {
-    PlateMotion& plate = *e.piece.plate;
-    const double behind = plate.behind / factorial(N + 2);
-    double handed = 0;
-    if constexpr (K == 0) {
-        handed = force.rows[plate.end_slot];
-        force.rows[plate.pad_slot] += behind;
-    } else {
-        HERTZLINE_EACH_ROW(k, K) store_row(force[k], plate.room() + k * lanes());
-        handed = plate.room()[plate.end_slot];
-        HERTZLINE_EACH_ROW(k, K) {
-            force.set(k, MulAdd(splat(behind), load_row(plate.pad_flag() + k * lanes()), force[k]));
-        }
-    }
-    plate.behind = differentiate(plate, N, factorial(N + 2) * handed);
-}
-
-/// The motion's derivatives begin with what the plate has now.
-HWY_INLINE void begin_plate(PlateMotion& plate) {
-    std::copy_n(plate.state().re, 2 * plate.size(), plate.derivative(0).re);
-    plate.behind = row_times(plate, plate.reaction(), plate.derivative(0));
-}
-
-/// The last terms of what the states add to velocities, as those of the displacements are looked at [m].
-template <int Degree>
-HWY_INLINE double last_of_plate(const PlateMotion& plate) {
-    const PlateMotion::Pairs last = plate.derivative(Degree - 1);
-    const PlateMotion::Pairs before = plate.derivative(Degree - 2);
-    const Vec of_last = splat(1 / factorial(Degree));
-    const Vec of_before = splat(0.5 / factorial(Degree - 1));
-    Vec largest = zero();
-    for (std::size_t j = 0; j < plate.size(); j += lanes()) {
-        const Vec a = Abs(load_row(last.re + j)) + Abs(load_row(last.im + j));
-        const Vec b = Abs(load_row(before.re + j)) + Abs(load_row(before.im + j));
-        largest = Max(largest, load_row(plate.weight().re + j) * Max(of_last * a, of_before * b));
-    }
-    return largest_lane(largest);
-}
-
-/// The states at z.
-template <int Degree>
-HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
-    const PlateMotion::Pairs state = plate.state();
-    for (std::size_t j = 0; j < plate.size(); j += lanes()) {
-        Vec re = load_row(plate.derivative(Degree - 1).re + j);
-        Vec im = load_row(plate.derivative(Degree - 1).im + j);
-        for (int n = Degree - 1; n > 0; --n) {
-            const Vec step = splat(z / n);
-            re = MulAdd(step, re, load_row(plate.derivative(n - 1).re + j));
-            im = MulAdd(step, im, load_row(plate.derivative(n - 1).im + j));
-        }
-        store_row(re, state.re + j);
-        store_row(im, state.im + j);
-    }
-}
-
-/// Adds what the onset force of the last contact does to the states: it is integrated, and so is the states' answer, once.
-HWY_INLINE void add_onset_to_plate(const PlateMotion& plate, const SeriesPiece& piece, double mobility,
-                                   double z) {
-    const PlateMotion::Pairs state = plate.state();
-    const PlateMotion::Pairs rate = plate.rate();
-    double power = z * z * std::sqrt(z);
-    for (int n = 0; n < onset_terms; ++n, power *= z) {
-        const double once = piece.onset_force(n)[plate.end_slot] / mobility * power / (n + 2.5);
-        const Vec direct = splat(once);
-        const Vec answer = splat(once * z / (n + 3.5));
-        for (std::size_t j = 0; j < plate.size(); j += lanes()) {
-            const Vec re = load_row(state.re + j) + MulAdd(answer, load_row(rate.re + j), direct);
-            store_row(re, state.re + j);
-            store_row(MulAdd(answer, load_row(rate.im + j), load_row(state.im + j)), state.im + j);
-        }
-    }
-}
-
 /// The last body goes where the states say.
 template <std::size_t K, int Degree>
 HWY_INLINE void follow_plate(Expansion<K, Degree>& e) {
     const PlateMotion& plate = *e.piece.plate;
-    const double x = row_times(plate, plate.displacement(), plate.state());
-    const double v = row_times(plate, plate.velocity(), plate.state());
+    const double x = row_times_states(plate, plate.displacement());
+    const double v = row_times_states(plate, plate.velocity());
     if constexpr (K == 0) {
         e.x_now.rows[plate.end_slot] = x;
         e.v_now.rows[plate.end_slot] = v;
@@ -151,133 +260,82 @@ HWY_INLINE void follow_plate(Expansion<K, Degree>& e) {
     }
 }
 
-/// Work of the last contact on the plate between the nodes' moments. @param force that of the static state is taken off [N]
-template <std::size_t K, int Degree>
-HWY_INLINE double work_on_plate(const Expansion<K, Degree>& e, std::size_t k, Vec z, Vec end) {
-    const Vec dashpot = e.decay[k] * splat(1 / e.square) * slope_at(e.d, k, z);
-    const Vec elastic = e.closed[k] * elastic_force(e.stiffness[k], value_at(e.d, k, z));
-    const Vec work = (elastic + dashpot - e.static_force[k]) * slope_at(e.x, k, z);
-    return GetLane(hn::SumOfLanes(Doubles(), IfThenElseZero(Gt(end, zero()), work)));
-}
-
-/// Calls visit(first) for each vector of modes.
-template <class Visit>
-HWY_INLINE void each_vector_of_modes(std::size_t modes, Visit&& visit) {
-    for (std::size_t n = 0; n < modes; n += lanes()) {
-        visit(n);
-    }
-}
-
-/// The modes' velocities at z.
-HWY_INLINE Vec modes_at(const double* terms, int degree, std::size_t first, Vec z) {
-    constexpr std::size_t stride = PlateMotion::mode_stride;
-    Vec sum = zero();
-    for (int k = degree; k-- > 0;) {
-        sum = MulAdd(sum, z, load_row(terms + static_cast<std::size_t>(k) * stride + first));
-    }
-    return sum;
-}
-
-/// The polynomials of the modes' velocities.
-HWY_INLINE void find_mode_terms(const PlateMotion& plate, int degree) {
-    constexpr std::size_t stride = PlateMotion::mode_stride;
-    each_vector_of_modes(plate.modes(), [&](std::size_t first) HWY_ATTR {
-        const double* const rows = plate.mode_rows() + first;
-        double factor = 1;
-        for (int k = 0; k < degree; ++k) {
-            const PlateMotion::Pairs states = plate.derivative(k);
-            Vec re = zero();
-            Vec im = zero();
-            for (std::size_t j = 0; j < plate.size(); ++j) {
-                re = MulAdd(splat(states.re[j]), load_row(rows + j * stride), re);
-                im = MulAdd(splat(states.im[j]), load_row(rows + (plate.size() + j) * stride), im);
-            }
-            store_row(splat(factor) * (re + im),
-                      plate.mode_terms() + static_cast<std::size_t>(k) * stride + first);
-            factor /= k + 1;
-        }
-    });
-}
-
-/// What the plate's material takes over the piece [J].
-template <class Nodes>
-HWY_INLINE double losses(const PlateMotion& plate, int degree, double length) {
-    double lost = 0;
-    each_vector_of_modes(plate.modes(), [&](std::size_t first) HWY_ATTR {
-        Vec sum = zero();
-        for (std::size_t i = 0; i < Nodes::node.size(); ++i) {
-            const Vec v = modes_at(plate.mode_terms(), degree, first, splat(length * Nodes::node[i]));
-            sum = MulAdd(splat(length * Nodes::weight[i]) * v, v, sum);
-        }
-        lost += GetLane(hn::SumOfLanes(Doubles(), sum * load_row(plate.mode_losses() + first)));
-    });
-    return lost;
-}
-
-/// Adds the integrals over a part of an interval, with Legendre's polynomials as weights.
-inline void add_moments(const PlateMotion& plate, int degree, const PlateInterval& part, double* moments) {
-    constexpr std::size_t stride = PlateMotion::mode_stride;
-    // Gauss and Legendre with four nodes (Abramowitz and Stegun, table 25.4)
-    constexpr std::array node{0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263};
-    constexpr std::array weight{0.1739274225687269, 0.3260725774312731, 0.3260725774312731,
-                                0.1739274225687269};
-    const double length = part.to - part.from;
-    each_vector_of_modes(plate.modes(), [&](std::size_t first) HWY_ATTR {
-        Vec sum0 = hn::LoadU(Doubles(), moments + first);
-        Vec sum1 = hn::LoadU(Doubles(), moments + stride + first);
-        Vec sum2 = hn::LoadU(Doubles(), moments + 2 * stride + first);
-        Vec sum3 = hn::LoadU(Doubles(), moments + 3 * stride + first);
-        for (std::size_t i = 0; i < node.size(); ++i) {
-            const double z = part.from + length * node[i];
-            const double x = 1 - 2 * (part.line - z) / part.interval;
-            const Vec v = splat(length * weight[i] * part.unit_s) *
-                          modes_at(plate.mode_terms(), degree, first, splat(z));
-            sum0 = sum0 + v;
-            sum1 = MulAdd(splat(x), v, sum1);
-            sum2 = MulAdd(splat(0.5 * (3 * x * x - 1)), v, sum2);
-            sum3 = MulAdd(splat(0.5 * x * (5 * x * x - 3)), v, sum3);
-        }
-        hn::StoreU(sum0, Doubles(), moments + first);
-        hn::StoreU(sum1, Doubles(), moments + stride + first);
-        hn::StoreU(sum2, Doubles(), moments + 2 * stride + first);
-        hn::StoreU(sum3, Doubles(), moments + 3 * stride + first);
-    });
-}
-
-/// Sum of products of two stretches of numbers, a multiple of mode_stride long.
-inline double sum_of_products(const double* a, const double* b, std::size_t count) {
-    const Doubles d;
-    Vec even = zero();
-    Vec odd = zero();
-    for (std::size_t i = 0; i < count; i += PlateMotion::mode_stride) {
-        for (std::size_t k = 0; k < PlateMotion::mode_stride; k += 2 * lanes()) {
-            even = MulAdd(hn::LoadU(d, a + i + k), hn::LoadU(d, b + i + k), even);
-            if (k + lanes() < PlateMotion::mode_stride) {
-                odd = MulAdd(hn::LoadU(d, a + i + k + lanes()), hn::LoadU(d, b + i + k + lanes()), odd);
+/// The polynomials of the velocities under the contact and of the face.
+template <int Degree>
+HWY_INLINE void find_velocities(PlateMotion& plate) {
+    plate.centre = {};
+    plate.face = {};
+    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
+        const ModeVec means = hn::Load(ModeTag(), plate.mean_shapes() + first);
+        for (std::size_t k = 0; k < Degree; ++k) {
+            const ModeVec term = hn::Load(ModeTag(), plate.mode_terms() + k * plate.stride() + first);
+            plate.centre.terms[k] += sum_of_modes(term);
+            plate.face.terms[k] += sum_of_modes(means * term);
+            if (HWY_UNLIKELY(plate.onset)) {
+                const ModeVec added = hn::Load(ModeTag(), plate.onset_terms() + k * plate.stride() + first);
+                plate.centre.onset_terms[k] += sum_of_modes(added);
+                plate.face.onset_terms[k] += sum_of_modes(means * added);
             }
         }
-    }
-    return GetLane(hn::SumOfLanes(d, even + odd));
+    });
 }
 
-/// The ledger's entries for the plate over the piece.
-template <class Nodes, std::size_t K, int Degree>
-HWY_NOINLINE void account_plate(const Expansion<K, Degree>& e, double length) {
-    PlateMotion& plate = *e.piece.plate;
-    const std::size_t row = plate.end_slot / lanes();
-    for (std::size_t i = 0; i < Nodes::node.size(); ++i) {
-        const Vec z = splat(length * Nodes::node[i]);
-        double power = 0;
-        if constexpr (K == 0) {
-            const Vec end =
-                one_where(Eq(hn::Iota(Doubles(), 0), splat(static_cast<double>(plate.end_slot % lanes()))));
-            power = work_on_plate(e, row, z, end);
-        } else {
-            HERTZLINE_EACH_ROW(k, K)
-            power += work_on_plate(e, k, z, load_row(plate.end_flag() + k * lanes()));
-        }
-        plate.passed += length * Nodes::weight[i] * power;
+/// A column's value in the last contact.
+template <std::size_t K>
+HWY_INLINE double in_last_contact(const PlateMotion& plate, std::size_t room, const Col<K>& column) {
+    if constexpr (K == 0) {
+        return column.rows[plate.end_slot];
+    } else {
+        HERTZLINE_EACH_ROW(k, K) store_row(column[k], plate.room(room) + k * lanes());
+        return plate.room(room)[plate.end_slot];
     }
+}
+
+/// The last contact over a piece.
+template <int Degree>
+struct LastContact {
+    std::array<double, Degree + 1> overlap;  ///< its series [m]
+    double stiffness;                        ///< 0: open [N/m^(3/2)]
+    double damping;                          ///< per unit [kg/s^2]
+    double static_force;                     ///< [N]
+};
+template <std::size_t K, int Degree, std::size_t... N>
+HWY_INLINE LastContact<Degree> last_contact(const Expansion<K, Degree>& e,
+                                            std::index_sequence<N...> /*orders*/) {
+    const PlateMotion& plate = *e.piece.plate;
+    constexpr std::size_t next = sizeof...(N);
+    return {{in_last_contact(plate, N, e.d[N])...},
+            in_last_contact(plate, next, e.closed) * in_last_contact(plate, next + 1, e.stiffness),
+            in_last_contact(plate, 0, e.decay) / e.square,
+            in_last_contact(plate, 1, e.static_force)};
+}
+
+/// The ledger's entries for the plate over the piece: the work of the last contact, less that of the static force, and what the
+/// material takes [J].
+template <class Nodes, int Degree>
+HWY_NOINLINE void account_plate(PlateMotion& plate, const LastContact<Degree>& contact, double length,
+                                double unit_s) {
+    constexpr std::size_t most_lanes = 8;
+    HWY_ALIGN std::array<double, most_lanes> node{};
+    HWY_ALIGN std::array<double, most_lanes> weight{};  // of the padding: none
+    std::copy(Nodes::node.begin(), Nodes::node.end(), node.begin());
+    std::copy(Nodes::weight.begin(), Nodes::weight.end(), weight.begin());
+    Vec work = zero();
+    for (std::size_t i = 0; i < Nodes::node.size(); i += lanes()) {
+        const Vec z = splat(length) * load_row(node.data() + i);
+        Vec delta = splat(contact.overlap[Degree]);
+        Vec rate = zero();
+        Vec v = zero();
+        for (std::size_t n = Degree; n-- > 0;) {
+            rate = MulAdd(rate, z, delta);
+            delta = MulAdd(delta, z, splat(contact.overlap[n]));
+            v = MulAdd(v, z, splat(plate.centre.terms[n]));
+        }
+        const Vec elastic = elastic_force(splat(contact.stiffness), delta);
+        const Vec force = MulAdd(splat(contact.damping), rate, elastic) - splat(contact.static_force);
+        work = MulAdd(load_row(weight.data() + i) * force, v, work);
+    }
+    plate.passed += length * unit_s * GetLane(hn::SumOfLanes(Doubles(), work));
     plate.lost += losses<Nodes>(plate, Degree, length);
 }
 

@@ -51,12 +51,15 @@ HWY_INLINE double trusted_length(Expansion<K, Degree>& e, bool onset) {
     }
     e.piece.largest = largest_lane(last);
     if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
-        e.piece.largest = std::max(e.piece.largest, last_of_plate<Degree>(*e.piece.plate));
+        e.piece.largest = std::max(e.piece.largest, finish_modes<Degree>(*e.piece.plate, e.piece.unit_s));
     }
     const double error = Degree * e.piece.largest + 1e-300;
     double length = rough_power(e.piece.tolerance, error, 1, Degree - 1);
     if (HWY_UNLIKELY(onset)) {
         length = std::min(length, onset_length(e));
+    }
+    if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
+        length = std::min(length, e.piece.plate->reach());
     }
     return std::min(e.piece.reach, std::max(length, shortest));
 }
@@ -128,17 +131,19 @@ HWY_INLINE void save(const Expansion<K, Degree>& e, double length) {
 /// The plate to the end of the piece, and the last body with it.
 template <std::size_t K, int Degree>
 HWY_INLINE void take_plate(Expansion<K, Degree>& e, double length, bool onset) {
-    const PlateMotion& plate = *e.piece.plate;
+    PlateMotion& plate = *e.piece.plate;
     move_plate<Degree>(plate, length);
+    plate.onset = onset;
     if (onset) {
-        add_onset_to_plate(plate, e.piece, plate.mobility(), length);
+        add_onset_to_plate<Degree>(plate, e.piece, length);
     }
     follow_plate(e);
-    if (e.piece.keeps_ledger || plate.wants_modes) {
-        find_mode_terms(plate, Degree);
+    if (e.piece.keeps_ledger || plate.shows_modes) {
+        find_velocities<Degree>(plate);
     }
     if (e.piece.keeps_ledger) {
-        account_plate<Quadrature<Degree>>(Expansion<K, Degree>(e), length);
+        account_plate<Quadrature<Degree>>(plate, last_contact(e, std::make_index_sequence<Degree + 1>()),
+                                          length, e.piece.unit_s);
     }
 }
 
@@ -151,7 +156,7 @@ HWY_INLINE void take(Expansion<K, Degree>& e) {
         expand_horn(piece);
     }
     if (HWY_UNLIKELY(piece.plate != nullptr)) {
-        begin_plate(*piece.plate);
+        begin_plate<Degree>(*piece.plate);
     }
     const bool onset = begin(e);
     orders(e, std::make_integer_sequence<int, Degree - 1>());

@@ -149,8 +149,9 @@ TEST(ModalPlate, NothingIsHeardBeforeTheSoundHasCome) {
     for (std::size_t i = 0; i <= silent; ++i) {
         ASSERT_EQ(samples[Tap::p_axis][i], 0) << i;
     }
-    EXPECT_NE(samples[Tap::p_axis][silent + 2], 0);
-    EXPECT_NE(samples[Tap::v_centre][3], 0);
+    // then it is: the plate moves after a piece or two, however little
+    EXPECT_NE(samples[Tap::p_axis][silent + 20], 0);
+    EXPECT_NE(samples[Tap::v_centre][20], 0);
 }
 
 TEST(ModalPlate, BlocksOfAnySizeAndSkippedStretchesGiveTheSameSamples) {
@@ -305,6 +306,7 @@ TEST(ModalPlate, LongChainsReachItToo) {
     Scene scene = modal_scene();
     scene.chain.spheres = 120;
     scene.output.duration_s = 1e-3;
+    scene.numerics.accuracy = 1e-5;  // the two take other pieces
     Simulation tracked(scene, {.taps = outputs});
     Simulation untracked(tracked.scene(), {.taps = outputs, .tracking = WavefrontTracking::off});
     const Samples a = whole_run(tracked, 10001);

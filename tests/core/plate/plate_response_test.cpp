@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/model/end.hpp"
+#include "core/plate/exact_plate.hpp"
 #include "core/plate/radiation.hpp"
 
 namespace hertzline {
@@ -43,13 +44,9 @@ Eigen::VectorXcd exact_mobilities(const PlateResponse& plate, double frequency_h
 Complex exact_pressure(const PlateResponse& plate, double frequency_hz) {
     const PlateParameters& p = plate.parameters;
     const Eigen::VectorXcd v = exact_mobilities(plate, frequency_hz);
-    Complex sum = 0;
-    for (int n = 0; n < p.modes; ++n) {
-        sum += v[n] * axial_pressure(DiscMode(n),
-                                     two_pi * frequency_hz * p.radius_m / p.fluid.sound_speed_m_per_s,
-                                     p.hydrophone_m / p.radius_m);
-    }
-    return p.fluid.density_kg_per_m3 * p.fluid.sound_speed_m_per_s * sum;
+    const double ka = two_pi * frequency_hz * p.radius_m / p.fluid.sound_speed_m_per_s;
+    const AxialPressure per_mode(disc_modes(p.modes), ka, p.hydrophone_m / p.radius_m);
+    return p.fluid.density_kg_per_m3 * p.fluid.sound_speed_m_per_s * per_mode(ka).cwiseProduct(v).sum();
 }
 
 Complex fitted(const PlateResponse& plate, const Eigen::VectorXcd& output, double frequency_hz) {

@@ -10,17 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "core/model/hertz.hpp"
+#include "tests/support/ends.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 
 namespace hertzline::test {
 namespace {
-
-End end_of(EndKind kind) {
-    End end;
-    end.kind = kind;
-    return end;
-}
 
 class EndTapsOf : public ::testing::TestWithParam<Integrator> {};
 INSTANTIATE_TEST_SUITE_P(Integrators, EndTapsOf, every_integrator, integrator_name);

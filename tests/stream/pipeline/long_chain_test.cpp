@@ -16,18 +16,13 @@
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
 #include "tests/support/counting_source.hpp"
+#include "tests/support/ends.hpp"
 #include "tests/support/sanitized.hpp"
 
 namespace hertzline::test {
 
 using namespace stream;
 namespace {
-
-End end_of(EndKind kind) {
-    End end;
-    end.kind = kind;
-    return end;
-}
 
 constexpr std::size_t spheres = 2000;
 constexpr std::size_t frame_samples = 128;  // 1 MB

@@ -42,8 +42,8 @@ herr_t set_length(H5FD_t* file, hid_t transfer, hbool_t closing) {
     return write_unless_failed([&] { return ordinary.truncate(file, transfer, closing); });
 }
 
-/// The library does not end once a file could not be closed. So the system tells of it when another descriptor of the
-/// file is closed before: it tells once.
+/// The library aborts when it cannot close a file. So another descriptor of the file is closed first: the system reports
+/// such an error once.
 herr_t close_file(H5FD_t* file) {
     void* descriptor = nullptr;
     if (failure != nullptr && ordinary.get_handle(file, H5P_DEFAULT, &descriptor) >= 0) {

@@ -1,0 +1,46 @@
+#pragma once
+// What a modal plate is made of: its parameters, and its modes.
+
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace hertzline {
+
+/// All that a plate's response hangs on, in SI units.
+struct PlateParameters {
+    Solid disc{};
+    Fluid fluid{};
+    double radius_m = 0;
+    double thickness_m = 0;
+    int modes = 1;
+    double loss_factor = 0;
+    FluidLoad load = FluidLoad::none;
+    double hydrophone_m = 0;
+    double band_hz = 0;  ///< up to where the response has to be right
+
+    /// Sound's way from the plate to the hydrophone [s].
+    double travel_s() const noexcept { return hydrophone_m / fluid.sound_speed_m_per_s; }
+    bool operator==(const PlateParameters&) const = default;
+};
+
+/// One mode of the disc, and what the fluid makes of it.
+struct PlateMode {
+    double mass_kg = 0;
+    double stiffness_n_per_m = 0;
+    double loss_kg_per_s = 0;  ///< modal dashpot, eta K / w
+    double mean = 0;           ///< mean of the shape over the disc
+    double dry_hz = 0;         ///< natural frequency in a vacuum
+    double wet_hz = 0;         ///< with the fluid's added mass
+    double half_width = 0;     ///< of the wet resonance over its frequency, roughly
+    double kb_h =
+        0;  ///< bending wave's number times thickness: thin-plate theory asks for less than about 1.5
+};
+
+/// The modes in a vacuum: all but wet_hz and half_width.
+std::vector<PlateMode> dry_modes(const PlateParameters& parameters);
+
+/// The highest mode's natural frequency in a vacuum [Hz].
+double highest_dry_hz(const PlateParameters& parameters);
+
+}  // namespace hertzline
