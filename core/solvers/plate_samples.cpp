@@ -31,10 +31,9 @@ PlateSamples::PlateSamples(const Chain& chain, const Scene& scene, double step_s
       steps_kept_(std::max<std::int64_t>(1, static_cast<std::int64_t>(samples_kept / samples_per_step_))),
       motion_(*chain.end.plate, kernels::kernel_lanes(), PlatePart::terms, step_s),
       piece_(1, PlatePart::terms, no_horn(step_s)),
-      outputs_(chain, &motion_, piece_, 1 / scene.output.sample_rate_hz, taps),
+      outputs_(chain, &motion_, piece_, Integrator::taylor8, 1 / scene.output.sample_rate_hz, taps),
       has_face_(taps.contains(Tap::v_face) || taps.contains(Tap::v_out)),
       has_pressure_(taps.contains(Tap::p_axis)) {
-    static_assert(PlatePart::most_modes == kernels::PlateMotion::mode_stride);
     piece_.plate = &motion_;
     const double kept = std::ceil((static_cast<double>(steps_kept_) + 2) * samples_per_step_) + 2;
     v_face_.resize(static_cast<std::size_t>(kept));
@@ -44,6 +43,7 @@ PlateSamples::PlateSamples(const Chain& chain, const Scene& scene, double step_s
 
 void PlateSamples::reset() noexcept {
     outputs_.reset();
+    motion_.rest();
     std::fill(v_face_.begin(), v_face_.end(), 0.0);
     std::fill(p_axis_.begin(), p_axis_.end(), 0.0);
     reached_ = {};
@@ -68,6 +68,23 @@ void PlateSamples::rest_until(std::int64_t step) noexcept {
     note({.from = reached_, .to = {step, 0}, .duration_s = steps * step_s_});
 }
 
+/// The modes' velocities become those of the piece.
+void PlateSamples::describe(const PlatePart& part) noexcept {
+    piece_.unit_s = part.duration_s;
+    piece_.per_unit = 1 / part.duration_s;
+    motion_.centre = motion_.face = {};
+    motion_.moves = false;
+    for (std::size_t power = 0; power < part.velocities.size(); ++power) {
+        for (std::size_t n = 0; n < motion_.modes(); ++n) {
+            const double term = part.velocities[power][n];
+            motion_.mode_terms()[power * motion_.stride() + n] = term;
+            motion_.centre.terms[power] += term;
+            motion_.face.terms[power] += motion_.mean_shapes()[n] * term;
+            motion_.moves = motion_.moves || term != 0;
+        }
+    }
+}
+
 void PlateSamples::note(const PlatePart& part) noexcept {
     reached_ = part.to;
     const auto after = [&part](std::int64_t step, double fraction) {
@@ -78,12 +95,7 @@ void PlateSamples::note(const PlatePart& part) noexcept {
     if (!(end > begin)) {
         return;
     }
-    piece_.unit_s = part.duration_s;
-    piece_.per_unit = 1 / part.duration_s;
-    for (std::size_t power = 0; power < part.velocities.size(); ++power) {
-        std::copy(part.velocities[power].begin(), part.velocities[power].end(),
-                  motion_.mode_terms() + power * kernels::PlateMotion::mode_stride);
-    }
+    describe(part);
     const Stretch stretch{in_samples(part.from), in_samples(part.to)};
     // the sampler compares the same numbers: what it puts down has been here
     for (double at = after(next_at_.whole, next_at_.fraction()); at <= end;

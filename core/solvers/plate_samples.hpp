@@ -38,6 +38,7 @@ private:
     std::size_t place(std::int64_t sample) const noexcept {
         return static_cast<std::size_t>(sample) % v_face_.size();
     }
+    void describe(const PlatePart& part) noexcept;
     FixedTime in_samples(const StepMoment& moment) const noexcept;
 
     double step_s_;

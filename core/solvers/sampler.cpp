@@ -114,12 +114,13 @@ private:
             motion.x_last[i] = x_last;
             motion.x_end[i] = x_end;
         }
-        if (plate_ != nullptr) {
+        if (plate_ != nullptr) [[unlikely]] {
             put_plate(motion);
         }
     }
 
-    void put_plate(const EndMotion& motion) const noexcept {
+    /// Out of line: chains without a modal plate have nothing to do with it.
+    [[gnu::noinline]] void put_plate(const EndMotion& motion) const noexcept {
         const std::size_t i = motion.count;
         const std::int64_t sample = motion.first + static_cast<std::int64_t>(i);
         if (motion.v_face != nullptr) {

@@ -59,14 +59,12 @@ void SteppedSolver::reset() noexcept {
 
 void SteppedSolver::lay_out(Eigen::Index active) noexcept {
     simd_chain_.load(chain_, state_, active);
-    kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
+    kernel_ = plate_ ? kernels::plate_kernel(integrator_) : kernels::kernel(integrator_, simd_chain_.rows());
+    simd_chain_.plate = nullptr;
     if (plate_ && active == chain_.bodies()) {  // before the wave is there the plate stands still
         simd_chain_.plate = plate_.get();
         plate_->last_slot = simd_chain_.slot(active - 2);
         plate_->end_slot = simd_chain_.slot(active - 1);
-        kernel_ = kernels::plate_kernel(integrator_);
-    } else {
-        simd_chain_.plate = nullptr;
     }
 }
 
