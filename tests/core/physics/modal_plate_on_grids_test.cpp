@@ -256,7 +256,7 @@ TEST_P(ModalPlateOnGrid, APlateThatTheChainLeavesRingsDown) {
 TEST_P(ModalPlateOnGrid, IsStableUpToTheLimitWhateverItsModes) {
     for (const int modes : {1, 4, 6}) {
         for (const double thickness : {0.1e-3, 0.5e-3, 2.5e-3}) {
-            Scene scene = smooth_wet_scene();
+            Scene scene = modal_scene();
             scene.medium.load = FluidLoad::none;  // loses least
             scene.end.modes = modes;
             scene.end.loss_factor = 1e-6;
