@@ -98,8 +98,9 @@ void PlateSamples::note(const PlatePart& part) noexcept {
     describe(part);
     const Stretch stretch{in_samples(part.from), in_samples(part.to)};
     // the sampler compares the same numbers: what it puts down has been here
-    for (double at = after(next_at_.whole, next_at_.fraction()); at <= end;
-         at = after(next_at_.whole, next_at_.fraction())) {
+    const auto next_at = [&] { return after(next_at_.whole, next_at_.fraction()); };
+    while (next_at() <= end) {
+        const double at = next_at();
         const std::size_t i = place(next_);
         EndMotion motion{.first = next_};
         motion.v_face = has_face_ ? &v_face_[i] : nullptr;

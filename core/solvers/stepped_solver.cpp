@@ -30,11 +30,12 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
       state_(chain_),
       simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
       plate_samples_(samples_of_plate(chain, scene, step_s_, options.taps)),
-      plate_(chain.end.plate ? std::make_unique<PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get())
-                             : nullptr),
       horn_(ToneBurst::batch_steps),
       sampler_(chain_, scene, step_s_, options.taps, plate_samples_.get()) {
     simd_chain_.step_s = step_s_;
+    if (chain.end.plate) {
+        plate_ = std::make_unique<PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get());
+    }
     reset();
 }
 

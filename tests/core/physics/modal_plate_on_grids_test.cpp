@@ -60,7 +60,9 @@ TEST_P(ModalPlateOnGrid, ErrorsFallWithTheMethodsOrder) {
             errors[tap].push_back(relative_l2(samples[tap], expected[tap]));
         }
     }
-    for (const auto& [tap, error] : errors) {
+    for (const auto& entry : errors) {
+        const Tap tap = entry.first;
+        const std::vector<double>& error = entry.second;
         const auto fall = [&error](std::size_t from, std::size_t to) {
             return std::log2(error[from] / error[to]) / static_cast<double>(to - from);
         };
