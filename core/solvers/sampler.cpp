@@ -157,13 +157,11 @@ double exact_step(double step_s, double sample_rate_hz) noexcept {
     return grid > 0 ? 1 / (sample_rate_hz * grid) : step_s;
 }
 
-Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps,
-                 const PlateSamples* plate)
+Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps)
     : chain_(chain),
       grid_(steps_per_sample(step_s, scene.output.sample_rate_hz)),
       sample_period_(sample_period(step_s, scene.output.sample_rate_hz)),
       step_s_(step_s),
-      plate_(plate),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     trace_.bodies = chain.bodies();
     trace_.first_body = of_all_bodies(taps) ? 0 : chain.spheres() - 1;

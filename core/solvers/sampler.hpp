@@ -18,8 +18,10 @@ namespace hertzline {
 class Sampler {
 public:
     /// @param chain outlives the sampler @param taps all that samples will be made of
-    /// @param plate what a modal plate sends out; null: it is not wanted
-    Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps, const PlateSamples* plate);
+    Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps);
+
+    /// What a modal plate sends out. @param plate outlives the sampler
+    void show(const PlateSamples* plate) noexcept { plate_ = plate; }
 
     /// Back to sample 0, the static equilibrium.
     void reset() noexcept;
@@ -54,7 +56,7 @@ private:
     int grid_;                 ///< steps per sample when that is a whole number; 0: samples lie between steps
     FixedTime sample_period_;  ///< in steps
     double step_s_;
-    const PlateSamples* plate_;
+    const PlateSamples* plate_ = nullptr;  ///< null: not wanted
     EndTaps end_taps_;
     std::vector<double> rows_, fractions_;
     std::vector<std::int64_t> steps_;

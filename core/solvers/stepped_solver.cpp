@@ -10,16 +10,6 @@
 
 namespace hertzline {
 
-namespace {
-
-std::unique_ptr<PlateSamples> samples_of_plate(const Chain& chain, const Scene& scene, double step_s,
-                                               TapSet taps) {
-    const bool wanted = chain.end.plate && PlateSamples::any_of(taps);
-    return wanted ? std::make_unique<PlateSamples>(chain, scene, step_s, taps) : nullptr;
-}
-
-}  // namespace
-
 SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
     : chain_(chain),
       integrator_(*scene.numerics.integrator),
@@ -29,11 +19,14 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
       burst_(scene.drive, step_s_),
       state_(chain_),
       simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
-      plate_samples_(samples_of_plate(chain, scene, step_s_, options.taps)),
       horn_(ToneBurst::batch_steps),
-      sampler_(chain_, scene, step_s_, options.taps, plate_samples_.get()) {
+      sampler_(chain_, scene, step_s_, options.taps) {
     simd_chain_.step_s = step_s_;
     if (chain.end.plate) {
+        if (PlateSamples::any_of(options.taps)) {
+            plate_samples_ = std::make_unique<PlateSamples>(chain, scene, step_s_, options.taps);
+            sampler_.show(plate_samples_.get());
+        }
         plate_ = std::make_unique<PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get());
     }
     reset();
