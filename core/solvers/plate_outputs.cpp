@@ -13,7 +13,7 @@ namespace {
 /// The kernel's and the velocities' waves are much longer. What is left out falls with the fifth power: as fine as the fit.
 double longest_interval_s(const PlateResponse& response) noexcept {
     constexpr std::size_t coarse_pairs = 21;  // 40 poles, two of them real
-    return response.poles.size() > coarse_pairs ? 40e-9 : 100e-9;
+    return response.poles.size() > coarse_pairs ? 40e-9 : 50e-9;
 }
 
 /// The polynomials of Legendre at -1 <= x <= 1.
