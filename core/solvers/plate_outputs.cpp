@@ -26,7 +26,8 @@ std::array<double, PlateOutputs::moments> legendre(double x) noexcept {
 PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
                            double sample_period_s, TapSet taps)
     : plate_(plate),
-      kernels_(kernels::series_kernels(Integrator::taylor8, 1)),  // these do not hang on the order
+      kernels_(kernels::series_kernels(Integrator::taylor8, 1,
+                                       DampingLaw::dashpot)),  // these do not hang on the order
       piece_(piece),
       sample_period_s_(sample_period_s) {
     if (plate_ == nullptr) {
@@ -113,16 +114,18 @@ const PlateVelocities& PlateOutputs::velocities() noexcept {
     return sums;
 }
 
-/// The polynomial and, after a closing, what the onset force adds.
+/// The polynomial and, after a closing, what the onset forces add.
 double PlateOutputs::velocity(const SumOfModes& sum, double z) const noexcept {
     double value = 0;
     for (auto k = static_cast<std::size_t>(piece_.degree()); k-- > 0;) {
         value = value * z + sum.terms[k];
     }
     if (piece_.onset) {
-        double power = z * z * std::sqrt(std::max(z, 0.0)) * piece_.per_unit;
-        for (int i = 0; i < kernels::onset_terms; ++i, power *= z) {
-            value += sum.at_once * piece_.onset_force(i)[plate_->end_slot] * power / (i + 2.5);
+        for (const kernels::OnsetForce& force : piece_.onset_forces()) {
+            double power = force.integrated_power(std::max(z, 0.0)) * piece_.per_unit;
+            for (int i = 0; i < kernels::onset_terms; ++i, power *= z) {
+                value += sum.at_once * force.term(i, plate_->end_slot) * power / (i + (force.exponent + 1));
+            }
         }
     }
     return value;

@@ -11,6 +11,7 @@
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/taylor/damping-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -58,8 +59,8 @@ HWY_INLINE double differentiate(const PlateMotion& plate, int order, double forc
 }
 
 /// Order N of the last contact's force goes to the plate; what the plate does to the last body comes back into the pad's slot.
-template <int N, std::size_t K, int Degree>
-HWY_INLINE void exchange_with_plate(Expansion<K, Degree>& e, Col<K>& force) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void exchange_with_plate(Expansion<K, Degree, Kind>& e, Col<K>& force) {
     PlateMotion& plate = *e.piece.plate;
     const double behind = plate.behind / factorial(N + 2);
     double handed = 0;
@@ -115,27 +116,29 @@ HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
     }
 }
 
-/// Adds what the onset force of the last contact does to the states: it is integrated, and so is the states' answer, once.
+/// Adds what the onset forces of the last contact do to the states: they are integrated, and so is the states' answer, once.
 HWY_INLINE void add_onset_to_plate(const PlateMotion& plate, const SeriesPiece& piece, double mobility,
                                    double z) {
     const PlateMotion::Pairs state = plate.state();
     const PlateMotion::Pairs rate = plate.rate();
-    double power = z * z * std::sqrt(z);
-    for (int n = 0; n < onset_terms; ++n, power *= z) {
-        const double once = piece.onset_force(n)[plate.end_slot] / mobility * power / (n + 2.5);
-        const Vec direct = splat(once);
-        const Vec answer = splat(once * z / (n + 3.5));
-        for (std::size_t j = 0; j < plate.size(); j += lanes()) {
-            const Vec re = load_row(state.re + j) + MulAdd(answer, load_row(rate.re + j), direct);
-            store_row(re, state.re + j);
-            store_row(MulAdd(answer, load_row(rate.im + j), load_row(state.im + j)), state.im + j);
+    for (const OnsetForce& force : piece.onset_forces()) {
+        double power = force.integrated_power(z);
+        for (int n = 0; n < onset_terms; ++n, power *= z) {
+            const double once = force.term(n, plate.end_slot) / mobility * power / (n + (force.exponent + 1));
+            const Vec direct = splat(once);
+            const Vec answer = splat(once * z / (n + (force.exponent + 2)));
+            for (std::size_t j = 0; j < plate.size(); j += lanes()) {
+                const Vec re = load_row(state.re + j) + MulAdd(answer, load_row(rate.re + j), direct);
+                store_row(re, state.re + j);
+                store_row(MulAdd(answer, load_row(rate.im + j), load_row(state.im + j)), state.im + j);
+            }
         }
     }
 }
 
 /// The last body goes where the states say.
-template <std::size_t K, int Degree>
-HWY_INLINE void follow_plate(Expansion<K, Degree>& e) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void follow_plate(Expansion<K, Degree, Kind>& e) {
     const PlateMotion& plate = *e.piece.plate;
     const double x = row_times(plate, plate.displacement(), plate.state());
     const double v = row_times(plate, plate.velocity(), plate.state());
@@ -152,11 +155,11 @@ HWY_INLINE void follow_plate(Expansion<K, Degree>& e) {
 }
 
 /// Work of the last contact on the plate between the nodes' moments. @param force that of the static state is taken off [N]
-template <std::size_t K, int Degree>
-HWY_INLINE double work_on_plate(const Expansion<K, Degree>& e, std::size_t k, Vec z, Vec end) {
-    const Vec dashpot = e.decay[k] * splat(1 / e.square) * slope_at(e.d, k, z);
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE double work_on_plate(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z, Vec end) {
+    const Vec damping = damping_force(e, k, z, slope_at(e.d, k, z));
     const Vec elastic = e.closed[k] * elastic_force(e.stiffness[k], value_at(e.d, k, z));
-    const Vec work = (elastic + dashpot - e.static_force[k]) * slope_at(e.x, k, z);
+    const Vec work = (elastic + damping - e.static_force[k]) * slope_at(e.x, k, z);
     return GetLane(hn::SumOfLanes(Doubles(), IfThenElseZero(Gt(end, zero()), work)));
 }
 
@@ -261,8 +264,8 @@ inline double sum_of_products(const double* a, const double* b, std::size_t coun
 }
 
 /// The ledger's entries for the plate over the piece.
-template <class Nodes, std::size_t K, int Degree>
-HWY_NOINLINE void account_plate(const Expansion<K, Degree>& e, double length) {
+template <class Nodes, std::size_t K, int Degree, Damping Kind>
+HWY_NOINLINE void account_plate(const Expansion<K, Degree, Kind>& e, double length) {
     PlateMotion& plate = *e.piece.plate;
     const std::size_t row = plate.end_slot / lanes();
     for (std::size_t i = 0; i < Nodes::node.size(); ++i) {

@@ -42,8 +42,8 @@ namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
 /// How far the series can be trusted [z].
-template <std::size_t K, int Degree>
-HWY_INLINE double trusted_length(Expansion<K, Degree>& e, bool onset) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE double trusted_length(Expansion<K, Degree, Kind>& e, bool onset) {
     Vec last = zero();
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         const Vec half_before = splat(0.5) * Abs(e.x[Degree - 1][k]);
@@ -62,8 +62,9 @@ HWY_INLINE double trusted_length(Expansion<K, Degree>& e, bool onset) {
 }
 
 /// Horner's rule for value and slope of displacements together, terms N down to Last.
-template <int N, int Last, std::size_t K, int Degree>
-HWY_INLINE void value_and_slope(const Expansion<K, Degree>& e, std::size_t k, Vec z, Vec& value, Vec& slope) {
+template <int N, int Last, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void value_and_slope(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z, Vec& value,
+                                Vec& slope) {
     slope = MulAdd(slope, z, value);
     value = MulAdd(value, z, e.x[N][k]);
     if constexpr (N > Last) {
@@ -72,8 +73,8 @@ HWY_INLINE void value_and_slope(const Expansion<K, Degree>& e, std::size_t k, Ve
 }
 
 /// Displacement and velocity at z become the present ones.
-template <std::size_t K, int Degree>
-HWY_INLINE void move(Expansion<K, Degree>& e, double z) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void move(Expansion<K, Degree, Kind>& e, double z) {
     constexpr int split = 5;
     const Vec zz = splat(z);
     const Vec per_unit = splat(e.piece.per_unit);
@@ -94,18 +95,18 @@ HWY_INLINE void move(Expansion<K, Degree>& e, double z) {
     }
 }
 
-template <int N, std::size_t K, int Degree>
-HWY_INLINE void save_term(const Expansion<K, Degree>& e) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void save_term(const Expansion<K, Degree, Kind>& e) {
     HERTZLINE_EACH_ROW(k, K) store_row(e.x[N][k], e.piece.displacement(N) + k * lanes());
 }
-template <std::size_t K, int Degree, int... N>
-HWY_INLINE void save_terms(const Expansion<K, Degree>& e, std::integer_sequence<int, N...>) {
+template <std::size_t K, int Degree, Damping Kind, int... N>
+HWY_INLINE void save_terms(const Expansion<K, Degree, Kind>& e, std::integer_sequence<int, N...>) {
     (save_term<N>(e), ...);
 }
 
 /// Motion, contacts and series go to the chain and the piece.
-template <std::size_t K, int Degree>
-HWY_INLINE void save(const Expansion<K, Degree>& e, double length) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void save(const Expansion<K, Degree, Kind>& e, double length) {
     const Vec z = splat(length);
     e.rows.store(ChainField::x, e.x_now);
     e.rows.store(ChainField::v, e.v_now);
@@ -126,8 +127,8 @@ HWY_INLINE void save(const Expansion<K, Degree>& e, double length) {
 }
 
 /// The plate to the end of the piece, and the last body with it.
-template <std::size_t K, int Degree>
-HWY_INLINE void take_plate(Expansion<K, Degree>& e, double length, bool onset) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void take_plate(Expansion<K, Degree, Kind>& e, double length, bool onset) {
     const PlateMotion& plate = *e.piece.plate;
     move_plate<Degree>(plate, length);
     if (onset) {
@@ -138,14 +139,14 @@ HWY_INLINE void take_plate(Expansion<K, Degree>& e, double length, bool onset) {
         find_mode_terms(plate, Degree);
     }
     if (e.piece.keeps_ledger) {
-        account_plate<Quadrature<Degree>>(Expansion<K, Degree>(e), length);
+        account_plate<Quadrature<Degree>>(Expansion<K, Degree, Kind>(e), length);
     }
 }
 
 /// What happens rarely works on a copy: nothing that has its address taken stays in registers.
-template <std::size_t K, int Degree>
-HWY_INLINE void take(Expansion<K, Degree>& e) {
-    using Copy = Expansion<K, Degree>;
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void take(Expansion<K, Degree, Kind>& e) {
+    using Copy = Expansion<K, Degree, Kind>;
     SeriesPiece& piece = e.piece;
     if (!piece.waves.silent) {
         expand_horn(piece);
@@ -185,9 +186,9 @@ HWY_INLINE void take(Expansion<K, Degree>& e) {
     save(e, length);
 }
 
-template <std::size_t K, int Degree>
+template <std::size_t K, int Degree, Damping Kind>
 void take_piece(SimdChain& chain, SeriesPiece& piece) {
-    Expansion<K, Degree> expansion(chain, piece);
+    Expansion<K, Degree, Kind> expansion(chain, piece);
     take(expansion);
 }
 

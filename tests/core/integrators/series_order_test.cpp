@@ -27,7 +27,7 @@ Eigen::ArrayXd velocities(Integrator integrator, int pieces) {
     simd_chain.load(chain, state, chain.bodies());
     const double unit = duration_s / pieces;
     kernels::SeriesPiece piece(simd_chain.slots(), kernels::series_degree(integrator),
-                               kernels::HornWaves({73e3, 75.92e3, 70.08e3}, unit));
+                               kernels::HornWaves({73e3, 75.92e3, 70.08e3}, unit), chain.damping_law);
     piece.unit_s = unit;
     piece.per_unit = 1 / unit;
     piece.tolerance = std::numeric_limits<double>::max();
@@ -37,7 +37,8 @@ Eigen::ArrayXd velocities(Integrator integrator, int pieces) {
     for (std::size_t i = 0; i < 3; ++i) {
         waves.slope += waves.cosine[i] * waves.odd[i][0];
     }
-    const kernels::SeriesKernels kernels = kernels::series_kernels(integrator, simd_chain.rows());
+    const kernels::SeriesKernels kernels =
+        kernels::series_kernels(integrator, simd_chain.rows(), chain.damping_law);
     for (int i = 0; i < pieces; ++i) {
         kernels.piece(simd_chain, piece);
         EXPECT_EQ(piece.length, 1);
