@@ -43,8 +43,8 @@ struct Spheres {
     std::string material = "aluminium";
     std::int64_t spheres = 6;
     double diameter_m = 1e-3;
-    DampingLaw damping_law = DampingLaw::dashpot;  ///< how closed contacts lose energy
     double damping_kg_per_s = 0.32;                ///< of a dashpot
+    DampingLaw damping_law = DampingLaw::dashpot;  ///< how closed contacts lose energy
     std::optional<double> damping_time_s;          ///< A of Kuwabara and Kono's law, which needs it
     std::optional<double> damping_alpha;           ///< alpha of Tsuji's law, which needs it
     double preload_n = 0.1;

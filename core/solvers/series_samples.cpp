@@ -73,9 +73,9 @@ void SeriesSamples::put_body(Eigen::Index body, Quantity quantity, const Moments
     }
 }
 
-/// Adds what the contacts that have just closed do, which is no power series.
-void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Moments& moments, double* out,
-                              std::size_t stride) const noexcept {
+/// Adds what the contacts that have just closed do, which is no power series. Rare: it stays out of the way of what is not.
+[[gnu::noinline]] void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Moments& moments,
+                                                double* out, std::size_t stride) const noexcept {
     const kernels::SampleTimes& times = moments.times;
     for (const kernels::OnsetForce& force : piece_.onset_forces()) {
         for (std::size_t i = 0; i < moments.count; ++i) {

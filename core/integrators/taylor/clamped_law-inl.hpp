@@ -14,6 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
+inline constexpr double grazing = 1e-7;      ///< force over its change in a unit that counts as none
 inline constexpr double cancelled = 1e-13;   ///< of a force's parts: their sum counts as none
 inline constexpr double rounding = 0x1p-51;  ///< of a difference of velocities, of the larger of both
 
@@ -42,7 +43,7 @@ HWY_INLINE void settle_grazing_force(Expansion<K, Degree, Kind>& e, std::size_t 
         const Vec q = splat(damping_exponent(e.rows.chain().damping_law));
         slope = MulAdd(q * damping * e.per_overlap[k], e.d[1][k] * e.d[1][k], slope);
     }
-    const Flags near_zero = Le(Abs(force), splat(at_zero) * Abs(slope));
+    const Flags near_zero = Le(Abs(force), splat(grazing) * Abs(slope));
     const Flags undecided = And(And(near_zero, Gt(e.u[0][k], zero())), Gt(e.stiffness[k], zero()));
     const Vec decided = one_where(Gt(slope, zero()));
     e.closed.set(k, IfThenElse(undecided, decided, e.closed[k]));

@@ -22,7 +22,9 @@ namespace HWY_NAMESPACE {
 template <std::size_t K, int Degree>
 using Series = std::array<Col<K>, Degree + 1>;
 
-inline constexpr double at_zero = 1e-7;      ///< overlap over its change in a unit that counts as none
+/// Overlap over its change in a unit that counts as none. Damping forces with a power of the overlap fall more slowly towards zero.
+template <Damping Kind>
+inline constexpr double at_zero = Kind == Damping::linear ? 1e-7 : 1e-9;
 inline constexpr double standstill = 1e-60;  ///< change of overlap in a unit that counts as none [m]
 inline constexpr double shortest = 1e-9;     ///< piece [z]: contacts that chatter cannot hold time back
 

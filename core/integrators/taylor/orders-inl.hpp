@@ -25,7 +25,7 @@ HWY_INLINE Flags begin_contact(Expansion<K, Degree, Kind>& e, std::size_t k, Vec
     constexpr double min_overlap = 1e-150;  // nothing above it overflows [m]
     const Vec d1 = e.rows.difference(e.x[1], k, e.piece.waves.slope);
     const Vec d0 = e.rows.difference(static_overlap, e.x[0], k, e.piece.waves.displacement);
-    const Vec rounding_error = MulAdd(splat(at_zero), Abs(d1), splat(e.piece.negligible));
+    const Vec rounding_error = MulAdd(splat(at_zero<Kind>), Abs(d1), splat(e.piece.negligible));
     const Flags touching_only = Le(Abs(d0), rounding_error);
     const Flags closing = And(touching_only, Gt(d1, splat(standstill)));
     e.d[0].set(k, IfThenZeroElse(touching_only, d0));

@@ -17,6 +17,9 @@
 // delta^(3/2) in whole powers: for a first short piece the contact's dashpot is part of the expansion and
 // its elastic force, k (w t)^(3/2) (1 + ...), is integrated term by term and added.
 //
+// Damping forces with a power of the overlap (damping-inl.hpp) are expanded as the elastic force is, and at a
+// closing are integrated with it.
+//
 // Which contacts are closed is never remembered: at the start of a piece a contact is closed if it overlaps,
 // or, within rounding of zero overlap, if it is closing.
 #if defined(HERTZLINE_TAYLOR_INL) == defined(HWY_TARGET_TOGGLE)

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/model/hertz.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/brute_force.hpp"
 #include "tests/support/integrators.hpp"
@@ -111,6 +112,53 @@ TEST_P(DampedCollision, OfTsujiHasARestitutionThatDoesNotDependOnSpeedMassesOrSt
                 EXPECT_NEAR(hit.energy, 1, 1e-8);
             }
         }
+    }
+}
+
+TEST_P(DampedCollision, OfTsujiDoesNotReboundFromAlphaOfRootFiveOn) {
+    BareChain sphere(tsuji(loose(GetParam(), 1), 2.3));
+    sphere.state.x.setConstant(1e-4);
+    sphere.state.v[0] = 0.5;
+    sphere.advance(20'000);
+    EXPECT_GT(sphere.overlap(1), 0);
+    EXPECT_GT(sphere.state.v[0], -1e-2);
+    EXPECT_LT(sphere.state.v[0], 0);  // creeps back
+}
+
+TEST_P(DampedCollision, ThatLetsGoBeforeItPullsReboundsFaster) {
+    for (const Scene& law : {kuwabara_kono(loose(GetParam(), 2), 3e-7), tsuji(loose(GetParam(), 2), 0.5)}) {
+        Scene scene = law;
+        const Collision allowed = collision_of_spheres(scene, 0.5);
+        scene.chain.tension = Tension::clamped;
+        const Collision clamped = collision_of_spheres(scene, 0.5);
+        EXPECT_GT(clamped.restitution, 1.01 * allowed.restitution);
+        EXPECT_NEAR(clamped.energy, 1, 1e-7);  // what is let go of is lost
+    }
+}
+
+TEST(DampingLaw, IsInTheForceOnTheEnd) {
+    for (const Scene& law : {kuwabara_kono(Scene{}, 3e-7), tsuji(Scene{}, 0.3)}) {
+        Scene scene = with_step(law, Integrator::taylor12, 2e-7);
+        scene.end.kind = EndKind::wall;
+        scene.chain.spheres = 1;
+        constexpr std::size_t rows = 2000;
+        Simulation simulation(scene, {.taps = everything});
+        Samples samples = simulation.make_samples(rows);
+        ASSERT_EQ(simulation.advance(samples, rows), Status::running);
+        const Chain& chain = simulation.chain();
+        double strongest = 0;
+        for (std::size_t i = 0; i < rows; ++i) {
+            const double overlap = chain.static_overlap[1] + samples[Tap::x_chain][i];
+            const double elastic = elastic_force(chain.stiffness[1], overlap);
+            const double factor = scene.chain.damping_law == DampingLaw::tsuji
+                                      ? 0.3 * std::sqrt(chain.stiffness[1] / chain.inv_mass[0])
+                                      : 1.5 * 3e-7 * chain.stiffness[1];
+            const double power = scene.chain.damping_law == DampingLaw::tsuji ? 0.25 : 0.5;
+            const double loss = factor * std::pow(std::max(overlap, 0.0), power) * samples[Tap::v_chain][i];
+            EXPECT_NEAR(samples[Tap::f_last][i], elastic + loss, 1e-12) << i;
+            strongest = std::max(strongest, std::abs(loss));
+        }
+        EXPECT_GT(strongest, 0.1);
     }
 }
 
