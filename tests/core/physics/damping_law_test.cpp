@@ -162,6 +162,34 @@ TEST(DampingLaw, IsInTheForceOnTheEnd) {
     }
 }
 
+TEST(DampingLaw, KeepsLedgerAndAccuracyWithAModalPlate) {
+    constexpr std::size_t rows = 3001;
+    constexpr TapSet outputs = TapSet(Tap::v_last) | Tap::v_centre | Tap::v_face | Tap::p_axis;
+    const auto run = [&](Simulation& simulation) {
+        Samples samples = simulation.make_samples(rows);
+        EXPECT_EQ(simulation.advance(samples, rows), Status::running);
+        return samples;
+    };
+    for (const Scene& law : {kuwabara_kono(Scene{}, 3e-7), tsuji(Scene{}, 0.3)}) {
+        for (const Tension tension : choices<Tension>) {
+            Scene scene = law;
+            scene.end.model = PlateModel::modal;
+            scene.chain.tension = tension;
+            scene = settled(scene);
+            Simulation simulation(scene, {.taps = outputs});
+            Simulation better(with_step(scene, Integrator::taylor12, 5e-8), {.taps = outputs});
+            const Samples samples = run(simulation);
+            const Samples exact = run(better);
+            EXPECT_GT(simulation.contact_events(), 20);
+            EXPECT_LE(simulation.energy_residual(), 1e-4);
+            EXPECT_LE(better.energy_residual(), 1e-9);
+            for (const Tap tap : outputs) {
+                EXPECT_LE(relative_l2(samples[tap], exact[tap]), 1e-4) << row_of(tap).name;
+            }
+        }
+    }
+}
+
 struct Damped {
     std::string name;
     Scene scene;

@@ -207,28 +207,6 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Laws, ModalPlateWithLaw, ::testing::ValuesIn(choices<DampingLaw>),
                          [](const auto& instance) { return std::string(word(instance.param)); });
 
-TEST_P(ModalPlateWithLaw, KeepsALedgerThatClosesAndTheAccuracyAskedFor) {
-    for (const Tension tension : choices<Tension>) {
-        Scene scene = scene_with_law();
-        scene.chain.tension = tension;
-        constexpr std::size_t rows = 3001;
-        const Scene settled = resolve(scene).scene;
-        Scene finer = settled;
-        finer.numerics.integrator = Integrator::taylor12;
-        finer.numerics.step_s = 5e-8;
-        Simulation simulation(settled, {.taps = outputs});
-        Simulation better(finer, {.taps = outputs});
-        const Samples samples = whole_run(simulation, rows);
-        const Samples exact = whole_run(better, rows);
-        EXPECT_GT(simulation.contact_events(), 20);
-        EXPECT_LE(simulation.energy_residual(), 1e-4);
-        EXPECT_LE(better.energy_residual(), 1e-9);
-        for (const Tap tap : {Tap::v_last, Tap::v_centre, Tap::v_face, Tap::p_axis}) {
-            EXPECT_LE(relative_l2(samples[tap], exact[tap]), 1e-4) << row_of(tap).name;
-        }
-    }
-}
-
 TEST_P(ModalPlateWithLaw, AnswersToItsForceAsTheExactPlateDoes) {
     // one sphere, which never leaves the plate, and a short burst: the force is smooth, so its samples have its spectrum
     Scene scene = scene_with_law();
