@@ -113,6 +113,7 @@ public:
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
     double step_s = 0;
     Tension tension = Tension::allowed;
+    DampingLaw damping_law = DampingLaw::dashpot;
     bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
 
 private:

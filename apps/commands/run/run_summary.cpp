@@ -69,6 +69,9 @@ SummaryGroup contacts(Simulation& simulation) {
     values["peak_contact_pressure_pa"] = load.pressure_pa;
     values["peak_overlap_ratio"] = load.overlap_ratio;
     values["contact_events"] = simulation.contact_events();
+    if (const DampingLaw law = simulation.chain().damping_law; law != DampingLaw::dashpot) {
+        values["damping_law"] = word(law);
+    }
     return {"contacts", std::move(values), ""};
 }
 
