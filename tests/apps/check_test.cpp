@@ -114,11 +114,11 @@ TEST(Check, HasNoPlateWhereThereIsNone) {
 }
 
 TEST(Check, NamesTheLawOfDampingWhereItIsNotTheDashpot) {
-    const Words tsuji{
+    const std::vector<std::string> tsuji{
         "check", "paper-wall", "--set", "chain.damping_law=tsuji", "--set", "chain.damping_alpha=0.2"};
     EXPECT_THAT(hertzline(tsuji).out, ContainsRegex("law of damping +tsuji"));
     EXPECT_FALSE(hertzline({"check", "paper-wall", "--json"}).json().contains("damping_law"));
-    Words run = tsuji;
+    std::vector<std::string> run = tsuji;
     run[0] = "run";
     run.emplace_back("--json");
     EXPECT_EQ(hertzline(run).json().at("damping_law"), "tsuji");
