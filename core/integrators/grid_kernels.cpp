@@ -59,6 +59,10 @@ Kernel pick(Integrator integrator, std::size_t rows) {
     return nullptr;
 }
 
+Kernel pick_with_plate(Integrator integrator) {
+    return integrator == Integrator::leapfrog ? Kernel(advance_leapfrog<0>) : pick(integrator, 0);
+}
+
 std::size_t vector_lanes() {
     return lanes();
 }
@@ -75,11 +79,16 @@ HWY_AFTER_NAMESPACE();
 namespace hertzline::kernels {
 
 HWY_EXPORT(pick);
+HWY_EXPORT(pick_with_plate);
 HWY_EXPORT(vector_lanes);
 HWY_EXPORT(target);
 
 Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
     return HWY_DYNAMIC_DISPATCH(pick)(integrator, rows);
+}
+
+Kernel plate_kernel(Integrator integrator) noexcept {
+    return HWY_DYNAMIC_DISPATCH(pick_with_plate)(integrator);
 }
 
 std::size_t kernel_lanes() noexcept {

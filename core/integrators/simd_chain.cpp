@@ -22,8 +22,9 @@ std::size_t linear_rows(Eigen::Index bodies, std::size_t lanes) {
     return (static_cast<std::size_t>(bodies) + lanes - 1) / lanes + 2 * SimdChain::guard_rows;
 }
 
-Layout layout_for(Eigen::Index bodies, Integrator integrator, std::size_t lanes) {
-    const bool in_memory = rows_for(bodies, lanes) > max_register_rows;
+Layout layout_for(const Chain& chain, Integrator integrator, std::size_t lanes) {
+    // the sweeps know no plate but one mass on a spring
+    const bool in_memory = rows_for(chain.bodies(), lanes) > max_register_rows && !chain.end.plate;
     return in_memory && method(integrator).sweeps_long_chain ? Layout::linear : Layout::striped;
 }
 
@@ -36,7 +37,7 @@ void SimdChain::Free::operator()(double* p) const noexcept {
 SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes)
     : tension(chain.tension),
       damping_law(chain.damping_law),
-      layout_(layout_for(chain.bodies(), integrator, lanes)),
+      layout_(layout_for(chain, integrator, lanes)),
       lanes_(lanes) {
     const std::size_t per_vector = alignment / sizeof(double);
     const bool linear = layout_ == Layout::linear;

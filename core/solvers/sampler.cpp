@@ -9,13 +9,6 @@ namespace hertzline {
 
 namespace {
 
-/// Whole steps per sample, or 0 when samples do not fall on steps.
-int steps_on_grid(double steps_per_sample) noexcept {
-    const double whole = std::round(steps_per_sample);
-    const bool on_grid = whole >= 1 && whole < 1e6 && std::abs(steps_per_sample - whole) <= 1e-9 * whole;
-    return on_grid ? static_cast<int>(whole) : 0;
-}
-
 std::size_t trace_rows(double row_bytes, bool between) noexcept {
     // room for some steps at once; a row per step suffices on the grid, contact events need more off it
     const double least = between ? 2 * kernels::max_rows_per_step : 4;
@@ -77,8 +70,10 @@ bool of_all_bodies(TapSet taps) noexcept {
 class Sampler::Writer {
 public:
     /// @param bodies in a row of the trace; the last is the end
-    Writer(Samples& samples, EndTaps& end_taps, const Chain& chain, std::size_t bodies) noexcept
+    Writer(Samples& samples, EndTaps& end_taps, const Chain& chain, const PlateSamples* plate,
+           std::size_t bodies) noexcept
         : end_taps_(end_taps, samples),
+          plate_(plate),
           v_chain_(samples.holds.contains(Tap::v_chain) ? samples.room(Tap::v_chain).data() : nullptr),
           x_chain_(samples.holds.contains(Tap::x_chain) ? samples.room(Tap::x_chain).data() : nullptr),
           spheres_(samples.spheres()),
@@ -119,9 +114,25 @@ private:
             motion.x_last[i] = x_last;
             motion.x_end[i] = x_end;
         }
+        if (plate_ != nullptr) [[unlikely]] {
+            put_plate(motion);
+        }
+    }
+
+    /// Out of line: chains without a modal plate have nothing to do with it.
+    [[gnu::noinline]] void put_plate(const EndMotion& motion) const noexcept {
+        const std::size_t i = motion.count;
+        const std::int64_t sample = motion.first + static_cast<std::int64_t>(i);
+        if (motion.v_face != nullptr) {
+            motion.v_face[i] = plate_->v_face(sample);
+        }
+        if (motion.p_axis != nullptr) {
+            motion.p_axis[i] = plate_->p_axis(sample);
+        }
     }
 
     EndTapsWriter end_taps_;
+    const PlateSamples* plate_;
     double* v_chain_;
     double* x_chain_;
     std::size_t spheres_;
@@ -129,17 +140,30 @@ private:
     std::size_t end_;
 };
 
+int steps_per_sample(double step_s, double sample_rate_hz) noexcept {
+    const double steps = 1 / (sample_rate_hz * step_s);
+    const double whole = std::round(steps);
+    const bool on_grid = whole >= 1 && whole < 1e6 && std::abs(steps - whole) <= 1e-9 * whole;
+    return on_grid ? static_cast<int>(whole) : 0;
+}
+
+FixedTime sample_period(double step_s, double sample_rate_hz) noexcept {
+    const int grid = steps_per_sample(step_s, sample_rate_hz);
+    return grid > 0 ? FixedTime{grid, 0} : FixedTime::of(1 / (sample_rate_hz * step_s));
+}
+
 double exact_step(double step_s, double sample_rate_hz) noexcept {
-    const int grid = steps_on_grid(1 / (sample_rate_hz * step_s));
+    const int grid = steps_per_sample(step_s, sample_rate_hz);
     return grid > 0 ? 1 / (sample_rate_hz * grid) : step_s;
 }
 
-Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps)
+Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps,
+                 const PlateSamples* plate)
     : chain_(chain),
-      grid_(steps_on_grid(1 / (scene.output.sample_rate_hz * step_s))),
-      sample_period_(grid_ > 0 ? FixedTime{grid_, 0}
-                               : FixedTime::of(1 / (scene.output.sample_rate_hz * step_s))),
+      grid_(steps_per_sample(step_s, scene.output.sample_rate_hz)),
+      sample_period_(sample_period(step_s, scene.output.sample_rate_hz)),
       step_s_(step_s),
+      plate_(plate),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
     trace_.bodies = chain.bodies();
     trace_.first_body = of_all_bodies(taps) ? 0 : chain.spheres() - 1;
@@ -193,7 +217,7 @@ void Sampler::passed_over(std::int64_t end) noexcept {
 void Sampler::emit(Samples* samples, std::int64_t end) noexcept {
     std::optional<Writer> writer;
     if (samples != nullptr) {
-        writer.emplace(*samples, end_taps_, chain_, trace_.row_size() / 3);
+        writer.emplace(*samples, end_taps_, chain_, plate_, trace_.row_size() / 3);
     }
     if (grid_ > 0) {
         emit_rows(writer ? &*writer : nullptr, end);

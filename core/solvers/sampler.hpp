@@ -10,6 +10,7 @@
 #include "core/samples.hpp"
 #include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
+#include "core/solvers/plate_samples.hpp"
 
 namespace hertzline {
 
@@ -17,7 +18,8 @@ namespace hertzline {
 class Sampler {
 public:
     /// @param chain outlives the sampler @param taps all that samples will be made of
-    Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps);
+    /// @param plate what a modal plate sends out; null: it is not wanted
+    Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps, const PlateSamples* plate);
 
     /// Back to sample 0, the static equilibrium.
     void reset() noexcept;
@@ -52,6 +54,7 @@ private:
     int grid_;                 ///< steps per sample when that is a whole number; 0: samples lie between steps
     FixedTime sample_period_;  ///< in steps
     double step_s_;
+    const PlateSamples* plate_;
     EndTaps end_taps_;
     std::vector<double> rows_, fractions_;
     std::vector<std::int64_t> steps_;
@@ -59,6 +62,11 @@ private:
     std::int64_t next_sample_ = 0;
     FixedTime next_position_;  ///< of that sample, in steps
 };
+
+/// Whole steps per sample, or 0 when samples do not fall on steps.
+int steps_per_sample(double step_s, double sample_rate_hz) noexcept;
+/// The sample period in steps.
+FixedTime sample_period(double step_s, double sample_rate_hz) noexcept;
 
 /// The step that is used when `step_s` is asked for: one that divides the sample period but for rounding is taken
 /// to divide it.

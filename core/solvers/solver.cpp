@@ -31,9 +31,6 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain,
     if (is_series(*scene.numerics.integrator)) {
         return std::make_unique<SeriesSolver>(scene, chain, options);
     }
-    if (chain.end.plate) {
-        throw std::invalid_argument("make_solver: only series integrate a modal plate");
-    }
     return std::make_unique<SteppedSolver>(scene, chain, options);
 }
 

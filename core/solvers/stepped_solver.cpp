@@ -10,6 +10,16 @@
 
 namespace hertzline {
 
+namespace {
+
+std::unique_ptr<PlateSamples> samples_of_plate(const Chain& chain, const Scene& scene, double step_s,
+                                               TapSet taps) {
+    const bool wanted = chain.end.plate && PlateSamples::any_of(taps);
+    return wanted ? std::make_unique<PlateSamples>(chain, scene, step_s, taps) : nullptr;
+}
+
+}  // namespace
+
 SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
     : chain_(chain),
       integrator_(*scene.numerics.integrator),
@@ -19,9 +29,13 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
       burst_(scene.drive, step_s_),
       state_(chain_),
       simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
+      plate_samples_(samples_of_plate(chain, scene, step_s_, options.taps)),
       horn_(ToneBurst::batch_steps),
-      sampler_(chain_, scene, step_s_, options.taps) {
+      sampler_(chain_, scene, step_s_, options.taps, plate_samples_.get()) {
     simd_chain_.step_s = step_s_;
+    if (chain.end.plate) {
+        plate_ = std::make_unique<PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get());
+    }
     reset();
 }
 
@@ -33,10 +47,26 @@ void SteppedSolver::reset() noexcept {
     status_ = Status::running;
     horn_first_ = -1;
     front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
-    simd_chain_.load(chain_, state_, front_);
-    kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
+    if (plate_) {
+        plate_->reset();
+    }
+    if (plate_samples_) {
+        plate_samples_->reset();
+    }
+    lay_out(front_);
     sampler_.reset();
     begin_batch();
+}
+
+void SteppedSolver::lay_out(Eigen::Index active) noexcept {
+    simd_chain_.load(chain_, state_, active);
+    kernel_ = plate_ ? kernels::plate_kernel(integrator_) : kernels::kernel(integrator_, simd_chain_.rows());
+    simd_chain_.plate = nullptr;
+    if (plate_ && active == chain_.bodies()) {  // before the wave is there the plate stands still
+        simd_chain_.plate = plate_.get();
+        plate_->last_slot = simd_chain_.slot(active - 2);
+        plate_->end_slot = simd_chain_.slot(active - 1);
+    }
 }
 
 const ChainState& SteppedSolver::state() noexcept {
@@ -63,9 +93,7 @@ void SteppedSolver::load_active() noexcept {
         --front_;
     }
     const Eigen::Index reach = method(integrator_).reach;
-    const Eigen::Index active = std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1);
-    simd_chain_.load(chain_, state_, active);
-    kernel_ = kernels::kernel(integrator_, simd_chain_.rows());
+    lay_out(std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1));
 }
 
 void SteppedSolver::collect_ledger() noexcept {
@@ -81,10 +109,16 @@ Ledger SteppedSolver::ledger() noexcept {
         const double* const column = simd_chain_.column(field);
         return std::accumulate(column, column + slots, before);
     };
-    return {.work = booked(kernels::ChainField::work, simd_chain_.lanes(), ledger_.work),
-            .gross_work = booked(kernels::ChainField::gross_work, simd_chain_.lanes(), ledger_.gross_work),
-            .lost = booked(kernels::ChainField::lost, simd_chain_.ledger_slots(), ledger_.lost),
-            .at_start = ledger_.at_start};
+    Ledger now{.work = booked(kernels::ChainField::work, simd_chain_.lanes(), ledger_.work),
+               .gross_work = booked(kernels::ChainField::gross_work, simd_chain_.lanes(), ledger_.gross_work),
+               .lost = booked(kernels::ChainField::lost, simd_chain_.ledger_slots(), ledger_.lost),
+               .at_start = ledger_.at_start};
+    if (plate_) {
+        now.passed = plate_->passed();
+        now.plate_lost = plate_->lost();
+        now.plate_held = plate_->energy();
+    }
+    return now;
 }
 
 double SteppedSolver::horn_displacement() const noexcept {
@@ -198,6 +232,9 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
         const int count = static_cast<int>(std::min({left_in_batch, step - state_.step, most}));
         const int taken = take_steps(count, trace);
         state_.step += taken;
+        if (plate_samples_ && simd_chain_.plate == nullptr) {
+            plate_samples_->rest_until(state_.step);
+        }
         if (!stable()) {
             status_ = Status::unstable;
             return;
@@ -229,7 +266,8 @@ Status SteppedSolver::produce(Samples* samples, std::int64_t count) noexcept {
         if (next_sample() == end || status_ != Status::running) {
             return status_;
         }
-        run_until(last_step, sampler_.wanted_from(state_.step));
+        const std::int64_t kept = plate_samples_ ? plate_samples_->steps_kept() : last_step;
+        run_until(std::min(last_step, state_.step + kept), sampler_.wanted_from(state_.step));
     }
 }
 

@@ -2,11 +2,14 @@
 // Integrates on a grid of equal steps, with the kernels of leapfrog and chin4a. Only the part of the chain
 // that the wave has reached is worked on.
 
+#include <memory>
 #include <vector>
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/tone_burst.hpp"
+#include "core/plate/plate_steps.hpp"
+#include "core/solvers/plate_samples.hpp"
 #include "core/solvers/sampler.hpp"
 #include "core/solvers/solver.hpp"
 
@@ -34,6 +37,7 @@ private:
     void take_in_parts(kernels::Trace& trace) noexcept;
     void begin_batch() noexcept;
     void load_active() noexcept;
+    void lay_out(Eigen::Index active) noexcept;
     void collect_ledger() noexcept;
     bool stable() noexcept;
     void watch_from(double overlap) noexcept;
@@ -46,6 +50,8 @@ private:
     ToneBurst burst_;
     ChainState state_;
     kernels::SimdChain simd_chain_;
+    std::unique_ptr<PlateSamples> plate_samples_;  ///< of a modal plate, when they may be wanted
+    std::unique_ptr<PlateSteps> plate_;            ///< of a modal plate
     kernels::Kernel kernel_ = nullptr;
     std::vector<HornStep> horn_;
     std::int64_t horn_first_ = -1;

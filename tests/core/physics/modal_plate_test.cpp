@@ -3,73 +3,20 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <filesystem>
-#include <fstream>
-#include <map>
 #include <numbers>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
+#include "tests/support/modal_scenes.hpp"
 #include "tests/support/reference.hpp"
 
 namespace hertzline::test {
 namespace {
 
 constexpr TapSet outputs = TapSet(Tap::v_last) | Tap::v_centre | Tap::v_face | Tap::p_axis | Tap::f_last;
-
-Scene modal_scene() {
-    Scene scene;
-    scene.end.model = PlateModel::modal;
-    return scene;
-}
-
-struct Wet {
-    const char* file;
-    Scene scene;
-};
-
-std::vector<Wet> wet_scenes() {
-    Scene tukey = modal_scene();
-    tukey.drive.envelope = Envelope::tukey;
-    const Scene hann = modal_scene();
-    Scene aluminium = modal_scene();
-    aluminium.end.material = "aluminium";
-    aluminium.end.modes = 3;
-    Scene dry = modal_scene();
-    dry.medium.load = FluidLoad::none;
-    dry.end.loss_factor = 0.02;
-    return {{"wet_vitreous_carbon", tukey},
-            {"wet_vitreous_carbon_hann", hann},
-            {"wet_aluminium", aluminium},
-            {"dry_vitreous_carbon", dry}};
-}
-
-using Columns = std::map<std::string, std::vector<double>>;
-
-Columns read_columns(const std::string& file) {
-    std::ifstream in(std::string(HERTZLINE_SOURCE_DIR "/tests/reference/modal/") + file + ".csv");
-    std::string line;
-    std::getline(in, line);
-    std::vector<std::string> names;
-    std::istringstream head(line);
-    for (std::string name; std::getline(head, name, ',');) {
-        names.push_back(name);
-    }
-    Columns columns;
-    while (std::getline(in, line)) {
-        std::istringstream cells(line);
-        std::string cell;
-        for (const std::string& name : names) {
-            std::getline(cells, cell, ',');
-            columns[name].push_back(std::stod(cell));
-        }
-    }
-    return columns;
-}
 
 /// The whole run of a scene that is resolved here.
 Samples whole_run(Simulation& simulation, std::size_t rows) {

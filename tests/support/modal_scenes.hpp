@@ -1,0 +1,72 @@
+#pragma once
+// Chains on modal plates, and the solutions of an independent solver in tests/reference/modal.
+
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+
+namespace hertzline::test {
+
+inline Scene modal_scene() {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
+    return scene;
+}
+
+inline Scene with_integrator(Scene scene, Integrator integrator, double accuracy) {
+    scene.numerics.integrator = integrator;
+    scene.numerics.accuracy = accuracy;
+    return scene;
+}
+
+/// A scene that has a file there.
+struct Wet {
+    const char* file;  ///< without .csv
+    Scene scene;
+};
+
+inline std::vector<Wet> wet_scenes() {
+    Scene tukey = modal_scene();
+    tukey.drive.envelope = Envelope::tukey;
+    const Scene hann = modal_scene();
+    Scene aluminium = modal_scene();
+    aluminium.end.material = "aluminium";
+    aluminium.end.modes = 3;
+    Scene dry = modal_scene();
+    dry.medium.load = FluidLoad::none;
+    dry.end.loss_factor = 0.02;
+    return {{"wet_vitreous_carbon", tukey},
+            {"wet_vitreous_carbon_hann", hann},
+            {"wet_aluminium", aluminium},
+            {"dry_vitreous_carbon", dry}};
+}
+
+using Columns = std::map<std::string, std::vector<double>>;
+
+/// By the names in the file's head.
+inline Columns read_columns(const std::string& file) {
+    std::ifstream in(std::string(HERTZLINE_SOURCE_DIR "/tests/reference/modal/") + file + ".csv");
+    std::string line;
+    std::getline(in, line);
+    std::vector<std::string> names;
+    std::istringstream head(line);
+    for (std::string name; std::getline(head, name, ',');) {
+        names.push_back(name);
+    }
+    Columns columns;
+    while (std::getline(in, line)) {
+        std::istringstream cells(line);
+        std::string cell;
+        for (const std::string& name : names) {
+            std::getline(cells, cell, ',');
+            columns[name].push_back(std::stod(cell));
+        }
+    }
+    return columns;
+}
+
+}  // namespace hertzline::test
