@@ -348,19 +348,30 @@ std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& param
     };
     static std::mutex mutex;
     static std::deque<Kept> kept;
-    const std::scoped_lock lock(mutex);
-    const auto found = std::find_if(kept.begin(), kept.end(), [&](const Kept& entry) {
-        return entry.poles == poles && entry.response->parameters == parameters;
-    });
-    if (found != kept.end()) {
-        return found->response;
+    const auto known = [&]() -> std::shared_ptr<const PlateResponse> {
+        const auto found = std::find_if(kept.begin(), kept.end(), [&](const Kept& entry) {
+            return entry.poles == poles && entry.response->parameters == parameters;
+        });
+        return found != kept.end() ? found->response : nullptr;
+    };
+    {
+        const std::scoped_lock lock(mutex);
+        if (auto response = known()) {
+            return response;
+        }
     }
-    constexpr std::size_t most = 16;
+    // Other threads fit other plates meanwhile. Two that fit the same one get the same.
+    auto response = std::make_shared<const PlateResponse>(fitted(parameters, poles));
+    constexpr std::size_t most = 256;  // 20 kB each: those of all threads of a sweep
+    const std::scoped_lock lock(mutex);
+    if (auto same = known()) {
+        return same;
+    }
     if (kept.size() == most) {
         kept.pop_front();
     }
-    kept.push_back({poles, std::make_shared<const PlateResponse>(fitted(parameters, poles))});
-    return kept.back().response;
+    kept.push_back({poles, response});
+    return response;
 }
 
 int poles_for(const PlateParameters& parameters, double accuracy) {
