@@ -206,7 +206,8 @@ std::string Axis::text() const {
     if (!list.empty()) {
         for (const SceneValue& one : list) {
             const auto* word = std::get_if<std::string>(&one);  // quoted: it may look like a number
-            result += (result.back() == '=' ? "" : ",") + (word != nullptr ? quoted(*word) : value_text(one));
+            result += (result.back() == '=' ? "" : ",") +
+                      (word != nullptr ? hertzline::quoted(*word) : value_text(one));
         }
         return result;
     }

@@ -299,6 +299,21 @@ void Journal::remove() noexcept {
     std::filesystem::remove(path_, gone);
 }
 
+void Journal::replace_by(const std::filesystem::path& file) {
+    const int written = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool there = written >= 0 && ::fsync(written) == 0;
+    const int reason = errno;
+    if (written >= 0) {
+        ::close(written);
+    }
+    if (!there) {
+        throw std::system_error(
+            reason, std::generic_category(),
+            fmt::format("cannot write {} to the disk, so {} is kept", file.string(), path_.string()));
+    }
+    remove();
+}
+
 double Journal::bytes(double rows, std::size_t payload_bytes) noexcept {
     return rows * static_cast<double>(sizeof(RowHead) + payload_bytes);
 }

@@ -1,7 +1,6 @@
 #include "stream/sweep/point_list.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -75,9 +74,9 @@ void PointsReader::read_values(const std::vector<std::string_view>& cells) {
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
         auto value = read_value(points.keys[i], cells[i]);
-        std::optional<Fault> fault =
-            value ? value_fault(scene_, points.keys[i], *value) : std::optional(std::move(value).error());
-        if (fault) {
+        if (!value) {
+            refuse(std::move(value).error());
+        } else if (auto fault = value_fault(scene_, points.keys[i], *value)) {
             refuse(*std::move(fault));
         } else {
             points.values.push_back(*std::move(value));
@@ -86,6 +85,8 @@ void PointsReader::read_values(const std::vector<std::string_view>& cells) {
 }
 
 void PointsReader::read(std::string_view text) {
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // as spreadsheets write it
+    text.remove_prefix(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0);
     std::vector<std::string_view> cells;
     while (!text.empty() && faults.size() < max_faults) {
         const std::size_t end = std::min(text.find('\n'), text.size());

@@ -1,6 +1,7 @@
 #include "stream/sweep/point_result.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "core/scene/text.hpp"
@@ -96,9 +97,7 @@ tl::expected<std::vector<NumberColumn>, std::vector<std::string>> chosen_columns
     std::vector<NumberColumn> columns, std::span<const std::string> names) {
     std::vector<std::string> all;
     std::vector<std::string> faults;
-    for (const NumberColumn& column : columns) {
-        all.push_back(column.name);
-    }
+    std::ranges::transform(columns, std::back_inserter(all), &NumberColumn::name);
     const auto names_it = [](const std::string& name, const NumberColumn& column) {
         return column.name == name || without_number(column.name) == name;
     };

@@ -107,6 +107,7 @@ bool assign(Member& member, const SceneValue& value, OneOf<Choice> /*words*/) {
 template <class Choice>
 std::vector<std::string> words_of(OneOf<Choice> /*words*/) {
     std::vector<std::string> words;
+    words.reserve(Words<Choice>::all.size());
     for (const auto& entry : Words<Choice>::all) {
         words.emplace_back(entry.text);
     }

@@ -11,6 +11,7 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/scene/text.hpp"
+#include "stream/json_from_outside.hpp"
 #include "stream/provenance.hpp"
 
 namespace hertzline::stream {
@@ -64,6 +65,11 @@ constexpr std::array members{Member{"version", "version"},    Member{"git_hash",
 constexpr std::array plan_members{Member{"scene", "scene"}, Member{"vary", "--vary"},
                                   Member{"sobol", "--sobol"}, Member{"points", "--points"}};
 
+bool is_of_this_format(const Json& json) {
+    return json.is_object() && json.contains("format") && json["format"] == journal_format &&
+           json.contains("plan") && json["plan"].is_object();
+}
+
 std::string difference(const Member& member, const Json& found, const Json& wanted) {
     constexpr std::size_t longest = 100;
     const std::string there = found.dump();
@@ -101,8 +107,8 @@ std::string journal_text(const Sweep& sweep) {
 }
 
 Sweep sweep_of_journal(const std::string& text) {
-    const Json json = Json::parse(text, nullptr, false);
-    if (!json.is_object() || json.value("format", 0) != journal_format) {
+    const Json json = json_from_outside(text);
+    if (!is_of_this_format(json)) {
         throw std::runtime_error("it is of another version of hertzline");
     }
     try {
@@ -136,9 +142,9 @@ std::optional<std::string> journal_difference(const std::string& journal, const 
     if (journal == wanted) {
         return std::nullopt;
     }
-    const Json found = Json::parse(journal, nullptr, false);
-    const Json here = Json::parse(wanted, nullptr, false);
-    if (!found.is_object() || found.value("format", 0) != journal_format) {
+    const Json found = json_from_outside(journal);
+    const Json here = json_from_outside(wanted);
+    if (!is_of_this_format(found)) {
         return "another format";
     }
     const auto compare = [](const auto& list, const Json& a, const Json& b,

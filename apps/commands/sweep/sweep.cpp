@@ -82,6 +82,7 @@ void prepare(Journal& journal, const Sweep& sweep, bool resume) {
             fmt::format("{}: found {}, allowed: the journal of the same sweep, made by the same program",
                         journal.path().string(), *difference));
     }
+    require_rows_of(sweep, journal);
     journal.load(sweep.plan.size());
     if (journal.damaged() > 0) {
         spdlog::warn("{}: {} damaged rows are computed again", journal.path().string(), journal.damaged());
@@ -183,10 +184,41 @@ Exit stopped(const SweepOptions& options, const Journal& journal, const PointCou
     return Exit::failed;
 }
 
+/// What is missing, and what to do next when that cannot be gone on with.
+PointCounts run_or_tell(const SweepOptions& options, const Sweep& sweep, Journal& journal,
+                        const std::vector<std::int64_t>& missing, const PointCounts& there) {
+    try {
+        return run_missing(sweep, journal, missing, jobs_of(options), there);
+    } catch (const std::runtime_error& error) {
+        if (options.output.empty() || !journal.has_rows()) {
+            throw;
+        }
+        throw std::runtime_error(
+            fmt::format("{}; the points that are done are in {}: the same command with --resume goes on",
+                        error.what(), journal.path().string()));
+    }
+}
+
+/// Writes the file from a journal that has all rows. @returns whether all is written
+bool finish(const SweepOptions& options, const Sweep& sweep, Journal& journal, std::int64_t failed) {
+    if (!write_result(options, stream::SweepTable(sweep, {&journal}))) {
+        return false;
+    }
+    if (options.output.empty()) {
+        return true;
+    }
+    if (failed > 0) {
+        spdlog::error("{} points failed for want of means; --resume tries them again from {}", failed,
+                      journal.path().string());
+    } else {
+        journal.replace_by(options.output);
+    }
+    return true;
+}
+
 Exit run_sweep(const SweepOptions& options) {
     const SoundSweep sound = sound_sweep(options);
     const Sweep& sweep = sound.sweep;
-    const int jobs = jobs_of(options);
     const bool whole = sweep.shard.parts == 1;
     if (!options.output.empty() && whole) {
         stream::require_writable(options.output);
@@ -202,18 +234,8 @@ Exit run_sweep(const SweepOptions& options) {
         spdlog::info("{} of {} points are in {}", there.all(), all, journal.path().string());
     }
     const UnusedJournal unused(journal, !missing.empty());
-    refuse_shortages(options, sound, missing.size(), jobs);
-    PointCounts counts;
-    try {
-        counts = run_missing(sweep, journal, missing, jobs, there);
-    } catch (const std::runtime_error& error) {
-        if (options.output.empty() || !journal.has_rows()) {
-            throw;
-        }
-        throw std::runtime_error(
-            fmt::format("{}; the points that are done are in {}: the same command with --resume goes on",
-                        error.what(), journal.path().string()));
-    }
+    refuse_shortages(options, sound, missing.size(), jobs_of(options));
+    const PointCounts counts = run_or_tell(options, sweep, journal, missing, there);
     if (counts.all() < all) {
         return stopped(options, journal, counts, all);
     }
@@ -221,22 +243,12 @@ Exit run_sweep(const SweepOptions& options) {
         spdlog::warn("{} of {} points are not ok: {}; their messages say why",
                      counts.all() - counts[PointStatus::ok], all, faults);
     }
-    std::string file = journal.path();
-    if (whole) {
-        const stream::SweepTable table(sweep, {&journal});
-        if (!write_result(options, table)) {
-            return stopped(options, journal, counts, all);
-        }
-        if (counts[PointStatus::failed] > 0 && !options.output.empty()) {
-            spdlog::error("{} points failed for want of means; --resume tries them again from {}",
-                          counts[PointStatus::failed], journal.path().string());
-        } else {
-            journal.remove();
-        }
-        file = options.output;
+    const std::int64_t failed = counts[PointStatus::failed];
+    if (whole && !finish(options, sweep, journal, failed)) {
+        return stopped(options, journal, counts, all);
     }
-    print_counts(options, counts, file);
-    return counts[PointStatus::failed] > 0 ? Exit::failed : Exit::done;
+    print_counts(options, counts, whole ? options.output : journal.path().string());
+    return failed > 0 ? Exit::failed : Exit::done;
 }
 
 }  // namespace

@@ -56,6 +56,7 @@ std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep)
                                        printable(name), shard.part, shard.parts, part ? " again" : "",
                                        sweep.shard.parts));
         }
+        require_rows_of(sweep, journal);
         journal.load(sweep.plan.size());
         part.emplace(std::move(journal));
     }

@@ -6,6 +6,7 @@
 #include "apps/command.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
+#include "stream/files/errors.hpp"
 #include "stream/sweep/sweep_files.hpp"
 
 namespace hertzline::app {
@@ -30,6 +31,12 @@ void print_rows(const stream::SweepTable& table) {
 void refuse_no_output(const SweepOptions& options) {
     if (options.output.empty() && options.format == Format::text) {
         throw WrongUse("-o: found no file, allowed: a file that ends in .h5 or .csv, or --json");
+    }
+}
+
+void require_rows_of(const stream::Sweep& sweep, const stream::Journal& journal) {
+    if (journal.payload_bytes() != stream::payload_bytes(sweep.demand)) {
+        stream::cannot_read(journal.path(), "its rows are not those of its sweep");
     }
 }
 

@@ -145,6 +145,7 @@ TEST(SweepPlan, SobolFillsTheRangesEvenly) {
 TEST(SweepPlan, AListOfPointsIsTakenAsItIs) {
     const SweepPlan plan =
         plan_of({{},
+                 "\xEF\xBB\xBF"
                  "chain.preload_n, \"end.material\"\r\n0.5,pyrex\r\n\r\n 1 , \"acrylic\"\n",
                  "points.csv",
                  std::nullopt});
