@@ -245,11 +245,17 @@ void Journal::load(std::int64_t points) {
     rows_.assign(static_cast<std::size_t>(points), 0);
     statuses_.assign(static_cast<std::size_t>(points), PointStatus::ok);
     const std::size_t row_bytes = sizeof(RowHead) + payload_bytes_;
-    row_.resize(row_bytes);
+    row_count_ = 0;
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0) {
+        fail("read", errno);
+    }
+    if (static_cast<std::uint64_t>(status.st_size) < first_row_ + row_bytes) {
+        return;  // a row may be a long waveform: no memory is taken for none
+    }
     constexpr std::size_t portion = std::size_t{1} << 20;
     const std::size_t rows_at_once = std::max<std::size_t>(1, portion / row_bytes);
     std::vector<std::byte> rows(rows_at_once * row_bytes);
-    row_count_ = 0;
     while (true) {
         const std::int64_t there =
             read_at(descriptor_, rows, first_row_ + std::uint64_t{row_count_} * row_bytes);
@@ -267,6 +273,7 @@ void Journal::load(std::int64_t points) {
 }
 
 void Journal::append(std::int64_t point, PointStatus status, std::span<const std::byte> payload) {
+    row_.resize(sizeof(RowHead) + payload.size());
     RowHead head{point, status, 0};
     head.checksum = checksum_of_row(head, payload);
     std::memcpy(row_.data(), &head, sizeof(RowHead));

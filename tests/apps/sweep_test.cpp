@@ -4,6 +4,7 @@
 #include <cmath>
 #include <csignal>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <thread>
 
@@ -258,25 +259,26 @@ TEST_F(LongSweep, AJournalInUseIsRefused) {
     expect_resumed();
 }
 
-/// The limit on the size of files for what is started meanwhile.
-class LargestFile {
+/// A limit of the system for what is started meanwhile.
+class Limit {
 public:
-    explicit LargestFile(rlim_t bytes) {
-        getrlimit(RLIMIT_FSIZE, &before_);
+    Limit(__rlimit_resource resource, rlim_t bytes) : resource_(resource) {
+        getrlimit(resource_, &before_);
         const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
+        setrlimit(resource_, &limit);
     }
-    ~LargestFile() { setrlimit(RLIMIT_FSIZE, &before_); }
-    LargestFile(const LargestFile&) = delete;
-    LargestFile& operator=(const LargestFile&) = delete;
+    ~Limit() { setrlimit(resource_, &before_); }
+    Limit(const Limit&) = delete;
+    Limit& operator=(const Limit&) = delete;
 
 private:
+    __rlimit_resource resource_;
     rlimit before_{};
 };
 
 TEST_F(LongSweep, AFullDiskLosesNoRow) {
     {
-        const LargestFile limit(20'000);
+        const Limit limit(RLIMIT_FSIZE, 20'000);
         const Outcome outcome = hertzline(with(words, {"-o", file}));
         EXPECT_EQ(outcome.status, 1);
         EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large")));
@@ -292,7 +294,7 @@ TEST(Sweep, AFullDiskAtTheEndKeepsTheJournal) {
     const Words words = with(quick, {"--vary", "chain.preload_n=0.1..1:60", "-o", file});
     {
         // rows as text are longer than in the journal
-        const LargestFile limit(55'000);
+        const Limit limit(RLIMIT_FSIZE, 55'000);
         const Outcome outcome = hertzline(words);
         EXPECT_EQ(outcome.status, 1);
         EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + file), HasSubstr("File too large")));
@@ -302,6 +304,27 @@ TEST(Sweep, AFullDiskAtTheEndKeepsTheJournal) {
     EXPECT_EQ(resumed.status, 0) << resumed.err;
     EXPECT_THAT(resumed.err, HasSubstr("60 of 60 points are in"));
     EXPECT_GT(fs::file_size(file), 55'000U);
+}
+
+TEST(Sweep, PointsThatLackMemoryAreTriedAgain) {
+    if (sanitized) {
+        GTEST_SKIP() << "sanitizers take more memory than any limit leaves";
+    }
+    const TemporaryFolder folder;
+    const Words words =
+        with(quick, {"--vary", "chain.spheres=6,1000000,7", "--jobs", "1", "-o", folder.file("s.csv")});
+    for (const Words& more : {Words{}, Words{"--resume"}}) {
+        std::optional<Program> program;
+        {
+            const Limit limit(RLIMIT_AS, 200'000'000);
+            program.emplace(with(words, more));  // which inherits it
+        }
+        const Outcome outcome = program->wait();
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr(more.empty() ? "; 3 to run" : "; 1 to run"),
+                                       HasSubstr("1 failed"), HasSubstr("--resume tries them again")));
+        EXPECT_THAT(contents(folder.file("s.csv")), HasSubstr("not enough memory"));
+    }
 }
 
 TEST(Sweep, PointsThatFailAreRowsWithTheirReason) {
@@ -409,17 +432,17 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
 
 TEST(Sweep, WhatCannotFitIsRefusedBeforeItBegins) {
     const TemporaryFolder folder;
-    const auto sweep = [&](const std::string& duration_s) {
+    const auto sweep = [&](const std::string& duration_s, const std::string& jobs) {
         return hertzline({"sweep", "paper-wall", "--vary", "chain.preload_n=0.1..1:10000", "--vary",
-                          "chain.spheres=2..5:4", "--waveforms", "v_last", "--jobs", "1", "--set",
+                          "chain.spheres=2..5:4", "--waveforms", "v_last", "--jobs", jobs, "--set",
                           "output.duration_s=" + duration_s, "-o", folder.file("a.h5")});
     };
-    const Outcome disk = sweep("0.8");
+    const Outcome disk = sweep("0.8", "1");
     EXPECT_EQ(disk.status, 1);
     EXPECT_THAT(disk.err, AllOf(HasSubstr("TiB of disk"), HasSubstr("is free")));
-    const Outcome memory = sweep("26");
+    const Outcome memory = sweep("26", "1024");
     EXPECT_EQ(memory.status, 1);
-    EXPECT_THAT(memory.err, AllOf(HasSubstr("GiB of memory"), HasSubstr("fewer --jobs")));
+    EXPECT_THAT(memory.err, AllOf(HasSubstr("TiB of memory"), HasSubstr("fewer --jobs")));
     EXPECT_FALSE(fs::exists(folder.file("a.h5.journal")));
 }
 
