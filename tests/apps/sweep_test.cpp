@@ -108,13 +108,15 @@ TEST(Sweep, ARowHasAllThatRunSays) {
 }
 
 TEST(Sweep, ARowOfAModalPlateHasAllThatRunSays) {
+    const Words few{"wet-vitreous-carbon", "--set", "end.modes=1", "--set",
+                    "numerics.poles=16"};  // fitted soon
     const Outcome outcome =
-        hertzline({"sweep", "wet-vitreous-carbon", "--vary", "end.model=modal,lumped", "--json"});
+        hertzline(with({"sweep"}, with(few, {"--vary", "end.model=modal,lumped", "--json"})));
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const std::vector<json> rows = rows_of(outcome);
     ASSERT_THAT(rows, SizeIs(2));
-    expect_row_of_run(rows[0], {"wet-vitreous-carbon"});
-    expect_row_of_run(rows[1], {"wet-vitreous-carbon", "--set", "end.model=lumped"});
+    expect_row_of_run(rows[0], few);
+    expect_row_of_run(rows[1], with(few, {"--set", "end.model=lumped"}));
     EXPECT_TRUE(rows[1]["p_axis.thd_r"].is_null());
     EXPECT_FALSE(rows[0]["p_axis.thd_r"].is_null());
 }
@@ -411,6 +413,8 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
                 AllOf(HasSubstr("-o: found no file"), HasSubstr("--jobs: found -1"),
                       HasSubstr("--shard: found \"3/2\""), HasSubstr("--band-from"),
                       HasSubstr("did you mean 'chain.spheres'?")));
+    EXPECT_THAT(fault(with(vary, {"--json", "--jobs", "0"})),
+                HasSubstr("--jobs: found 0, allowed: 1 to 1024"));
     EXPECT_THAT(fault({"--json"}), HasSubstr("SCENE"));
     EXPECT_THAT(fault({"paper-wall", "--json"}), HasSubstr("--vary or --points"));
     EXPECT_THAT(fault(with(vary, {"-o", folder.file("a.txt")})), HasSubstr(".h5, .csv"));

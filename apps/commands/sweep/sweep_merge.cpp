@@ -1,7 +1,9 @@
 #include "apps/commands/sweep/sweep_merge.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -102,9 +104,7 @@ Exit merge_parts(const SweepOptions& options) {
     }
     const std::vector<Journal> parts = open_parts(options, sweep);
     std::vector<const Journal*> journals;
-    for (const Journal& part : parts) {
-        journals.push_back(&part);
-    }
+    std::ranges::transform(parts, std::back_inserter(journals), [](const Journal& part) { return &part; });
     const stream::SweepTable table(sweep, journals);
     if (const std::int64_t point = table.first_missing(); point >= 0) {
         const Journal& part = parts[static_cast<std::size_t>(point % sweep.shard.parts)];

@@ -178,13 +178,13 @@ void refuse_wrong_output(const SweepOptions& options) {
 }  // namespace
 
 int jobs_of(const SweepOptions& options) {
-    if (options.jobs == 0) {
+    if (!options.jobs) {
         return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_jobs);
     }
-    if (options.jobs < 1 || options.jobs > max_jobs) {
-        throw WrongUse(fmt::format("--jobs: found {}, allowed: 1 to {}", options.jobs, max_jobs));
+    if (*options.jobs < 1 || *options.jobs > max_jobs) {
+        throw WrongUse(fmt::format("--jobs: found {}, allowed: 1 to {}", *options.jobs, max_jobs));
     }
-    return options.jobs;
+    return *options.jobs;
 }
 
 SoundSweep sound_sweep(const SweepOptions& options) {

@@ -23,8 +23,8 @@ struct SweepOptions {
     std::vector<std::string> measures;    ///< taps to be measured beside v_out
     std::vector<std::string> quantities;  ///< what is kept; none: all
     std::optional<double> band_from_hz;
-    std::string waveform;  ///< a tap; empty: none
-    int jobs = 0;          ///< 0: as many as there are processors
+    std::string waveform;     ///< a tap; empty: none
+    std::optional<int> jobs;  ///< unset: as many as there are processors
     bool resume = false;
     std::string shard;               ///< "I/N"; empty: all
     std::vector<std::string> parts;  ///< journals to be merged; none: a sweep is run

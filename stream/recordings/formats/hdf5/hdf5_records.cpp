@@ -44,8 +44,7 @@ hsize_t rows_in_chunk(std::size_t bytes) {
 Hdf5Object create_dataset(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& size,
                           const std::vector<hsize_t>& chunk) {
     const auto rank = static_cast<int>(size.size());
-    const std::vector<hsize_t> most(size);
-    const Hdf5Object space(H5Screate_simple(rank, size.data(), most.data()), H5Sclose);
+    const Hdf5Object space(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
     const Hdf5Object properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
     hdf5(H5Pset_chunk(properties.id(), rank, chunk.data()));
     hdf5(H5Pset_shuffle(properties.id()));
