@@ -25,6 +25,7 @@ using Run = std::function<Exit()>;
 using AddCommand = Run(CLI::App& app);
 
 AddCommand run_command;
+AddCommand sweep_command;
 AddCommand stream_command;
 AddCommand replay_command;
 AddCommand listen_command;

@@ -61,7 +61,7 @@ set(stream_headers
   stream/pipeline/topic_demand.hpp
   stream/recordings/columns.hpp
   stream/recordings/row_builder.hpp
-  stream/run_id.hpp
+  stream/sources/run_id.hpp
   stream/wire/multipart.hpp
   stream/wire/security/connections.hpp
   stream/wire/security/curve.hpp

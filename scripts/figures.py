@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Draws what the paper found, and what the plate in water adds to it.
+"""Draws what the paper found, what the plate in water adds to it, and a sweep.
 
     scripts/figures.py --program build/release/hertzline --out docs/
 
 runs the program on the shipped scenes and writes docs/paper-result.png, waveform and spectrum for five matching layers and
-the rigid wall, and docs/plate-in-water.png, the two models of the plate side by side. Debian: python3-numpy
-python3-matplotlib.
+the rigid wall, docs/plate-in-water.png, the two models of the plate side by side, and docs/sweep.png, the band over
+thickness and preload. Debian: python3-numpy python3-matplotlib python3-h5py.
 """
 import argparse
 import pathlib
@@ -148,6 +148,18 @@ def run_scenes(program, folder):
         subprocess.run([program, "run", scene, "-o", folder / f"{scene}.csv"], check=True, stdout=subprocess.DEVNULL)
 
 
+SWEEP = ["paper-vitreous-carbon", "--vary", "end.thickness_m=0.2e-3..2e-3:log:30", "--vary",
+         "chain.preload_n=0.01..2:log:30"]
+
+
+def draw_sweep(program, folder, png):
+    """Occupied band and peak of 900 points, as README's commands have them."""
+    program = pathlib.Path(program).resolve()
+    quiet = {"check": True, "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    subprocess.run([program, "sweep", *SWEEP, "-o", "map.h5"], **quiet)
+    subprocess.run([program, "plot", "map.h5", "-o", png.resolve()], **quiet)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
@@ -162,7 +174,8 @@ def main():
             run_models(arguments.program, folder)
         draw_all(lambda scene: folder / f"{scene}.csv", arguments.out / "paper-result.png")
         draw_models(lambda model: folder / f"model-{model}.csv", arguments.out / "plate-in-water.png")
-    print(arguments.out / "paper-result.png", arguments.out / "plate-in-water.png", sep="\n")
+        draw_sweep(arguments.program, pathlib.Path(temporary), arguments.out / "sweep.png")
+    print(*(arguments.out / f"{name}.png" for name in ("paper-result", "plate-in-water", "sweep")), sep="\n")
 
 
 if __name__ == "__main__":

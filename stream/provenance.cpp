@@ -45,6 +45,10 @@ const char* git_hash() noexcept {
     return HERTZLINE_GIT_HASH;
 }
 
+const char* compiler() noexcept {
+    return HERTZLINE_COMPILER;
+}
+
 std::string utc_text(std::chrono::system_clock::time_point time) {
     using std::chrono::milliseconds;
     const auto since_epoch = std::chrono::floor<milliseconds>(time.time_since_epoch());
@@ -58,7 +62,7 @@ Json provenance_json(const Provenance& provenance) {
     Json json{{"program", "hertzline"},
               {"version", program_version()},
               {"git_hash", git_hash()},
-              {"compiler", HERTZLINE_COMPILER},
+              {"compiler", compiler()},
               {"simd_target", kernels::kernel_target()},
               {"start_time", provenance.start_time}};
     if (provenance.run) {

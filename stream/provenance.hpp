@@ -17,6 +17,9 @@ const char* program_version() noexcept;
 /// The commit that was built, with "-dirty" when files differed from it; "unknown" without git.
 const char* git_hash() noexcept;
 
+/// The compiler and its version.
+const char* compiler() noexcept;
+
 /// UTC as ISO 8601 with milliseconds: "2026-01-31T12:00:00.123Z".
 std::string utc_text(std::chrono::system_clock::time_point time);
 

@@ -31,9 +31,10 @@ ROOMS = {
         ["simulation"],
     ],
     "stream": [
-        ["float32", "json_from_outside", "run_id", "scene_json", "provenance", "measures", "resources"],
+        ["float32", "json_from_outside", "scene_json", "provenance", "measures", "resources"],
         ["files"],
         ["recordings"],
+        ["sweep"],
         ["wire"],
         ["sources"],
         ["pipeline"],
@@ -196,7 +197,7 @@ def self_test():
         ("core/model/chain.cpp", "T", "stiffness()"),
         ("core/model/chain.cpp", "U", "trimmed()"),
         ("core/model/chain.cpp", "U", "malloc"),
-        ("stream/run_id.cpp", "U", "stiffness()"),
+        ("stream/scene_json.cpp", "U", "stiffness()"),
     ]
     expect("right symbols", list(symbols_faults(symbols)), [])
     symbols.append(("core/scene/text.cpp", "U", "stiffness()"))

@@ -13,11 +13,11 @@
 #include "apps/command.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/validity.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
 #include "core/simulation.hpp"
+#include "stream/measures/run_summary.hpp"
 #include "stream/resources.hpp"
 
 namespace hertzline::app {
@@ -91,25 +91,6 @@ SceneText find_text(const std::string& name) {
     throw WrongUse(text);
 }
 
-void warn_of_missed_accuracy(const std::string& origin, const ResolvedScene& resolved) {
-    if (!resolved.misses_accuracy()) {
-        return;
-    }
-    const double asked = resolved.advice.accuracy;
-    if (!resolved.estimate) {
-        spdlog::warn("{}: the error could not be estimated; requested: {:g}", origin, asked);
-        return;
-    }
-    const ErrorEstimate& estimate = *resolved.estimate;
-    spdlog::warn(
-        "{}: the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
-        origin, estimate.over_s, estimate.error, asked,
-        estimate.amplifies
-            ? "; the motion amplifies rounding errors, so that no step is good enough: judge it "
-              "by energy_residual and statistics, not sample by sample"
-            : "");
-}
-
 }  // namespace
 
 CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
@@ -120,28 +101,35 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
         ->type_name("");
 }
 
-ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
+ParsedScene parsed_scene(const SceneRequest& request) {
     const SceneText source = find_text(request.scene);
-    const auto parsed = parse_scene(source.text, source.origin, request.settings);
+    auto parsed = parse_scene(source.text, source.origin, request.settings);
     if (!parsed) {
         refuse_scene(parsed.error());
     }
-    if (const auto shortage = stream::memory_shortage("simulating " + source.origin,
-                                                      Simulation::memory_bytes(parsed->scene, {}))) {
+    return *std::move(parsed);
+}
+
+ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
+    const ParsedScene parsed = parsed_scene(request);
+    if (const auto shortage = stream::memory_shortage("simulating " + parsed.origin,
+                                                      Simulation::memory_bytes(parsed.scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    ResolvedScene resolved = lasting == Lasting::duration ? hertzline::resolve(parsed->scene)
-                                                          : hertzline::resolve(parsed->scene, std::nullopt);
+    ResolvedScene resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
+                                                          : hertzline::resolve(parsed.scene, std::nullopt);
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
-            fault = parsed->placed(fault);
+            fault = parsed.placed(fault);
         }
         refuse_scene(resolved.faults);
     }
     for (const std::string& text : validity_warnings(resolved.scene, Chain(resolved.scene))) {
-        spdlog::warn("{}: {}", source.origin, text);
+        spdlog::warn("{}: {}", parsed.origin, text);
     }
-    warn_of_missed_accuracy(source.origin, resolved);
+    if (const auto missed = stream::missed_accuracy(resolved)) {
+        spdlog::warn("{}: {}", parsed.origin, *missed);
+    }
     return resolved;
 }
 

@@ -6,7 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "core/scene/scene.hpp"
+#include "core/scene/scene_toml.hpp"
 #include "core/step_choice/resolve.hpp"
 
 namespace hertzline::app {
@@ -19,6 +19,9 @@ struct SceneRequest {
 
 /// Adds SCENE and --set to a subcommand. `request` must outlive the parsing.
 CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request);
+
+/// The scene as it was asked for. @throws WrongUse that names every fault at once
+ParsedScene parsed_scene(const SceneRequest& request);
 
 /// Over what the error of a scene is estimated: a run of output.duration_s, or what pilots watch of a motion without an end.
 enum class Lasting { duration, endless };

@@ -1,8 +1,6 @@
 #include "apps/commands/preflight.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -21,33 +19,13 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr double max_rows = 268'435'456;   // 2^28, the longest record that a spectrum is made of
-constexpr double block_numbers = 1 << 18;  // of --all in a block: 2 MiB
-constexpr double lines_per_row = 2.1;      // of a spectrum, which is padded to four times its record
-constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
+constexpr double lines_per_row = 2.1;  // of a spectrum, which is padded to four times its record
 
 double numbers_of(const Scene& scene, TapSet taps) noexcept {
     return channels_of(taps, static_cast<double>(scene.chain.spheres));
 }
 
 }  // namespace
-
-double rows_of_run(const Scene& scene) noexcept {
-    const double product = scene.output.duration_s * scene.output.sample_rate_hz;
-    const double whole = std::round(product);
-    // two decimal fractions rounded to binary, then their product: off by less than four last bits
-    const double rounding = 4 * std::numeric_limits<double>::epsilon() * product;
-    return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
-}
-
-TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
-    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
-    return wanted | (of_summary & taps_of(scene.end));
-}
-
-std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
-    return static_cast<std::size_t>(std::clamp(block_numbers / numbers_of(scene, taps), 1.0, longest_block));
-}
 
 double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept {
     const TapSet taps = taps_of_run(scene, recorded | measured);
@@ -93,9 +71,9 @@ void refuse_shortages(const Scene& scene, const RunDemand& demand) {
             run, memory_of_run(scene, demand.recorded, demand.measured) + spectra_bytes)) {
         throw std::runtime_error(*shortage);
     }
-    if (rows > max_rows) {
-        throw std::runtime_error(
-            fmt::format("{} is too long: the spectrum takes at most {} rows", run, number_text(max_rows)));
+    if (rows > stream::max_run_rows) {
+        throw std::runtime_error(fmt::format("{} is too long: the spectrum takes at most {} rows", run,
+                                             number_text(stream::max_run_rows)));
     }
     refuse_disk_shortages(scene, rows, demand.files, demand.recorded);
     for (const std::string& file : demand.spectra) {

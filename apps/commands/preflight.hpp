@@ -7,18 +7,13 @@
 
 #include "core/scene/scene.hpp"
 #include "core/simulation.hpp"
+#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
-/// Rows at k / sample_rate_hz up to and including duration_s. The product is taken for the whole number that
-/// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
-double rows_of_run(const Scene& scene) noexcept;
-
-/// What a run simulates: the taps that it records or measures, and those that its summary is made of.
-TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept;
-
-/// Samples that are simulated, then written, at a time.
-std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
+using stream::block_of_run;
+using stream::rows_of_run;
+using stream::taps_of_run;
 
 /// The simulation, its blocks, what waits for its files, the records of v_out and of the other taps that are measured,
 /// and their spectra.

@@ -61,6 +61,10 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
         bool exists;
         bool between_spheres = false;
     };
+    if (scene.chain.damping_law != DampingLaw::dashpot) {
+        report.push_back(
+            {"contacts", "law of damping", "damping_law", "", std::string(word(scene.chain.damping_law))});
+    }
     const std::array<Kind, 3> kinds{
         {{"horn - sphere", "horn", 0, true},
          {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1, true},

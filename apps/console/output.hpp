@@ -8,6 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "stream/measures/run_summary.hpp"
+
 namespace hertzline::app {
 
 using Json = nlohmann::ordered_json;
@@ -27,12 +29,7 @@ std::string json_text(const Json& json);
 /// A flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
 
-/// Lines of a summary that belong together.
-struct SummaryGroup {
-    std::string heading;  ///< above the lines, as text
-    Json values;          ///< a flat object
-    std::string member;  ///< in JSON the values stand in an object of this name; empty: in the summary itself
-};
+using stream::SummaryGroup;
 
 /// As JSON one object, as text the groups one after another.
 void print_summary(std::span<const SummaryGroup> groups, Format format);

@@ -1,15 +1,18 @@
 #!/usr/bin/python3
-"""Draws waveform and spectrum of each column of a NumPy recording of hertzline: hertzline_plot.py FILE.npy -o FILE.png
+"""Draws waveform and spectrum of each column of a NumPy recording of hertzline, or a sweep: hertzline_plot.py FILE -o FILE.png
 
-hertzline runs it for `hertzline plot` and `hertzline run --plot`; by itself it draws recordings that end in .npy. The
-spectrum is that of docs/measures.md: all samples, no window, in dB under the maximum from half the drive's frequency upward.
-Debian: python3-numpy python3-matplotlib.
+hertzline runs it for `hertzline plot` and `hertzline run --plot`; by itself it draws recordings that end in .npy, and tables of
+`hertzline sweep`. The spectrum is that of docs/measures.md: all samples, no window, in dB under the maximum from half the
+drive's frequency upward. Of a sweep it draws curves over one key that varies, a map over two.
+Debian: python3-numpy python3-matplotlib, for sweeps that end in .h5 python3-h5py.
 """
 import argparse
+import csv
 import json
 import sys
 
 MODULES_MISSING = 3  # exit status
+NOT_A_SWEEP = 4
 
 try:
     import matplotlib
@@ -140,21 +143,190 @@ def draw(samples, about, title):
     return figure
 
 
+class NotASweep(Exception):
+    pass
+
+
+def read_hdf5_table(path):
+    """Columns by name, and their units."""
+    try:
+        import h5py
+    except ImportError as error:
+        print(error, file=sys.stderr)
+        sys.exit(MODULES_MISSING)
+    with h5py.File(path, "r") as file:
+        if "points" not in file or file["points"].dtype.names is None:
+            raise NotASweep
+        table = file["points"][:]
+        units = dict(zip(table.dtype.names, file["points"].attrs["units"]))
+    texts = [name for name in table.dtype.names if table[name].dtype.kind == "S"]
+    return {name: np.char.decode(table[name]) if name in texts else table[name].astype(float)
+            for name in table.dtype.names}, units
+
+
+def read_csv_table(path):
+    """The same of a CSV; the units are beside it."""
+    with open(path, newline="", encoding="utf-8") as file:
+        names, *rows = csv.reader(file)
+    units = {}
+    try:
+        with open(path + "-metadata.json", encoding="utf-8") as file:
+            units = {c["name"]: c["schema:unitText"] for c in json.load(file)["tableSchema"]["columns"]}
+    except (OSError, ValueError, KeyError):
+        pass
+    columns = {}
+    for name, cells in zip(names, zip(*rows)):
+        try:
+            columns[name] = np.array(cells, dtype=float)
+        except ValueError:
+            columns[name] = np.array(cells)
+    return columns, units
+
+
+class Sweep:
+    """A table, what varies in it, and which points have numbers."""
+
+    def __init__(self, path):
+        self.columns, self.units = (read_hdf5_table if path.endswith(".h5") else read_csv_table)(path)
+        names = list(self.columns)
+        if names[:1] != ["point"] or "status" not in names:
+            raise NotASweep
+        status = names.index("status")
+        self.keys = [key for key in names[1:status] if len(np.unique(self.columns[key])) > 1] or names[1:2]
+        self.numbers = [key for key in self.keys if self.columns[key].dtype.kind == "f"]
+        self.words = [key for key in self.keys if key not in self.numbers]
+        self.quantities = [name for name in names[status + 1:] if self.columns[name].dtype.kind == "f"]
+        self.status = self.columns["status"]
+
+    def label(self, name):
+        unit = self.units.get(name)
+        return f"{name} [{unit}]" if unit else name
+
+    def chosen(self, names):
+        usual = [name for name in ("occupied_20db_hz", "peak_v_out_m_per_s") if name in self.quantities]
+        names = names or usual or [name for name in self.quantities if not name.startswith("estimated_")][:2]
+        for name in names:
+            if name not in self.quantities:
+                raise ValueError(f"--quantity: found {name}, allowed: {', '.join(self.quantities)}")
+        return names
+
+
+def scale_of(values):
+    """Whether the values lie evenly on a logarithmic axis rather than on a linear one."""
+    values = np.unique(values)
+    if len(values) < 3 or values[0] <= 0:
+        return "linear"
+    spread = [np.std(steps) / np.mean(steps) for steps in (np.diff(values), np.diff(np.log(values)))]
+    return "log" if spread[1] < spread[0] else "linear"
+
+
+def mark_doubtful(axes, sweep, x, y, points):
+    """Marks points that have numbers but are not ok."""
+    for status, marker in (("inaccurate", "o"), ("chaotic", "D")):
+        there = points & (sweep.status == status)
+        if there.any():
+            axes.plot(x[there], y[there], marker, ms=5, mfc="none", mec="#b03a2e", ls="", label=status)
+
+
+def draw_curves(axes, sweep, quantity):
+    key = sweep.numbers[0] if sweep.numbers else sweep.words[0]
+    x, y = sweep.columns[key], sweep.columns[quantity]
+    groups = [(None, np.full(len(x), True))]
+    if sweep.numbers and sweep.words:
+        word = sweep.columns[sweep.words[0]]
+        groups = [(w, word == w) for w in dict.fromkeys(word)]
+    for (name, points), colour in zip(groups, COLOURS * len(groups)):
+        order = np.flatnonzero(points)
+        if sweep.numbers:
+            order = order[np.argsort(x[order], kind="stable")]
+        axes.plot(x[order], y[order], ".-", color=colour, lw=0.9, ms=3, label=name)
+    mark_doubtful(axes, sweep, x, y, np.isfinite(y))
+    for status in dict.fromkeys(sweep.status[~np.isfinite(y)]):  # no number: on the axis
+        there = ~np.isfinite(y) & (sweep.status == status)
+        axes.plot(x[there], np.zeros(there.sum()), "x", color="#b03a2e", ms=6, clip_on=False, ls="",
+                  transform=axes.get_xaxis_transform(), label="no number" if status == "ok" else status)
+    if sweep.numbers:
+        axes.set_xscale(scale_of(x))
+    axes.set_xlabel(sweep.label(key))
+    axes.set_ylabel(sweep.label(quantity))
+    axes.grid()
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=8, frameon=False)
+
+
+def draw_map(figure, axes, sweep, quantity):
+    slow, fast = sweep.numbers
+    x, y, z = sweep.columns[fast], sweep.columns[slow], sweep.columns[quantity]
+    scales = scale_of(x), scale_of(y)
+    grid = len(np.unique(x)) * len(np.unique(y)) == len(z)
+    if grid:
+        order = np.lexsort((x, y))
+        shape = len(np.unique(y)), len(np.unique(x))
+        colours = axes.pcolormesh(*(a[order].reshape(shape) for a in (x, y, z)), shading="nearest", rasterized=True)
+    else:
+        colours = axes.scatter(x, y, c=z, s=12)
+    missing = ~np.isfinite(z)
+    for status, colour in zip(dict.fromkeys(sweep.status[missing]), ["#b03a2e", "#222222", "#c46a1b", "#777777"]):
+        there = missing & (sweep.status == status)
+        axes.plot(x[there], y[there], "x", color=colour, ms=4, ls="", label="no number" if status == "ok" else status)
+    mark_doubtful(axes, sweep, x, y, ~missing)
+    axes.set_xscale(scales[0])
+    axes.set_yscale(scales[1])
+    axes.set_xlabel(sweep.label(fast))
+    axes.set_ylabel(sweep.label(slow))
+    figure.colorbar(colours, ax=axes, label=sweep.label(quantity))
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=8)
+
+
+def draw_sweep(sweep, quantities, title):
+    if len(sweep.numbers) > 2 or len(sweep.words) > 1 or (len(sweep.numbers) == 2 and sweep.words):
+        raise ValueError(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: a number, two numbers, "
+                         "or a number and a word")
+    matplotlib.rcParams.update(STYLE | {"font.size": 9})
+    quantities = sweep.chosen(quantities)
+    if len(sweep.numbers) == 2:
+        figure, panels = plt.subplots(1, len(quantities), figsize=(5.4 * len(quantities), 4.2), layout="constrained",
+                                      squeeze=False)
+        for axes, quantity in zip(panels[0], quantities):
+            draw_map(figure, axes, sweep, quantity)
+    else:
+        figure, panels = plt.subplots(len(quantities), 1, figsize=(7, 0.6 + 2.6 * len(quantities)), layout="constrained",
+                                      squeeze=False)
+        for axes, quantity in zip(panels[:, 0], quantities):
+            draw_curves(axes, sweep, quantity)
+    if title:
+        figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)
+    return figure
+
+
+def draw_recording(path, title):
+    samples, about = read(path)
+    if len(samples) == 0:
+        raise ValueError("the recording has no samples")
+    return draw(samples, about, title)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
-    parser.add_argument("recording", help="a recording of hertzline that ends in .npy")
+    parser.add_argument("recording", help="a recording of hertzline that ends in .npy, or a sweep: .h5, .csv")
     parser.add_argument("-o", "--output", required=True, help="the picture")
     parser.add_argument("--format", help="png, svg or pdf (default: the ending of the picture)")
     parser.add_argument("--title", default="", help="stands above")
+    parser.add_argument("--quantity", type=lambda names: names.split(","), default=[], help="of a sweep: what is drawn")
     arguments = parser.parse_args()
-    samples, about = read(arguments.recording)
-    if len(samples) == 0:
-        sys.exit("the recording has no samples")
-    draw(samples, about, arguments.title).savefig(arguments.output, format=arguments.format, dpi=110, facecolor="white")
+    if arguments.recording.endswith(".npy"):
+        figure = draw_recording(arguments.recording, arguments.title)
+    else:
+        figure = draw_sweep(Sweep(arguments.recording), arguments.quantity, arguments.title)
+    figure.savefig(arguments.output, format=arguments.format, dpi=110, facecolor="white")
 
 
 if __name__ == "__main__":
     try:
         main()
+    except NotASweep:
+        print("it is no sweep", file=sys.stderr)
+        sys.exit(NOT_A_SWEEP)
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"{error}")

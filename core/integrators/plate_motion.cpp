@@ -38,7 +38,7 @@ PlateMotion::PlateMotion(const PlateResponse& response, std::size_t lanes, int d
       fastest_(size_),
       columns_(zeros(2 * size_ * 4)),
       flags_(zeros((2 + most_terms) * flag_stride)),
-      tables_(zeros(stride_ * (3 * most_terms + 2 + degree_ * 2 * response.poles.size()))) {
+      tables_(zeros(stride_ * (4 * most_terms + 2 + degree_ * 2 * response.poles.size()))) {
     for (std::size_t n = 0; n < response.modes.size(); ++n) {
         const PlateMode& mode = response.modes[n];
         mode_m_.push_back(row_of(response.mode_m[n]));
@@ -70,7 +70,7 @@ void PlateMotion::fill_columns(std::size_t lanes) noexcept {
 /// A derivative by z more is a pole times unit more. The states' reaction follows from the velocities of the modes together: what
 /// changes these, beside the force, is a force on the body.
 void PlateMotion::fill_tables() noexcept {
-    double* const forced = mode_terms() + 2 * most_terms * stride_;
+    double* const forced = mode_terms() + 3 * most_terms * stride_;
     for (std::size_t j = 0; j < pairs(); ++j) {
         const std::complex<double> rate = response_.poles[j] * unit_s_;
         for (std::size_t n = 0; n < modes(); ++n) {
@@ -124,9 +124,10 @@ void PlateMotion::find_slots(const SimdChain& chain) noexcept {
 
 void PlateMotion::rest() noexcept {
     std::fill_n(state().re, 2 * size_, 0.0);
-    std::fill_n(mode_terms(), 2 * most_terms * stride_, 0.0);
+    std::fill_n(mode_terms(), most_terms * stride_, 0.0);
     centre = face = {};
-    onset = moves = false;
+    onset_forces = {};
+    moves = false;
 }
 
 void PlateMotion::reset() noexcept {

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/integrators/series_piece.hpp"
@@ -50,12 +51,14 @@ public:
     std::size_t stride() const noexcept { return stride_; }
     /// Their coefficients over the present piece, [power][stride]; by the kernels until they are done, derivatives.
     double* mode_terms() const noexcept { return tables_.get(); }
-    /// Where the last contact has just closed, its onset force adds z^(5/2) times such polynomials to the velocities.
-    double* onset_terms() const noexcept { return mode_terms() + most_terms * stride_; }
+    /// Where the last contact has just closed, each onset force adds z^(exponent + 1) times such polynomials.
+    double* onset_terms(std::size_t number) const noexcept {
+        return mode_terms() + (1 + number) * most_terms * stride_;
+    }
     /// What the force's derivatives by z do to those of the velocities: that of order m to that of order m + 1 + n by row n, [n][stride].
-    const double* of_force() const noexcept { return mode_terms() + 2 * most_terms * stride_; }
+    const double* of_force() const noexcept { return mode_terms() + 3 * most_terms * stride_; }
     /// What each mode loses, by the integral over z of its velocity's square [kg].
-    double* mode_losses() const noexcept { return mode_terms() + 3 * most_terms * stride_; }
+    double* mode_losses() const noexcept { return mode_terms() + 4 * most_terms * stride_; }
     /// The mean of each mode's shape over the disc.
     double* mean_shapes() const noexcept { return mode_losses() + stride_; }
     /// What a pair's state does to the derivatives by z of the velocities, [order][stride]. @param part 0: real, 1: imaginary
@@ -72,16 +75,17 @@ public:
         behind{};  ///< what the states do to the body without that force [N unit^2]
     std::array<double, most_terms>
         answer{};  ///< what they do to it after 1, 2, ... orders because of that force
-    /// A velocity over the piece: coefficients of whole powers of z, and of z^(5/2) and so on [m/s].
+    static constexpr std::size_t most_onset_forces = 2;
+    /// A velocity over the piece: coefficients of whole powers of z, and those beside onset forces [m/s].
     struct Velocity {
         std::array<double, most_terms> terms{};
-        std::array<double, most_terms> onset_terms{};
+        std::array<std::array<double, most_terms>, most_onset_forces> onset_terms{};
     };
-    Velocity centre;           ///< under the contact; of use to outputs and ledger
-    Velocity face;             ///< the wet face's mean
-    bool onset = false;        ///< whether the last contact has just closed
-    bool shows_modes = false;  ///< whether an output asks for these
-    bool moves = false;        ///< whether they are not all zero
+    Velocity centre;                           ///< under the contact; of use to outputs and ledger
+    Velocity face;                             ///< the wet face's mean
+    std::span<const OnsetForce> onset_forces;  ///< of the piece, if a contact has just closed
+    bool shows_modes = false;                  ///< whether an output asks for these
+    bool moves = false;                        ///< whether they are not all zero
 
     // where the chain has its last body and the pad behind it
     std::size_t end_slot = 0;

@@ -82,31 +82,33 @@ void sample_velocity(const std::array<double, most_series_terms>& terms, SampleT
     sample_polynomial(used, 1, times, count, out, 1);
 }
 
-template <int Degree>
+template <int Degree, Damping Kind>
 SeriesKernels for_rows(std::size_t rows) {
-    const auto piece = rows == 1   ? take_piece<1, Degree>
-                       : rows == 2 ? take_piece<2, Degree>
-                                   : take_piece<0, Degree>;
+    const auto piece = rows == 1   ? take_piece<1, Degree, Kind>
+                       : rows == 2 ? take_piece<2, Degree, Kind>
+                                   : take_piece<0, Degree, Kind>;
     return {piece, sample_body<Degree>, sample_velocity<Degree>, add_moments, sum_of_products};
 }
 
 /// Every series in the table of integrators has its kernels.
 template <std::size_t Row>
-SeriesKernels for_series(Integrator integrator, std::size_t rows) {
+SeriesKernels for_series(Integrator integrator, std::size_t rows, Damping damping) {
     if constexpr (Row == methods.size()) {
         return {};  // a grid: grid_kernels.cpp
     } else {
         if constexpr (methods[Row].family == Family::series) {
             if (integrator == methods[Row].integrator) {
-                return for_rows<series_degree(methods[Row].integrator)>(rows);
+                constexpr int degree = series_degree(methods[Row].integrator);
+                return damping == Damping::linear ? for_rows<degree, Damping::linear>(rows)
+                                                  : for_rows<degree, Damping::nonlinear>(rows);
             }
         }
-        return for_series<Row + 1>(integrator, rows);
+        return for_series<Row + 1>(integrator, rows, damping);
     }
 }
 
-SeriesKernels pick_series(Integrator integrator, std::size_t rows) {
-    return for_series<0>(integrator, rows);
+SeriesKernels pick_series(Integrator integrator, std::size_t rows, Damping damping) {
+    return for_series<0>(integrator, rows, damping);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -118,8 +120,8 @@ namespace hertzline::kernels {
 
 HWY_EXPORT(pick_series);
 
-SeriesKernels series_kernels(Integrator integrator, std::size_t rows) noexcept {
-    return HWY_DYNAMIC_DISPATCH(pick_series)(integrator, rows);
+SeriesKernels series_kernels(Integrator integrator, std::size_t rows, DampingLaw law) noexcept {
+    return HWY_DYNAMIC_DISPATCH(pick_series)(integrator, rows, damping_of(law));
 }
 
 }  // namespace hertzline::kernels

@@ -5,6 +5,8 @@
 #include <new>
 #include <numbers>
 
+#include "core/model/damping.hpp"
+
 namespace hertzline::kernels {
 
 namespace {
@@ -38,11 +40,15 @@ void SeriesPiece::reset_motion() noexcept {
     length = 0;
 }
 
-SeriesPiece::SeriesPiece(std::size_t slots, int degree, const HornWaves& horn_waves)
-    : waves(horn_waves), slots_((slots + 7) / 8 * 8), degree_(degree) {
-    const std::size_t size = slots_ * static_cast<std::size_t>(3 * (degree + 1) + onset_terms);
+SeriesPiece::SeriesPiece(std::size_t slots, int degree, const HornWaves& horn_waves, DampingLaw law)
+    : waves(horn_waves), slots_((slots + 7) / 8 * 8), degree_(degree), law_(law) {
+    const std::size_t size = slots_ * static_cast<std::size_t>(rows(degree, law));
     terms_.reset(static_cast<double*>(::operator new[](size * sizeof(double), alignment)));
     std::fill_n(terms_.get(), size, 0.0);
+    onset_forces_[0] = OnsetForce{1.5, onset_force(0, 0), slots_};
+    if (law != DampingLaw::dashpot) {
+        onset_forces_[1] = OnsetForce{damping_exponent(law), onset_force(1, 0), slots_};
+    }
 }
 
 }  // namespace hertzline::kernels

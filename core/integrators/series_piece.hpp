@@ -7,14 +7,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <memory>
+#include <span>
 
 #include "core/integrators/simd_chain.hpp"
 
 namespace hertzline::kernels {
 
 class PlateMotion;
+
+/// What kernels tell apart: dashpots, whose force is proportional to the slope of the overlap, and all other laws (core/model/damping.hpp).
+enum class Damping { linear, nonlinear };
+constexpr Damping damping_of(DampingLaw law) noexcept {
+    return law == DampingLaw::dashpot ? Damping::linear : Damping::nonlinear;
+}
 
 /// Degree of the displacements' series. The velocities' is one less, which makes the method of that order.
 constexpr int series_degree(Integrator integrator) noexcept {
@@ -30,8 +38,26 @@ inline constexpr int highest_series_degree = [] {
 
 inline constexpr std::size_t most_series_terms = 16;
 
-/// Terms of the elastic force of a contact that has just closed (SeriesPiece::onset).
+/// Terms of each force of a contact that has just closed (SeriesPiece::onset).
 inline constexpr int onset_terms = 5;
+
+/// A force of contacts that have just closed: accelerations times unit_s^2 [m] as a sum of terms times z^(exponent + n).
+struct OnsetForce {
+    double exponent = 0;            ///< 3/2 of the elastic force, q of the damping force
+    const double* terms = nullptr;  ///< of the bodies, [n][slot]
+    std::size_t stride = 0;         ///< from one n to the next
+
+    double term(int n, std::size_t slot) const noexcept {
+        return terms[static_cast<std::size_t>(n) * stride + slot];
+    }
+    /// z^exponent, and z^(exponent + 1): by square roots, since exponents are multiples of 1/4.
+    double power(double z) const noexcept { return exponent > 1 ? z * root(z) : root(z); }
+    double integrated_power(double z) const noexcept { return exponent > 1 ? z * z * root(z) : z * root(z); }
+    double root(double z) const noexcept {
+        const double square_root = std::sqrt(z);
+        return exponent == 0.25 ? std::sqrt(square_root) : square_root;
+    }
+};
 
 /// The horn's motion: up to three sinusoids, carrier and side bands, as sum of their sines. What is kept is
 /// amplitude * sin and amplitude * cos where a piece begins; the kernels turn them on from piece to piece.
@@ -57,7 +83,7 @@ struct HornWaves {
 
 class SeriesPiece {
 public:
-    SeriesPiece(std::size_t slots, int degree, const HornWaves& waves);
+    SeriesPiece(std::size_t slots, int degree, const HornWaves& waves, DampingLaw law);
 
     // what the kernel is given
     double unit_s = 0;         ///< time that z = 1 stands for [s]; no piece is longer
@@ -74,7 +100,7 @@ public:
     alignas(64) std::array<double, 2 * HornWaves::pairs> horn{};  ///< coefficients of the horn's motion [m]
     double length = 0;                                            ///< of the piece [z]
     double largest = 0;  ///< largest last coefficient [m]; not finite: the series has no meaning
-    bool onset = false;  ///< a contact has just closed: its elastic force is in onset_force()
+    bool onset = false;  ///< a contact has just closed: its forces are in onset_forces()
 
     /// Coefficients of the displacements [m], [order][slot]
     double* displacement(int order) noexcept {
@@ -86,11 +112,24 @@ public:
     /// Of the overlaps and of the elastic forces; filled only by kernels that work in memory.
     double* overlap(int order) noexcept { return displacement(degree_ + 1 + order); }
     double* elastic(int order) noexcept { return displacement(2 * (degree_ + 1) + order); }
-    /// Accelerations times unit_s^2 by contacts that have just closed [m]: coefficients of z^(order + 3/2).
-    double* onset_force(int order) noexcept { return displacement(3 * (degree_ + 1) + order); }
-    const double* onset_force(int order) const noexcept { return displacement(3 * (degree_ + 1) + order); }
+    /// The elastic force of contacts that have just closed, and their damping force where it has a power of its own.
+    std::span<const OnsetForce> onset_forces() const noexcept {
+        return {onset_forces_.data(), law_ == DampingLaw::dashpot ? 1U : 2U};
+    }
+    /// Room for their terms.
+    double* onset_force(std::size_t force, int order) noexcept {
+        return displacement(3 * (degree_ + 1) + static_cast<int>(force) * onset_terms + order);
+    }
+    /// Of W (taylor/damping-inl.hpp), as overlap() and elastic(); for laws other than the dashpot.
+    double* damping(int order) noexcept { return displacement(3 * (degree_ + 1) + 2 * onset_terms + order); }
 
     int degree() const noexcept { return degree_; }
+
+    /// Numbers that it keeps for each slot.
+    static constexpr int rows(int degree, DampingLaw law) noexcept {
+        const int of_damping = law == DampingLaw::dashpot ? 0 : degree + 1 + onset_terms;
+        return 3 * (degree + 1) + onset_terms + of_damping;
+    }
 
     /// Becomes a piece in which nothing moves.
     void reset_motion() noexcept;
@@ -101,6 +140,8 @@ private:
     };
     std::size_t slots_;
     int degree_;
+    DampingLaw law_;
+    std::array<OnsetForce, 2> onset_forces_;
     std::unique_ptr<double[], Free> terms_;
 };
 
@@ -137,7 +178,7 @@ struct SeriesKernels {
     double (*sum_of_products)(const double* a, const double* b, std::size_t count);
 };
 
-/// The kernels for an integrator and a number of rows, for the widest SIMD instructions of this processor.
-SeriesKernels series_kernels(Integrator integrator, std::size_t rows) noexcept;
+/// The kernels for an integrator, a number of rows and a law of damping, for the widest SIMD instructions of this processor.
+SeriesKernels series_kernels(Integrator integrator, std::size_t rows, DampingLaw law) noexcept;
 
 }  // namespace hertzline::kernels

@@ -35,7 +35,10 @@ void SimdChain::Free::operator()(double* p) const noexcept {
 }
 
 SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes)
-    : tension(chain.tension), layout_(layout_for(chain, integrator, lanes)), lanes_(lanes) {
+    : tension(chain.tension),
+      damping_law(chain.damping_law),
+      layout_(layout_for(chain, integrator, lanes)),
+      lanes_(lanes) {
     const std::size_t per_vector = alignment / sizeof(double);
     const bool linear = layout_ == Layout::linear;
     const std::size_t rows = linear ? linear_rows(chain.bodies(), lanes) : rows_for(chain.bodies(), lanes);

@@ -117,6 +117,7 @@ public:
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
     double step_s = 0;
     Tension tension = Tension::allowed;
+    DampingLaw damping_law = DampingLaw::dashpot;
     PlateSteps* plate =
         nullptr;          ///< modal, behind the last contact; for grid kernels in memory (plate_kernel())
     bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/model/damping.hpp"
 #include "core/model/hertz.hpp"
 
 namespace hertzline {
@@ -48,10 +49,13 @@ double fastest_mode(const Chain& chain, Eigen::Index bodies, Integrator integrat
     return kicked ? 2 * std::numbers::pi * chain.end.plate->modes.back().dry_hz : 0;
 }
 
-double stable_step(const Chain& chain, Eigen::Index bodies, double omega_squared,
-                   Integrator integrator) noexcept {
+/// @param overlap of a contact [m]
+template <class Overlap>
+double stable_step(const Chain& chain, Eigen::Index bodies, Overlap overlap, Integrator integrator) noexcept {
+    const double omega_squared = squared_frequency(chain, bodies, overlap);
     const double gamma = spectral_bound(
-        chain, bodies, [&](Eigen::Index c) { return chain.damping[c]; }, 0);
+        chain, bodies,
+        [&](Eigen::Index c) { return chain.damping[c] * damping_power(chain.damping_law, overlap(c)); }, 0);
     const Method& bounds = method(integrator);
     const double a = omega_squared / (bounds.oscillation_bound * bounds.oscillation_bound);
     const double b = gamma / bounds.decay_bound + fastest_mode(chain, bodies, integrator) / std::numbers::pi;
@@ -82,17 +86,24 @@ double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::Array
     return std::sqrt(squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }));
 }
 
+double fastest_decay(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
+    double fastest = 0;
+    for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
+        const double damping = chain.damping[c] * damping_power(chain.damping_law, overlaps[c]);
+        fastest = std::max(fastest, damping * chain.inv_mass[c]);
+    }
+    return 2 * fastest;
+}
+
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept {
-    const double omega_squared =
-        squared_frequency(chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; });
-    return stable_step(chain, overlaps.size(), omega_squared, integrator);
+    return stable_step(
+        chain, overlaps.size(), [&](Eigen::Index c) { return overlaps[c]; }, integrator);
 }
 
 double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept {
-    const double omega_squared =
-        squared_frequency(chain, chain.bodies(), [&](Eigen::Index) { return overlap; });
-    return stable_step(chain, chain.bodies(), omega_squared, integrator);
+    return stable_step(
+        chain, chain.bodies(), [&](Eigen::Index) { return overlap; }, integrator);
 }
 
 }  // namespace hertzline

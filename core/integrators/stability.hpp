@@ -28,4 +28,7 @@ Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive);
 /// Frequency bound [rad/s] of the chain's fastest mode at those overlaps.
 double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept;
 
+/// Rate [1/s] at which damping of two equal bodies' contact slows their approach, at most, at those overlaps.
+double fastest_decay(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept;
+
 }  // namespace hertzline

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "core/model/damping.hpp"
 #include "core/model/hertz.hpp"
 
 namespace hertzline {
@@ -20,8 +21,9 @@ double sphere_mass(const Solid& material, double radius_m) {
 
 Chain::Chain(const Scene& scene)
     : end(end_model(scene)),
-      // without dashpots nothing pulls: then there is nothing to clamp, and no grazing force to decide about
-      tension(scene.chain.damping_kg_per_s > 0 ? scene.chain.tension : Tension::allowed),
+      damping_law(scene.chain.damping_law),
+      // without damping nothing pulls: then there is nothing to clamp, and no grazing force to decide about
+      tension(damping_factor(scene.chain, 1, 1) > 0 ? scene.chain.tension : Tension::allowed),
       preload_n(scene.chain.preload_n) {
     const Eigen::Index n = scene.chain.spheres;
     const double radius = scene.chain.diameter_m / 2;
@@ -31,9 +33,11 @@ Chain::Chain(const Scene& scene)
     stiffness.setConstant(n + 1, sphere_sphere_stiffness(sphere, radius));
     stiffness[0] = flat_sphere_stiffness(horn, sphere, radius);
     stiffness[n] = end.contact_stiffness;
-    damping.setConstant(n + 1, scene.chain.damping_kg_per_s);
-    damping[n] = end.contact_damping;
-    inv_mass.setConstant(n + 1, 1 / sphere_mass(sphere, radius));
+    const double mass = sphere_mass(sphere, radius);
+    damping.setConstant(n + 1, damping_factor(scene.chain, stiffness[n > 1 ? 1 : 0], mass / 2));
+    damping[0] = damping_factor(scene.chain, stiffness[0], mass);  // horn and end count as immovable
+    damping[n] = damping_factor(scene.chain, stiffness[n], mass);
+    inv_mass.setConstant(n + 1, 1 / mass);
     spring.setZero(n + 1);
     bias.setZero(n + 1);
     inv_mass[n] = end.body.inv_mass;

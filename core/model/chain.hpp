@@ -27,7 +27,8 @@ struct Chain {
     /// delta0 [m]; 1 at the contact of a free end, which never opens nor pushes
     Eigen::ArrayXd static_overlap;
     Eigen::ArrayXd static_force;  ///< k delta0^(3/2) [N], rounded as the kernels round it
-    Eigen::ArrayXd damping;       ///< lambda [kg/s]
+    Eigen::ArrayXd
+        damping;  ///< factor D of the damping force D delta^q delta' [N s/m^(1+q)]; lambda of a dashpot
 
     // per body
     Eigen::ArrayXd inv_mass;  ///< [1/kg]; 0 for what cannot move
@@ -35,6 +36,7 @@ struct Chain {
     Eigen::ArrayXd bias;      ///< constant force that the static state leaves unbalanced [N]
 
     EndModel end;
+    DampingLaw damping_law;
     Tension tension;
     double preload_n;  ///< F0 [N]
 };

@@ -28,7 +28,6 @@ EndModel wall(const Scene& scene) {
     EndModel end;
     end.contact_stiffness = flat_sphere_stiffness(
         solid(scene, scene.end.material), solid(scene, scene.chain.material), scene.chain.diameter_m / 2);
-    end.contact_damping = scene.chain.damping_kg_per_s;
     return end;
 }
 

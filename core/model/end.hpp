@@ -24,7 +24,6 @@ enum class EndLoad { none, last_sphere, end };
 /// force behind that body (integrators/plate_motion.hpp).
 struct EndModel {
     double contact_stiffness = 0;  ///< k of the last contact [N/m^(3/2)]; 0: nothing to touch
-    double contact_damping = 0;    ///< lambda of the last contact [kg/s]
     EndMode body;                  ///< the end as the chain's last body
     EndLoad loaded = EndLoad::none;
     bool has_plate = false;                      ///< the paper's: whether the end's velocity is an output

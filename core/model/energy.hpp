@@ -19,7 +19,7 @@ double stored_energy(const Chain& chain, const ChainState& state, double horn_x)
 struct Ledger {
     double work = 0;        ///< of the horn on the chain: integral f_0 x_h' dt
     double gross_work = 0;  ///< the same, back and forth: what the horn gets back adds to it
-    double lost = 0;        ///< in the dashpots: integral sum_c lambda (v_left - v_right)^2 H dt
+    double lost = 0;        ///< in the contacts: integral sum_c D delta^q (v_left - v_right)^2 H dt
     double at_start = 0;    ///< kinetic + stored at step 0
     double passed = 0;      ///< to a modal plate: the last contact's work on it, without that of the preload
     double plate_lost = 0;  ///< of it in the plate's material

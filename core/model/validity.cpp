@@ -151,7 +151,8 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
                            " Hz; next to nothing of it reaches the end");
     }
     const Scene paper;
-    if (scene.chain.damping_kg_per_s == paper.chain.damping_kg_per_s &&
+    if (scene.chain.damping_law == DampingLaw::dashpot &&
+        scene.chain.damping_kg_per_s == paper.chain.damping_kg_per_s &&
         scene.chain.material != paper.chain.material) {
         warnings.push_back("chain.damping_kg_per_s is " + number_text(scene.chain.damping_kg_per_s) +
                            ", which the paper gives for " + paper.chain.material + "; the spheres are of " +

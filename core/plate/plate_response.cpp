@@ -249,24 +249,25 @@ std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& param
     };
     static std::mutex mutex;
     static std::deque<Kept> kept;
-    const auto find = [&]() -> std::shared_ptr<const PlateResponse> {
+    const auto known = [&]() -> std::shared_ptr<const PlateResponse> {
         const auto found = std::find_if(kept.begin(), kept.end(), [&](const Kept& entry) {
             return entry.poles == poles && entry.response->parameters == parameters;
         });
-        return found == kept.end() ? nullptr : found->response;
+        return found != kept.end() ? found->response : nullptr;
     };
     {
         const std::scoped_lock lock(mutex);
-        if (auto response = find()) {
+        if (auto response = known()) {
             return response;
         }
     }
-    auto response = std::make_shared<const PlateResponse>(fitted(parameters, poles));  // others go on
+    // Other threads fit other plates meanwhile. Two that fit the same one get the same.
+    auto response = std::make_shared<const PlateResponse>(fitted(parameters, poles));
+    constexpr std::size_t most = 256;  // 20 kB each: those of all threads of a sweep
     const std::scoped_lock lock(mutex);
-    if (auto other = find()) {
-        return other;
+    if (auto same = known()) {
+        return same;
     }
-    constexpr std::size_t most = 16;
     if (kept.size() == most) {
         kept.pop_front();
     }

@@ -143,6 +143,25 @@ void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
     }
 }
 
+/// A law other than the dashpot needs its coefficient, and an integrator that knows it.
+void check_damping_law(const Scene& scene, std::vector<Fault>& faults) {
+    const DampingLaw law = scene.chain.damping_law;
+    const std::string with_law = " with chain.damping_law = " + quoted(word(law));
+    const auto need = [&](DampingLaw concerned, const char* key, const std::optional<double>& coefficient,
+                          const char* allowed) {
+        if (law == concerned && !coefficient) {
+            faults.push_back({key, "nothing" + with_law, allowed});
+        }
+    };
+    need(DampingLaw::kuwabara_kono, "chain.damping_time_s", scene.chain.damping_time_s,
+         "a number of seconds, the law's A");
+    need(DampingLaw::tsuji, "chain.damping_alpha", scene.chain.damping_alpha, "a number, the law's alpha");
+    if (law != DampingLaw::dashpot && scene.numerics.integrator && !is_series(*scene.numerics.integrator)) {
+        faults.push_back({"numerics.integrator", quoted(word(*scene.numerics.integrator)) + with_law,
+                          R"("taylor8" or "taylor12")"});
+    }
+}
+
 void check_materials(const Scene& scene, std::vector<Fault>& faults) {
     for (const auto& [name, material] : scene.materials) {
         const std::string section = "materials." + key_part(name);
@@ -166,6 +185,7 @@ std::vector<Fault> validate(const Scene& scene) {
     fields::visit_scene(scene, FieldCheck{scene, faults});
     check_combinations(scene, faults);
     check_modal_plate(scene, faults);
+    check_damping_law(scene, faults);
     check_materials(scene, faults);
     return faults;
 }

@@ -16,6 +16,7 @@
 namespace hertzline {
 
 enum class Envelope { hann, tukey, rectangular };
+enum class DampingLaw { dashpot, kuwabara_kono, tsuji };
 enum class Tension { allowed, clamped };
 enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
@@ -42,7 +43,10 @@ struct Spheres {
     std::string material = "aluminium";
     std::int64_t spheres = 6;
     double diameter_m = 1e-3;
-    double damping_kg_per_s = 0.32;
+    double damping_kg_per_s = 0.32;                ///< of a dashpot
+    DampingLaw damping_law = DampingLaw::dashpot;  ///< how closed contacts lose energy
+    std::optional<double> damping_time_s;          ///< A of Kuwabara and Kono's law, which needs it
+    std::optional<double> damping_alpha;           ///< alpha of Tsuji's law, which needs it
     double preload_n = 0.1;
     Tension tension = Tension::allowed;
     bool operator==(const Spheres&) const = default;

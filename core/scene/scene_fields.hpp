@@ -91,11 +91,15 @@ void visit_scene(AnyScene& scene, Visit&& visit) {
         visit(Key{"drive", "repetition_hz"}, repetition_hz, Range{0, 1e9, "Hz"});
     }
     {
-        auto& [material, spheres, diameter_m, damping_kg_per_s, preload_n, tension] = scene.chain;
+        auto& [material, spheres, diameter_m, damping_kg_per_s, damping_law, damping_time_s, damping_alpha,
+               preload_n, tension] = scene.chain;
         visit(Key{"chain", "material"}, material, solid);
         visit(Key{"chain", "spheres"}, spheres, Count{1, max_spheres});
         visit(Key{"chain", "diameter_m"}, diameter_m, length);
         visit(Key{"chain", "damping_kg_per_s"}, damping_kg_per_s, Range{0, 1e9, "kg/s"});
+        visit(Key{"chain", "damping_law"}, damping_law, OneOf<DampingLaw>{});
+        visit(Key{"chain", "damping_time_s"}, damping_time_s, Range{0, 1, "s"});
+        visit(Key{"chain", "damping_alpha"}, damping_alpha, Range{0, 10, ""});
         visit(Key{"chain", "preload_n"}, preload_n, Range{0, 1e9, "N"});
         visit(Key{"chain", "tension"}, tension, OneOf<Tension>{});
     }

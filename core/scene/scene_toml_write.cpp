@@ -33,10 +33,10 @@ requires std::is_enum_v<Choice> std::string toml_text(Choice value) {
     return quoted(word(value));
 }
 
-/// Keys of modal plates, which are left out where they have their defaults: the text of a scene that knows nothing of them, and its
-/// hash, stay what they were before there were such plates.
-constexpr std::array<std::string_view, 5> unwritten_defaults{"end.model", "end.modes", "end.loss_factor",
-                                                             "medium.load", "output.hydrophone_m"};
+/// Keys that are left out where they have their defaults: the text of a scene that knows nothing of modal plates and damping laws, and
+/// its hash, stay what they were before there were such.
+constexpr std::array<std::string_view, 6> unwritten_defaults{
+    "chain.damping_law", "end.model", "end.modes", "end.loss_factor", "medium.load", "output.hydrophone_m"};
 
 // Visits the fields and writes each; a section's heading comes before its first key.
 struct Writer {

@@ -27,6 +27,13 @@ struct Words<Envelope> {
 };
 
 template <>
+struct Words<DampingLaw> {
+    static constexpr std::array all{Word<DampingLaw>{"dashpot", DampingLaw::dashpot},
+                                    Word<DampingLaw>{"kuwabara_kono", DampingLaw::kuwabara_kono},
+                                    Word<DampingLaw>{"tsuji", DampingLaw::tsuji}};
+};
+
+template <>
 struct Words<Tension> {
     static constexpr std::array all{Word<Tension>{"allowed", Tension::allowed},
                                     Word<Tension>{"clamped", Tension::clamped}};

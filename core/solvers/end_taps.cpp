@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/model/damping.hpp"
 #include "core/model/hertz.hpp"
 
 namespace hertzline {
@@ -44,8 +45,9 @@ void last_contact_force(const Source& source, double* out) noexcept {
     const double lowest = chain.tension == Tension::clamped ? 0 : -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < at.count; ++i) {
         const double overlap = chain.static_overlap[c] + (at.x_last[i] - at.x_end[i]);
-        const double dashpot = overlap > 0 ? chain.damping[c] * (at.v_last[i] - at.v_end[i]) : 0;
-        out[i] = std::max(elastic_force(chain.stiffness[c], overlap) + dashpot, lowest);
+        const double factor = overlap > 0 ? chain.damping[c] * damping_power(chain.damping_law, overlap) : 0;
+        const double loss = factor * (at.v_last[i] - at.v_end[i]);
+        out[i] = std::max(elastic_force(chain.stiffness[c], overlap) + loss, lowest);
     }
 }
 

@@ -13,7 +13,7 @@ namespace {
 /// The kernel's and the velocities' waves are much longer. What is left out falls with the fifth power: as fine as the fit.
 double longest_interval_s(const PlateResponse& response) noexcept {
     constexpr std::size_t coarse_pairs = 21;  // 40 poles, two of them real
-    return response.poles.size() > coarse_pairs ? 40e-9 : 100e-9;
+    return response.poles.size() > coarse_pairs ? 40e-9 : 50e-9;
 }
 
 /// The polynomials of Legendre at -1 <= x <= 1.
@@ -26,7 +26,7 @@ std::array<double, PlateOutputs::moments> legendre(double x) noexcept {
 PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
                            Integrator integrator, double sample_period_s, TapSet taps)
     : plate_(plate),
-      kernels_(kernels::series_kernels(integrator, 1)),
+      kernels_(kernels::series_kernels(integrator, 1, chain.damping_law)),
       piece_(piece),
       sample_period_s_(sample_period_s) {
     if (plate_ == nullptr) {
@@ -101,8 +101,11 @@ double PlateOutputs::velocity(const kernels::PlateMotion::Velocity& of, double z
         }
         return value;
     };
-    return plate_->onset ? at(of.terms) + z * z * std::sqrt(std::max(z, 0.0)) * at(of.onset_terms)
-                         : at(of.terms);
+    double sum = at(of.terms);
+    for (std::size_t i = 0; i < plate_->onset_forces.size(); ++i) {
+        sum += plate_->onset_forces[i].integrated_power(std::max(z, 0.0)) * at(of.onset_terms[i]);
+    }
+    return sum;
 }
 
 /// Integrals over a part of the open interval. @param line where the interval ends [z]
@@ -166,7 +169,7 @@ void PlateOutputs::put_velocity(const kernels::PlateMotion::Velocity& of, const 
                                 std::size_t count, double* out) const noexcept {
     if (piece_.plate == nullptr) {
         std::fill_n(out, count, 0.0);
-    } else if (plate_->onset) {
+    } else if (!plate_->onset_forces.empty()) {
         for (std::size_t i = 0; i < count; ++i) {
             out[i] = velocity(
                 of, ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample);

@@ -30,7 +30,7 @@ PlateSamples::PlateSamples(const Chain& chain, const Scene& scene, double step_s
       samples_per_step_(grid_ > 0 ? 1.0 / grid_ : scene.output.sample_rate_hz * step_s),
       steps_kept_(std::max<std::int64_t>(1, static_cast<std::int64_t>(samples_kept / samples_per_step_))),
       motion_(*chain.end.plate, kernels::kernel_lanes(), PlatePart::terms, step_s),
-      piece_(1, PlatePart::terms, no_horn(step_s)),
+      piece_(1, PlatePart::terms, no_horn(step_s), DampingLaw::dashpot),
       outputs_(chain, &motion_, piece_, Integrator::taylor8, 1 / scene.output.sample_rate_hz, taps),
       has_face_(taps.contains(Tap::v_face) || taps.contains(Tap::v_out)),
       has_pressure_(taps.contains(Tap::p_axis)) {

@@ -73,17 +73,21 @@ void SeriesSamples::put_body(Eigen::Index body, Quantity quantity, const Moments
     }
 }
 
-/// Adds what the contacts that have just closed do, which is no power series.
-void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Moments& moments, double* out,
-                              std::size_t stride) const noexcept {
+/// Adds what the contacts that have just closed do, which is no power series. Rare: it stays out of the way of what is not.
+[[gnu::noinline]] void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Moments& moments,
+                                                double* out, std::size_t stride) const noexcept {
     const kernels::SampleTimes& times = moments.times;
-    for (std::size_t i = 0; i < moments.count; ++i) {
-        const double z =
-            ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
-        double power = z * z * std::sqrt(z) * piece_.per_unit;
-        for (int n = 0; n < kernels::onset_terms; ++n, power *= z) {
-            const double term = piece_.onset_force(n)[slot] * power / (n + 2.5);
-            out[i * stride] += quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (n + 3.5);
+    for (const kernels::OnsetForce& force : piece_.onset_forces()) {
+        for (std::size_t i = 0; i < moments.count; ++i) {
+            const double z =
+                ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
+            double power = force.integrated_power(z) * piece_.per_unit;
+            for (int n = 0; n < kernels::onset_terms; ++n, power *= z) {
+                const double once = n + (force.exponent + 1);
+                const double term = force.term(n, slot) * power / once;
+                out[i * stride] +=
+                    quantity == Quantity::velocity ? term : term * z * piece_.unit_s / (once + 1);
+            }
         }
     }
 }

@@ -8,6 +8,7 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
+#include "core/model/damping.hpp"
 #include "core/model/hertz.hpp"
 #include "core/scene/text.hpp"
 
@@ -38,13 +39,19 @@ constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are comput
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
 
-/// Overlap [m] whose elastic force changes a velocity by less than the tolerance [m/s] in a step. Below it a
+/// Overlap [m] whose forces change a velocity by less than the tolerance [m/s] in a step. Below it a
 /// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
 /// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
 double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
     constexpr double share = 1e-3;
     const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
-    const double overlap = std::pow(share * tolerance / (stiffest * step), 2.0 / 3);
+    double overlap = std::pow(share * tolerance / (stiffest * step), 2.0 / 3);
+    if (chain.damping_law !=
+        DampingLaw::dashpot) {  // whose force grows from zero, but faster than the elastic one
+        const double power = damping_exponent(chain.damping_law) + 1;
+        const double strongest = (chain.damping * chain.inv_mass).maxCoeff() / power;
+        overlap = std::min(overlap, std::pow(share * tolerance / strongest, 1 / power));
+    }
     return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
 }
 
@@ -64,8 +71,8 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
       integrator_(*scene.numerics.integrator),
       simd_chain_(chain, integrator_, kernels::kernel_lanes()),
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
-             kernels::series_degree(integrator_),
-             kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s)),
+             kernels::series_degree(integrator_), kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s),
+             chain.damping_law),
       plate_(chain.end.plate ? std::make_unique<kernels::PlateMotion>(
                                    *chain.end.plate, kernels::kernel_lanes(),
                                    kernels::series_degree(integrator_), *scene.numerics.step_s)
@@ -73,7 +80,8 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
       plate_outputs_(chain, plate_.get(), piece_, integrator_, sample_period_s_, options.taps),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
-    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
+    const double omega = fastest_frequency(chain, overlaps);
     const double unit = *scene.numerics.step_s;
     simd_chain_.step_s = unit;
     piece_.unit_s = unit;
@@ -82,7 +90,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
         std::max(1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) *
                              velocity_scale(chain, scene.drive, omega) * unit);
     piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
-    piece_.response = unit * (omega + 2 * (chain.damping * chain.inv_mass).maxCoeff());
+    piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
     const double scale = velocity_scale(chain, scene.drive, omega);
@@ -121,7 +129,7 @@ const ChainState& SeriesSolver::state() noexcept {
 
 void SeriesSolver::lay_out(Eigen::Index active) noexcept {
     simd_chain_.load(chain_, state_, active);
-    kernels_ = kernels::series_kernels(integrator_, simd_chain_.rows());
+    kernels_ = kernels::series_kernels(integrator_, simd_chain_.rows(), chain_.damping_law);
     piece_.plate = active == chain_.bodies() ? plate_.get()
                                              : nullptr;  // before the wave is there the plate stands still
     if (piece_.plate != nullptr) {
@@ -327,11 +335,10 @@ std::string SeriesSolver::failure() const {
     return text.data();
 }
 
-double SeriesSolver::memory_bytes(double bodies) noexcept {
+double SeriesSolver::memory_bytes(double bodies, DampingLaw law) noexcept {
     const double slots = bodies + 64;
-    return slots * 8 *
-           (static_cast<double>(kernels::ChainField::count) + 3 * (kernels::highest_series_degree + 1) +
-            kernels::onset_terms);
+    const int rows = kernels::SeriesPiece::rows(kernels::highest_series_degree, law);
+    return slots * 8 * (static_cast<double>(kernels::ChainField::count) + rows);
 }
 
 }  // namespace hertzline

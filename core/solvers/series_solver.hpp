@@ -31,7 +31,7 @@ public:
     Ledger ledger() noexcept override;
     std::string failure() const override;
 
-    static double memory_bytes(double bodies) noexcept;
+    static double memory_bytes(double bodies, DampingLaw law) noexcept;
 
     /// Longest piece, as phase of the chain's fastest oscillation, at which a piece's relative error is
     /// allowed to be `tolerance`.

@@ -43,7 +43,8 @@ double solver_bytes(const Scene& scene, TapSet taps) noexcept {
         delayed = (scene.output.hydrophone_m + scene.end.radius_m) / fluid.sound_speed_m_per_s *
                   scene.output.sample_rate_hz;
     }
-    return (series ? SeriesSolver::memory_bytes(bodies) : SteppedSolver::memory_bytes(bodies, taps)) +
+    return (series ? SeriesSolver::memory_bytes(bodies, scene.chain.damping_law)
+                   : SteppedSolver::memory_bytes(bodies, taps)) +
            PlateOutputs::bytes(delayed);
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 
@@ -87,16 +88,24 @@ std::vector<double> level_differences_db(std::span<const double> harmonics, std:
 }
 
 struct SpectrumAnalyser::Transform {
-    explicit Transform(fftw_plan made) : plan(made) {
+    /// FFTW_ESTIMATE: the plan depends on the size alone, so the same record gives the same bits in every run. The halfcomplex format is
+    /// planned a dozen times as fast as FFTW's r2c.
+    Transform(std::size_t size, double* values) {
+        const std::scoped_lock lock(planner);
+        plan = fftw_plan_r2r_1d(static_cast<int>(size), values, values, FFTW_R2HC, FFTW_ESTIMATE);
         if (plan == nullptr) {
             throw std::bad_alloc();
         }
     }
-    ~Transform() { fftw_destroy_plan(plan); }
+    ~Transform() {
+        const std::scoped_lock lock(planner);
+        fftw_destroy_plan(plan);
+    }
     Transform(const Transform&) = delete;
     Transform& operator=(const Transform&) = delete;
 
-    fftw_plan plan;
+    static inline std::mutex planner;
+    fftw_plan plan = nullptr;
 };
 
 SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) : samples_(samples) {
@@ -111,10 +120,7 @@ SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) :
     bin_hz_ = sample_rate_hz / static_cast<double>(padded_);
     buffer_.resize(padded_);
     magnitudes_.resize(last_bin_ + 1);
-    // FFTW_ESTIMATE: the plan depends on the size alone, so the same record gives the same bits in every run. The halfcomplex format is
-    // planned a dozen times as fast as FFTW's r2c.
-    transform_ = std::make_unique<Transform>(fftw_plan_r2r_1d(static_cast<int>(padded_), buffer_.data(),
-                                                              buffer_.data(), FFTW_R2HC, FFTW_ESTIMATE));
+    transform_ = std::make_unique<Transform>(padded_, buffer_.data());
 }
 
 SpectrumAnalyser::~SpectrumAnalyser() = default;

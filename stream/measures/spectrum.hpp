@@ -62,8 +62,8 @@ struct MagnitudeSpectrum {
 
 /// Spectra of records of one length and rate; the transform is planned once.
 ///
-/// FFTW's planner is not thread safe: construct and destroy analysers from one thread at a time, and not
-/// while other code of the process plans with FFTW. One analyser serves one thread at a time.
+/// Several threads may each have their own: FFTW's planner, which is not thread safe, is asked by one at a time. No other code of the
+/// process may plan with FFTW meanwhile. One analyser serves one thread at a time.
 class SpectrumAnalyser {
 public:
     static constexpr std::size_t max_harmonics = 10;

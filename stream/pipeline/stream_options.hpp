@@ -10,7 +10,7 @@
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/thread_options.hpp"
-#include "stream/run_id.hpp"
+#include "stream/sources/run_id.hpp"
 
 namespace hertzline::stream {
 

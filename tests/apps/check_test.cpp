@@ -11,6 +11,7 @@ namespace hertzline::test {
 
 namespace {
 
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
@@ -110,6 +111,18 @@ TEST(Check, HasNoPlateWhereThereIsNone) {
                     .json()
                     .at("wave_speed_m_per_s")
                     .is_null());
+}
+
+TEST(Check, NamesTheLawOfDampingWhereItIsNotTheDashpot) {
+    const std::vector<std::string> tsuji{
+        "check", "paper-wall", "--set", "chain.damping_law=tsuji", "--set", "chain.damping_alpha=0.2"};
+    EXPECT_THAT(hertzline(tsuji).out, ContainsRegex("law of damping +tsuji"));
+    EXPECT_FALSE(hertzline({"check", "paper-wall", "--json"}).json().contains("damping_law"));
+    std::vector<std::string> run = tsuji;
+    run[0] = "run";
+    run.emplace_back("--json");
+    EXPECT_EQ(hertzline(run).json().at("damping_law"), "tsuji");
+    EXPECT_FALSE(hertzline({"run", "paper-wall", "--json"}).json().contains("damping_law"));
 }
 
 TEST(Check, TextHasUnitsAndNoMessages) {

@@ -90,6 +90,7 @@ INSTEAD = {
     "hertzline run SCENE [-o FILE]... [--columns NAME,...] [--tap NAME]... [--measure NAME,...] [--spectrum FILE]... [--plot FILE]":
         "hertzline run paper-wall -o a.csv -o a.npy --columns v_last,v_horn --tap f_last --measure f_last --spectrum s.h5 "
         "--plot a.png",
+    "hertzline sweep SCENE --vary KEY=VALUES... -o FILE": "hertzline sweep paper-wall --vary chain.spheres=5,6 -o swept.h5",
     "hertzline stream SCENE [--record FILE]... [--columns NAME,...]":
         "hertzline stream paper-stream --record live.h5 --columns v_out,v_horn",
     "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",

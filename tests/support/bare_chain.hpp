@@ -8,6 +8,7 @@
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/series_piece.hpp"
 #include "core/integrators/simd_chain.hpp"
+#include "core/integrators/stability.hpp"
 #include "core/integrators/trace.hpp"
 #include "core/model/energy.hpp"
 #include "tests/support/runs.hpp"
@@ -74,7 +75,7 @@ private:
         constexpr double exact =
             1e-13;  // error of a piece, of the velocity that all energy would give a body
         kernels::SeriesPiece piece(simd_chain_.slots(), kernels::series_degree(integrator_),
-                                   kernels::HornWaves(burst_.frequencies_hz(), step_s_));
+                                   kernels::HornWaves(burst_.frequencies_hz(), step_s_), chain.damping_law);
         piece.unit_s = step_s_;
         piece.per_unit = 1 / step_s_;
         const double mobility = chain.inv_mass.maxCoeff();
@@ -82,8 +83,12 @@ private:
         piece.tolerance = error * step_s_;
         piece.negligible =
             std::pow(1e-3 * error / (chain.stiffness.maxCoeff() * mobility * step_s_), 2.0 / 3);
-        piece.response = 1 + 2 * step_s_ * (chain.damping * chain.inv_mass).maxCoeff();
-        const kernels::SeriesKernels series = kernels::series_kernels(integrator_, simd_chain_.rows());
+        // as deep as all energy can press a contact
+        const double deepest = std::pow(2.5 * energy() / chain.stiffness.maxCoeff(), 0.4);
+        const Eigen::ArrayXd overlaps = Eigen::ArrayXd::Constant(chain.bodies(), deepest);
+        piece.response = 1 + step_s_ * fastest_decay(chain, overlaps);
+        const kernels::SeriesKernels series =
+            kernels::series_kernels(integrator_, simd_chain_.rows(), chain.damping_law);
         for (auto left = static_cast<double>(steps); left > 1e-9; left -= piece.length) {
             piece.reach = std::min(1.0, left);
             series.piece(simd_chain_, piece);

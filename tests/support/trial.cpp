@@ -25,7 +25,7 @@ bool finite(const Samples& block) {
 double steps_called_for(const Scene& scene, Simulation& simulation) {
     const Chain& chain = simulation.chain();
     const double rates = fastest_frequency(chain, simulation.state().peak_overlap) +
-                         4 * (chain.damping * chain.inv_mass).maxCoeff() +
+                         2 * fastest_decay(chain, simulation.state().peak_overlap) +
                          2 * std::numbers::pi * scene.drive.frequency_hz;
     const double bursts = scene.drive.repetition_hz * simulation.time_s();
     return 10 + simulation.time_s() * (rates + 1 / simulation.step_s()) + 4 * bursts +

@@ -100,6 +100,56 @@ std::optional<int> wait_for(pid_t process) {
     return status;
 }
 
+/// Runs the script in the folder on a file, to draw what the staged file will be. @returns its exit status where it can draw, or nothing when
+/// it was stopped @throws std::runtime_error that says what is missing or wrong
+std::optional<int> run_script(const fs::path& folder, stream::StagedFile& picture, const std::string& format,
+                              const fs::path& source, const std::vector<std::string>& options) {
+    const fs::path script = folder / "hertzline_plot.py";
+    std::ofstream(script) << plot_script;
+    std::string missing;
+    for (const char* python : pythons) {
+        const fs::path messages = folder / "messages";
+        std::vector<std::string> words{python, script, source, "-o", picture.temporary(), "--format", format};
+        words.insert(words.end(), options.begin(), options.end());
+        const auto process = start(std::move(words), messages);
+        if (!process) {
+            continue;
+        }
+        const std::optional<int> status = wait_for(*process);
+        if (!status) {
+            return std::nullopt;
+        }
+        const int exit_status = WIFEXITED(*status) ? WEXITSTATUS(*status) : -1;
+        if (exit_status == 0 || exit_status == plot_not_a_sweep) {
+            return exit_status;
+        }
+        const std::string reason = last_line_of(beginning_of(messages));
+        if (exit_status != plot_modules_missing) {
+            stream::cannot_write(picture.path(), fmt::format("{} failed: {}", python, reason));
+        }
+        missing = reason;
+    }
+    stream::cannot_write(
+        picture.path(),
+        fmt::format("pictures need Python with matplotlib, those of a sweep in HDF5 h5py, too ({}); "
+                    "on Debian: apt install python3-matplotlib python3-h5py",
+                    missing.empty() ? "there is no python3" : missing));
+}
+
+/// The folder, for as long as the object lives.
+class Folder {
+public:
+    Folder() : path(new_folder()) {}
+    ~Folder() {
+        std::error_code gone;
+        fs::remove_all(path, gone);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    const fs::path path;
+};
+
 }  // namespace
 
 void refuse_wrong_picture(const char* option, const fs::path& picture) {
@@ -133,35 +183,31 @@ void Picture::write(std::int64_t first, std::span<const double> values) {
 
 bool Picture::draw(const std::string& title) {
     samples_->commit();
-    const fs::path script = folder_ / "hertzline_plot.py";
-    std::ofstream(script) << plot_script;
-    std::string missing;
-    for (const char* python : pythons) {
-        const fs::path messages = folder_ / "messages";
-        const auto process = start({python, script, folder_ / "samples.npy", "-o", file_.temporary(),
-                                    "--format", format_, "--title=" + title},
-                                   messages);
-        if (!process) {
-            continue;
-        }
-        const std::optional<int> status = wait_for(*process);
-        if (!status) {
-            return false;
-        }
-        if (WIFEXITED(*status) && WEXITSTATUS(*status) == 0) {
-            file_.commit();
-            return true;
-        }
-        const std::string reason = last_line_of(beginning_of(messages));
-        if (!WIFEXITED(*status) || WEXITSTATUS(*status) != plot_modules_missing) {
-            stream::cannot_write(file_.path(), fmt::format("{} failed: {}", python, reason));
-        }
-        missing = reason;
+    if (!run_script(folder_, file_, format_, folder_ / "samples.npy", {"--title=" + title})) {
+        return false;
     }
-    stream::cannot_write(file_.path(),
-                         fmt::format("pictures need Python with matplotlib ({}); on Debian: apt install "
-                                     "python3-matplotlib",
-                                     missing.empty() ? "there is no python3" : missing));
+    file_.commit();
+    return true;
+}
+
+Drawn draw_sweep(const fs::path& picture, const fs::path& table, std::span<const std::string> quantities,
+                 const std::string& title) {
+    stream::StagedFile file(picture, stream::StagedFile::Devices::refused);
+    const Folder folder;
+    std::vector<std::string> options{"--title=" + title};
+    if (!quantities.empty()) {
+        options.push_back(fmt::format("--quantity={}", fmt::join(quantities, ",")));
+    }
+    const auto status = run_script(folder.path, file, stream::recording_ending(picture).substr(1),
+                                   fs::absolute(table), options);
+    if (!status) {
+        return Drawn::stopped;
+    }
+    if (*status == plot_not_a_sweep) {
+        return Drawn::no_sweep;
+    }
+    file.commit();
+    return Drawn::yes;
 }
 
 }  // namespace hertzline::app

@@ -43,4 +43,12 @@ private:
     std::unique_ptr<stream::RecordingWriter> samples_;
 };
 
+/// How a picture went. stopped: the user asked to, and there is none.
+enum class Drawn { yes, stopped, no_sweep };
+
+/// Draws a table of `hertzline sweep`: the quantities over what varies; none: the usual ones. To be used as Picture.
+/// @throws std::runtime_error that says what is missing or wrong
+Drawn draw_sweep(const std::filesystem::path& picture, const std::filesystem::path& table,
+                 std::span<const std::string> quantities, const std::string& title);
+
 }  // namespace hertzline::app

@@ -1,8 +1,13 @@
-// hertzline plot: a picture of a recording.
+// hertzline plot: a picture of a recording, or of a sweep.
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,17 +24,22 @@ namespace hertzline::app {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* examples =
     "Waveform and spectrum of each column, in dB under the maximum, with the multiples of the drive's "
-    "frequency and the band at -20 dB. Needs Python with matplotlib.\n"
+    "frequency and the band at -20 dB. Of a sweep: curves over the key that varies, or a map over two, with "
+    "the points that failed marked. Needs Python with matplotlib.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
-    "  hertzline plot live.h5 -o live.svg --columns v_out,f_last";
+    "  hertzline plot live.h5 -o live.svg --columns v_out,f_last\n"
+    "  hertzline plot sweep.h5 -o sweep.png --quantity bandwidth_20db_hz";
 
 struct PlotOptions {
     std::string recording;
     std::string picture;
-    std::vector<std::string> columns;  ///< none: the first ones
+    std::vector<std::string> columns;     ///< of a recording; none: the first ones
+    std::vector<std::string> quantities;  ///< of a sweep; none: the usual ones
 };
 
 bool is_called(const stream::Column& column, const std::string& name) {
@@ -104,26 +114,43 @@ std::vector<stream::RecordedRows> samples_of(stream::RecordingReader& reader,
     return samples;
 }
 
-Exit plot(const PlotOptions& options) {
-    Faults faults;
-    faults.of([&] {
-        if (const auto fault = stream::recording_fault(options.recording)) {
-            throw WrongUse(*fault);
-        }
-    });
-    faults.of([&] { refuse_wrong_picture("-o", options.picture); });
-    faults.refuse();
-    const std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(options.recording);
-    if (!(reader->head().sample_rate_hz > 0)) {
+/// A CSV of a sweep; a recording's begins with its times.
+bool is_csv_of_sweep(const std::string& file) {
+    constexpr std::string_view first = "point,";
+    std::string begin(first.size(), '\0');
+    return stream::recording_ending(file) == ".csv" &&
+           std::ifstream(file, std::ios::binary)
+               .read(begin.data(), static_cast<std::streamsize>(first.size())) &&
+           begin == first;
+}
+
+/// @returns nothing where it is no sweep
+std::optional<Exit> plot_sweep(const PlotOptions& options) {
+    stop_asked();  // from here on there are files to be cleaned up
+    switch (
+        draw_sweep(options.picture, options.recording, options.quantities, printable(options.recording))) {
+        case Drawn::yes:
+            return Exit::done;
+        case Drawn::stopped:
+            spdlog::error("stopped before the end; nothing was saved");
+            return Exit::failed;
+        case Drawn::no_sweep:
+            break;
+    }
+    return std::nullopt;
+}
+
+Exit plot_recording(const PlotOptions& options, stream::RecordingReader& reader) {
+    if (!(reader.head().sample_rate_hz > 0)) {
         throw std::runtime_error(options.recording + " does not say its sample rate");
     }
-    const std::vector<std::size_t> chosen = chosen_columns(reader->head(), options);
-    const std::vector<stream::RecordedRows> samples = samples_of(*reader, chosen);
+    const std::vector<std::size_t> chosen = chosen_columns(reader.head(), options);
+    const std::vector<stream::RecordedRows> samples = samples_of(reader, chosen);
     if (samples.empty()) {
         throw std::runtime_error(options.recording + " has no samples");
     }
     stop_asked();  // from here on there are files to be cleaned up
-    Picture picture(options.picture, head_of_columns(reader->head(), chosen));
+    Picture picture(options.picture, head_of_columns(reader.head(), chosen));
     for (const stream::RecordedRows& rows : samples) {
         picture.write(rows.first, rows.values);
     }
@@ -134,11 +161,53 @@ Exit plot(const PlotOptions& options) {
     return Exit::done;
 }
 
+/// The recording; where it is none, and may be a sweep, that is drawn.
+Exit plot_either(const PlotOptions& options) {
+    std::unique_ptr<stream::RecordingReader> reader;
+    try {
+        reader = stream::open_reader(options.recording);
+    } catch (const std::runtime_error&) {
+        if (stream::recording_ending(options.recording) == ".h5" && fs::is_regular_file(options.recording)) {
+            if (const auto drawn = plot_sweep(options)) {
+                return *drawn;
+            }
+        }
+        throw;
+    }
+    return plot_recording(options, *reader);
+}
+
+Exit plot(const PlotOptions& options) {
+    Faults faults;
+    faults.of([&] {
+        if (const auto fault = stream::recording_fault(options.recording)) {
+            throw WrongUse(*fault);
+        }
+    });
+    faults.of([&] { refuse_wrong_picture("-o", options.picture); });
+    faults.of([&] {
+        if (!options.columns.empty() && !options.quantities.empty()) {
+            throw WrongUse(
+                "--quantity: found --columns, too, allowed: the one of a sweep, the other of a recording");
+        }
+    });
+    faults.refuse();
+    if (!options.quantities.empty() || is_csv_of_sweep(options.recording)) {
+        if (const auto drawn = plot_sweep(options)) {
+            return *drawn;
+        }
+        throw WrongUse(fmt::format("{}: found no sweep, allowed with --quantity: a table of hertzline sweep",
+                                   printable(options.recording)));
+    }
+    return plot_either(options);
+}
+
 }  // namespace
 
 Run plot_command(CLI::App& app) {
     auto options = std::make_shared<PlotOptions>();
-    app.add_option("RECORDING", options->recording, "a recording: " + stream::recording_endings())
+    app.add_option("RECORDING", options->recording,
+                   "a recording (" + stream::recording_endings() + "), or a sweep")
         ->required()
         ->check(missing_name)
         ->type_name("");
@@ -147,6 +216,9 @@ Run plot_command(CLI::App& app) {
         ->type_name("FILE");
     add_repeatable_option(app, "--columns", options->columns,
                           "draw these outputs or columns only (default: the first six)")
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    add_repeatable_option(app, "--quantity", options->quantities, "of a sweep: draw these numbers")
         ->delimiter(',')
         ->type_name("NAME,...");
     app.footer(examples);

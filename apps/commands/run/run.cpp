@@ -16,13 +16,13 @@
 #include "apps/commands/plot/picture.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/run/run_picture.hpp"
-#include "apps/commands/run/run_record.hpp"
 #include "apps/commands/run/run_spectra.hpp"
 #include "apps/commands/run/run_summary.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "stream/measures/run_record.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/formats/table.hpp"
@@ -58,11 +58,8 @@ struct RunOptions {
     Format format = Format::text;
 };
 
-/// What has a peak and a spectrum of its own.
-constexpr TapSet measurable_taps = taps_where([](const TapRow& row) { return row.extent == Extent::one; });
-
-/// What is measured beside v_out when the scene has it.
-constexpr TapSet measured_unasked = TapSet(Tap::p_axis) | Tap::v_centre;
+using stream::measurable_taps;
+using stream::measured_unasked;
 
 /// @throws WrongUse unless it is a frequency, or left out
 void refuse_wrong_band(std::optional<double> from_hz) {
@@ -96,14 +93,14 @@ void refuse_unwritable(const RunOptions& options) {
     }
 }
 
-RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
-                   stream::RecordingSet& recordings) {
+stream::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
+                           stream::RecordingSet& recordings) {
     const Scene& scene = simulation.scene();
     stream::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
-    RunRecord record = empty_record(measured, simulation.chain().end, rows);
+    stream::RunRecord record = stream::empty_record(measured, simulation.chain().end, rows);
     ProgressLine line;
     const std::atomic<bool>& stop = stop_asked();
     const stream::Nanoseconds start = stream::MonotonicClock::now();
@@ -122,7 +119,7 @@ RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
         if (status != Status::running) {
             throw std::runtime_error(simulation.failure());
         }
-        keep(block, simulation.chain().end, record);
+        stream::keep(block, simulation.chain().end, record);
         row_builder.write(block);
         if (wants_files && !recordings.any_left()) {
             throw std::runtime_error("every recording has failed, so the run was stopped");
@@ -177,7 +174,7 @@ Exit run(const RunOptions& options) {
         options.files, head, stream::RecordingPatience::endless(stop_asked()),
         [](const std::string& text) { spdlog::error(text); }, stream::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
-    const RunRecord record = simulate(simulation, recorded, measured, recordings);
+    const stream::RunRecord record = simulate(simulation, recorded, measured, recordings);
     if (record.stopped) {
         recordings.discard();
         spdlog::error("stopped before the end; nothing was saved");
@@ -201,7 +198,7 @@ Exit run(const RunOptions& options) {
     }
     std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz);
     summary.push_back(contacts(simulation));
-    summary.push_back(trust(simulation, resolved));
+    summary.push_back(stream::trust_of_run(simulation, resolved));
     summary.push_back(account(simulation, setup_s, record, recordings));
     print_summary(summary, options.format);
     return recordings.sound() && saved ? Exit::done : Exit::failed;

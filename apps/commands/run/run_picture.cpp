@@ -10,14 +10,15 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 #include "core/taps.hpp"
+#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-stream::RecordingHead head_of(const RunRecord& record, const Scene& scene, const Json& provenance) {
+stream::RecordingHead head_of(const stream::RunRecord& record, const Scene& scene, const Json& provenance) {
     stream::RecordingHead head;
-    for (const TapRecord& tap : record.taps) {
+    for (const stream::TapRecord& tap : record.taps) {
         const TapRow& row = row_of(tap.tap);
         head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
     }
@@ -28,7 +29,7 @@ stream::RecordingHead head_of(const RunRecord& record, const Scene& scene, const
 }
 
 /// @returns false when stopped meanwhile
-bool draw(const std::string& file, const RunRecord& record, const stream::RecordingHead& head,
+bool draw(const std::string& file, const stream::RunRecord& record, const stream::RecordingHead& head,
           const std::string& title) {
     Picture picture(file, head);
     const std::size_t rows = std::min(record.rows(), static_cast<std::size_t>(max_picture_samples));
@@ -48,7 +49,7 @@ bool draw(const std::string& file, const RunRecord& record, const stream::Record
 
 }  // namespace
 
-bool save_picture(const std::string& file, const RunRecord& record, const Scene& scene,
+bool save_picture(const std::string& file, const stream::RunRecord& record, const Scene& scene,
                   const Json& provenance, const std::string& title) {
     if (file.empty()) {
         return true;

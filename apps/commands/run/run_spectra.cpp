@@ -14,6 +14,7 @@
 #include "apps/command.hpp"
 #include "apps/console/signals.hpp"
 #include "core/taps.hpp"
+#include "stream/measures/run_record.hpp"
 #include "stream/measures/spectrum.hpp"
 #include "stream/recordings/formats/table.hpp"
 #include "stream/recordings/recording_formats.hpp"
@@ -22,12 +23,12 @@ namespace hertzline::app {
 
 namespace {
 
-stream::Table spectra_of(const RunRecord& record, const Scene& scene, const Json& provenance) {
+stream::Table spectra_of(const stream::RunRecord& record, const Scene& scene, const Json& provenance) {
     stream::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
     stream::Table table;
     table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
     table.provenance = provenance;
-    for (const TapRecord& tap : record.taps) {
+    for (const stream::TapRecord& tap : record.taps) {
         const TapRow& row = row_of(tap.tap);
         stream::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
         table.columns.front().values = std::move(spectrum.frequencies_hz);
@@ -59,7 +60,7 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
     faults.refuse();
 }
 
-bool save_spectra(std::span<const std::string> files, const RunRecord& record, const Scene& scene,
+bool save_spectra(std::span<const std::string> files, const stream::RunRecord& record, const Scene& scene,
                   const Json& provenance) {
     if (files.empty()) {
         return true;

@@ -7,6 +7,7 @@
 #endif
 
 #include "core/integrators/simd/vectors-inl.hpp"
+#include "core/model/damping.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -34,6 +35,12 @@ HWY_INLINE Vec elastic_force(Vec stiffness, Vec overlap, Vec root) {
 /// Its slope 3/2 k sqrt(delta) [N/m].
 HWY_INLINE Vec tangent_stiffness(Vec stiffness, Vec overlap) {
     return splat(1.5) * stiffness * Sqrt(pressed(overlap));
+}
+
+/// delta^q of a law's damping force, for contacts that are pressed and laws with q > 0.
+HWY_INLINE Vec damping_power(DampingLaw law, Vec delta) {
+    const Vec root = Sqrt(delta);
+    return law == DampingLaw::tsuji ? Sqrt(root) : root;
 }
 
 /// Energy stored (2/5) k delta^(5/2) [J].

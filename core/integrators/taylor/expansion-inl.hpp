@@ -8,6 +8,8 @@
 
 #include <array>
 #include <cstddef>
+#include <type_traits>
+#include <variant>
 
 #include "core/integrators/series_piece.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
@@ -20,11 +22,17 @@ namespace HWY_NAMESPACE {
 template <std::size_t K, int Degree>
 using Series = std::array<Col<K>, Degree + 1>;
 
-inline constexpr double at_zero = 1e-7;      ///< overlap over its change in a unit that counts as none
+/// Overlap over its change in a unit that counts as none. Damping forces with a power of the overlap fall more slowly towards zero.
+template <Damping Kind>
+inline constexpr double at_zero = Kind == Damping::linear ? 1e-7 : 1e-9;
 inline constexpr double standstill = 1e-60;  ///< change of overlap in a unit that counts as none [m]
 inline constexpr double shortest = 1e-9;     ///< piece [z]: contacts that chatter cannot hold time back
 
-template <std::size_t K, int Degree>
+/// The series of W (damping-inl.hpp); contacts with dashpots need none.
+template <std::size_t K, int Degree, Damping Kind>
+using DampingSeries = std::conditional_t<Kind == Damping::linear, std::monostate, Series<K, Degree>>;
+
+template <std::size_t K, int Degree, Damping Kind>
 struct Expansion {
     enum class Scratch {
         closed,
@@ -62,6 +70,9 @@ struct Expansion {
                 x[n] = {piece.displacement(n)};
                 d[n] = {piece.overlap(n)};
                 u[n] = {piece.elastic(n)};
+                if constexpr (Kind == Damping::nonlinear) {
+                    w[n] = {piece.damping(n)};
+                }
             }
         }
     }
@@ -77,6 +88,8 @@ struct Expansion {
 
     Series<K, Degree> x, d;  ///< displacements and overlaps [m]
     Series<K, Degree> u;     ///< elastic forces times unit^2
+    [[no_unique_address]] DampingSeries<K, Degree, Kind>
+        w;  ///< W times unit: its slope is the damping force times unit^2
 
     // flags: 1 or 0
     Col<K> closed = rows.scratch(Scratch::closed);
@@ -89,7 +102,7 @@ struct Expansion {
     Col<K> mobility_left = rows.scratch(Scratch::mobility_left);  ///< of the left one [1/kg]
     Col<K> ground = rows.scratch(Scratch::ground);            ///< spring behind the left body, times unit^2
     Col<K> per_overlap = rows.scratch(Scratch::per_overlap);  ///< 1/delta_0 [1/m]
-    Col<K> decay = rows.scratch(Scratch::decay);              ///< lambda of the closed contacts times unit
+    Col<K> decay = rows.scratch(Scratch::decay);  ///< D delta_0^q of the closed contacts times unit
 };
 
 /// Value at z of terms N to Last, divided by z^N.

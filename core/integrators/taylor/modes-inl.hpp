@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
@@ -56,10 +55,10 @@ template <std::size_t Count>
 HWY_INLINE std::array<ModeVec, Count> modes_at(const PlateMotion& plate, int degree, std::size_t first,
                                                const std::array<double, Count>& z) {
     auto sums = polynomial_at(plate.mode_terms() + first, plate.stride(), degree, z);
-    if (HWY_UNLIKELY(plate.onset)) {
-        const auto added = polynomial_at(plate.onset_terms() + first, plate.stride(), degree, z);
+    for (std::size_t force = 0; force < plate.onset_forces.size(); ++force) {
+        const auto added = polynomial_at(plate.onset_terms(force) + first, plate.stride(), degree, z);
         for (std::size_t i = 0; i < Count; ++i) {
-            const double power = z[i] * z[i] * std::sqrt(std::max(z[i], 0.0));
+            const double power = plate.onset_forces[force].integrated_power(std::max(z[i], 0.0));
             sums[i] = MulAdd(hn::Set(ModeTag(), power), added[i], sums[i]);
         }
     }

@@ -10,6 +10,7 @@
 
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/taylor/clamped_law-inl.hpp"
+#include "core/integrators/taylor/damping-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
 #include "core/integrators/taylor/plate-inl.hpp"
 
@@ -19,12 +20,12 @@ namespace HWY_NAMESPACE {
 
 /// Orders 0 and 1 of an overlap; whether the contact is closed; order 0 of its elastic force.
 /// @returns contacts that have just closed
-template <std::size_t K, int Degree>
-HWY_INLINE Flags begin_contact(Expansion<K, Degree>& e, std::size_t k, Vec static_overlap) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Flags begin_contact(Expansion<K, Degree, Kind>& e, std::size_t k, Vec static_overlap) {
     constexpr double min_overlap = 1e-150;  // nothing above it overflows [m]
     const Vec d1 = e.rows.difference(e.x[1], k, e.piece.waves.slope);
     const Vec d0 = e.rows.difference(static_overlap, e.x[0], k, e.piece.waves.displacement);
-    const Vec rounding_error = MulAdd(splat(at_zero), Abs(d1), splat(e.piece.negligible));
+    const Vec rounding_error = MulAdd(splat(at_zero<Kind>), Abs(d1), splat(e.piece.negligible));
     const Flags touching_only = Le(Abs(d0), rounding_error);
     const Flags closing = And(touching_only, Gt(d1, splat(standstill)));
     e.d[0].set(k, IfThenZeroElse(touching_only, d0));
@@ -43,8 +44,8 @@ HWY_INLINE Flags begin_contact(Expansion<K, Degree>& e, std::size_t k, Vec stati
 
 /// Orders 0 and 1 of displacements and overlaps, and what all higher orders share.
 /// @returns whether a contact has just closed.
-template <std::size_t K, int Degree>
-HWY_INLINE bool begin(Expansion<K, Degree>& e) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE bool begin(Expansion<K, Degree, Kind>& e) {
     const Vec unit = splat(e.piece.unit_s);
     const Col<K> static_overlap = e.rows.load(ChainField::static_overlap);
     const Col<K> damping = e.rows.load(ChainField::damping);
@@ -58,10 +59,11 @@ HWY_INLINE bool begin(Expansion<K, Degree>& e) {
     }
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         e.closed.set(k, e.overlaps[k]);
+        const Vec damping_now = damping_at(e, damping[k], e.d[0][k]);
         if (HWY_UNLIKELY(e.clamped)) {
-            e.closed.set(k, pushing(e, k, damping[k]));
+            e.closed.set(k, pushing(e, k, damping_now));
         }
-        e.decay.set(k, unit * (e.closed[k] * damping[k]));
+        e.decay.set(k, unit * (e.closed[k] * damping_now));
         e.mobility_left.set(k, e.rows.left(e.inv_mass, k));
         e.mobility.set(k, e.inv_mass[k] + e.mobility_left[k]);
         e.ground.set(k, splat(e.square) * e.rows.left(e.spring, k));
@@ -72,8 +74,8 @@ HWY_INLINE bool begin(Expansion<K, Degree>& e) {
 }
 
 /// Adds the product of orders J and N - J to the sum for the elastic force's order N.
-template <int N, int J, std::size_t K, int Degree>
-HWY_INLINE Vec with_product(const Expansion<K, Degree>& e, std::size_t k, Vec sum) {
+template <int N, int J, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec with_product(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec sum) {
     constexpr double weight = (1.5 * (N - J) - J) / N;
     if constexpr (weight == 0) {
         return sum;
@@ -82,8 +84,8 @@ HWY_INLINE Vec with_product(const Expansion<K, Degree>& e, std::size_t k, Vec su
     }
 }
 /// Sum of the products with both orders at least J. The highest orders are known last: they are added last.
-template <int N, int J, std::size_t K, int Degree>
-HWY_INLINE Vec products(const Expansion<K, Degree>& e, std::size_t k) {
+template <int N, int J, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec products(const Expansion<K, Degree, Kind>& e, std::size_t k) {
     if constexpr (2 * J > N) {
         return zero();
     } else if constexpr (2 * J == N) {
@@ -93,8 +95,8 @@ HWY_INLINE Vec products(const Expansion<K, Degree>& e, std::size_t k) {
     }
 }
 /// The elastic force's coefficient of order N without the term of the overlap's.
-template <int N, std::size_t K, int Degree>
-HWY_INLINE Vec elastic_by_products(const Expansion<K, Degree>& e, std::size_t k) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec elastic_by_products(const Expansion<K, Degree, Kind>& e, std::size_t k) {
     if constexpr (N == 1) {
         return zero();
     } else {
@@ -104,8 +106,8 @@ HWY_INLINE Vec elastic_by_products(const Expansion<K, Degree>& e, std::size_t k)
 
 /// Half the force of order 0, times unit^2, without the dashpots. The spring behind the last body is the
 /// force of a contact to its right, in the slot of a pad.
-template <std::size_t K, int Degree>
-HWY_INLINE Vec first_force(const Expansion<K, Degree>& e, std::size_t k) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec first_force(const Expansion<K, Degree, Kind>& e, std::size_t k) {
     const Vec half_square = splat(0.5 * e.square);
     const Vec elastic = HWY_UNLIKELY(e.clamped) ? e.closed[k] * e.u[0][k] : e.u[0][k];
     const Vec bias = half_square * e.rows.left(e.rows.load(ChainField::bias), k);
@@ -114,8 +116,8 @@ HWY_INLINE Vec first_force(const Expansion<K, Degree>& e, std::size_t k) {
     return MulAdd(half_square, elastic - e.static_force[k], behind);
 }
 /// Order N of what depends on the overlap: elastic force, and spring behind the last body.
-template <int N, std::size_t K, int Degree>
-HWY_INLINE Vec force_of_place(Expansion<K, Degree>& e, std::size_t k) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec force_of_place(Expansion<K, Degree, Kind>& e, std::size_t k) {
     const Vec bent = elastic_by_products<N>(e, k);
     e.u[N].set(k, MulAdd(e.elastic_slope[k], e.d[N][k], bent));
     if (HWY_UNLIKELY(e.clamped)) {
@@ -123,8 +125,8 @@ HWY_INLINE Vec force_of_place(Expansion<K, Degree>& e, std::size_t k) {
     }
     return MulAdd(e.ground[k] + e.elastic_slope[k], e.d[N][k], bent);
 }
-template <int N, std::size_t K, int Degree>
-HWY_INLINE Vec share_of_place(Expansion<K, Degree>& e, std::size_t k) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Vec share_of_place(Expansion<K, Degree, Kind>& e, std::size_t k) {
     if constexpr (N == 0) {
         return first_force(e, k);
     } else {
@@ -132,8 +134,8 @@ HWY_INLINE Vec share_of_place(Expansion<K, Degree>& e, std::size_t k) {
     }
 }
 
-template <std::size_t K, int Degree>
-HWY_INLINE void prepare_higher_orders(Expansion<K, Degree>& e) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void prepare_higher_orders(Expansion<K, Degree, Kind>& e) {
     const Vec square = splat(e.square);
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         if (HWY_UNLIKELY(e.clamped)) {
@@ -146,11 +148,14 @@ HWY_INLINE void prepare_higher_orders(Expansion<K, Degree>& e) {
 
 /// The forces of order N, and from them displacements and overlaps of order N + 2. Each order waits for the
 /// overlaps of the one before, so the way from these to the next ones is kept short.
-template <int N, std::size_t K, int Degree>
-HWY_INLINE void order(Expansion<K, Degree>& e) {
-    Col<K> force = e.rows.scratch(Expansion<K, Degree>::Scratch::force);
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void order(Expansion<K, Degree, Kind>& e) {
+    Col<K> force = e.rows.scratch(Expansion<K, Degree, Kind>::Scratch::force);
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
-        const Vec of_place = share_of_place<N>(e, k);
+        Vec of_place = share_of_place<N>(e, k);
+        if constexpr (Kind == Damping::nonlinear) {
+            of_place = MulAdd(splat(1.0 / (N + 2)), expand_damping<N + 1>(e, k), of_place);
+        }
         const Vec decay = splat(1.0 / (N + 2)) * e.decay[k];
         force.set(k, MulAdd(decay, e.d[N + 1][k], of_place));
     }
@@ -169,8 +174,8 @@ HWY_INLINE void order(Expansion<K, Degree>& e) {
         prepare_higher_orders(e);
     }
 }
-template <std::size_t K, int Degree, int... N>
-HWY_INLINE void orders(Expansion<K, Degree>& e, std::integer_sequence<int, N...>) {
+template <std::size_t K, int Degree, Damping Kind, int... N>
+HWY_INLINE void orders(Expansion<K, Degree, Kind>& e, std::integer_sequence<int, N...>) {
     (order<N>(e), ...);
 }
 

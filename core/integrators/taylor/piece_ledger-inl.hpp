@@ -38,28 +38,27 @@ struct Quadrature<13> {
                                                   0.0647424830844348};
 };
 
-/// What the dashpots lose and the horn gives over the piece.
-template <std::size_t K, int Degree>
-HWY_INLINE void account(const Expansion<K, Degree>& e, double length) {
+/// What the contacts lose and the horn gives over the piece.
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void account(const Expansion<K, Degree, Kind>& e, double length) {
     using Nodes = Quadrature<Degree>;
     const SimdChain& chain = e.rows.chain();
     Col<K> lost = e.rows.load(ChainField::lost);
     HornWork work(chain);
-    const Vec per_square = splat(1 / e.square);
     for (std::size_t i = 0; i < Nodes::node.size(); ++i) {
         const Vec z = splat(length * Nodes::node[i]);
         const Vec weight = splat(length * Nodes::weight[i]);
         HERTZLINE_EACH_ROW(k, e.rows.count()) {
-            const Vec w = slope_at(e.d, k, z);                // [m]
-            const Vec dashpot = e.decay[k] * per_square * w;  // [N]
-            Vec loss = dashpot * w;
+            const Vec w = slope_at(e.d, k, z);              // [m]
+            const Vec damping = damping_force(e, k, z, w);  // [N]
+            Vec loss = damping * w;
             if (HWY_UNLIKELY(e.clamped)) {
                 loss = loss - let_go(e, k, z) * w;
             }
             lost.set(k, MulAdd(weight, loss, lost[k]));
             if (k == 0) {
                 const Vec elastic = elastic_force(e.stiffness[0], value_at(e.d, 0, z));
-                const Vec force = MulAdd(e.closed[0], elastic, dashpot);
+                const Vec force = MulAdd(e.closed[0], elastic, damping);
                 const Vec horn_velocity = e.rows.horn(1.0) * (w + slope_at(e.x, 0, z));
                 work.add(weight * force * horn_velocity);
             }

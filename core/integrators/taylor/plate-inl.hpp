@@ -13,6 +13,7 @@
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/taylor/damping-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
 #include "core/integrators/taylor/modes-inl.hpp"
 
@@ -63,8 +64,8 @@ HWY_INLINE void begin_plate(PlateMotion& plate) {
 }
 
 /// Order N of the last contact's force is taken down; what the plate does to the last body goes into the pad's slot.
-template <int N, std::size_t K, int Degree>
-HWY_INLINE void exchange_with_plate(Expansion<K, Degree>& e, Col<K>& force) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void exchange_with_plate(Expansion<K, Degree, Kind>& e, Col<K>& force) {
     PlateMotion& plate = *e.piece.plate;
     double behind = plate.behind[N];
     for (std::size_t m = 0; m < N; ++m) {
@@ -170,13 +171,13 @@ HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
     }
 }
 
-/// Adds what the onset force of the last contact does to the states: f_i z^(i + 3/2), integrated over and over with their rates.
+/// Adds what an onset force of the last contact does to the states: f_n z^(n + exponent), integrated over and over with their rates.
 template <int Degree>
-HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const std::array<double, onset_terms>& force,
-                                    double z) {
+HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const OnsetForce& onset,
+                                    const std::array<double, onset_terms>& force, double z) {
     const PlateMotion::Pairs state = plate.state();
     const PlateMotion::Pairs rate = plate.rate();
-    const double start = z * z * std::sqrt(z);
+    const double start = onset.integrated_power(z);
     for (std::size_t j = 0; j < plate.size(); j += lanes()) {
         const Vec rate_re = splat(z) * load_row(rate.re + j);
         const Vec rate_im = splat(z) * load_row(rate.im + j);
@@ -185,9 +186,9 @@ HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const std::array<d
         Vec sum_re = load_row(state.re + j);
         Vec sum_im = load_row(state.im + j);
         double power = start;
-        for (int m = 0; m < Degree; ++m, power *= z) {
-            const Vec share = splat(1 / (m + 2.5));
-            const Vec input = splat(m < onset_terms ? force[m] * power : 0.0);
+        for (int n = 0; n < Degree; ++n, power *= z) {
+            const Vec share = splat(1 / (n + onset.exponent + 1));
+            const Vec input = splat(n < onset_terms ? force[n] * power : 0.0);
             const Vec before = re;
             re = share * NegMulAdd(rate_im, im, MulAdd(rate_re, before, input));
             im = share * MulAdd(rate_im, before, rate_re * im);
@@ -199,35 +200,40 @@ HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const std::array<d
     }
 }
 
-/// What the onset force does to the modes' velocities.
+/// What an onset force does to the modes' velocities.
 template <int Degree>
-HWY_INLINE void find_onset_terms(const PlateMotion& plate, const std::array<double, onset_terms>& force) {
+HWY_INLINE void find_onset_terms(const PlateMotion& plate, std::size_t number, double exponent,
+                                 const std::array<double, onset_terms>& force) {
     each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
-        for (int m = 0; m < Degree; ++m) {
+        double* const terms = plate.onset_terms(number) + first;
+        for (int n = 0; n < Degree; ++n) {
             ModeVec sum = hn::Zero(ModeTag());
-            for (int i = 0; i <= std::min(m, onset_terms - 1); ++i) {
+            for (int i = 0; i <= std::min(n, onset_terms - 1); ++i) {
                 double share = force[i];
-                for (int k = i; k <= m; ++k) {
-                    share /= k + 2.5;
+                for (int k = i; k <= n; ++k) {
+                    share /= k + exponent + 1;
                 }
-                const auto row = static_cast<std::size_t>(m - i);
+                const auto row = static_cast<std::size_t>(n - i);
                 const ModeVec answer = hn::Load(ModeTag(), plate.of_force() + row * plate.stride() + first);
                 sum = MulAdd(hn::Set(ModeTag(), share), answer, sum);
             }
-            hn::Store(sum, ModeTag(),
-                      plate.onset_terms() + static_cast<std::size_t>(m) * plate.stride() + first);
+            hn::Store(sum, ModeTag(), terms + static_cast<std::size_t>(n) * plate.stride());
         }
     });
 }
 
+/// The onset forces of the last contact act on the plate.
 template <int Degree>
-HWY_NOINLINE void add_onset_to_plate(const PlateMotion& plate, const SeriesPiece& piece, double z) {
-    std::array<double, onset_terms> force{};
-    for (int i = 0; i < onset_terms; ++i) {
-        force[i] = piece.onset_force(i)[plate.end_slot] / plate.mobility();
+HWY_NOINLINE void add_onset_to_plate(const PlateMotion& plate, double z) {
+    for (std::size_t number = 0; number < plate.onset_forces.size(); ++number) {
+        const OnsetForce& onset = plate.onset_forces[number];
+        std::array<double, onset_terms> force{};
+        for (int n = 0; n < onset_terms; ++n) {
+            force[n] = onset.term(n, plate.end_slot) / plate.mobility();
+        }
+        add_onset_to_states<Degree>(plate, onset, force, z);
+        find_onset_terms<Degree>(plate, number, onset.exponent, force);
     }
-    add_onset_to_states<Degree>(plate, force, z);
-    find_onset_terms<Degree>(plate, force);
 }
 
 /// Sum over all pairs of a row times the states.
@@ -243,8 +249,8 @@ HWY_INLINE double row_times_states(const PlateMotion& plate, const PlateMotion::
 }
 
 /// The last body goes where the states say.
-template <std::size_t K, int Degree>
-HWY_INLINE void follow_plate(Expansion<K, Degree>& e) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void follow_plate(Expansion<K, Degree, Kind>& e) {
     const PlateMotion& plate = *e.piece.plate;
     const double x = row_times_states(plate, plate.displacement());
     const double v = row_times_states(plate, plate.velocity());
@@ -271,10 +277,10 @@ HWY_INLINE void find_velocities(PlateMotion& plate) {
             const ModeVec term = hn::Load(ModeTag(), plate.mode_terms() + k * plate.stride() + first);
             plate.centre.terms[k] += sum_of_modes(term);
             plate.face.terms[k] += sum_of_modes(means * term);
-            if (HWY_UNLIKELY(plate.onset)) {
-                const ModeVec added = hn::Load(ModeTag(), plate.onset_terms() + k * plate.stride() + first);
-                plate.centre.onset_terms[k] += sum_of_modes(added);
-                plate.face.onset_terms[k] += sum_of_modes(means * added);
+            for (std::size_t i = 0; i < plate.onset_forces.size(); ++i) {
+                const ModeVec added = hn::Load(ModeTag(), plate.onset_terms(i) + k * plate.stride() + first);
+                plate.centre.onset_terms[i][k] += sum_of_modes(added);
+                plate.face.onset_terms[i][k] += sum_of_modes(means * added);
             }
         }
     });
@@ -296,25 +302,26 @@ template <int Degree>
 struct LastContact {
     std::array<double, Degree + 1> overlap;  ///< its series [m]
     double stiffness;                        ///< 0: open [N/m^(3/2)]
-    double damping;                          ///< per unit [kg/s^2]
+    double damping;                          ///< D of its law, 0: open
     double static_force;                     ///< [N]
 };
-template <std::size_t K, int Degree, std::size_t... N>
-HWY_INLINE LastContact<Degree> last_contact(const Expansion<K, Degree>& e,
+template <std::size_t K, int Degree, Damping Kind, std::size_t... N>
+HWY_INLINE LastContact<Degree> last_contact(const Expansion<K, Degree, Kind>& e,
                                             std::index_sequence<N...> /*orders*/) {
     const PlateMotion& plate = *e.piece.plate;
     constexpr std::size_t next = sizeof...(N);
+    const double closed = in_last_contact(plate, next, e.closed);
     return {{in_last_contact(plate, N, e.d[N])...},
-            in_last_contact(plate, next, e.closed) * in_last_contact(plate, next + 1, e.stiffness),
-            in_last_contact(plate, 0, e.decay) / e.square,
+            closed * in_last_contact(plate, next + 1, e.stiffness),
+            closed * in_last_contact(plate, 0, e.rows.load(ChainField::damping)),
             in_last_contact(plate, 1, e.static_force)};
 }
 
 /// The ledger's entries for the plate over the piece: the work of the last contact, less that of the static force, and what the
 /// material takes [J].
 template <class Nodes, int Degree>
-HWY_NOINLINE void account_plate(PlateMotion& plate, const LastContact<Degree>& contact, double length,
-                                double unit_s) {
+HWY_NOINLINE void account_plate(PlateMotion& plate, const LastContact<Degree>& contact, DampingLaw law,
+                                double length, double unit_s) {
     constexpr std::size_t most_lanes = 8;
     HWY_ALIGN std::array<double, most_lanes> node{};
     HWY_ALIGN std::array<double, most_lanes> weight{};  // of the padding: none
@@ -332,7 +339,8 @@ HWY_NOINLINE void account_plate(PlateMotion& plate, const LastContact<Degree>& c
             v = MulAdd(v, z, splat(plate.centre.terms[n]));
         }
         const Vec elastic = elastic_force(splat(contact.stiffness), delta);
-        const Vec force = MulAdd(splat(contact.damping), rate, elastic) - splat(contact.static_force);
+        const Vec damping = splat(contact.damping / unit_s) * damping_power(law, pressed(delta));
+        const Vec force = MulAdd(damping, rate, elastic) - splat(contact.static_force);
         work = MulAdd(load_row(weight.data() + i) * force, v, work);
     }
     plate.passed += length * unit_s * GetLane(hn::SumOfLanes(Doubles(), work));

@@ -18,8 +18,8 @@ namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
 /// Contacts that are not at z what they are at the start.
-template <std::size_t K, int Degree>
-HWY_INLINE Flags switches(const Expansion<K, Degree>& e, std::size_t k, Vec z) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE Flags switches(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z) {
     const Vec limit = IfThenElseZero(e.open(k), splat(e.piece.negligible));
     const Flags overlaps = Gt(value_at(e.d, k, z), limit);
     Flags changed = Xor(overlaps, Gt(e.overlaps[k], zero()));
@@ -33,8 +33,8 @@ HWY_INLINE Flags switches(const Expansion<K, Degree>& e, std::size_t k, Vec z) {
     return changed;
 }
 
-template <std::size_t K, int Degree>
-HWY_INLINE bool any_switch(const Expansion<K, Degree>& e, double length) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE bool any_switch(const Expansion<K, Degree, Kind>& e, double length) {
     const Vec z = splat(length);
     Flags found = none();
     Flags approach = found;
@@ -54,8 +54,8 @@ HWY_INLINE bool any_switch(const Expansion<K, Degree>& e, double length) {
 
 /// A contact without tension may let go and push again within a piece: an eighth of the length in which one
 /// does, or all of it.
-template <std::size_t K, int Degree>
-HWY_NOINLINE double until_a_switch(const Expansion<K, Degree>& e, double length) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_NOINLINE double until_a_switch(const Expansion<K, Degree, Kind>& e, double length) {
     constexpr int parts = 8;
     for (int part = 1; part < parts; ++part) {
         const double z = length * part / parts;
@@ -89,7 +89,8 @@ HWY_INLINE Vec turning_point(const std::array<Col<K>, Size>& d, std::size_t k, F
 /// What tells when contacts close and open. A copy: nothing that has its address taken stays in registers.
 template <std::size_t K, int Degree>
 struct Overlaps {
-    HWY_INLINE explicit Overlaps(const Expansion<K, Degree>& e)
+    template <Damping Kind>
+    HWY_INLINE explicit Overlaps(const Expansion<K, Degree, Kind>& e)
         : rows(e.rows), d(e.d), overlaps(e.overlaps), deflated(e.deflated) {}
     StripedRows<K> rows;
     Series<K, Degree> d;
@@ -154,8 +155,8 @@ HWY_NOINLINE double first_crossing(const Overlaps<K, Degree>& contacts, double n
 }
 
 /// The same for contacts without tension, whose total force decides: it has no simple slope.
-template <std::size_t K, int Degree>
-HWY_NOINLINE double first_clamped_switch(const Expansion<K, Degree>& e, double length) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_NOINLINE double first_clamped_switch(const Expansion<K, Degree, Kind>& e, double length) {
     Vec first = splat(length);
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         const Vec end = turning_point(e.d, k, e.open(k), e.piece.negligible, splat(length));

@@ -17,6 +17,9 @@
 // delta^(3/2) in whole powers: for a first short piece the contact's dashpot is part of the expansion and
 // its elastic force, k (w t)^(3/2) (1 + ...), is integrated term by term and added.
 //
+// Damping forces with a power of the overlap (damping-inl.hpp) are expanded as the elastic force is, and at a
+// closing are integrated with it.
+//
 // Which contacts are closed is never remembered: at the start of a piece a contact is closed if it overlaps,
 // or, within rounding of zero overlap, if it is closing.
 #if defined(HERTZLINE_TAYLOR_INL) == defined(HWY_TARGET_TOGGLE)
@@ -42,8 +45,8 @@ namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
 /// How far the series can be trusted [z].
-template <std::size_t K, int Degree>
-HWY_INLINE double trusted_length(Expansion<K, Degree>& e, bool onset) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE double trusted_length(Expansion<K, Degree, Kind>& e, bool onset) {
     Vec last = zero();
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         const Vec half_before = splat(0.5) * Abs(e.x[Degree - 1][k]);
@@ -65,8 +68,9 @@ HWY_INLINE double trusted_length(Expansion<K, Degree>& e, bool onset) {
 }
 
 /// Horner's rule for value and slope of displacements together, terms N down to Last.
-template <int N, int Last, std::size_t K, int Degree>
-HWY_INLINE void value_and_slope(const Expansion<K, Degree>& e, std::size_t k, Vec z, Vec& value, Vec& slope) {
+template <int N, int Last, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void value_and_slope(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z, Vec& value,
+                                Vec& slope) {
     slope = MulAdd(slope, z, value);
     value = MulAdd(value, z, e.x[N][k]);
     if constexpr (N > Last) {
@@ -75,8 +79,8 @@ HWY_INLINE void value_and_slope(const Expansion<K, Degree>& e, std::size_t k, Ve
 }
 
 /// Displacement and velocity at z become the present ones.
-template <std::size_t K, int Degree>
-HWY_INLINE void move(Expansion<K, Degree>& e, double z) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void move(Expansion<K, Degree, Kind>& e, double z) {
     constexpr int split = 5;
     const Vec zz = splat(z);
     const Vec per_unit = splat(e.piece.per_unit);
@@ -97,18 +101,18 @@ HWY_INLINE void move(Expansion<K, Degree>& e, double z) {
     }
 }
 
-template <int N, std::size_t K, int Degree>
-HWY_INLINE void save_term(const Expansion<K, Degree>& e) {
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void save_term(const Expansion<K, Degree, Kind>& e) {
     HERTZLINE_EACH_ROW(k, K) store_row(e.x[N][k], e.piece.displacement(N) + k * lanes());
 }
-template <std::size_t K, int Degree, int... N>
-HWY_INLINE void save_terms(const Expansion<K, Degree>& e, std::integer_sequence<int, N...>) {
+template <std::size_t K, int Degree, Damping Kind, int... N>
+HWY_INLINE void save_terms(const Expansion<K, Degree, Kind>& e, std::integer_sequence<int, N...>) {
     (save_term<N>(e), ...);
 }
 
 /// Motion, contacts and series go to the chain and the piece.
-template <std::size_t K, int Degree>
-HWY_INLINE void save(const Expansion<K, Degree>& e, double length) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void save(const Expansion<K, Degree, Kind>& e, double length) {
     const Vec z = splat(length);
     e.rows.store(ChainField::x, e.x_now);
     e.rows.store(ChainField::v, e.v_now);
@@ -129,28 +133,26 @@ HWY_INLINE void save(const Expansion<K, Degree>& e, double length) {
 }
 
 /// The plate to the end of the piece, and the last body with it.
-template <std::size_t K, int Degree>
-HWY_INLINE void take_plate(Expansion<K, Degree>& e, double length, bool onset) {
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void take_plate(Expansion<K, Degree, Kind>& e, double length, bool onset) {
     PlateMotion& plate = *e.piece.plate;
     move_plate<Degree>(plate, length);
-    plate.onset = onset;
-    if (onset) {
-        add_onset_to_plate<Degree>(plate, e.piece, length);
-    }
+    plate.onset_forces = onset ? e.piece.onset_forces() : std::span<const OnsetForce>();
+    add_onset_to_plate<Degree>(plate, length);
     follow_plate(e);
     if (e.piece.keeps_ledger || plate.shows_modes) {
         find_velocities<Degree>(plate);
     }
     if (e.piece.keeps_ledger) {
         account_plate<Quadrature<Degree>>(plate, last_contact(e, std::make_index_sequence<Degree + 1>()),
-                                          length, e.piece.unit_s);
+                                          e.rows.chain().damping_law, length, e.piece.unit_s);
     }
 }
 
 /// What happens rarely works on a copy: nothing that has its address taken stays in registers.
-template <std::size_t K, int Degree>
-HWY_INLINE void take(Expansion<K, Degree>& e) {
-    using Copy = Expansion<K, Degree>;
+template <std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void take(Expansion<K, Degree, Kind>& e) {
+    using Copy = Expansion<K, Degree, Kind>;
     SeriesPiece& piece = e.piece;
     if (!piece.waves.silent) {
         expand_horn(piece);
@@ -190,9 +192,9 @@ HWY_INLINE void take(Expansion<K, Degree>& e) {
     save(e, length);
 }
 
-template <std::size_t K, int Degree>
+template <std::size_t K, int Degree, Damping Kind>
 void take_piece(SimdChain& chain, SeriesPiece& piece) {
-    Expansion<K, Degree> expansion(chain, piece);
+    Expansion<K, Degree, Kind> expansion(chain, piece);
     take(expansion);
 }
 

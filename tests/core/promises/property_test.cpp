@@ -10,6 +10,7 @@
 #include "core/integrators/stability.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 
 namespace hertzline::test {
@@ -54,7 +55,12 @@ Scene any_scene() {
     scene.end.material = any_solid();
     scene.end.thickness_m = magnitude_between(0.1e-3, 3e-3);
     scene.end.preload = *rc::gen::element(PlatePreload::balanced, PlatePreload::as_printed);
-    scene.numerics.integrator = *rc::gen::elementOf(choices<Integrator>);
+    scene.chain.damping_law = *rc::gen::elementOf(choices<DampingLaw>);
+    scene.chain.damping_time_s = magnitude_between(1e-9, 1e-6);
+    scene.chain.damping_alpha = magnitude_between(1e-3, 3);
+    scene.numerics.integrator = scene.chain.damping_law == DampingLaw::dashpot
+                                    ? *rc::gen::elementOf(choices<Integrator>)
+                                    : *rc::gen::elementOf(series_integrators());
     return scene;
 }
 

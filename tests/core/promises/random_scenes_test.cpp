@@ -2,11 +2,13 @@
 // or it is refused or stopped with a reason. bench_random_scenes runs ten thousand of them.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "core/scene/scene_toml.hpp"
+#include "tests/support/draw.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/random_scene.hpp"
 #include "tests/support/runs.hpp"
@@ -23,6 +25,35 @@ TEST(RandomScenes, RunOrAreStoppedWithAReason) {
     for (int i = 0; i < count; ++i) {
         const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
         const Scene scene = random_scene(seed);
+        ASSERT_TRUE(validate(scene).empty()) << to_toml(scene);
+        const Trial trial = tried(scene);
+        EXPECT_TRUE(trial.findings.empty()) << "seed " << seed << ": " << trial.findings.front() << '\n'
+                                            << to_toml(scene);
+        ran += trial.outcome == Outcome::ran ? 1 : 0;
+    }
+    EXPECT_GT(ran, count / 2);
+}
+
+/// The same scene with a law of damping that only series know.
+Scene with_damping_law(Scene scene, std::uint64_t seed) {
+    Draw draw(~seed);
+    scene.chain.damping_law = draw.any(std::array{DampingLaw::kuwabara_kono, DampingLaw::tsuji});
+    // from next to nothing to no rebound at all
+    scene.chain.damping_time_s = draw.zero_or(draw.magnitude(1e-11, 1e-4));
+    scene.chain.damping_alpha = draw.zero_or(draw.magnitude(1e-4, 10));
+    if (scene.numerics.integrator && !is_series(*scene.numerics.integrator)) {
+        scene.numerics.integrator = draw.any(std::array{Integrator::taylor8, Integrator::taylor12});
+    }
+    return scene;
+}
+
+TEST(RandomScenes, RunOrAreStoppedWithAReasonWhateverTheLawOfDamping) {
+    int ran = 0;
+    constexpr std::uint64_t first = 2'000'000;
+    constexpr int count = repeated(400);
+    for (int i = 0; i < count; ++i) {
+        const std::uint64_t seed = first + static_cast<std::uint64_t>(i);
+        const Scene scene = with_damping_law(random_scene(seed), seed);
         ASSERT_TRUE(validate(scene).empty()) << to_toml(scene);
         const Trial trial = tried(scene);
         EXPECT_TRUE(trial.findings.empty()) << "seed " << seed << ": " << trial.findings.front() << '\n'

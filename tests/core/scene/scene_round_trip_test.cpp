@@ -67,6 +67,11 @@ Scene random_scene(std::uint64_t seed) {
         scene.numerics.integrator.reset();
         scene.output.hydrophone_m = 0;
     }
+    if (scene.chain.damping_law != DampingLaw::dashpot) {
+        scene.chain.damping_time_s = randomise.unit();
+        scene.chain.damping_alpha = randomise.unit();
+        scene.numerics.integrator.reset();
+    }
     Solid solid;
     fields::visit_solid(solid, "materials.my_solid", randomise);
     Fluid fluid;
@@ -91,6 +96,9 @@ TEST(SceneToml, WritesEveryKeyThatIsSet) {
     scene.numerics.step_s = 1e-9;
     scene.numerics.poles = 32;
     scene.end.model = PlateModel::modal;
+    scene.chain.damping_law = DampingLaw::tsuji;
+    scene.chain.damping_time_s = 1e-6;
+    scene.chain.damping_alpha = 0.1;
     scene.end.modes = 3;
     scene.end.loss_factor = 0.01;
     scene.medium.load = FluidLoad::none;
@@ -104,8 +112,9 @@ TEST(SceneToml, WritesEveryKeyThatIsSet) {
     }
     EXPECT_THAT(text, Not(HasSubstr("accuracy")));
     EXPECT_THAT(to_toml(Scene{}), Not(HasSubstr("stiffness")));
-    // as before there were modal plates
+    // as before there were modal plates and damping laws
     EXPECT_THAT(to_toml(Scene{}), Not(HasSubstr("mod")));
+    EXPECT_THAT(to_toml(Scene{}), Not(HasSubstr("law")));
     EXPECT_THAT(to_toml(Scene{}), Not(HasSubstr("\nload =")));
 }
 

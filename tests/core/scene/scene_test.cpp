@@ -89,7 +89,7 @@ struct SpoilNumber {
 };
 
 TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
-    constexpr int number_fields = 18;
+    constexpr int number_fields = 20;
     std::set<std::string> keys;
     for (const double value : {nan, inf, -inf, 1e300, -1e300}) {
         for (int wanted = 0; wanted < number_fields; ++wanted) {
@@ -127,6 +127,10 @@ TEST(Scene, EachBoundIsWhereItShouldBe) {
          [](Scene& s, double x) { s.chain.spheres = static_cast<std::int64_t>(x); }},
         {"chain.diameter_m", 1e-9, 0, [](Scene& s, double x) { s.chain.diameter_m = x; }},
         {"chain.damping_kg_per_s", 0, -1e-9, [](Scene& s, double x) { s.chain.damping_kg_per_s = x; }},
+        {"chain.damping_time_s", 0, -1e-9, [](Scene& s, double x) { s.chain.damping_time_s = x; }},
+        {"chain.damping_time_s", 1, above_one, [](Scene& s, double x) { s.chain.damping_time_s = x; }},
+        {"chain.damping_alpha", 0, -1e-9, [](Scene& s, double x) { s.chain.damping_alpha = x; }},
+        {"chain.damping_alpha", 10, 10.1, [](Scene& s, double x) { s.chain.damping_alpha = x; }},
         {"chain.preload_n", 0, -1e-9, [](Scene& s, double x) { s.chain.preload_n = x; }},
         {"end.radius_m", 1e-9, 0, [](Scene& s, double x) { s.end.radius_m = x; }},
         {"end.thickness_m", 1e-9, 0, [](Scene& s, double x) { s.end.thickness_m = x; }},
@@ -151,6 +155,36 @@ TEST(Scene, EachBoundIsWhereItShouldBe) {
         bound.set(scene, bound.refused);
         EXPECT_THAT(faulty_keys(scene), ElementsAre(bound.key)) << bound.refused;
     }
+}
+
+TEST(Scene, ALawOfDampingNeedsItsCoefficientAndASeries) {
+    const auto faults_with = [](DampingLaw law, std::optional<double> time_s, std::optional<double> alpha,
+                                std::optional<Integrator> integrator) {
+        Scene scene;
+        scene.chain.damping_law = law;
+        scene.chain.damping_time_s = time_s;
+        scene.chain.damping_alpha = alpha;
+        scene.numerics.integrator = integrator;
+        return validate(scene);
+    };
+    const auto grid = Integrator::chin4a;
+    const auto series = Integrator::taylor8;
+    EXPECT_THAT(faults_with(DampingLaw::dashpot, {}, {}, grid), IsEmpty());
+    EXPECT_THAT(faults_with(DampingLaw::dashpot, 1e-6, 0.1, grid), IsEmpty());
+    EXPECT_THAT(faults_with(DampingLaw::kuwabara_kono, 1e-6, {}, series), IsEmpty());
+    EXPECT_THAT(faults_with(DampingLaw::kuwabara_kono, 0.0, {}, {}), IsEmpty());
+    EXPECT_THAT(faults_with(DampingLaw::tsuji, {}, 0.1, {}), IsEmpty());
+
+    const auto no_time = faults_with(DampingLaw::kuwabara_kono, {}, 0.1, {});
+    ASSERT_EQ(no_time.size(), 1);
+    EXPECT_EQ(no_time[0].key, "chain.damping_time_s");
+    EXPECT_THAT(no_time[0].found, testing::HasSubstr("kuwabara_kono"));
+    const auto no_alpha = faults_with(DampingLaw::tsuji, 1e-6, {}, Integrator::leapfrog);
+    ASSERT_EQ(no_alpha.size(), 2);
+    EXPECT_EQ(no_alpha[0].key, "chain.damping_alpha");
+    EXPECT_EQ(no_alpha[1].key, "numerics.integrator");
+    EXPECT_THAT(no_alpha[1].found, testing::HasSubstr("leapfrog"));
+    EXPECT_THAT(no_alpha[1].allowed, testing::HasSubstr("taylor8"));
 }
 
 TEST(Scene, AFaultTellsWhatWasFoundAndWhatIsAllowed) {

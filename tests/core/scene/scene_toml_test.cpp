@@ -65,7 +65,7 @@ density_kg_per_m3 = 2500
 )");
     const Scene expected{
         {"pyrex", 50e3, 10, 1e-6, Envelope::tukey, 0.5, 100},
-        {"steel", 7, 2e-3, 0.1, 1, Tension::clamped},
+        {"steel", 7, 2e-3, 0.1, DampingLaw::dashpot, std::nullopt, std::nullopt, 1, Tension::clamped},
         {EndKind::free, "acrylic", 4e-3, 1e-3, 1e5, PlatePreload::as_printed},
         {"oil"},
         {Integrator::leapfrog, 1e-9, std::nullopt, 0, std::nullopt},

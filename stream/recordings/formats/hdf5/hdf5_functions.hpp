@@ -14,9 +14,11 @@
     X(H5Dget_type) X(H5Dopen2) X(H5Dread) X(H5Dset_extent) X(H5Dwrite) X(H5Eget_auto2) X(H5Eset_auto2) \
     X(H5Ewalk2) X(H5FDclose) X(H5FDopen) X(H5FDregister) X(H5Fclose) X(H5Fcreate) X(H5Fflush) X(H5Fopen) \
     X(H5Lget_info) X(H5Pclose) X(H5Pcreate) X(H5Pget_chunk) X(H5Pget_layout) X(H5Pget_nfilters) \
-    X(H5Pset_chunk) X(H5Pset_driver) X(H5Pset_fapl_sec2) X(H5Sclose) X(H5Screate) X(H5Screate_simple) \
+    X(H5Pset_chunk) X(H5Pset_deflate) X(H5Pset_driver) X(H5Pset_fapl_sec2) X(H5Pset_obj_track_times) \
+    X(H5Pset_shuffle) X(H5Sclose) X(H5Screate) X(H5Screate_simple) \
     X(H5Sget_simple_extent_dims) X(H5Sget_simple_extent_ndims) X(H5Sget_simple_extent_npoints) \
-    X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tcopy) X(H5Tequal) X(H5Tget_size) X(H5Tis_variable_str) \
+    X(H5Sselect_hyperslab) X(H5Tclose) X(H5Tcopy) X(H5Tcreate) X(H5Tequal) X(H5Tget_size) \
+    X(H5Tinsert) X(H5Tis_variable_str) \
     X(H5Tset_cset) X(H5Tset_size) X(H5check_version) X(H5free_memory) X(H5open)
 
 /// What HDF5's names of types and classes stand for: known once the library is open.

@@ -1,4 +1,4 @@
-#include "stream/run_id.hpp"
+#include "stream/sources/run_id.hpp"
 
 #include <set>
 #include <string>

@@ -1,0 +1,270 @@
+// hertzline sweep: many scenes, a row each.
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "apps/commands/sweep/sweep_merge.hpp"
+#include "apps/commands/sweep/sweep_options.hpp"
+#include "apps/commands/sweep/sweep_progress.hpp"
+#include "apps/commands/sweep/sweep_result.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/resources.hpp"
+#include "stream/sweep/journal.hpp"
+#include "stream/sweep/sweep_files.hpp"
+#include "stream/sweep/workers.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using stream::Journal;
+using stream::PointCounts;
+using stream::PointStatus;
+using stream::Sweep;
+
+constexpr const char* journal_ending = ".journal";
+
+/// Beside the file: FILE.journal, or FILE.1-of-4.journal.
+fs::path journal_path(const SweepOptions& options, const stream::Shard& shard) {
+    return options.output +
+           (shard.parts > 1 ? fmt::format(".{}-of-{}", shard.part, shard.parts) : std::string()) +
+           journal_ending;
+}
+
+/// A journal without a name, for rows that only stdout gets.
+Journal passing_journal() {
+    std::string name = fs::temp_directory_path() / "hertzline-sweep-XXXXXX";
+    const int descriptor = ::mkstemp(name.data());
+    if (descriptor < 0) {
+        throw std::system_error(errno, std::generic_category(), "cannot write " + name);
+    }
+    ::close(descriptor);
+    Journal journal(name, Journal::Use::begin);
+    fs::remove(name);
+    return journal;
+}
+
+Journal open_journal(const SweepOptions& options, const Sweep& sweep) {
+    if (options.output.empty()) {
+        return passing_journal();
+    }
+    return {journal_path(options, sweep.shard), options.resume ? Journal::Use::resume : Journal::Use::begin};
+}
+
+/// Gives it its beginning, or finds out that it has the right one.
+void prepare(Journal& journal, const Sweep& sweep, bool resume) {
+    const std::string text = stream::journal_text(sweep);
+    if (journal.is_new()) {
+        if (resume) {
+            spdlog::info("{} is not there; the sweep begins with its first point", journal.path().string());
+        }
+        journal.begin(text, stream::payload_bytes(sweep.demand));
+    } else if (const auto difference = stream::journal_difference(journal.text(), text)) {
+        throw WrongUse(
+            fmt::format("{}: found {}, allowed: the journal of the same sweep, made by the same program",
+                        journal.path().string(), *difference));
+    }
+    require_rows_of(sweep, journal);
+    journal.load(sweep.plan.size());
+    if (journal.damaged() > 0) {
+        spdlog::warn("{}: {} damaged rows are computed again", journal.path().string(), journal.damaged());
+    }
+}
+
+/// The points of this part that have no row yet, or one that is tried again; the others are counted.
+std::vector<std::int64_t> missing_points(const Sweep& sweep, const Journal& journal, PointCounts& there) {
+    std::vector<std::int64_t> missing;
+    for (std::int64_t point = sweep.shard.part - 1; point < sweep.plan.size(); point += sweep.shard.parts) {
+        if (!journal.has(point) || journal.status(point) == PointStatus::failed) {
+            missing.push_back(point);
+        } else {
+            ++there[journal.status(point)];
+        }
+    }
+    return missing;
+}
+
+void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std::size_t missing, int jobs) {
+    const Sweep& sweep = sound.sweep;
+    const double points_bytes = 16 * static_cast<double>(sweep.plan.size());  // the journal's index
+    const double memory = jobs * sound.survey.memory_bytes + points_bytes;
+    if (const auto shortage = stream::memory_shortage(fmt::format("a sweep with {} jobs", jobs), memory)) {
+        throw std::runtime_error(*shortage + "; fewer --jobs take less");
+    }
+    const double journal = Journal::bytes(static_cast<double>(missing), stream::payload_bytes(sweep.demand));
+    const double file =
+        options.output.empty() || sweep.shard.parts > 1 ? 0 : stream::sweep_file_bytes(options.output, sweep);
+    const fs::path path =
+        options.output.empty() ? fs::temp_directory_path() / "hertzline-sweep" : fs::path(options.output);
+    if (const auto shortage = stream::disk_shortage(path, journal + file)) {
+        throw std::runtime_error(*shortage);
+    }
+    spdlog::info("{}; {} to run, on {} {}; about {} of disk and {} of memory", sweep.plan.text(), missing,
+                 jobs, jobs == 1 ? "thread" : "threads", stream::human_bytes(journal + file),
+                 stream::human_bytes(memory));
+}
+
+void tell_of_refused(const SweepSurvey& survey, std::int64_t points) {
+    if (survey.refused > 0) {
+        spdlog::warn("{} of {} points cannot be simulated; {}", survey.refused, points, survey.first_refused);
+    }
+}
+
+/// The first point alone tells how long the others will take, roughly.
+PointCounts run_missing(const Sweep& sweep, Journal& journal, const std::vector<std::int64_t>& missing,
+                        int jobs, PointCounts there) {
+    const std::atomic<bool>& stop = stop_asked();
+    SweepProgress progress(static_cast<std::int64_t>(missing.size()));
+    const auto add = [](PointCounts sum, const PointCounts& more) {
+        for (std::size_t i = 0; i < sum.of_status.size(); ++i) {
+            sum.of_status[i] += more.of_status[i];
+        }
+        return sum;
+    };
+    PointCounts first;
+    if (!missing.empty()) {
+        first = stream::run_points(sweep, journal, std::span(missing).first(1), 1, stop,
+                                   [](const PointCounts&) {});
+        const double left = progress.elapsed_s() * static_cast<double>(missing.size() - 1) / jobs;
+        spdlog::info("the first point took {}: about {} for all", time_text(progress.elapsed_s()),
+                     time_text(progress.elapsed_s() + left));
+    }
+    const PointCounts others =
+        missing.size() < 2
+            ? PointCounts{}
+            : stream::run_points(sweep, journal, std::span(missing).subspan(1), jobs, stop,
+                                 [&](const PointCounts& done) { progress.tell(add(first, done)); });
+    return add(add(there, first), others);
+}
+
+/// Takes a journal away that no row has come to, where one was to come.
+class UnusedJournal {
+public:
+    UnusedJournal(Journal& journal, bool wants_rows) : journal_(journal), wants_rows_(wants_rows) {}
+    ~UnusedJournal() {
+        if (wants_rows_ && !journal_.has_rows()) {
+            journal_.remove();
+        }
+    }
+    UnusedJournal(const UnusedJournal&) = delete;
+    UnusedJournal& operator=(const UnusedJournal&) = delete;
+
+private:
+    Journal& journal_;
+    bool wants_rows_;
+};
+
+Exit stopped(const SweepOptions& options, const Journal& journal, const PointCounts& counts,
+             std::int64_t all) {
+    if (options.output.empty() || !journal.has_rows()) {
+        spdlog::error("stopped after {} of {} points; nothing was saved", counts.all(), all);
+    } else {
+        spdlog::error(
+            "stopped after {} of {} points, which are in {}: the same command with --resume goes on",
+            counts.all(), all, journal.path().string());
+    }
+    return Exit::failed;
+}
+
+/// What is missing, and what to do next when that cannot be gone on with.
+PointCounts run_or_tell(const SweepOptions& options, const Sweep& sweep, Journal& journal,
+                        const std::vector<std::int64_t>& missing, const PointCounts& there) {
+    try {
+        return run_missing(sweep, journal, missing, jobs_of(options), there);
+    } catch (const std::runtime_error& error) {
+        if (options.output.empty() || !journal.has_rows()) {
+            throw;
+        }
+        throw std::runtime_error(
+            fmt::format("{}; the points that are done are in {}: the same command with --resume goes on",
+                        error.what(), journal.path().string()));
+    }
+}
+
+/// Writes the file from a journal that has all rows. @returns whether all is written
+bool finish(const SweepOptions& options, const Sweep& sweep, Journal& journal, std::int64_t failed) {
+    if (!write_result(options, stream::SweepTable(sweep, {&journal}))) {
+        return false;
+    }
+    if (options.output.empty()) {
+        return true;
+    }
+    if (failed > 0) {
+        spdlog::error("{} points failed for want of means; --resume tries them again from {}", failed,
+                      journal.path().string());
+    } else {
+        journal.replace_by(options.output);
+    }
+    return true;
+}
+
+Exit run_sweep(const SweepOptions& options) {
+    const SoundSweep sound = sound_sweep(options);
+    const Sweep& sweep = sound.sweep;
+    const bool whole = sweep.shard.parts == 1;
+    if (!options.output.empty() && whole) {
+        stream::require_writable(options.output);
+    }
+    tell_of_refused(sound.survey, sweep.plan.size());
+    Journal journal = open_journal(options, sweep);
+    prepare(journal, sweep, options.resume);
+    stop_asked();  // from here on there are rows to be saved
+    PointCounts there;
+    const std::vector<std::int64_t> missing = missing_points(sweep, journal, there);
+    const std::int64_t all = there.all() + static_cast<std::int64_t>(missing.size());
+    if (there.all() > 0) {
+        spdlog::info("{} of {} points are in {}", there.all(), all, journal.path().string());
+    }
+    const UnusedJournal unused(journal, !missing.empty());
+    refuse_shortages(options, sound, missing.size(), jobs_of(options));
+    const PointCounts counts = run_or_tell(options, sweep, journal, missing, there);
+    if (counts.all() < all) {
+        return stopped(options, journal, counts, all);
+    }
+    if (const std::string faults = counts.faults(); !faults.empty()) {
+        spdlog::warn("{} of {} points are not ok: {}; their messages say why",
+                     counts.all() - counts[PointStatus::ok], all, faults);
+    }
+    const std::int64_t failed = counts[PointStatus::failed];
+    if (whole && !finish(options, sweep, journal, failed)) {
+        return stopped(options, journal, counts, all);
+    }
+    print_counts(options, counts, whole ? options.output : journal.path().string());
+    return failed > 0 ? Exit::failed : Exit::done;
+}
+
+}  // namespace
+
+Run sweep_command(CLI::App& app) {
+    auto options = std::make_shared<SweepOptions>();
+    add_sweep_options(app, *options);
+    return [options] {
+        if (!options->parts.empty()) {
+            return merge_parts(*options);
+        }
+        if (options->scene.scene.empty()) {
+            throw WrongUse("SCENE: found none, allowed: a scene file, or the name of a shipped scene");
+        }
+        return run_sweep(*options);
+    };
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,263 @@
+#include "apps/commands/sweep/sweep_options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "apps/commands/sweep/sweep_result.hpp"
+#include "core/scene/text.hpp"
+#include "stream/files/input_file.hpp"
+#include "stream/sweep/sweep_files.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "A range is FROM..TO[:lin|log]:COUNT, a list A,B,C. Several --vary make a grid, of which the last one "
+    "varies fastest. A row of the file is a point: what varies, status, the numbers of hertzline run, and a "
+    "message. A point that cannot be simulated is a row with its reason. FILE.journal holds what is done "
+    "until all is.\n"
+    "Examples:\n"
+    "  hertzline sweep paper-vitreous-carbon --vary end.thickness_m=0.1e-3..2e-3:log:30 -o thickness.csv\n"
+    "  hertzline sweep paper-vitreous-carbon --vary chain.preload_n=0.01..2:log:30 \\\n"
+    "      --vary end.material=vitreous_carbon,pyrex,aluminium -o map.h5\n"
+    "  hertzline sweep my-scene.toml --points designs.csv --quantity peak_v_out_m_per_s --json\n"
+    "  hertzline sweep my-scene.toml --vary chain.preload_n=0.01..2:log --sobol 1000 -o s.h5 --shard 1/4\n"
+    "  hertzline sweep --merge s.h5.*-of-4.journal -o s.h5";
+
+constexpr int max_jobs = 1024;
+constexpr double max_points_bytes = 1U << 30;
+
+[[noreturn]] void refuse(const std::vector<Fault>& faults) {
+    std::string text;
+    for (const Fault& fault : faults) {
+        text += (text.empty() ? "" : "\n") + fault.message();
+    }
+    throw WrongUse(text);
+}
+
+std::string points_text(const std::string& name) {
+    stream::InputFile file(name);
+    if (static_cast<double>(file.size()) > max_points_bytes) {
+        throw WrongUse(fmt::format("--points: found {} bytes, allowed: at most {} bytes", file.size(),
+                                   number_text(max_points_bytes)));
+    }
+    std::string text = file.text(file.size(), "the points");
+    if (text.empty()) {
+        throw WrongUse(printable(name) + ": found an empty file, allowed: a line of keys, then points");
+    }
+    return text;
+}
+
+/// What `--set` says is not what varies.
+void refuse_set_keys(const SweepOptions& options, const stream::SweepPlan& plan) {
+    Faults faults;
+    for (const std::string& setting : options.scene.settings) {
+        const std::string key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
+        if (std::ranges::find(plan.keys(), key, &stream::SceneKeyInfo::name) != plan.keys().end()) {
+            faults.of([&] {
+                throw WrongUse(fmt::format("--set {}: found a key that varies, allowed: one that does not",
+                                           printable(setting)));
+            });
+        }
+    }
+    faults.refuse();
+}
+
+stream::SweepPlan plan_of(const SweepOptions& options) {
+    const ParsedScene base = parsed_scene(options.scene);
+    stream::PlanRequest request{options.vary, "", printable(options.points), options.sobol};
+    if (!options.points.empty()) {
+        request.points = points_text(options.points);
+    }
+    auto plan = stream::SweepPlan::make(base.scene, request);
+    if (!plan) {
+        refuse(plan.error());
+    }
+    refuse_set_keys(options, *plan);
+    return *std::move(plan);
+}
+
+stream::Shard shard_of(const std::string& text) {
+    stream::Shard shard;
+    if (text.empty()) {
+        return shard;
+    }
+    const char* const end = text.data() + text.size();
+    const auto part = std::from_chars(text.data(), end, shard.part);
+    const bool divided = part.ec == std::errc{} && part.ptr != end && *part.ptr == '/';
+    const auto parts = divided ? std::from_chars(part.ptr + 1, end, shard.parts) : part;
+    if (!divided || parts.ec != std::errc{} || parts.ptr != end || shard.part < 1 ||
+        shard.part > shard.parts || shard.parts > stream::max_points) {
+        throw WrongUse(fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4",
+                                   quoted_briefly(text)));
+    }
+    return shard;
+}
+
+/// What the points are, all together.
+struct Extremes {
+    SweepSurvey survey;
+    TapSet taps;  ///< that any of them has
+    bool modal = false;
+    double rows = 0;  ///< of the longest
+};
+
+Extremes survey_of(const stream::SweepPlan& plan, const SweepOptions& options) {
+    stream::PointDemand largest;
+    for (const std::string& name : options.measures) {
+        if (const auto tap =
+                tap_named(name)) {  // whether the name is right is looked at when it is known what there is
+            largest.measured |= TapSet(*tap) & stream::measurable_taps;
+        }
+    }
+    Extremes extremes;
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        const Scene scene = plan.scene(point);
+        if (const std::string refusal = stream::scene_refusal(scene); !refusal.empty()) {
+            if (extremes.survey.refused++ == 0) {
+                extremes.survey.first_refused = plan.name(point) + ": " + refusal;
+            }
+            continue;
+        }
+        extremes.taps |= taps_of(scene.end);
+        extremes.modal = extremes.modal || provides(scene.end, Requires::modal_plate);
+        extremes.rows = std::max(extremes.rows, stream::rows_of_run(scene));
+        extremes.survey.memory_bytes =
+            std::max(extremes.survey.memory_bytes, stream::point_memory_bytes(scene, largest));
+    }
+    return extremes;
+}
+
+std::vector<stream::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
+    auto columns = stream::chosen_columns(stream::number_columns(measured, modal), options.quantities);
+    if (!columns) {
+        std::string text;
+        for (const std::string& fault : columns.error()) {
+            text += (text.empty() ? "--quantity: " : "\n--quantity: ") + fault;
+        }
+        throw WrongUse(text);
+    }
+    return *std::move(columns);
+}
+
+void refuse_wrong_band(std::optional<double> from_hz) {
+    if (from_hz && !(*from_hz >= 0 && std::isfinite(*from_hz))) {
+        throw WrongUse(fmt::format("--band-from: found {}, allowed: a finite number from 0 [Hz]",
+                                   number_text(*from_hz)));
+    }
+}
+
+void refuse_wrong_output(const SweepOptions& options) {
+    refuse_no_output(options);
+    if (options.output.empty() && (options.resume || !options.shard.empty())) {
+        throw WrongUse(fmt::format("{}: found no -o FILE, allowed: together with it",
+                                   options.resume ? "--resume" : "--shard"));
+    }
+    if (options.output.empty() && !options.waveform.empty()) {
+        throw WrongUse("--waveforms: found no -o FILE, allowed: together with one that ends in .h5");
+    }
+    if (!options.output.empty()) {
+        if (const auto fault = stream::sweep_file_fault(options.output, !options.waveform.empty())) {
+            throw WrongUse(*fault);
+        }
+    }
+}
+
+}  // namespace
+
+int jobs_of(const SweepOptions& options) {
+    if (!options.jobs) {
+        return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_jobs);
+    }
+    if (*options.jobs < 1 || *options.jobs > max_jobs) {
+        throw WrongUse(fmt::format("--jobs: found {}, allowed: 1 to {}", *options.jobs, max_jobs));
+    }
+    return *options.jobs;
+}
+
+SoundSweep sound_sweep(const SweepOptions& options) {
+    Faults faults;
+    std::optional<stream::SweepPlan> plan;
+    stream::Shard shard;
+    faults.of([&] { refuse_wrong_output(options); });
+    faults.of([&] { jobs_of(options); });
+    faults.of([&] { shard = shard_of(options.shard); });
+    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
+    faults.of([&] { plan = plan_of(options); });
+    const Extremes extremes = plan ? survey_of(*plan, options) : Extremes{};
+    const TapSet there =
+        plan && !extremes.taps.empty() ? extremes.taps & stream::measurable_taps : stream::measurable_taps;
+    stream::PointDemand demand;
+    demand.band_from_hz = options.band_from_hz;
+    demand.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(extremes.rows);
+    faults.of([&] { demand.measured = tap_arguments("--measure", options.measures, there); });
+    faults.of([&] {
+        if (!options.waveform.empty()) {
+            demand.waveform = tap_argument("--waveforms", options.waveform, there);
+        }
+    });
+    faults.of([&] {
+        demand.columns =
+            columns_of(options, (demand.measured | stream::measured_unasked) & (there | demand.measured),
+                       extremes.modal);
+    });
+    faults.refuse();
+    SweepSurvey survey = extremes.survey;
+    survey.memory_bytes += sizeof(float) * static_cast<double>(demand.waveform_samples);
+    return {{*std::move(plan), std::move(demand), shard}, std::move(survey)};
+}
+
+void add_sweep_options(CLI::App& app, SweepOptions& options) {
+    add_scene_options(app, options.scene);
+    add_repeatable_option(app, "--vary", options.vary,
+                          "vary a key of the scene over a range or a list; repeatable")
+        ->type_name("KEY=VALUES");
+    app.add_option("--points", options.points, "a CSV of points instead: a line of keys, then values")
+        ->check(missing_name)
+        ->type_name("FILE");
+    app.add_option("--sobol", options.sobol,
+                   "so many points of Sobol's sequence in the ranges, instead of a grid")
+        ->type_name("N");
+    app.add_option("-o,--output", options.output, "the table: .h5 or .csv")
+        ->check(missing_name)
+        ->type_name("FILE");
+    add_repeatable_option(app, "--measure", options.measures,
+                          "measure these outputs, too, as v_out, as run does")
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    add_repeatable_option(app, "--quantity", options.quantities,
+                          "keep only these numbers of run's summary (default: all)")
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    app.add_option("--band-from", options.band_from_hz,
+                   "bands are looked for from here upward (default: half the drive's frequency)")
+        ->type_name("HZ");
+    app.add_option("--waveforms", options.waveform,
+                   "keep the samples of this output, too, as float32: .h5 only")
+        ->check(missing_name)
+        ->type_name("NAME");
+    app.add_option("--jobs", options.jobs, "threads (default: one for each processor)")->type_name("N");
+    app.add_flag("--resume", options.resume, "go on where a sweep was ended, or begin");
+    app.add_option("--shard", options.shard, "run only the I-th of N parts; --merge joins them")
+        ->check(missing_name)
+        ->type_name("I/N");
+    app.add_option("--merge", options.parts, "write FILE from the journals of all parts")
+        ->expected(1, -1)
+        ->type_name("JOURNAL");
+    add_format_option(app, options.format, "print the rows as JSON, a line each");
+    app.footer(examples);
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,56 @@
+#pragma once
+// The options of `hertzline sweep`, and the sweep that they ask for.
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/arguments/scene_argument.hpp"
+#include "apps/console/output.hpp"
+#include "stream/sweep/sweep.hpp"
+
+namespace hertzline::app {
+
+struct SweepOptions {
+    SceneRequest scene;
+    std::vector<std::string> vary;
+    std::string points;  ///< a file; empty: none
+    std::optional<std::int64_t> sobol;
+    std::string output;                   ///< a file; empty: none
+    std::vector<std::string> measures;    ///< taps to be measured beside v_out
+    std::vector<std::string> quantities;  ///< what is kept; none: all
+    std::optional<double> band_from_hz;
+    std::string waveform;     ///< a tap; empty: none
+    std::optional<int> jobs;  ///< unset: as many as there are processors
+    bool resume = false;
+    std::string shard;               ///< "I/N"; empty: all
+    std::vector<std::string> parts;  ///< journals to be merged; none: a sweep is run
+    Format format = Format::text;
+};
+
+/// @param options must outlive the parsing
+void add_sweep_options(CLI::App& app, SweepOptions& options);
+
+/// What was found out about the points before the first of them is run.
+struct SweepSurvey {
+    std::int64_t refused = 0;   ///< points whose scene is refused: rows without numbers
+    std::string first_refused;  ///< which one, and why
+    double memory_bytes = 0;    ///< of the largest point
+};
+
+/// A sweep whose plan is sound.
+struct SoundSweep {
+    stream::Sweep sweep;
+    SweepSurvey survey;
+};
+
+/// Looks at the scene of every point. @throws WrongUse that names every fault at once
+SoundSweep sound_sweep(const SweepOptions& options);
+
+/// The number of threads. @throws WrongUse
+int jobs_of(const SweepOptions& options);
+
+}  // namespace hertzline::app

@@ -1,0 +1,64 @@
+#include "stream/measures/run_record.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <span>
+
+#include "stream/measures/spectrum.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+constexpr double block_numbers = 1 << 18;  // in a block: 2 MiB
+constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
+
+}  // namespace
+
+double rows_of_run(const Scene& scene) noexcept {
+    const double product = scene.output.duration_s * scene.output.sample_rate_hz;
+    const double whole = std::round(product);
+    // two decimal fractions rounded to binary, then their product: off by less than four last bits
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * product;
+    return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
+}
+
+TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
+    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
+    return wanted | (of_summary & taps_of(scene.end));
+}
+
+std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
+    const double numbers = channels_of(taps, static_cast<double>(scene.chain.spheres));
+    return static_cast<std::size_t>(std::clamp(block_numbers / numbers, 1.0, longest_block));
+}
+
+RunRecord empty_record(TapSet measured, const EndModel& end, std::size_t rows) {
+    RunRecord record;
+    record.taps.push_back({Tap::v_out, {}});
+    for (const Tap tap : measured - Tap::v_out) {
+        record.taps.push_back({tap, {}});
+    }
+    for (TapRecord& tap : record.taps) {
+        tap.values.reserve(rows);
+    }
+    record.v_out_smooth.reserve(end.has_plate ? rows : 0);
+    return record;
+}
+
+void keep(const Samples& block, const EndModel& end, RunRecord& record) {
+    record.peak_v_last = std::max(record.peak_v_last, peak_of(block[Tap::v_last]));
+    for (TapRecord& tap : record.taps) {
+        const std::span<const double> values = block[tap.tap];
+        tap.values.insert(tap.values.end(), values.begin(), values.end());
+    }
+    if (end.has_plate) {
+        std::ranges::transform(
+            block[Tap::v_last], block[Tap::v_plate], std::back_inserter(record.v_out_smooth),
+            [&end](double v_last, double v_plate) { return end.output_velocity(v_last, v_plate, true); });
+    }
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,58 @@
+#pragma once
+// A run from sample 0 to its end: how long it is, what is simulated, and what is kept of it for its summary, its spectra and its picture.
+
+#include <chrono>
+#include <cstddef>
+#include <vector>
+
+#include "core/model/end.hpp"
+#include "core/samples.hpp"
+#include "core/scene/scene.hpp"
+#include "core/taps.hpp"
+
+namespace hertzline::stream {
+
+/// The longest record that a spectrum is made of [rows].
+inline constexpr double max_run_rows = 268'435'456;
+
+/// What has a peak and a spectrum of its own.
+inline constexpr TapSet measurable_taps =
+    taps_where([](const TapRow& row) { return row.extent == Extent::one; });
+
+/// What is measured beside v_out when the scene has it.
+inline constexpr TapSet measured_unasked = TapSet(Tap::p_axis) | Tap::v_centre;
+
+/// Rows at k / sample_rate_hz up to and including duration_s. The product is taken for the whole number that
+/// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
+double rows_of_run(const Scene& scene) noexcept;
+
+/// What a run simulates: the taps that it records or measures, and those that its summary is made of.
+TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept;
+
+/// Samples that are simulated, then written, at a time.
+std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
+
+/// A tap's samples from the start to the end.
+struct TapRecord {
+    Tap tap;
+    std::vector<double> values;
+};
+
+struct RunRecord {
+    std::vector<TapRecord> taps;       ///< v_out, then the others that are measured
+    std::vector<double> v_out_smooth;  ///< with a plate: v_out as if the last contact never opened
+    double peak_v_last = 0;            ///< [m/s]
+    std::chrono::nanoseconds busy{0};  ///< simulating
+    bool stopped = false;              ///< by the user, before the end
+
+    std::size_t rows() const { return taps.front().values.size(); }
+    double wall_s() const { return std::chrono::duration<double>(busy).count(); }
+};
+
+/// With room for so many rows.
+RunRecord empty_record(TapSet measured, const EndModel& end, std::size_t rows);
+
+/// Takes the next samples.
+void keep(const Samples& block, const EndModel& end, RunRecord& record);
+
+}  // namespace hertzline::stream

@@ -1,0 +1,46 @@
+#pragma once
+// What is told of a run, group by group: the summary of `hertzline run`, and a row of `hertzline sweep`. docs/measures.md explains
+// every number of it.
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/measures/run_record.hpp"
+#include "stream/measures/spectrum.hpp"
+
+namespace hertzline::stream {
+
+/// Lines of a summary that belong together.
+struct SummaryGroup {
+    std::string heading;            ///< above the lines, as text
+    nlohmann::ordered_json values;  ///< a flat object
+    std::string member;  ///< in JSON the values stand in an object of this name; empty: in the summary itself
+};
+
+/// What to warn of, a sentence each.
+using Warnings = std::vector<std::string>;
+
+/// Peaks and spectra, v_out's first. Warns of a record that shows less than it seems to.
+/// @param analyser for records of that length and rate @param band_from_hz as SpectrumAnalyser::analyse
+std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& scene,
+                                          SpectrumAnalyser& analyser, std::optional<double> band_from_hz,
+                                          Warnings& warnings);
+
+/// What the contacts carried. Warns where that is beyond Hertz's law.
+SummaryGroup contacts_of_run(Simulation& simulation, Warnings& warnings);
+
+/// How far the result can be trusted.
+SummaryGroup trust_of_run(Simulation& simulation, const ResolvedScene& resolved);
+
+/// What was run: simulated time, rows, integrator and steps.
+SummaryGroup account_of_run(const Simulation& simulation, std::size_t rows);
+
+/// Of a scene whose accuracy is missed: by how much, and why. Nothing when it is met.
+std::optional<std::string> missed_accuracy(const ResolvedScene& resolved);
+
+}  // namespace hertzline::stream

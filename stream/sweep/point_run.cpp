@@ -1,0 +1,183 @@
+#include "stream/sweep/point_run.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "core/model/validity.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
+#include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+std::string joined(const std::vector<Fault>& faults) {
+    std::string text;
+    for (const Fault& fault : faults) {
+        text += (text.empty() ? "" : "; ") + fault.message();
+    }
+    return text;
+}
+
+TapSet waveform_taps(const Scene& scene, const PointDemand& demand) noexcept {
+    return demand.waveform ? TapSet(*demand.waveform) & taps_of(scene.end) : TapSet();
+}
+
+/// Takes the samples of the waveform from a block, from that sample on.
+void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::vector<float>& waveform) {
+    const std::span<const double> values = block[tap];
+    const std::size_t room = waveform.size() - std::min(first, waveform.size());
+    std::transform(values.begin(),
+                   values.begin() + static_cast<std::ptrdiff_t>(std::min(room, values.size())),
+                   waveform.begin() + static_cast<std::ptrdiff_t>(std::min(first, waveform.size())),
+                   [](double value) { return static_cast<float>(value); });
+}
+
+PointStatus status_of(const ResolvedScene& resolved) {
+    if (!resolved.misses_accuracy()) {
+        return PointStatus::ok;
+    }
+    return resolved.estimate && resolved.estimate->amplifies ? PointStatus::chaotic : PointStatus::inaccurate;
+}
+
+}  // namespace
+
+std::string scene_refusal(const Scene& scene) {
+    std::string faults = joined(validate(scene));
+    if (faults.empty() && rows_of_run(scene) > max_run_rows) {
+        faults = "output.duration_s: found " + number_text(rows_of_run(scene)) +
+                 " samples, allowed: at most " + number_text(max_run_rows) +
+                 ", the longest record of a spectrum";
+    }
+    return faults;
+}
+
+TapSet measured_of(const Scene& scene, TapSet measured) noexcept {
+    return (measured | measured_unasked) & taps_of(scene.end);
+}
+
+double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcept {
+    const TapSet measured = measured_of(scene, demand.measured);
+    const TapSet taps = taps_of_run(scene, measured | waveform_taps(scene, demand));
+    const double records = 2 + static_cast<double>(measured.size());  // v_out with and without its jumps
+    const double rows = rows_of_run(scene);
+    const double block = static_cast<double>(block_of_run(scene, taps)) *
+                         channels_of(taps, static_cast<double>(scene.chain.spheres));
+    return Simulation::memory_bytes(scene, taps) + sizeof(double) * (block + records * rows) +
+           SpectrumAnalyser::bytes_needed(rows);
+}
+
+PointRunner::PointRunner(const PointDemand& demand, const std::atomic<bool>& stop)
+    : demand_(demand), stop_(stop), places_(demand.columns) {}
+
+PointResult PointRunner::row(std::int64_t point) const {
+    PointResult result;
+    result.point = point;
+    result.numbers.assign(demand_.columns.size(), no_number);
+    if (demand_.waveform) {
+        result.waveform.assign(demand_.waveform_samples, std::numeric_limits<float>::quiet_NaN());
+    }
+    return result;
+}
+
+std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& scene) noexcept {
+    PointResult result = row(point);
+    try {
+        if (!try_run(scene, result)) {
+            return std::nullopt;
+        }
+    } catch (const std::exception& error) {
+        const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+        result = row(point);
+        result.status = PointStatus::failed;
+        result.message = memory ? "not enough memory" : error.what();
+    }
+    return result;
+}
+
+SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz) {
+    if (!analyser_ || analysed_rows_ != rows || analysed_rate_hz_ != sample_rate_hz) {
+        analyser_.reset();  // its memory first
+        analyser_ = std::make_unique<SpectrumAnalyser>(rows, sample_rate_hz);
+        analysed_rows_ = rows;
+        analysed_rate_hz_ = sample_rate_hz;
+    }
+    return *analyser_;
+}
+
+/// @returns whether all samples are there
+bool PointRunner::simulate(Simulation& simulation, RunRecord& record, PointResult& result) {
+    const Scene& scene = simulation.scene();
+    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
+    const TapSet waveform = waveform_taps(scene, demand_);
+    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
+    while (record.rows() < rows) {
+        const std::size_t first = record.rows();
+        const Status status = simulation.advance(block, std::min(block.capacity(), rows - first));
+        if (status == Status::stopped) {
+            record.stopped = true;
+            return false;
+        }
+        if (status != Status::running) {
+            result.status = PointStatus::unstable;
+            result.message = simulation.failure();
+            return false;
+        }
+        keep(block, simulation.chain().end, record);
+        for (const Tap tap : waveform) {
+            keep_waveform(block, tap, first, result.waveform);
+        }
+    }
+    return true;
+}
+
+/// @returns false when it was stopped
+bool PointRunner::try_run(const Scene& scene, PointResult& result) {
+    result.message = scene_refusal(scene);
+    if (!result.message.empty()) {
+        result.status = PointStatus::refused;
+        return true;
+    }
+    const ResolvedScene resolved = resolve(scene);
+    if (!resolved.faults.empty()) {
+        result.status = PointStatus::refused;
+        result.message = joined(resolved.faults);
+        return true;
+    }
+    const TapSet measured = measured_of(scene, demand_.measured);
+    const TapSet taps = taps_of_run(scene, measured | waveform_taps(scene, demand_));
+    Simulation simulation(resolved.scene, {.taps = taps, .stop = &stop_});
+    result.status = status_of(resolved);
+    result.integrator = word(*resolved.scene.numerics.integrator);
+    result.scene_hash = scene_hash(resolved.scene);
+    RunRecord record =
+        empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
+    if (!simulate(simulation, record, result)) {
+        std::ranges::fill(result.waveform, std::numeric_limits<float>::quiet_NaN());
+        return !record.stopped;
+    }
+    Warnings warnings = validity_warnings(resolved.scene, simulation.chain());
+    if (auto missed = missed_accuracy(resolved)) {
+        warnings.insert(warnings.begin(), *std::move(missed));
+    }
+    const auto put = [&](const SummaryGroup& group) { places_.put(group, result.numbers); };
+    std::ranges::for_each(
+        measures_of_run(record, resolved.scene, analyser(record.rows(), scene.output.sample_rate_hz),
+                        demand_.band_from_hz, warnings),
+        put);
+    put(contacts_of_run(simulation, warnings));
+    put(trust_of_run(simulation, resolved));
+    put(account_of_run(simulation, record.rows()));
+    for (const std::string& text : warnings) {
+        result.message += (result.message.empty() ? "" : "; ") + text;
+    }
+    return true;
+}
+
+}  // namespace hertzline::stream

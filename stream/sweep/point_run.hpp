@@ -1,0 +1,58 @@
+#pragma once
+// One point of a sweep, from its scene to its row. What can be kept from point to point is kept here.
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/scene/scene.hpp"
+#include "stream/measures/run_record.hpp"
+#include "stream/measures/spectrum.hpp"
+#include "stream/sweep/point_result.hpp"
+
+namespace hertzline::stream {
+
+/// What a sweep measures of each point.
+struct PointDemand {
+    TapSet measured;                     ///< beside v_out, where the scene has them
+    std::optional<double> band_from_hz;  ///< as of SpectrumAnalyser::analyse
+    std::vector<NumberColumn> columns;   ///< what is kept
+    std::optional<Tap> waveform;         ///< is kept, too
+    std::size_t waveform_samples = 0;    ///< of the longest point
+};
+
+/// What is wrong with a scene before it is run, of itself: what validate() finds, or a record too long for its spectrum. Empty: nothing.
+std::string scene_refusal(const Scene& scene);
+
+/// The taps that are measured of a scene beside v_out.
+TapSet measured_of(const Scene& scene, TapSet measured) noexcept;
+
+/// Bytes that a point takes while it is run, roughly from above; without its waveform.
+double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcept;
+
+/// Runs points one after another. For one thread. The row depends on the scene and the demand alone.
+class PointRunner {
+public:
+    /// @param stop ends a point within a few steps; both outlive this
+    PointRunner(const PointDemand& demand, const std::atomic<bool>& stop);
+
+    /// Never throws because of what a scene does. @returns the row, or nothing when it was stopped
+    std::optional<PointResult> run(std::int64_t point, const Scene& scene) noexcept;
+
+private:
+    PointResult row(std::int64_t point) const;
+    bool try_run(const Scene& scene, PointResult& result);
+    bool simulate(Simulation& simulation, RunRecord& record, PointResult& result);
+    SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);
+
+    const PointDemand& demand_;
+    const std::atomic<bool>& stop_;
+    NumberPlaces places_;
+    std::unique_ptr<SpectrumAnalyser> analyser_;  // of the last point
+    std::size_t analysed_rows_ = 0;
+    double analysed_rate_hz_ = 0;
+};
+
+}  // namespace hertzline::stream

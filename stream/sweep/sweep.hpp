@@ -1,0 +1,57 @@
+#pragma once
+// A sweep: a plan and what is kept of its points. Its identity is what must be equal for rows to belong together.
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "stream/sweep/plan.hpp"
+#include "stream/sweep/point_result.hpp"
+#include "stream/sweep/point_run.hpp"
+
+namespace hertzline::stream {
+
+/// The part of a sweep that one process runs: of `parts` parts number `part`, from 1. Points are dealt in turn.
+struct Shard {
+    std::int64_t part = 1;
+    std::int64_t parts = 1;
+
+    bool has(std::int64_t point) const noexcept { return point % parts == part - 1; }
+    bool operator==(const Shard&) const = default;
+};
+
+struct Sweep {
+    SweepPlan plan;
+    PointDemand demand;
+    Shard shard;
+};
+
+/// What made the numbers: program, version, git_hash, compiler, simd_target. With another one of these they may have other bits.
+nlohmann::ordered_json maker_json();
+
+/// The sweep as the text of its journal.
+std::string journal_text(const Sweep& sweep);
+
+/// The sweep of a journal's text. @throws std::runtime_error that says what is wrong, without the path
+Sweep sweep_of_journal(const std::string& text);
+
+/// In what a journal is of another sweep, as "found the version 0.8.0, allowed: 0.9.0, as this program is"; nothing when it is of this one.
+/// @param beside_shard the part may be another one
+std::optional<std::string> journal_difference(const std::string& journal, const std::string& wanted,
+                                              bool beside_shard = false);
+
+/// Bytes of a row's payload in the journal.
+std::size_t payload_bytes(const PointDemand& demand) noexcept;
+/// A row as bytes. Longer messages are cut.
+void encode(const PointResult& result, std::span<std::byte> payload);
+PointResult decode(std::int64_t point, PointStatus status, const PointDemand& demand,
+                   std::span<const std::byte> payload);
+
+inline constexpr std::size_t max_message_bytes = 248;
+inline constexpr std::size_t integrator_bytes = 16;
+inline constexpr std::size_t hash_bytes = 16;
+
+}  // namespace hertzline::stream

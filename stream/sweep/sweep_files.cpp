@@ -1,0 +1,166 @@
+#include "stream/sweep/sweep_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "core/scene/text.hpp"
+#include "stream/files/output_file.hpp"
+#include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/recording_head.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* csv_ending = ".csv";
+constexpr const char* hdf5_ending = ".h5";
+constexpr const char* table_name = "points";
+
+/// As RFC 4180 has it.
+void append_text(std::string& line, const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) {
+        line += text;
+        return;
+    }
+    line += '"';
+    for (const char c : text) {
+        line += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    line += '"';
+}
+
+void append_cell(std::string& line, const Cell& cell) {
+    if (const auto* text = std::get_if<std::string>(&cell)) {
+        append_text(line, *text);
+    } else if (const auto* number = std::get_if<double>(&cell)) {
+        if (std::isfinite(*number)) {
+            append_csv_number(line, *number);
+        } else {
+            line += "nan";
+        }
+    } else {
+        line += number_text(std::get<std::int64_t>(cell));
+    }
+}
+
+/// CSV on the Web, as of recordings (csv.hpp).
+std::string csv_metadata(const fs::path& path, const SweepTable& table) {
+    constexpr std::array datatypes{"integer", "double", "string"};  // in the order of RecordKind
+    Json columns = Json::array();
+    for (const RecordField& field : table.columns()) {
+        columns.push_back({{"name", field.name},
+                           {"titles", field.name},
+                           {"datatype", datatypes[static_cast<std::size_t>(field.kind)]},
+                           {"schema:unitText", field.unit}});
+    }
+    const Json json{{"@context", "http://www.w3.org/ns/csvw"},
+                    {"url", path.filename().string()},
+                    {"tableSchema", {{"columns", columns}, {"primaryKey", table.columns().front().name}}},
+                    {"urn:hertzline:provenance", sweep_provenance(table.sweep())}};
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+bool write_csv(const fs::path& path, const SweepTable& table, const std::atomic<bool>& stop) {
+    OutputFile file(path, StagedFile::Devices::refused);
+    OutputFile metadata(csv_metadata_path(path), StagedFile::Devices::refused);
+    std::string line;
+    for (const RecordField& field : table.columns()) {
+        line += (line.empty() ? "" : ",") + field.name;
+    }
+    file.write(line + '\n');
+    for (std::int64_t point = 0; point < table.sweep().plan.size(); ++point) {
+        if (stop.load(std::memory_order_relaxed)) {
+            return false;
+        }
+        line.clear();
+        for (const Cell& cell : table.row(point)) {
+            line += line.empty() ? "" : ",";
+            append_cell(line, cell);
+        }
+        file.write(line + '\n');
+    }
+    file.flush();
+    metadata.write(csv_metadata(path, table));
+    metadata.flush();
+    fs::remove(csv_metadata_path(path));  // the old ones first: nobody shall find them beside the new numbers
+    file.commit();
+    metadata.commit();
+    return true;
+}
+
+void copy_cells(const std::vector<Cell>& cells, const std::vector<RecordField>& fields,
+                std::span<std::byte> record) {
+    std::ranges::fill(record, std::byte{0});
+    std::size_t offset = 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        std::byte* const place = record.data() + offset;
+        if (const auto* text = std::get_if<std::string>(&cells[i])) {
+            std::memcpy(place, text->data(), std::min(text->size(), fields[i].bytes));
+        } else if (const auto* number = std::get_if<double>(&cells[i])) {
+            std::memcpy(place, number, sizeof(double));
+        } else {
+            std::memcpy(place, &std::get<std::int64_t>(cells[i]), sizeof(std::int64_t));
+        }
+        offset += fields[i].bytes;
+    }
+}
+
+bool write_hdf5(const fs::path& path, const SweepTable& table, const std::atomic<bool>& stop) {
+    const Sweep& sweep = table.sweep();
+    RecordFile file{table_name,
+                    table.columns(),
+                    sweep.plan.size(),
+                    std::nullopt,
+                    {{"provenance", text_of(sweep_provenance(sweep))}},
+                    {}};
+    if (sweep.demand.waveform) {
+        const TapRow& row = row_of(*sweep.demand.waveform);
+        file.matrix =
+            RecordMatrix{std::string(row.name), std::string(row.unit), sweep.demand.waveform_samples};
+    }
+    file.read = [&](std::int64_t point, std::span<std::byte> record, std::span<float> samples) {
+        std::vector<float> waveform;
+        copy_cells(table.row(point, &waveform), table.columns(), record);
+        std::ranges::copy(waveform, samples.begin());
+    };
+    return write_hdf5_records(path, file, stop);
+}
+
+}  // namespace
+
+std::optional<std::string> sweep_file_fault(const fs::path& path, bool with_waveforms) {
+    const std::string ending = recording_ending(path);
+    if (ending == hdf5_ending || (ending == csv_ending && !with_waveforms)) {
+        return std::nullopt;
+    }
+    return fmt::format("{}: found the ending \"{}\", allowed: {}", path.string(), ending,
+                       with_waveforms ? ".h5, which holds waveforms" : ".h5, .csv");
+}
+
+double sweep_file_bytes(const fs::path& path, const Sweep& sweep) {
+    constexpr double csv_bytes_per_cell = 25;
+    const auto points = static_cast<double>(sweep.plan.size());
+    const auto numbers = static_cast<double>(sweep.demand.columns.size() + sweep.plan.keys().size() + 1);
+    constexpr double texts = integrator_bytes + hash_bytes + max_message_bytes;
+    if (recording_ending(path) == csv_ending) {
+        return points * (numbers * csv_bytes_per_cell + texts);
+    }
+    const double samples = sweep.demand.waveform ? static_cast<double>(sweep.demand.waveform_samples) : 0;
+    return points * (numbers * sizeof(double) + texts + samples * sizeof(float));
+}
+
+bool write_sweep(const fs::path& path, const SweepTable& table, const std::atomic<bool>& stop) {
+    return recording_ending(path) == csv_ending ? write_csv(path, table, stop)
+                                                : write_hdf5(path, table, stop);
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,107 @@
+#include "stream/sweep/sweep_table.hpp"
+
+#include <cmath>
+#include <utility>
+
+#include "stream/scene_json.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t status_bytes = 12;
+
+RecordField field_of(const SweepPlan& plan, std::size_t number) {
+    const SceneKeyInfo& key = plan.keys()[number];
+    switch (key.kind) {
+        case ValueKind::integer:
+            return {key.name, key.unit, RecordKind::integer, sizeof(std::int64_t)};
+        case ValueKind::number:
+            return {key.name, key.unit, RecordKind::number, sizeof(double)};
+        case ValueKind::word:
+            break;
+    }
+    return {key.name, "", RecordKind::text, plan.longest_word(number)};
+}
+
+}  // namespace
+
+SweepTable::SweepTable(const Sweep& sweep, std::vector<const Journal*> parts)
+    : sweep_(sweep), parts_(std::move(parts)) {
+    columns_.push_back({"point", "", RecordKind::integer, sizeof(std::int64_t)});
+    for (std::size_t key = 0; key < sweep.plan.keys().size(); ++key) {
+        columns_.push_back(field_of(sweep.plan, key));
+    }
+    columns_.push_back({"status", "", RecordKind::text, status_bytes});
+    for (const NumberColumn& column : sweep.demand.columns) {
+        columns_.push_back({column.name, column.unit, RecordKind::number, sizeof(double)});
+    }
+    columns_.push_back({"integrator", "", RecordKind::text, integrator_bytes});
+    columns_.push_back({"scene_hash", "", RecordKind::text, hash_bytes});
+    columns_.push_back({"message", "", RecordKind::text, max_message_bytes});
+}
+
+std::vector<Cell> SweepTable::row(std::int64_t point, std::vector<float>* waveform) const {
+    const Journal& journal = part_of(point);
+    std::vector<std::byte> payload(payload_bytes(sweep_.demand));
+    journal.read(point, payload);
+    PointResult result = decode(point, journal.status(point), sweep_.demand, payload);
+    std::vector<Cell> cells{point};
+    cells.reserve(columns_.size());
+    for (SceneValue& value : sweep_.plan.values(point)) {
+        std::visit([&](auto& held) { cells.emplace_back(std::move(held)); }, value);
+    }
+    cells.emplace_back(std::string(word_of(result.status)));
+    cells.insert(cells.end(), result.numbers.begin(), result.numbers.end());
+    cells.emplace_back(std::move(result.integrator));
+    cells.emplace_back(std::move(result.scene_hash));
+    cells.emplace_back(std::move(result.message));
+    if (waveform != nullptr) {
+        *waveform = std::move(result.waveform);
+    }
+    return cells;
+}
+
+std::int64_t SweepTable::first_missing() const noexcept {
+    for (std::int64_t point = 0; point < sweep_.plan.size(); ++point) {
+        if (!part_of(point).has(point)) {
+            return point;
+        }
+    }
+    return -1;
+}
+
+Json row_json(const SweepTable& table, std::int64_t point) {
+    const std::vector<Cell> cells = table.row(point);
+    const std::size_t first_number = table.sweep().plan.keys().size() + 2;
+    const std::vector<NumberColumn>& numbers = table.sweep().demand.columns;
+    Json json = Json::object();
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const std::string& name = table.columns()[i].name;
+        const auto* number = std::get_if<double>(&cells[i]);
+        if (number == nullptr) {
+            std::visit([&](const auto& held) { json.push_back({name, held}); }, cells[i]);
+        } else if (!std::isfinite(*number)) {
+            json.push_back({name, nullptr});
+        } else if (const std::size_t k = i - first_number; k < numbers.size() && numbers[k].whole) {
+            json.push_back({name, static_cast<std::int64_t>(*number)});
+        } else {
+            json.push_back({name, *number});
+        }
+    }
+    return json;
+}
+
+Json sweep_provenance(const Sweep& sweep) {
+    Json json = maker_json();
+    json["scene"] = scene_json(sweep.plan.base());
+    const Json plan = sweep.plan.json();
+    for (const char* key : {"vary", "sobol", "points"}) {
+        json["plan"][key] = plan[key];
+    }
+    return json;
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,493 @@
+// hertzline sweep: rows, files, journals, shards.
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "tests/apps/program.hpp"
+#include "tests/support/recordings.hpp"
+#include "tests/support/sanitized.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+
+using Words = std::vector<std::string>;
+
+Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// Points that are run fast: a short chain on a wall, and few samples.
+const Words quick{"sweep", "paper-wall", "--set", "output.duration_s=5e-5", "--set", "drive.cycles=2"};
+
+/// The rows that --json prints.
+std::vector<json> rows_of(const Outcome& outcome) {
+    std::vector<json> rows;
+    std::istringstream lines(outcome.out);
+    for (std::string line; std::getline(lines, line);) {
+        rows.push_back(json::parse(line));
+    }
+    return rows;
+}
+
+/// The numbers of a summary as a sweep calls them.
+void flatten(const json& summary, const std::string& before, json& flat) {
+    for (const auto& [name, value] : summary.items()) {
+        if (value.is_object()) {
+            flatten(value, before + name + '.', flat);
+        } else if (value.is_array() && before + name != "recordings") {
+            for (std::size_t i = 0; i < value.size(); ++i) {
+                flat[fmt::format("{}{}_{}", before, name, i + 1)] = value[i];
+            }
+        } else {
+            flat[before + name] = value;
+        }
+    }
+}
+
+/// What differs from run to run, or is said elsewhere.
+bool is_of_the_run_alone(const std::string& name) {
+    static const Words names{"setup_s", "wall_s", "real_time_factor", "recordings", "version"};
+    return std::ranges::find(names, name) != names.end();
+}
+
+void expect_row_of_run(const json& row, const Words& run) {
+    const Outcome outcome = hertzline(with({"run"}, with(run, {"--json"})));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    json flat;
+    flatten(outcome.json(), "", flat);
+    for (const auto& [name, value] : flat.items()) {
+        if (is_of_the_run_alone(name)) {
+            continue;
+        }
+        // an array that there is not is null in a summary, and its columns are
+        const std::string column = row.contains(name) ? name : name + "_1";
+        ASSERT_TRUE(row.contains(column)) << name;
+        EXPECT_EQ(row[column], value) << name;
+    }
+}
+
+TEST(Sweep, ARowHasAllThatRunSays) {
+    const Outcome outcome =
+        hertzline({"sweep", "paper-vitreous-carbon", "--vary", "chain.preload_n=0.05..0.2:log:2", "--vary",
+                   "end.kind=plate,wall", "--measure", "f_last", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::vector<json> rows = rows_of(outcome);
+    ASSERT_THAT(rows, SizeIs(4));
+    EXPECT_EQ(rows[0]["point"], 0);
+    EXPECT_EQ(rows[0]["status"], "ok");
+    for (std::size_t point = 0; point < rows.size(); ++point) {
+        const std::string preload = point < 2 ? "0.05" : "0.2";
+        const std::string end = point % 2 == 0 ? "plate" : "wall";
+        EXPECT_EQ(rows[point]["chain.preload_n"], std::stod(preload));
+        EXPECT_EQ(rows[point]["end.kind"], end);
+        expect_row_of_run(rows[point], {"paper-vitreous-carbon", "--set", "chain.preload_n=" + preload,
+                                        "--set", "end.kind=" + end, "--measure", "f_last"});
+    }
+}
+
+TEST(Sweep, ARowOfAModalPlateHasAllThatRunSays) {
+    const Words few{"wet-vitreous-carbon", "--set", "end.modes=1", "--set",
+                    "numerics.poles=16"};  // fitted soon
+    const Outcome outcome =
+        hertzline(with({"sweep"}, with(few, {"--vary", "end.model=modal,lumped", "--json"})));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const std::vector<json> rows = rows_of(outcome);
+    ASSERT_THAT(rows, SizeIs(2));
+    expect_row_of_run(rows[0], few);
+    expect_row_of_run(rows[1], with(few, {"--set", "end.model=lumped"}));
+    EXPECT_TRUE(rows[1]["p_axis.thd_r"].is_null());
+    EXPECT_FALSE(rows[0]["p_axis.thd_r"].is_null());
+}
+
+class SweepFiles : public testing::Test {
+protected:
+    /// The sweep with a file of that name, as it stands when all is over.
+    std::string file_of(const std::string& name, const Words& more = {}) {
+        const Outcome outcome = hertzline(with(words, with(more, {"-o", folder.file(name)})));
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_FALSE(fs::exists(folder.file(name + ".journal")));
+        return contents(folder.file(name));
+    }
+
+    TemporaryFolder folder;
+    Words words = with(quick, {"--vary", "chain.preload_n=0.01..1:log:8", "--vary", "chain.spheres=3..6:4"});
+};
+
+TEST_F(SweepFiles, HaveTheSameBytesWhateverTheJobsAndShards) {
+    for (const std::string ending : {".csv", ".h5"}) {
+        const std::string one = file_of("one" + ending, {"--jobs", "1"});
+        EXPECT_GT(one.size(), 5'000U);
+        EXPECT_EQ(file_of("four" + ending, {"--jobs", "4"}), one);
+        Words merge{"sweep", "--merge"};
+        for (const char* part : {"3", "1", "2"}) {
+            const Outcome outcome = hertzline(with(words, {"-o", folder.file("parts" + ending), "--shard",
+                                                           std::string(part) + "/3", "--jobs", "2"}));
+            ASSERT_EQ(outcome.status, 0) << outcome.err;
+            EXPECT_FALSE(fs::exists(folder.file("parts" + ending)));
+            merge.push_back(folder.file(fmt::format("parts{}.{}-of-3.journal", ending, part)));
+        }
+        const Outcome merged = hertzline(with(merge, {"-o", folder.file("merged" + ending)}));
+        ASSERT_EQ(merged.status, 0) << merged.err;
+        EXPECT_EQ(contents(folder.file("merged" + ending)), one);
+    }
+}
+
+TEST_F(SweepFiles, OfPartsThatAreNotAllThereAreRefused) {
+    for (const char* part : {"1/2", "2/2"}) {
+        hertzline(with(words, {"-o", folder.file("a.csv"), "--shard", part}));
+    }
+    hertzline(with(words, {"-o", folder.file("b.csv"), "--shard", "1/2", "--set", "chain.material=steel"}));
+    const std::string first = folder.file("a.csv.1-of-2.journal");
+    const std::string second = folder.file("a.csv.2-of-2.journal");
+    const auto merge = [&](const Words& journals) {
+        return hertzline(with(with({"sweep", "--merge"}, journals), {"-o", folder.file("m.csv")}));
+    };
+    EXPECT_THAT(merge({first}).err, HasSubstr("no journal of part 2/2"));
+    EXPECT_THAT(merge({first, first}).err, HasSubstr("a second time"));
+    fs::copy_file(first, folder.file("copy"));
+    EXPECT_THAT(merge({first, folder.file("copy")}).err, HasSubstr("found part 1/2 again"));
+    EXPECT_THAT(merge({second, folder.file("b.csv.1-of-2.journal")}).err,
+                AllOf(HasSubstr("another scene"), HasSubstr("parts of one sweep")));
+    fs::resize_file(second, fs::file_size(second) - 1);
+    const Outcome torn = merge({first, second});
+    EXPECT_EQ(torn.status, 1);
+    EXPECT_THAT(torn.err, AllOf(HasSubstr(second + " lacks point"), HasSubstr("--resume")));
+    EXPECT_FALSE(fs::exists(folder.file("m.csv")));
+}
+
+class LongSweep : public testing::Test {
+protected:
+    static constexpr int points = repeated(300);
+    /// A journal with some rows, left behind by a program that was ended by a signal.
+    Outcome interrupt(int signal, std::uintmax_t rows_bytes = 20'000) {
+        Program program(with(words, {"-o", file}));
+        const auto size = [&] {
+            std::error_code error;
+            const auto bytes = fs::file_size(journal, error);
+            return error ? 0 : bytes;
+        };
+        for (int tries = 0; size() < rows_bytes && tries < 6000; ++tries) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        program.send(signal);
+        return program.wait();
+    }
+
+    /// The file as it is when nothing happens.
+    std::string undisturbed() {
+        const Outcome outcome = hertzline(with(words, {"-o", folder.file("u.csv")}));
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return contents(folder.file("u.csv"));
+    }
+
+    void expect_resumed(const Words& more = {}) {
+        const Outcome outcome = hertzline(with(words, with({"-o", file, "--resume"}, more)));
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr(fmt::format("of {} points are in {}", points, journal)));
+        EXPECT_EQ(contents(file), undisturbed());
+        EXPECT_FALSE(fs::exists(journal));
+    }
+
+    TemporaryFolder folder;
+    std::string file = folder.file("s.csv");
+    std::string journal = file + ".journal";
+    Words words = with(quick, {"--vary", fmt::format("chain.preload_n=0.01..1:log:{}", points)});
+};
+
+TEST_F(LongSweep, GoesOnAfterItWasKilled) {
+    EXPECT_EQ(interrupt(SIGKILL).status, -1);
+    EXPECT_FALSE(fs::exists(file));
+    const auto before = fs::file_size(journal);
+    EXPECT_GE(before, 20'000U);
+    fs::resize_file(journal, before - 7);  // as if it had been killed amid a row
+    expect_resumed({"--jobs", "3"});
+}
+
+TEST_F(LongSweep, CtrlCSavesWhatThereIs) {
+    const Outcome outcome = interrupt(SIGINT);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr(fmt::format("of {} points, which are in {}", points, journal)),
+                                   HasSubstr("--resume")));
+    const Outcome again = hertzline(with(words, {"-o", file}));
+    EXPECT_EQ(again.status, 1);
+    EXPECT_THAT(again.err, AllOf(HasSubstr(journal), HasSubstr("--resume to go on")));
+    expect_resumed();
+}
+
+TEST_F(LongSweep, AJournalOfAnotherSweepIsRefused) {
+    interrupt(SIGINT);
+    const auto other = [&](const Words& words_of_other) {
+        const Outcome outcome = hertzline(with(words_of_other, {"-o", file, "--resume"}));
+        EXPECT_EQ(outcome.status, 2);
+        return outcome.err;
+    };
+    EXPECT_THAT(other(with(words, {"--vary", "chain.spheres=3,4"})), HasSubstr("--vary"));
+    EXPECT_THAT(other(with(words, {"--set", "chain.spheres=4"})), HasSubstr("found another scene"));
+    EXPECT_THAT(other(with(words, {"--measure", "f_last"})), HasSubstr("--measure"));
+    EXPECT_THAT(other(with(words, {"--quantity", "thd_r"})), HasSubstr("another --quantity"));
+    expect_resumed();
+}
+
+TEST_F(LongSweep, AJournalInUseIsRefused) {
+    interrupt(SIGINT);
+    const int descriptor = ::open(journal.c_str(), O_RDWR);
+    ASSERT_EQ(::flock(descriptor, LOCK_EX), 0);
+    const Outcome outcome = hertzline(with(words, {"-o", file, "--resume"}));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr(journal + " is in use by another sweep"));
+    ::close(descriptor);
+    expect_resumed();
+}
+
+/// A limit of the system for what is started meanwhile.
+class Limit {
+public:
+    Limit(__rlimit_resource resource, rlim_t bytes) : resource_(resource) {
+        getrlimit(resource_, &before_);
+        const rlimit limit{bytes, before_.rlim_max};
+        setrlimit(resource_, &limit);
+    }
+    ~Limit() { setrlimit(resource_, &before_); }
+    Limit(const Limit&) = delete;
+    Limit& operator=(const Limit&) = delete;
+
+private:
+    __rlimit_resource resource_;
+    rlimit before_{};
+};
+
+TEST_F(LongSweep, AFullDiskLosesNoRow) {
+    {
+        const Limit limit(RLIMIT_FSIZE, 20'000);
+        const Outcome outcome = hertzline(with(words, {"-o", file}));
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large")));
+    }
+    EXPECT_FALSE(fs::exists(file));
+    EXPECT_LE(fs::file_size(journal), 20'000U);
+    expect_resumed();
+}
+
+TEST(Sweep, AFullDiskAtTheEndKeepsTheJournal) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("s.csv");
+    const Words words = with(quick, {"--vary", "chain.preload_n=0.1..1:60", "-o", file});
+    {
+        // rows as text are longer than in the journal
+        const Limit limit(RLIMIT_FSIZE, 55'000);
+        const Outcome outcome = hertzline(words);
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + file), HasSubstr("File too large")));
+    }
+    EXPECT_FALSE(fs::exists(file));
+    const Outcome resumed = hertzline(with(words, {"--resume"}));
+    EXPECT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_THAT(resumed.err, HasSubstr("60 of 60 points are in"));
+    EXPECT_GT(fs::file_size(file), 55'000U);
+}
+
+TEST(Sweep, PointsThatLackMemoryAreTriedAgain) {
+    if (sanitized) {
+        GTEST_SKIP() << "sanitizers take more memory than any limit leaves";
+    }
+    const TemporaryFolder folder;
+    const Words words =
+        with(quick, {"--vary", "chain.spheres=6,1000000,7", "--jobs", "1", "-o", folder.file("s.csv")});
+    for (const Words& more : {Words{}, Words{"--resume"}}) {
+        std::optional<Program> program;
+        {
+            const Limit limit(RLIMIT_AS, 200'000'000);
+            program.emplace(with(words, more));  // which inherits it
+        }
+        const Outcome outcome = program->wait();
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr(more.empty() ? "; 3 to run" : "; 1 to run"),
+                                       HasSubstr("1 failed"), HasSubstr("--resume tries them again")));
+        EXPECT_THAT(contents(folder.file("s.csv")), HasSubstr("not enough memory"));
+    }
+}
+
+TEST(Sweep, PointsThatFailAreRowsWithTheirReason) {
+    const Outcome outcome =
+        hertzline({"sweep", "paper-wall", "--vary", "drive.repetition_hz=0,5000", "--vary",
+                   "numerics.step_s=2e-8,1e-5", "--set", "numerics.integrator=leapfrog", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err,
+                AllOf(HasSubstr("2 of 4 points cannot be simulated; point 2 (drive.repetition_hz=5000"),
+                      HasSubstr("3 of 4 points are not ok: 3 refused")));
+    const std::vector<json> rows = rows_of(outcome);
+    ASSERT_THAT(rows, SizeIs(4));
+    EXPECT_EQ(rows[0]["status"], "ok");
+    EXPECT_EQ(rows[0]["message"].get<std::string>().find("refused"), std::string::npos);
+    EXPECT_EQ(rows[1]["status"], "refused");
+    EXPECT_THAT(rows[1]["message"].get<std::string>(),
+                HasSubstr("numerics.step_s: found 1e-05, allowed: at most"));
+    EXPECT_TRUE(rows[1]["peak_v_out_m_per_s"].is_null());
+    EXPECT_EQ(rows[3]["status"], "refused");
+    EXPECT_THAT(rows[3]["message"].get<std::string>(), HasSubstr("drive.repetition_hz: found 5000, allowed"));
+}
+
+TEST(Sweep, UnstablePointsAreRows) {
+    const Outcome outcome =
+        hertzline({"sweep", "paper-stream", "--vary", "drive.amplitude_m=1e-6,1.05e-3", "--set",
+                   "numerics.integrator=leapfrog", "--set", "numerics.step_s=2.3e-7", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("1 unstable"));
+    const std::vector<json> rows = rows_of(outcome);
+    EXPECT_EQ(rows.at(0)["status"], "ok");
+    EXPECT_EQ(rows.at(1)["status"], "unstable");
+    EXPECT_THAT(rows.at(1)["message"].get<std::string>(), HasSubstr("stability limit"));
+    EXPECT_TRUE(rows.at(1)["peak_v_out_m_per_s"].is_null());
+}
+
+TEST(Sweep, ChaoticAndInaccuratePointsHaveNumbersAndTheirReason) {
+    const auto second_row = [](const std::string& scene, const std::string& vary) {
+        const Outcome outcome = hertzline({"sweep", scene, "--vary", vary, "--json"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        const std::vector<json> rows = rows_of(outcome);
+        EXPECT_EQ(rows.at(0)["status"], "ok");
+        EXPECT_TRUE(rows.at(1)["peak_v_out_m_per_s"].is_number());
+        return rows.at(1);
+    };
+    const json inaccurate = second_row("paper-wall", "numerics.accuracy=1e-4,1e-15");
+    EXPECT_EQ(inaccurate["status"], "inaccurate");
+    EXPECT_THAT(inaccurate["message"].get<std::string>(), HasSubstr("above the requested accuracy of 1e-15"));
+    const json chaotic = second_row("sonic-vacuum", "chain.damping_kg_per_s=0.32,0");
+    EXPECT_EQ(chaotic["status"], "chaotic");
+    EXPECT_THAT(chaotic["message"].get<std::string>(), HasSubstr("the motion amplifies rounding errors"));
+}
+
+TEST(Sweep, KeepsTheQuantitiesThatAreNamed) {
+    const Outcome outcome =
+        hertzline(with(quick, {"--vary", "chain.spheres=3", "--json", "--quantity",
+                               "peak_v_out_m_per_s,harmonics_db", "--quantity", "steps"}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto row = nlohmann::ordered_json::parse(outcome.out);
+    Words names;
+    for (const auto& [name, value] : row.items()) {
+        names.push_back(name);
+    }
+    EXPECT_THAT(
+        names, testing::ElementsAre("point", "chain.spheres", "status", "estimated_error", "estimated_over_s",
+                                    "peak_v_out_m_per_s", "harmonics_db_1", "harmonics_db_2",
+                                    "harmonics_db_3", "harmonics_db_4", "harmonics_db_5", "harmonics_db_6",
+                                    "harmonics_db_7", "harmonics_db_8", "harmonics_db_9", "harmonics_db_10",
+                                    "steps", "integrator", "scene_hash", "message"));
+    EXPECT_TRUE(row["steps"].is_number_integer());
+}
+
+TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
+    const TemporaryFolder folder;
+    const auto fault = [&](const Words& more) {
+        const Outcome outcome = hertzline(with({"sweep"}, more));
+        EXPECT_EQ(outcome.status, 2) << testing::PrintToString(more);
+        EXPECT_THAT(outcome.out, testing::IsEmpty());
+        return outcome.err;
+    };
+    const Words vary{"paper-wall", "--vary", "chain.spheres=3,4"};
+    EXPECT_THAT(fault({"paper-wall", "--vary", "chain.sphere=3..1", "--jobs", "0x"}), HasSubstr("--jobs"));
+    EXPECT_THAT(fault({"paper-wall", "--vary", "chain.sphere=3", "--jobs", "-1", "--shard", "3/2",
+                       "--band-from", "-1"}),
+                AllOf(HasSubstr("-o: found no file"), HasSubstr("--jobs: found -1"),
+                      HasSubstr("--shard: found \"3/2\""), HasSubstr("--band-from"),
+                      HasSubstr("did you mean 'chain.spheres'?")));
+    EXPECT_THAT(fault(with(vary, {"--json", "--jobs", "0"})),
+                HasSubstr("--jobs: found 0, allowed: 1 to 1024"));
+    EXPECT_THAT(fault({"--json"}), HasSubstr("SCENE"));
+    EXPECT_THAT(fault({"paper-wall", "--json"}), HasSubstr("--vary or --points"));
+    EXPECT_THAT(fault(with(vary, {"-o", folder.file("a.txt")})), HasSubstr(".h5, .csv"));
+    EXPECT_THAT(fault(with(vary, {"-o", folder.file("a.csv"), "--waveforms", "v_last"})), HasSubstr(".h5"));
+    EXPECT_THAT(fault(with(vary, {"--json", "--measure", "v_plate"})),
+                HasSubstr("--measure: found \"v_plate\""));
+    EXPECT_THAT(fault(with(vary, {"--json", "--quantity", "thd"})), HasSubstr("--quantity: found \"thd\""));
+    EXPECT_THAT(fault(with(vary, {"--json", "--set", "chain.spheres=5"})), HasSubstr("a key that varies"));
+    EXPECT_THAT(fault(with(vary, {"--json", "--resume"})), HasSubstr("--resume: found no -o FILE"));
+    EXPECT_THAT(fault({"--merge", "x.journal", "--resume", "-o", "x.h5"}),
+                HasSubstr("--merge: found options"));
+    const Outcome nowhere = hertzline(with({"sweep"}, with(vary, {"-o", folder.file("no/a.csv")})));
+    EXPECT_EQ(nowhere.status, 1);
+    EXPECT_THAT(nowhere.err, HasSubstr("no/a.csv"));
+    const Outcome absent = hertzline({"sweep", "paper-wall", "--points", folder.file("none.csv"), "--json"});
+    EXPECT_EQ(absent.status, 1);
+    EXPECT_THAT(absent.err, HasSubstr("none.csv"));
+}
+
+TEST(Sweep, WhatCannotFitIsRefusedBeforeItBegins) {
+    const TemporaryFolder folder;
+    const auto sweep = [&](const std::string& duration_s, const std::string& jobs) {
+        return hertzline({"sweep", "paper-wall", "--vary", "chain.preload_n=0.1..1:10000", "--vary",
+                          "chain.spheres=2..5:4", "--waveforms", "v_last", "--jobs", jobs, "--set",
+                          "output.duration_s=" + duration_s, "-o", folder.file("a.h5")});
+    };
+    const Outcome disk = sweep("0.8", "1");
+    EXPECT_EQ(disk.status, 1);
+    EXPECT_THAT(disk.err, AllOf(HasSubstr("TiB of disk"), HasSubstr("is free")));
+    const Outcome memory = sweep("26", "1024");
+    EXPECT_EQ(memory.status, 1);
+    EXPECT_THAT(memory.err, AllOf(HasSubstr("TiB of memory"), HasSubstr("fewer --jobs")));
+    EXPECT_FALSE(fs::exists(folder.file("a.h5.journal")));
+}
+
+TEST(Sweep, TakesAListOfPoints) {
+    const TemporaryFolder folder;
+    write_text(folder.file("p.csv"), "chain.spheres,chain.preload_n\n3,0.1\n5,0.2\n");
+    const Outcome outcome = hertzline(with(quick, {"--points", folder.file("p.csv"), "--json"}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(rows_of(outcome).at(1)["chain.spheres"], 5);
+    EXPECT_EQ(rows_of(outcome).at(1)["chain.preload_n"], 0.2);
+}
+
+TEST(Sweep, IsDrawn) {
+    const TemporaryFolder folder;
+    const auto drawn = [&](const std::string& table, const Words& sweep, const Words& plot) {
+        const Outcome swept = hertzline(with(with(quick, sweep), {"-o", folder.file(table)}));
+        EXPECT_EQ(swept.status, 0) << swept.err;
+        const Outcome outcome =
+            hertzline(with({"plot", folder.file(table), "-o", folder.file(table + ".svg")}, plot));
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return contents(folder.file(table + ".svg"));
+    };
+    const std::string curve = drawn("c.csv", {"--vary", "drive.repetition_hz=0,100,40000"}, {});
+    EXPECT_THAT(curve, AllOf(HasSubstr("<!-- drive.repetition_hz [Hz] -->"), HasSubstr("<!-- refused -->"),
+                             HasSubstr("<!-- peak_v_out_m_per_s [m/s] -->")));
+    const std::string map =
+        drawn("m.h5", {"--vary", "chain.preload_n=0.1..1:log:3", "--vary", "chain.spheres=3..5:3"},
+              {"--quantity", "thd_r"});
+    EXPECT_THAT(map, AllOf(HasSubstr("<!-- chain.preload_n [N] -->"), HasSubstr("<!-- chain.spheres -->"),
+                           HasSubstr("<!-- thd_r -->"), Not(HasSubstr("occupied"))));
+    const Outcome wrong =
+        hertzline({"plot", folder.file("m.h5"), "-o", folder.file("w.png"), "--quantity", "x"});
+    EXPECT_EQ(wrong.status, 1);
+    EXPECT_THAT(wrong.err, HasSubstr("--quantity: found x"));
+    hertzline({"run", "paper-wall", "-o", folder.file("r.h5")});
+    const Outcome recording =
+        hertzline({"plot", folder.file("r.h5"), "-o", folder.file("w.png"), "--quantity", "thd_r"});
+    EXPECT_EQ(recording.status, 2);
+    EXPECT_THAT(recording.err, HasSubstr("found no sweep"));
+}
+
+}  // namespace
+
+}  // namespace hertzline::test
