@@ -22,8 +22,8 @@ public:
         namespace odeint = boost::numeric::odeint;
         constexpr double absolute = 1e-17;  // [m] and [m/s]
         constexpr double relative = 1e-13;
-        auto stepper = odeint::make_controlled(absolute, relative,
-                                               odeint::runge_kutta_dopri5<std::vector<double>>());
+        auto stepper =
+            odeint::make_controlled(absolute, relative, odeint::runge_kutta_dopri5<std::vector<double>>());
         const double period = 1 / scene_.output.sample_rate_hz;
         std::vector<double> result;
         for (std::size_t i = 0; i < samples; ++i) {
