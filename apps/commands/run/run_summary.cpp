@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
 #include "stream/measures/spectrum.hpp"
 #include "stream/provenance.hpp"
 
