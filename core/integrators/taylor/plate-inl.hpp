@@ -339,7 +339,8 @@ HWY_NOINLINE void account_plate(PlateMotion& plate, const LastContact<Degree>& c
             v = MulAdd(v, z, splat(plate.centre.terms[n]));
         }
         const Vec elastic = elastic_force(splat(contact.stiffness), delta);
-        const Vec damping = splat(contact.damping / unit_s) * damping_power(law, pressed(delta));
+        const Vec power = law == DampingLaw::dashpot ? splat(1.0) : damping_power(law, pressed(delta));
+        const Vec damping = splat(contact.damping / unit_s) * power;
         const Vec force = MulAdd(damping, rate, elastic) - splat(contact.static_force);
         work = MulAdd(load_row(weight.data() + i) * force, v, work);
     }
