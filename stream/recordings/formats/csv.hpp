@@ -14,6 +14,8 @@
 
 namespace hertzline::stream {
 
+class OutputFile;
+
 /// The first column.
 inline constexpr const char* csv_time_column = "t_s";
 
@@ -22,6 +24,9 @@ void append_csv_number(std::string& text, double number);
 
 /// Where the metadata of a CSV lies.
 std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
+
+/// Gives a CSV that is whole, and its metadata, their names.
+void commit_csv(OutputFile& csv, OutputFile& metadata, const std::filesystem::path& path);
 
 /// A CSV, under its name once it is complete.
 std::unique_ptr<RecordingWriter> open_csv_writer(const std::filesystem::path& path,

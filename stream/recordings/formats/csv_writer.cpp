@@ -151,6 +151,14 @@ private:
 
 }  // namespace
 
+void commit_csv(OutputFile& csv, OutputFile& metadata, const fs::path& path) {
+    csv.flush();
+    metadata.flush();
+    fs::remove(csv_metadata_path(path));  // the old ones first: nobody shall find them beside the new numbers
+    csv.commit();
+    metadata.commit();
+}
+
 void append_csv_number(std::string& text, double number) {
     std::array<char, 32> digits{};  // sign, 17 digits, point, e-308: 24 at most
     const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), number);

@@ -69,12 +69,8 @@ bool write_csv(const fs::path& path, const Table& table, const std::atomic<bool>
         }
         file.write(line + '\n');
     }
-    file.flush();
     metadata.write(csv_metadata(path, table));
-    metadata.flush();
-    fs::remove(csv_metadata_path(path));  // the old ones first: nobody shall find them beside the new numbers
-    file.commit();
-    metadata.commit();
+    commit_csv(file, metadata, path);
     return true;
 }
 

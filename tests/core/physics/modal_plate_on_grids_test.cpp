@@ -149,22 +149,7 @@ TEST_P(ModalPlateOnGrid, BlocksOfAnySizeAndSkippedStretchesGiveTheSameSamples) {
         Simulation whole(stepped(scene, step), {.taps = outputs});
         const Samples expected = run_of(whole, rows);
         Simulation parts(stepped(scene, step), {.taps = outputs});
-        Samples block = parts.make_samples(700);
-        std::size_t at = 0;
-        for (std::size_t i = 0; at + 700 < rows; ++i) {
-            if (i % 5 == 3) {
-                ASSERT_EQ(parts.skip(311), Status::running);
-                at += 311;
-                continue;
-            }
-            const std::size_t count = 1 + (i * 97) % 700;
-            ASSERT_EQ(parts.advance(block, count), Status::running);
-            for (const Tap tap : outputs) {
-                ASSERT_TRUE(std::ranges::equal(block[tap].first(count), expected[tap].subspan(at, count)))
-                    << row_of(tap).name << ' ' << at << ' ' << step;
-            }
-            at += count;
-        }
+        expect_parts_to_match(parts, expected, rows, outputs);
         whole.reset();
         const Samples again = run_of(whole, rows);
         for (const Tap tap : outputs) {

@@ -108,23 +108,7 @@ TEST(ModalPlate, BlocksOfAnySizeAndSkippedStretchesGiveTheSameSamples) {
     constexpr std::size_t rows = 12000;
     const Samples expected = whole_run(whole, rows);
     Simulation parts(scene, {.taps = outputs});
-    Samples block = parts.make_samples(700);
-    std::size_t at = 0;
-    for (std::size_t i = 0; at + 700 < rows; ++i) {
-        if (i % 5 == 3) {
-            ASSERT_EQ(parts.skip(311), Status::running);
-            at += 311;
-            continue;
-        }
-        const std::size_t count = 1 + (i * 97) % 700;
-        ASSERT_EQ(parts.advance(block, count), Status::running);
-        for (const Tap tap : outputs) {
-            for (std::size_t k = 0; k < count; ++k) {
-                ASSERT_EQ(block[tap][k], expected[tap][at + k]) << row_of(tap).name << ' ' << at + k;
-            }
-        }
-        at += count;
-    }
+    expect_parts_to_match(parts, expected, rows, outputs);
     whole.reset();
     const Samples again = whole_run(whole, rows);
     for (const Tap tap : outputs) {

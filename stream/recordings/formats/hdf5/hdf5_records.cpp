@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 
-#include "stream/files/errors.hpp"
-#include "stream/files/staged_file.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_layout.hpp"
-#include "stream/recordings/formats/hdf5/hdf5_library.hpp"
+#include "stream/recordings/formats/hdf5/hdf5_whole_file.hpp"
 
 namespace hertzline::stream {
 
@@ -123,24 +120,6 @@ private:
     Hdf5Object matrix_;
 };
 
-bool write_file(const std::filesystem::path& temporary, const RecordFile& records,
-                const std::atomic<bool>& stop) {
-    const Hdf5Object access = hdf5_access(temporary);
-    Hdf5Object file(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
-    for (const auto& [name, text] : records.attributes) {
-        hdf5_write_text(file.id(), name.c_str(), text);
-    }
-    {
-        RecordWriter writer(file.id(), records);
-        if (!writer.write(stop)) {
-            return false;
-        }
-    }
-    hdf5(H5Fflush(file.id(), H5F_SCOPE_GLOBAL));
-    file.close();
-    return true;
-}
-
 }  // namespace
 
 std::size_t RecordFile::record_bytes() const noexcept {
@@ -153,26 +132,12 @@ std::size_t RecordFile::record_bytes() const noexcept {
 
 bool write_hdf5_records(const std::filesystem::path& path, const RecordFile& records,
                         const std::atomic<bool>& stop) {
-    StagedFile staged(path, StagedFile::Devices::refused);
-    Hdf5WriteFailure failure;
-    bool written = false;
-    {
-        const Hdf5Library library(&failure);
-        try {
-            written = write_file(staged.temporary(), records, stop);
-        } catch (const std::runtime_error& error) {
-            if (failure.reason == 0) {
-                cannot_write(path, error.what());
-            }
+    return write_whole_hdf5(path, [&](hid_t file) {
+        for (const auto& [name, text] : records.attributes) {
+            hdf5_write_text(file, name.c_str(), text);
         }
-    }
-    if (failure.reason != 0) {
-        staged.fail(failure.reason);
-    }
-    if (written) {
-        staged.commit();
-    }
-    return written;
+        return RecordWriter(file, records).write(stop);
+    });
 }
 
 }  // namespace hertzline::stream

@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <stdexcept>
 
-#include "stream/files/errors.hpp"
-#include "stream/files/staged_file.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_layout.hpp"
+#include "stream/recordings/formats/hdf5/hdf5_whole_file.hpp"
 #include "stream/recordings/formats/table.hpp"
 #include "stream/recordings/recording_head.hpp"
 
@@ -33,42 +31,14 @@ bool write_columns(hid_t file, const Table& table, const std::atomic<bool>& stop
     return true;
 }
 
-bool write_file(const std::filesystem::path& temporary, const Table& table, const std::atomic<bool>& stop) {
-    const Hdf5Object access = hdf5_access(temporary);
-    Hdf5Object file(H5Fcreate(temporary.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
-    hdf5_write_text(file.id(), "columns", text_of(table_columns_json(table)));
-    hdf5_write_text(file.id(), "provenance", text_of(table.provenance));
-    if (!write_columns(file.id(), table, stop)) {
-        return false;
-    }
-    hdf5(H5Fflush(file.id(), H5F_SCOPE_GLOBAL));
-    file.close();
-    return true;
-}
-
 }  // namespace
 
 bool write_hdf5_table(const std::filesystem::path& path, const Table& table, const std::atomic<bool>& stop) {
-    StagedFile staged(path, StagedFile::Devices::refused);
-    Hdf5WriteFailure failure;
-    bool written = false;
-    {
-        const Hdf5Library library(&failure);
-        try {
-            written = write_file(staged.temporary(), table, stop);
-        } catch (const std::runtime_error& error) {
-            if (failure.reason == 0) {
-                cannot_write(path, error.what());
-            }
-        }
-    }
-    if (failure.reason != 0) {
-        staged.fail(failure.reason);
-    }
-    if (written) {
-        staged.commit();
-    }
-    return written;
+    return write_whole_hdf5(path, [&](hid_t file) {
+        hdf5_write_text(file, "columns", text_of(table_columns_json(table)));
+        hdf5_write_text(file, "provenance", text_of(table.provenance));
+        return write_columns(file, table, stop);
+    });
 }
 
 }  // namespace hertzline::stream
