@@ -28,7 +28,7 @@ Samples whole_run(Simulation& simulation, std::size_t rows) {
 class EveryWetReference : public ::testing::TestWithParam<Wet> {
 protected:
     /// The largest relative L2 error of the four columns.
-    static double error_of(Scene scene, const Columns& reference) {
+    static double error_of(const Scene& scene, const Columns& reference) {
         const ResolvedScene settled = resolve(scene);
         EXPECT_TRUE(settled.faults.empty());
         Simulation simulation(settled.scene, {.taps = outputs});
