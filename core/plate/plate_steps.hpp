@@ -35,7 +35,7 @@ struct PlatePart {
     std::array<std::array<double, most_modes>, terms> velocities{};
 };
 
-/// Is told of the parts one after the other.
+/// Receives the parts one after the other.
 class PlateListener {
 public:
     virtual ~PlateListener() = default;

@@ -1,5 +1,5 @@
 #pragma once
-// What is told of a run, group by group: the summary of `hertzline run`, and a row of `hertzline sweep`. docs/measures.md explains
+// The summary of a run, group by group: what `hertzline run` prints, and a row of `hertzline sweep`. docs/measures.md explains
 // every number of it.
 
 #include <optional>

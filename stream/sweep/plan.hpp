@@ -32,7 +32,7 @@ public:
     /// What a scene refuses because of several keys together is not looked for.
     static tl::expected<SweepPlan, std::vector<Fault>> make(const Scene& base, const PlanRequest& request);
 
-    /// The plan that json() told of. @throws std::runtime_error when it tells of none
+    /// The plan from what json() gave. @throws std::runtime_error when that is no plan
     static SweepPlan from_json(const nlohmann::ordered_json& json);
 
     /// {"scene": TOML, "vary": [...], "points": CSV, "sobol": N}: all there is to know; the same for equal plans.

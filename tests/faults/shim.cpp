@@ -40,7 +40,7 @@ void on(int signal, void (*handler)(int)) {
 
 std::atomic<ino_t> last_lost{0};
 
-/// A file that was written to and whose path begins as the user of this says. The system tells of an error once.
+/// A file that was written to and whose path begins as the user of this says. The system reports an error once.
 bool is_to_be_lost(int descriptor) {
     const char* const begin = std::getenv("HERTZLINE_LOSES");
     struct stat now {};

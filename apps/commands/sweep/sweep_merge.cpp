@@ -82,7 +82,7 @@ void refuse_options_beside_merge(const SweepOptions& options) {
     refuse_no_output(options);
 }
 
-/// The sweep that the first journal tells of.
+/// The sweep of the first journal.
 Sweep first_sweep(const std::string& name) {
     const Journal journal(name, Journal::Use::read);
     try {

@@ -39,6 +39,9 @@ HWY_INLINE Vec tangent_stiffness(Vec stiffness, Vec overlap) {
 
 /// delta^q of a law's damping force, for contacts that are pressed and laws with q > 0.
 HWY_INLINE Vec damping_power(DampingLaw law, Vec delta) {
+    if (law == DampingLaw::dashpot) {
+        return splat(1.0);
+    }
     const Vec root = Sqrt(delta);
     return law == DampingLaw::tsuji ? Sqrt(root) : root;
 }

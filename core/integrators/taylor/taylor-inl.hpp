@@ -38,6 +38,7 @@
 #include "core/integrators/taylor/onset-inl.hpp"
 #include "core/integrators/taylor/orders-inl.hpp"
 #include "core/integrators/taylor/piece_ledger-inl.hpp"
+#include "core/integrators/taylor/plate_ledger-inl.hpp"
 #include "core/integrators/taylor/switches-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
