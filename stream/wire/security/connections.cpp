@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <vector>
 
+#include <linux/sockios.h>
+#include <linux/tcp.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 
 namespace hertzline::stream {
+
+using namespace std::chrono_literals;
 
 std::optional<std::uint64_t> socket_cookie(int descriptor) noexcept {
     std::uint64_t cookie = 0;
@@ -19,6 +25,16 @@ void cut_off(int descriptor, std::optional<std::uint64_t> cookie) noexcept {
     if (cookie && cookie == socket_cookie(descriptor)) {
         ::shutdown(descriptor, SHUT_RDWR);
     }
+}
+
+std::uint64_t taken_by(int descriptor) noexcept {
+    tcp_info info{};
+    socklen_t size = sizeof info;
+    if (::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0) {
+        return info.tcpi_bytes_acked;
+    }
+    int waiting = 0;
+    return ::ioctl(descriptor, SIOCOUTQ, &waiting) == 0 ? static_cast<std::uint64_t>(waiting) : 0;
 }
 
 Connections::Connections(zmq::context_t& context, zmq::socket_t& socket, std::size_t most)
@@ -48,11 +64,13 @@ void Connections::look_for_slow_ones(std::chrono::steady_clock::time_point now) 
     for (auto& [descriptor, connection] : connections_) {
         pollfd state{.fd = descriptor, .events = POLLOUT, .revents = 0};
         const bool full = ::poll(&state, 1, 0) == 0;
+        const std::uint64_t taken = taken_by(descriptor);
         if (!full) {
             connection.full_since.reset();
-        } else if (!connection.full_since) {
+        } else if (!connection.full_since || taken != connection.taken) {
             connection.full_since = now;
         }
+        connection.taken = taken;
     }
 }
 
@@ -63,12 +81,18 @@ void Connections::forget_slow_ones() noexcept {
 }
 
 void Connections::cut_off_the_slowest(std::chrono::steady_clock::time_point now) {
-    auto longest = now;
-    for (const auto& each : connections_) {
-        longest = std::min(longest, each.second.cut ? now : each.second.full_since.value_or(now));
+    const auto idle = [now](const Connection& connection) {
+        return connection.cut || !connection.full_since ? -1ns : now - *connection.full_since;
+    };
+    const auto slowest =
+        std::ranges::max_element(connections_, {}, [&](const auto& each) { return idle(each.second); });
+    if (slowest == connections_.end() || idle(slowest->second) < 0ns) {
+        return;
     }
+    const auto longest = idle(slowest->second);
     for (auto& [descriptor, connection] : connections_) {
-        if (!connection.cut && connection.full_since && 2 * (now - *connection.full_since) >= now - longest) {
+        const bool as_slow = idle(connection) >= 20ms && 2 * idle(connection) >= longest;
+        if (as_slow || descriptor == slowest->first) {
             cut_off(descriptor, connection.cookie);
             connection.cut = true;
         }

@@ -21,6 +21,10 @@ std::optional<std::uint64_t> socket_cookie(int descriptor) noexcept;
 /// for it.
 void cut_off(int descriptor, std::optional<std::uint64_t> cookie) noexcept;
 
+/// A number that changes when the peer takes something: with TCP the bytes that it acknowledged, else those that wait for
+/// it.
+std::uint64_t taken_by(int descriptor) noexcept;
+
 /// The connections of a socket that is bound. For the thread that uses the socket.
 class Connections {
 public:
@@ -37,11 +41,13 @@ public:
     /// A message of that connection subscribed to something.
     void note_subscriber(int descriptor) noexcept;
 
-    /// Looks which connections take nothing right now.
+    /// Looks which connections are full, and which of them have taken something since the last look. Look before something
+    /// is sent, not right after: who reads at once is full then, too.
     void look_for_slow_ones(std::chrono::steady_clock::time_point now);
     /// Nobody is slow.
     void forget_slow_ones() noexcept;
-    /// Cuts off the connection that has taken nothing for longest, and those that have for half as long.
+    /// Cuts off the full connection that has taken nothing for longest, and those that have for half as long, but for 20 ms
+    /// at least: on a busy machine who reads has to wait for a processor.
     void cut_off_the_slowest(std::chrono::steady_clock::time_point now);
 
 private:
@@ -50,7 +56,9 @@ private:
         std::optional<std::uint64_t> cookie;
         bool subscribes = false;
         bool cut = false;
-        std::optional<std::chrono::steady_clock::time_point> full_since;  // has no room for another byte
+        std::uint64_t taken = 0;  // what taken_by() said last
+        // Has no room for another byte, and has taken nothing since.
+        std::optional<std::chrono::steady_clock::time_point> full_since;
     };
     void keep_to_the_limit();
 

@@ -157,7 +157,7 @@ public:
     void begin() {
         thread_ = std::jthread([this](const std::stop_token& stop) {
             for (zmq::message_t message; !stop.stop_requested();) {
-                heard_ += socket_.recv(message) ? 1 : 0;
+                heard_ += socket_.recv(message) && !message.more() ? 1 : 0;
             }
         });
     }
@@ -203,9 +203,9 @@ TEST(Connections, QueuesOfSubscribersThatDoNotReadTogetherKeepToTheirMemory) {
         reads_nothing.send(zmq::str_buffer("\1v_out/raw"));
         EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions() > 0; }));
         for (int frame = 0; frame < 1500; ++frame) {  // 98 MB
+            publisher.poll_subscriptions();
             publisher.send_frame("v_out/raw",
                                  publisher.payload(65536, [](void* bytes) { std::memset(bytes, 1, 65536); }));
-            publisher.poll_subscriptions();
             ASSERT_TRUE(reader.has_heard(++sent)) << "of " << i << " that do not read";
         }
     }
@@ -252,6 +252,53 @@ TEST(Connections, TheOneThatHasTakenNothingForLongestIsCutOff) {
     EXPECT_FALSE(has_left('b'));
     connections.cut_off_the_slowest(now + 12s);
     EXPECT_TRUE(eventually([&] { return has_left('b'); }));
+}
+
+// Both connections are full at every look.
+TEST(Connections, WhoReadsSlowlyIsNotCutOffBeforeWhoReadsNothing) {
+    zmq::context_t context;
+    zmq::socket_t publisher(context, zmq::socket_type::xpub);
+    publisher.set(zmq::sockopt::linger, 0);
+    publisher.set(zmq::sockopt::sndbuf, 65536);
+    Connections connections(context, publisher, 10);
+    publisher.bind("tcp://127.0.0.1:*");
+    const auto peer = [&](char topic) {
+        zmq::socket_t socket(context, zmq::socket_type::xsub);
+        socket.set(zmq::sockopt::linger, 0);
+        socket.set(zmq::sockopt::rcvhwm, 1);
+        socket.set(zmq::sockopt::rcvbuf, 65536);
+        socket.set(zmq::sockopt::reconnect_ivl, -1);
+        socket.connect(publisher.get(zmq::sockopt::last_endpoint));
+        socket.send(zmq::buffer(std::string{'\1', topic}));
+        zmq::message_t subscription;
+        EXPECT_TRUE(publisher.recv(subscription));
+        return socket;
+    };
+    zmq::socket_t reads_slowly = peer('a');
+    const zmq::socket_t reads_nothing = peer('b');
+    for (const char topic : {'a', 'b'}) {
+        for (int i = 0; i < 40; ++i) {
+            publisher.send(zmq::buffer(std::string(1 << 20, topic)), zmq::send_flags::none);
+        }
+    }
+    std::this_thread::sleep_for(500ms);
+    const auto now = std::chrono::steady_clock::now();
+    for (int look = 0; look < 10; ++look) {
+        connections.update();
+        connections.look_for_slow_ones(now + std::chrono::seconds(look));
+        zmq::message_t message;
+        EXPECT_TRUE(reads_slowly.recv(message));
+        std::this_thread::sleep_for(50ms);
+    }
+    connections.cut_off_the_slowest(now + 9s);
+    const auto has_left = [&](char topic) {
+        zmq::message_t message;
+        return publisher.recv(message, zmq::recv_flags::dontwait) &&
+               message.to_string() == std::string{'\0', topic};
+    };
+    EXPECT_TRUE(eventually([&] { return has_left('b'); }));
+    std::this_thread::sleep_for(100ms);
+    EXPECT_FALSE(has_left('a'));
 }
 
 TEST(QueueLength, FillsHalfOfTheMemoryWithTheLargestMessages) {
