@@ -4,7 +4,7 @@
 //
 // paper-stream in real time, 10 million samples a second, to a subscriber in another process of this machine.
 // Sample k is over (k + 1) / fs after the start; both processes read the same monotonic clock. Frames are let
-// go once a millisecond, so half a millisecond is waited for on purpose.
+// go every half millisecond, so a quarter of a millisecond is waited for on purpose.
 
 #include <algorithm>
 #include <atomic>

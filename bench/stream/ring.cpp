@@ -4,10 +4,13 @@
 //
 // One thread writes blocks, another reads them and adds them up, each kept on a processor of its own. Both queues get the
 // same work: the writer makes a block, number by number; the reader looks at every number. Our ring is filled in place;
-// Boost's takes a copy of what was made and is read in place (consume_one). Rounds alternate; medians.
+// Boost's takes a copy of what was made and is read in place (consume_one). Rounds alternate; medians. What a round takes
+// hangs on how near the two processors are to each other at that time. So beside each round a cache line goes to and fro
+// between them, and the spread is printed.
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdio>
@@ -129,26 +132,61 @@ double time_blocks(std::uint64_t blocks) {
     return time.count() / static_cast<double>(blocks);
 }
 
-double median(std::vector<double> values) {
-    std::ranges::sort(values);
-    return values[values.size() / 2];
+/// Nanoseconds in which a cache line goes to the other processor and comes back.
+double time_line() {
+    constexpr int turns = 2000;
+    std::atomic<int> line{0};
+    const auto take_turns = [&line](unsigned core, int mine) {
+        stay_on_core(core);
+        for (int turn = mine; turn < 2 * turns; turn += 2) {
+            while (line.load(std::memory_order_acquire) != turn) {
+            }
+            line.store(turn + 1, std::memory_order_release);
+        }
+    };
+    const auto begin = std::chrono::steady_clock::now();
+    std::thread one(take_turns, 0, 0);
+    std::thread other(take_turns, 1, 1);
+    one.join();
+    other.join();
+    const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begin;
+    return time.count() / turns;
 }
+
+/// Median and quartiles.
+struct Spread {
+    explicit Spread(std::vector<double> values) {
+        std::ranges::sort(values);
+        low = values[values.size() / 4];
+        median = values[values.size() / 2];
+        high = values[values.size() * 3 / 4];
+    }
+    double low, median, high;
+};
 
 template <std::size_t N>
 nlohmann::ordered_json compare() {
     constexpr auto blocks =
         static_cast<std::uint64_t>(std::min(static_cast<double>(max_blocks), bytes_per_round / (8.0 * N)));
-    std::vector<double> ours, theirs, ratios;
+    std::vector<double> line, ours, theirs, ratios;
     for (int round = 0; round < rounds; ++round) {
+        line.push_back(time_line());
         ours.push_back(time_blocks<N, Ours<N>>(blocks));
         theirs.push_back(time_blocks<N, Boost<N>>(blocks));
         ratios.push_back(theirs.back() / ours.back());
     }
-    std::printf("%10zu %12.1f %12.1f %10.2f\n", 8 * N, median(ours), median(theirs), median(ratios));
+    const Spread round_trip(line);
+    const Spread ratio(ratios);
+    std::printf("%10zu %12.1f %12.1f %10.2f %6.2f to %.2f %10.0f %6.0f to %.0f\n", 8 * N, Spread(ours).median,
+                Spread(theirs).median, ratio.median, ratio.low, ratio.high, round_trip.median, round_trip.low,
+                round_trip.high);
     return {{"block_bytes", 8 * N},
-            {"ours_ns", median(ours)},
-            {"boost_ns", median(theirs)},
-            {"boost_over_ours", median(ratios)}};
+            {"ours_ns", Spread(ours).median},
+            {"boost_ns", Spread(theirs).median},
+            {"boost_over_ours", ratio.median},
+            {"boost_over_ours_quartiles", {ratio.low, ratio.high}},
+            {"line_there_and_back_ns", round_trip.median},
+            {"line_there_and_back_quartiles_ns", {round_trip.low, round_trip.high}}};
 }
 
 }  // namespace
@@ -156,7 +194,8 @@ nlohmann::ordered_json compare() {
 int main(int argc, char** argv) {
     try {
         const bench::Arguments arguments(argc, argv);
-        std::printf("%10s %12s %12s %10s\n", "bytes", "ours/ns", "boost/ns", "boost/ours");
+        std::printf("%10s %12s %12s %10s %14s %10s %12s\n", "bytes", "ours/ns", "boost/ns", "boost/ours",
+                    "its quartiles", "line/ns", "quartiles");
         nlohmann::ordered_json rows = nlohmann::ordered_json::array();
         rows.push_back(compare<1>());
         rows.push_back(compare<8>());

@@ -12,7 +12,7 @@ constexpr double reserve_s = 0.05;                     // of wall time that the 
 constexpr double max_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this;
 constexpr double cached_ring_bytes = 1024.0 * 1024;    // flat out nothing is held back: it stays in cache
 constexpr double min_blocks = 4;
-constexpr double release_period_s = 1e-3;
+constexpr double release_period_s = 0.5e-3;
 constexpr double max_blocks = 4096;
 
 double block_bytes(const StreamFormat& format, TapSet taps) noexcept {
@@ -39,6 +39,11 @@ RingSize ring_size(const StreamFormat& format, Pace pace) noexcept {
     RingSize size{.blocks = static_cast<std::size_t>(blocks_with(small_taps(format), format, pace))};
     if (!format.chain_taps().empty()) {
         size.chain_blocks = static_cast<std::size_t>(blocks_with(format.taps, format, pace));
+    }
+    if (!pace.is_flat_out()) {
+        const auto frame_samples = static_cast<std::uint64_t>(format.frame_samples);
+        size.refill =
+            std::max<std::uint64_t>(1, samples_per_release(format, pace, size.blocks) / frame_samples);
     }
     return size;
 }

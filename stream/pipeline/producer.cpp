@@ -17,6 +17,7 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
                ? origin_ + *samples
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
+      refill_(size.refill),
       ring_(size.blocks,
             [&source, small = source.format().taps - source.format().chain_taps()] {
                 return Block{.small = source.make_block(small), .demand = {}, .account = {}, .motion = {}};
@@ -74,9 +75,9 @@ std::size_t Producer::free_chain_blocks() const noexcept {
 
 /// For the next blocks, of the kind that is wanted now.
 bool Producer::has_room() const noexcept {
-    return ring_.capacity() - ring_.size() >= quarter_of(ring_.capacity()) &&
+    return ring_.capacity() - ring_.size() >= refill_of(ring_.capacity()) &&
            (!makes_chain(demand_.load(std::memory_order_relaxed).taps) ||
-            free_chain_blocks() >= quarter_of(chain_blocks_.size()));
+            free_chain_blocks() >= refill_of(chain_blocks_.size()));
 }
 
 void Producer::pop() noexcept {

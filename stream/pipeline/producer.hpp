@@ -3,6 +3,7 @@
 // ring is full. It allocates nothing, takes no lock, writes no message, and makes no system call but to sleep and to
 // wake the sending thread.
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -108,9 +109,9 @@ private:
     bool has_enough() const noexcept {
         return ring_.size() >= (pacer_.flat_out() ? quarter_of(ring_.capacity()) : 1);
     }
-    /// So many of the ring's slots have to be free before it is filled again when it was full: waking up for each one
-    /// costs more than filling it.
     static std::size_t quarter_of(std::size_t blocks) noexcept { return blocks < 4 ? 1 : blocks / 4; }
+    /// So many slots have to be free before the ring is filled again when it was full.
+    std::size_t refill_of(std::size_t blocks) const noexcept { return std::min(refill_, quarter_of(blocks)); }
 
     SampleSource& source_;
     const Pacer& pacer_;
@@ -118,6 +119,7 @@ private:
     std::int64_t origin_;
     std::int64_t end_;
     OnOverrun on_overrun_;
+    std::size_t refill_;
     MotionExtent last_motion_;
     RingBuffer<Block> ring_;
     // Used in turn, by the blocks that hold taps of every sphere.

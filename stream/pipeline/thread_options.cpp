@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 namespace hertzline::stream {
@@ -66,6 +67,11 @@ std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread) {
         }
     }
     return refused;
+}
+
+void wake_on_time() noexcept {
+    constexpr unsigned long slack_ns = 1;
+    prctl(PR_SET_TIMERSLACK, slack_ns);
 }
 
 }  // namespace hertzline::stream

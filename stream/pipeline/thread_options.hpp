@@ -22,4 +22,8 @@ std::optional<std::string> cpu_fault(int cpu);
 /// Locks what the process has in memory at this moment: call it when all that the thread needs is there.
 std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread);
 
+/// The calling thread shall be woken at the time that it asks for. The system else takes 50 us more, to wake several
+/// threads at once.
+void wake_on_time() noexcept;
+
 }  // namespace hertzline::stream

@@ -26,9 +26,16 @@ TEST(RingSize, HasNoRoomForSpheresWhereNoTapHasThem) {
     EXPECT_EQ(ring_size(format, Pace::realtime()).chain_blocks, 0U);
 }
 
-TEST(SamplesPerRelease, AreAMillisecondUnlessTheRingIsTooShort) {
-    EXPECT_EQ(samples_per_release(chain_of(1), Pace::realtime(), 488), 10'000U);
-    EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(0.1), 488), 1000U);
+TEST(RingSize, IsRefilledOnceAReleaseInRealTime) {
+    EXPECT_EQ(ring_size(chain_of(6), Pace::realtime()).refill, 4U);  // whole blocks
+    EXPECT_EQ(ring_size(chain_of(6), Pace::factor(1e-6)).refill, 1U);
+    EXPECT_GE(ring_size(chain_of(6), Pace::flat_out()).refill,
+              ring_size(chain_of(6), Pace::flat_out()).blocks);
+}
+
+TEST(SamplesPerRelease, AreHalfAMillisecondUnlessTheRingIsTooShort) {
+    EXPECT_EQ(samples_per_release(chain_of(1), Pace::realtime(), 488), 5000U);
+    EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(0.1), 488), 500U);
     EXPECT_EQ(samples_per_release(chain_of(1), Pace::realtime(), 4), 1024U);
     EXPECT_EQ(samples_per_release(chain_of(1), Pace::factor(1e-6), 4), 1U);
 }

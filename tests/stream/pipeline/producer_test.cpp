@@ -156,15 +156,14 @@ pid_t simulating_thread() {
     return found;
 }
 
-TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
+TEST(Producer, SleepsWhileTheRingIsFull) {
     constexpr std::size_t many = 64;
     CountingSource source(format);
     const Pacer pacer = long_ago();
     Producer producer(source, pacer, {.blocks = many}, std::nullopt, OnOverrun::wait);
     producer.start({});
     producer.go();
-    const auto full = [&] { return producer.ring().size() == many; };
-    ASSERT_TRUE(eventually(full));
+    ASSERT_TRUE(eventually([&] { return producer.ring().size() == many; }));
     MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(10));
     const auto sleeps = [thread = simulating_thread()] {
         return status_of(thread, "voluntary_ctxt_switches:");
@@ -172,12 +171,28 @@ TEST(Producer, SleepsWhileTheRingIsFullAndFillsItAgainWhenAQuarterIsFree) {
     const long before = sleeps();
     MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(100));
     EXPECT_EQ(sleeps(), before) << "it wakes up although nothing has changed";
-    for (std::size_t taken = 0; taken < many / 4; ++taken) {
-        EXPECT_LT(producer.ring().size(), many + 1 - taken);
-        ASSERT_NE(producer.front(), nullptr);
+}
+
+TEST(Producer, FillsTheRingAgainWhenAsMuchIsFreeAsItIsTold) {
+    constexpr std::size_t many = 64;
+    for (const auto& [refill, free] : {std::pair<std::size_t, std::size_t>{10, 10}, {100, many / 4}}) {
+        CountingSource source(format);
+        const Pacer pacer = long_ago();
+        Producer producer(source, pacer, {.blocks = many, .refill = refill}, std::nullopt, OnOverrun::wait);
+        producer.start({});
+        producer.go();
+        const auto full = [&] { return producer.ring().size() == many; };
+        ASSERT_TRUE(eventually(full));
+        MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(50));
+        for (std::size_t taken = 1; taken < free; ++taken) {
+            ASSERT_NE(producer.front(), nullptr);
+            producer.pop();
+        }
+        MonotonicClock::sleep_until(MonotonicClock::now() + std::chrono::milliseconds(50));
+        EXPECT_EQ(producer.ring().size(), many + 1 - free) << "woken for less than " << free;
         producer.pop();
+        EXPECT_TRUE(eventually(full)) << free;
     }
-    EXPECT_TRUE(eventually(full));
 }
 
 TEST(Producer, HasRoomOfItsOwnForBlocksWithEverySphere) {
