@@ -1,6 +1,7 @@
 // Is the accuracy that is asked for met over a whole run, and does the program say so where it is not?
 //
 //     bench_accuracy [--json FILE] [--threads N] [COUNT [SEED]]
+//     bench_accuracy --finer-run [COUNT [SEED]]    the same for the points of a sweep
 //     bench_accuracy --scene SEED INDEX
 //
 // First come the scenes of tests/reference/accuracy/, which have independent solutions, then COUNT scenes drawn at
@@ -55,22 +56,24 @@ std::vector<JudgedScene> in_parallel(std::size_t count, unsigned threads, Job jo
     return results;
 }
 
-JudgedScene judged(std::string name, test::DesignScene design, const test::Truth& truth) {
+using Judge = test::Judgement (*)(const Scene&, const test::Truth&, double);
+
+JudgedScene judged(Judge judge, std::string name, test::DesignScene design, const test::Truth& truth) {
     JudgedScene result{std::move(name), std::move(design), {}};
     for (const double accuracy : accuracies) {
-        result.judgements.push_back(test::judged(result.design.scene, truth, accuracy));
+        result.judgements.push_back(judge(result.design.scene, truth, accuracy));
     }
     return result;
 }
 
-JudgedScene judged_reference(const std::string& name) {
+JudgedScene judged_reference(Judge judge, const std::string& name) {
     const Scene scene = test::random_reference_scene(name);
-    return judged(name, {scene}, test::independent_truth_of(scene, name));
+    return judged(judge, name, {scene}, test::independent_truth_of(scene, name));
 }
 
-JudgedScene judged_design(std::uint64_t seed, std::uint64_t index) {
+JudgedScene judged_design(Judge judge, std::uint64_t seed, std::uint64_t index) {
     const test::DesignScene design = test::design_scene(seed, index);
-    return judged(std::to_string(index), design, test::truth_of(design.scene));
+    return judged(judge, std::to_string(index), design, test::truth_of(design.scene));
 }
 
 Json json(const std::vector<JudgedScene>& scenes) {
@@ -98,6 +101,7 @@ void print(const std::vector<JudgedScene>& scenes) {
         return;
     }
     bench::print_groups(scenes);
+    bench::print_pilots(scenes);
     bench::print_silent_misses(scenes);
     bench::print_estimates(scenes);
     bench::print_misses(scenes);
@@ -111,6 +115,7 @@ int main(int argc, char** argv) {
     unsigned threads = std::max(1U, std::thread::hardware_concurrency());
     std::vector<std::uint64_t> wanted;
     std::string json_file;
+    bool finer_run = false;
     CLI::App app("Accuracy asked for, estimated and true, of whole runs");
     app.add_option("COUNT", count, "scenes to draw")->capture_default_str();
     app.add_option("SEED", seed, "of the scenes")->capture_default_str();
@@ -118,6 +123,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
     app.add_option("--scene", wanted, "SEED and INDEX of a scene to print")->expected(2);
+    app.add_flag("--finer-run", finer_run, "steps and estimates as in a sweep: by a finer run beside it");
     app.add_option("--json", json_file, "file for all results");
     CLI11_PARSE(app, argc, argv);
     if (!wanted.empty()) {
@@ -126,15 +132,16 @@ int main(int argc, char** argv) {
         return 0;
     }
 
+    const Judge judge = finer_run ? test::judged_by_finer_run : test::judged;
     std::printf("outputs below %.0e of the loudest velocity are judged on that scale\n\n",
                 test::quietest_output);
     const std::vector<std::string> names = test::random_references();
     const std::vector<JudgedScene> references = in_parallel(
-        names.size(), threads, [&](std::size_t number) { return judged_reference(names[number]); });
+        names.size(), threads, [&](std::size_t number) { return judged_reference(judge, names[number]); });
     bench::print_scenes(references);
     std::fflush(stdout);
     const std::vector<JudgedScene> designs =
-        in_parallel(count, threads, [&](std::size_t index) { return judged_design(seed, index); });
+        in_parallel(count, threads, [&](std::size_t index) { return judged_design(judge, seed, index); });
     print(designs);
     if (!json_file.empty()) {
         std::ofstream(json_file) << Json{{"references", json(references)}, {"drawn", json(designs)}}.dump(2)

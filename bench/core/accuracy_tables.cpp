@@ -150,6 +150,17 @@ void print_groups(const std::vector<JudgedScene>& scenes) {
     }
 }
 
+void print_pilots(const std::vector<JudgedScene>& scenes) {
+    std::printf("\nsteps chosen by pilots:");
+    for (std::size_t a = 0; a < accuracies_of(scenes); ++a) {
+        const auto count =
+            std::ranges::count_if(scenes, [a](const JudgedScene& s) { return s.judgements[a].pilots; });
+        std::printf(" %s: %d of %zu,", asked(scenes.front(), a).c_str(), static_cast<int>(count),
+                    scenes.size());
+    }
+    std::printf("\n");
+}
+
 void print_silent_misses(const std::vector<JudgedScene>& scenes) {
     std::printf("\nsilent misses (above 3 times the accuracy and the estimate, not warned; ~amplify):");
     std::size_t hit = 0;

@@ -23,6 +23,9 @@ void print_scenes(const std::vector<JudgedScene>& scenes);
 /// Counts for each group of scenes: the accuracy is met, or missed with and without a warning.
 void print_groups(const std::vector<JudgedScene>& scenes);
 
+/// For how many of them pilots have chosen the step.
+void print_pilots(const std::vector<JudgedScene>& scenes);
+
 /// Misses far beyond the accuracy and the estimate, without a warning.
 void print_silent_misses(const std::vector<JudgedScene>& scenes);
 

@@ -9,8 +9,6 @@ namespace {
 
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 constexpr std::size_t block_samples = 256;
-constexpr TapSet outputs =
-    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre | Tap::v_face | Tap::p_axis;
 
 Scene with_step(Scene scene, Integrator integrator, double step_s) {
     scene.numerics.integrator = integrator;
@@ -29,8 +27,9 @@ LongEstimate::Run::Run(const Scene& of, Integrator integrator, double step_s, co
     : scene(with_step(of, integrator, step_s)),
       chain(scene),
       solver(make_solver(
-          scene, chain, {.taps = outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = &stop})),
-      block(outputs & taps_of(scene.end), 0, block_samples) {}
+          scene, chain,
+          {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = &stop})),
+      block(judged_outputs & taps_of(scene.end), 0, block_samples) {}
 
 LongEstimate::LongEstimate(const Scene& scene, const std::atomic<bool>& stop)
     : sample_rate_hz_(scene.output.sample_rate_hz),
@@ -51,41 +50,17 @@ bool LongEstimate::reach(double time_s) noexcept {
                 return false;
             }
         }
-        for (const Tap tap : used_.block.taps()) {
-            add(tap);
-        }
+        errors_.add(used_.block, reference_.block);
+        own_errors_.add(finer_.block, reference_.block);
         event_rate_.note(static_cast<double>(used_.solver->next_sample()) / sample_rate_hz_,
                          used_.solver->contact_events());
     }
     return true;
 }
 
-void LongEstimate::add(Tap tap) noexcept {
-    Sums& sums = sums_[static_cast<std::size_t>(tap)];
-    const auto square = [](double x) { return x * x; };
-    for (std::size_t i = 0; i < used_.block.count; ++i) {
-        const double truth = reference_.block[tap][i];
-        sums.wrong += square(used_.block[tap][i] - truth);
-        sums.own += square(finer_.block[tap][i] - truth);
-        sums.norm += square(truth);
-    }
-}
-
 ErrorEstimate LongEstimate::estimate() const noexcept {
-    double loudest = 0;  // of the velocities
-    for (const Tap tap : used_.block.taps() - Tap::p_axis) {
-        loudest = std::max(loudest, sums_[static_cast<std::size_t>(tap)].norm);
-    }
-    double found = 0;
-    double own = 0;
-    for (const Sums& sums : sums_) {
-        const double scale = std::max(sums.norm, quiet_column * quiet_column * loudest);
-        if (scale > 0) {
-            found = std::max(found, std::sqrt(sums.wrong / scale));
-            own = std::max(own, std::sqrt(sums.own / scale));
-        }
-    }
-    return {.error = std::max(found, careful(own)),
+    const double own = own_errors_.worst();
+    return {.error = std::max(errors_.worst(), careful(own)),
             .over_s = static_cast<double>(used_.solver->next_sample()) / sample_rate_hz_,
             .amplifies = own > amplified_rounding};
 }

@@ -2,10 +2,10 @@
 // The error of the step in use over a long stretch of the motion, longer and longer if need be. Pilots keep their samples; here only
 // sums are kept, so that the stretch is bounded by time and not by memory.
 
-#include <array>
 #include <atomic>
 #include <memory>
 
+#include "core/step_choice/output_errors.hpp"
 #include "core/step_choice/reference_pilot.hpp"
 #include "core/step_choice/seen_motion.hpp"
 
@@ -38,21 +38,14 @@ private:
         std::unique_ptr<Solver> solver;
         Samples block;
     };
-    /// Sums of squares over the samples [m^2/s^2].
-    struct Sums {
-        double wrong = 0;  // what the step in use differs from the reference by
-        double own = 0;    // what the finer reference does
-        double norm = 0;   // the reference itself
-    };
-
-    void add(Tap tap) noexcept;
 
     double sample_rate_hz_;
     double reference_step_s_;
     double longest_s_;
     Run used_, reference_, finer_;
     EventRate event_rate_;
-    std::array<Sums, tap_count> sums_{};
+    OutputErrors errors_;      // of the step in use
+    OutputErrors own_errors_;  // of the finer reference
 };
 
 }  // namespace hertzline

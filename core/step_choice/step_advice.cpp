@@ -107,6 +107,20 @@ double rounded_down(double step) {
     return std::floor(step / unit * (1 + 1e-12)) * unit;
 }
 
+/// The longest piece that a series may take. @param largest_stable_s of the chain in motion
+double longest_piece(const Scene& scene, const Chain& chain, double largest_stable_s) {
+    return std::min(
+        {0.98 * largest_stable_s,
+         0.98 * largest_stable_step(chain, expected_overlaps(chain, scene.drive), *scene.numerics.integrator),
+         longest_for_drive(scene.drive)});
+}
+
+/// The longest piece whose own relative error is expected to be within the tolerance.
+double piece_for(double tolerance, const Scene& scene, const Chain& chain) {
+    return SeriesSolver::phase_for(tolerance) /
+           fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+}
+
 /// The longest step whose error lies in the window, by secants on the logarithms.
 template <class TrialOf>
 std::optional<Trial> longest_good(const TrialOf& trial_of, double accuracy, double first, double limit,
@@ -141,11 +155,7 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
                           double largest_stable_s) {
     const Integrator integrator = *scene.numerics.integrator;
     const double accuracy = asked_accuracy(scene);
-    const Eigen::ArrayXd expected = expected_overlaps(chain, scene.drive);
-    const double omega = fastest_frequency(chain, expected);
-    const double limit =
-        std::min({0.98 * largest_stable_s, 0.98 * largest_stable_step(chain, expected, integrator),
-                  longest_for_drive(scene.drive)});
+    const double limit = longest_piece(scene, chain, largest_stable_s);
     const double finest = std::min(reference.step_s(), limit);
     StepAdvice advice;
     const auto trial_of = [&](double step) {
@@ -153,7 +163,7 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
         return reference.trial(integrator, step);
     };
     const auto step_for = [&](double tolerance) {
-        return std::min(limit, SeriesSolver::phase_for(tolerance) / omega);
+        return std::min(limit, piece_for(tolerance, scene, chain));
     };
     std::optional<Trial> best;
     if (reference.error() <= most * accuracy) {
@@ -171,6 +181,12 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
 }
 
 }  // namespace
+
+double expected_piece(const Scene& scene, double tolerance) {
+    const Chain chain(scene);
+    const double limit = longest_piece(scene, chain, std::numeric_limits<double>::infinity());
+    return rounded_down(std::min(limit, piece_for(tolerance, scene, chain)));
+}
 
 AdvisedStep advise(const Scene& scene, const ReferencePilot& reference) {
     const Integrator integrator = *scene.numerics.integrator;

@@ -26,6 +26,9 @@ struct AdvisedStep {
     Trial trial;
 };
 
+/// The longest piece of a series whose own relative error is expected to be within a tolerance, as far as can be told without a pilot [s].
+double expected_piece(const Scene& scene, double tolerance);
+
 /// The longest steps whose pilot differs from the reference by less than the accuracy. For leapfrog and chin4a the step is halved until
 /// it does; for series the longest pieces are looked for that bring the error to between a tenth and the half of the accuracy. Where
 /// nothing switches the longest piece allowed may be better than that already.

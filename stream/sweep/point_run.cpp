@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <limits>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -111,30 +112,109 @@ SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz)
     return *analyser_;
 }
 
+PointRunner::Flight PointRunner::make_flight(ResolvedScene resolved) const {
+    const Scene& scene = resolved.scene;
+    const TapSet measured = measured_of(scene, demand_.measured);
+    const TapSet taps = taps_of_run(scene, measured | waveform_taps(scene, demand_));
+    Simulation simulation(scene, {.taps = taps, .stop = &stop_});
+    RunRecord record =
+        empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
+    return {std::move(resolved), std::move(simulation), std::move(record), std::nullopt};
+}
+
 /// @returns whether all samples are there
-bool PointRunner::simulate(Simulation& simulation, RunRecord& record, PointResult& result) {
+bool PointRunner::simulate(Flight& flight, PointResult& result) {
+    Simulation& simulation = flight.simulation;
     const Scene& scene = simulation.scene();
+    result.integrator = word(*scene.numerics.integrator);
+    result.scene_hash = scene_hash(scene);
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     const TapSet waveform = waveform_taps(scene, demand_);
     Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
-    while (record.rows() < rows) {
-        const std::size_t first = record.rows();
-        const Status status = simulation.advance(block, std::min(block.capacity(), rows - first));
-        if (status == Status::stopped) {
-            record.stopped = true;
+    while (flight.record.rows() < rows) {
+        const std::size_t first = flight.record.rows();
+        if (simulation.advance(block, std::min(block.capacity(), rows - first)) != Status::running) {
             return false;
         }
-        if (status != Status::running) {
-            result.status = PointStatus::unstable;
-            result.message = simulation.failure();
-            return false;
-        }
-        keep(block, simulation.chain().end, record);
+        keep(block, simulation.chain().end, flight.record);
         for (const Tap tap : waveform) {
             keep_waveform(block, tap, first, result.waveform);
         }
+        if (flight.finer && !flight.finer->follow(block)) {
+            return false;
+        }
     }
     return true;
+}
+
+/// With a step that pilots have found; nothing when that was refused or has failed.
+std::optional<PointRunner::Flight> PointRunner::fly(const Scene& scene, PointResult& result) {
+    ResolvedScene resolved = resolve(scene);
+    if (!resolved.faults.empty()) {
+        result.status = PointStatus::refused;
+        result.message = joined(resolved.faults);
+        return std::nullopt;
+    }
+    std::optional<Flight> flight = make_flight(std::move(resolved));
+    if (!simulate(*flight, result)) {
+        std::ranges::fill(result.waveform, std::numeric_limits<float>::quiet_NaN());
+        result.status = PointStatus::unstable;
+        result.message = flight->simulation.failure();
+        return std::nullopt;
+    }
+    return flight;
+}
+
+/// Without pilots; nothing when they have to find a step.
+std::optional<PointRunner::Flight> PointRunner::fly_unmeasured(const Scene& scene, PointResult& result) {
+    std::optional<ResolvedScene> resolved = resolve_unmeasured(scene);
+    for (int tries = 1; resolved && tries <= max_tries && !stop_; ++tries) {
+        const double accuracy = resolved->advice.accuracy;
+        std::optional<Flight> flight = make_flight(*std::move(resolved));
+        flight->finer.emplace(flight->resolved.scene, block_of_run(scene, flight->simulation.taps()), &stop_);
+        if (!simulate(*flight, result)) {
+            return std::nullopt;
+        }
+        flight->resolved.estimate = flight->finer->estimate();
+        if (flight->finer->convinces(accuracy)) {
+            check(result.point, flight->resolved);
+            return flight;
+        }
+        resolved = with_shorter_step(flight->resolved, flight->resolved.estimate->error);
+    }
+    return std::nullopt;
+}
+
+/// Pilots look at one point of a hundred, drawn by its number. The larger one of two estimates holds.
+void PointRunner::check(std::int64_t point, ResolvedScene& resolved) {
+    constexpr std::uint64_t one_of = 100;
+    if (std::mt19937_64(static_cast<std::uint64_t>(point))() % one_of != 0) {
+        return;
+    }
+    const ResolvedScene measured = resolve(resolved.scene);
+    if (measured.estimate && measured.estimate->error > resolved.estimate->error) {
+        resolved.estimate = measured.estimate;
+    }
+}
+
+void PointRunner::measure(Flight& flight, PointResult& result) {
+    const Scene& scene = flight.resolved.scene;
+    const RunRecord& record = flight.record;
+    result.status = status_of(flight.resolved);
+    Warnings warnings = validity_warnings(scene, flight.simulation.chain());
+    if (auto missed = missed_accuracy(flight.resolved)) {
+        warnings.insert(warnings.begin(), *std::move(missed));
+    }
+    const auto put = [&](const SummaryGroup& group) { places_.put(group, result.numbers); };
+    std::ranges::for_each(measures_of_run(record, scene, analyser(record.rows(), scene.output.sample_rate_hz),
+                                          demand_.band_from_hz, warnings),
+                          put);
+    put(contacts_of_run(flight.simulation, warnings));
+    put(trust_of_run(flight.simulation, flight.resolved));
+    put(account_of_run(flight.simulation, record.rows()));
+    for (const std::string& text : warnings) {
+        result.message += (result.message.empty() ? "" : "; ") + text;
+    }
 }
 
 /// @returns false when it was stopped
@@ -144,38 +224,15 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
         result.status = PointStatus::refused;
         return true;
     }
-    const ResolvedScene resolved = resolve(scene);
-    if (!resolved.faults.empty()) {
-        result.status = PointStatus::refused;
-        result.message = joined(resolved.faults);
-        return true;
+    std::optional<Flight> flight = fly_unmeasured(scene, result);
+    if (!flight && !stop_) {
+        flight = fly(scene, result);
     }
-    const TapSet measured = measured_of(scene, demand_.measured);
-    const TapSet taps = taps_of_run(scene, measured | waveform_taps(scene, demand_));
-    Simulation simulation(resolved.scene, {.taps = taps, .stop = &stop_});
-    result.status = status_of(resolved);
-    result.integrator = word(*resolved.scene.numerics.integrator);
-    result.scene_hash = scene_hash(resolved.scene);
-    RunRecord record =
-        empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
-    if (!simulate(simulation, record, result)) {
-        std::ranges::fill(result.waveform, std::numeric_limits<float>::quiet_NaN());
-        return !record.stopped;
+    if (stop_) {
+        return false;
     }
-    Warnings warnings = validity_warnings(resolved.scene, simulation.chain());
-    if (auto missed = missed_accuracy(resolved)) {
-        warnings.insert(warnings.begin(), *std::move(missed));
-    }
-    const auto put = [&](const SummaryGroup& group) { places_.put(group, result.numbers); };
-    std::ranges::for_each(
-        measures_of_run(record, resolved.scene, analyser(record.rows(), scene.output.sample_rate_hz),
-                        demand_.band_from_hz, warnings),
-        put);
-    put(contacts_of_run(simulation, warnings));
-    put(trust_of_run(simulation, resolved));
-    put(account_of_run(simulation, record.rows()));
-    for (const std::string& text : warnings) {
-        result.message += (result.message.empty() ? "" : "; ") + text;
+    if (flight) {
+        measure(*flight, result);
     }
     return true;
 }

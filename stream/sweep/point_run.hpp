@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
+#include "core/step_choice/finer_run.hpp"
 #include "stream/measures/run_record.hpp"
 #include "stream/measures/spectrum.hpp"
 #include "stream/sweep/point_result.hpp"
@@ -43,8 +44,21 @@ public:
 
 private:
     PointResult row(std::int64_t point) const;
+    /// A point that has been simulated.
+    struct Flight {
+        ResolvedScene resolved;
+        Simulation simulation;
+        RunRecord record;
+        std::optional<FinerRun> finer;  ///< unless pilots have flown
+    };
+
     bool try_run(const Scene& scene, PointResult& result);
-    bool simulate(Simulation& simulation, RunRecord& record, PointResult& result);
+    std::optional<Flight> fly(const Scene& scene, PointResult& result);
+    std::optional<Flight> fly_unmeasured(const Scene& scene, PointResult& result);
+    static void check(std::int64_t point, ResolvedScene& resolved);
+    Flight make_flight(ResolvedScene resolved) const;
+    bool simulate(Flight& flight, PointResult& result);
+    void measure(Flight& flight, PointResult& result);
     SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);
 
     const PointDemand& demand_;

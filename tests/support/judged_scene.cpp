@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 
 #include "core/model/chain.hpp"
 #include "core/simulation.hpp"
+#include "core/step_choice/finer_run.hpp"
 #include "tests/support/reference.hpp"
 
 namespace hertzline::test {
@@ -49,8 +51,8 @@ private:
     std::array<std::vector<double>, tap_count> sums_;
 };
 
-/// @param scene resolved
-Outputs outputs_of(const Scene& scene) {
+/// @param scene resolved @param follow is shown each block; false: the run ends
+Outputs outputs_of(const Scene& scene, const std::function<bool(const Samples&)>& follow) {
     constexpr std::size_t block = 512;
     Simulation simulation(scene, {.taps = recorded_taps(scene.end) | Tap::v_chain});
     Samples part = simulation.make_samples(block);
@@ -60,6 +62,7 @@ Outputs outputs_of(const Scene& scene) {
     result.complete = true;
     for (std::size_t done = 0; done < samples && result.complete; done += block) {
         result.complete = simulation.advance(part, std::min(block, samples - done)) == Status::running;
+        result.complete = result.complete && follow(part);
         loudness.add(part);
         for (std::size_t i = 0; i < output_taps.size(); ++i) {
             const auto values = part[output_taps[i]];
@@ -68,6 +71,10 @@ Outputs outputs_of(const Scene& scene) {
     }
     result.loudest = std::sqrt(mean_square(loudness.largest_sum(), samples));
     return result;
+}
+
+Outputs outputs_of(const Scene& scene) {
+    return outputs_of(scene, [](const Samples&) { return true; });
 }
 
 Scene as_exact_as_can_be(Scene scene, double shortening) {
@@ -141,6 +148,32 @@ Judgement judged(const Scene& asked, const Truth& truth, double accuracy) {
             .estimate = resolved.estimate ? std::optional(resolved.estimate->error) : std::nullopt,
             .warned = resolved.misses_accuracy(),
             .integrator = *resolved.scene.numerics.integrator};
+}
+
+Judgement judged_by_finer_run(const Scene& asked, const Truth& truth, double accuracy) {
+    Scene scene = asked;
+    scene.numerics.accuracy = accuracy;
+    std::optional<ResolvedScene> resolved = resolve_unmeasured(scene);
+    for (int tries = 1; resolved && tries <= max_tries; ++tries) {
+        std::optional<FinerRun> finer;
+        const Outputs outputs = outputs_of(resolved->scene, [&](const Samples& block) {
+            if (!finer) {
+                finer.emplace(resolved->scene, block.capacity(), nullptr);
+            }
+            return finer->follow(block);
+        });
+        if (outputs.complete && finer->convinces(accuracy)) {
+            return {.accuracy = accuracy,
+                    .error = difference(outputs, truth.outputs),
+                    .truth_error = truth.error,
+                    .estimate = finer->estimate().error,
+                    .warned = false,
+                    .integrator = *resolved->scene.numerics.integrator,
+                    .pilots = false};
+        }
+        resolved = with_shorter_step(*resolved, finer->estimate().error);
+    }
+    return judged(asked, truth, accuracy);
 }
 
 }  // namespace hertzline::test

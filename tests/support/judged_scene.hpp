@@ -50,6 +50,7 @@ struct Judgement {
     std::optional<double> estimate;  ///< of the error
     bool warned = false;
     Integrator integrator = Integrator::leapfrog;
+    bool pilots = true;  ///< have chosen the step
 
     bool met() const noexcept { return error <= accuracy; }
     /// Within three times what was asked for.
@@ -64,5 +65,8 @@ struct Judgement {
 
 /// Resolves and runs the scene at that accuracy. @throws std::runtime_error if it is refused
 Judgement judged(const Scene& scene, const Truth& truth, double accuracy);
+
+/// The same, as a sweep does: with a finer run beside it, and pilots only where that does not convince.
+Judgement judged_by_finer_run(const Scene& scene, const Truth& truth, double accuracy);
 
 }  // namespace hertzline::test

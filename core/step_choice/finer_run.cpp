@@ -1,0 +1,70 @@
+#include "core/step_choice/finer_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/step_choice/step_advice.hpp"
+
+namespace hertzline {
+
+namespace {
+
+constexpr double margin = 30;         // of the accuracy over the expected error of a piece: errors add up
+constexpr double finer_steps = 0.75;  // errors fall to a tenth or a fiftieth
+constexpr double slope = 10;          // of log(error) over log(step), from below
+
+Scene with_finer_steps(Scene scene) {
+    scene.numerics.step_s = finer_steps * *scene.numerics.step_s;
+    scene.numerics.rest_tolerance = 0;  // what that cuts off is no error of the step
+    return scene;
+}
+
+}  // namespace
+
+std::optional<ResolvedScene> resolve_unmeasured(const Scene& asked) {
+    ResolvedScene result;
+    result.scene = with_integrator(asked);
+    Numerics& numerics = result.scene.numerics;
+    if (numerics.step_s || !is_series(*numerics.integrator) || asked.chain.spheres > pilot_spheres ||
+        asked.end.model == PlateModel::modal) {
+        return std::nullopt;
+    }
+    result.integrator_reason = integrator_choice(asked).reason;
+    result.advice.accuracy = numerics.accuracy.value_or(default_accuracy);
+    numerics.step_s = expected_piece(result.scene, result.advice.accuracy / margin);
+    numerics.accuracy.reset();
+    return result;
+}
+
+std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double error) noexcept {
+    if (!(error <= chaotic_error)) {
+        return std::nullopt;
+    }
+    const double wanted = 0.1 * missed.advice.accuracy / error;
+    *missed.scene.numerics.step_s *= std::clamp(std::pow(wanted, 1 / slope), 0.4, 0.8);
+    return missed;
+}
+
+FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop)
+    : scene_(with_finer_steps(scene)),
+      chain_(std::make_unique<const Chain>(scene_)),
+      solver_(make_solver(
+          scene_, *chain_,
+          {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = stop})),
+      block_(judged_outputs & taps_of(scene.end), 0, capacity) {}
+
+bool FinerRun::follow(const Samples& run) noexcept {
+    if (solver_->fill(block_, run.count, block_.taps()) != Status::running) {
+        return false;
+    }
+    errors_.add(run, block_);
+    return true;
+}
+
+ErrorEstimate FinerRun::estimate() const noexcept {
+    return {.error = errors_.worst(),
+            .over_s = static_cast<double>(solver_->next_sample()) / scene_.output.sample_rate_hz,
+            .amplifies = false};
+}
+
+}  // namespace hertzline

@@ -1,0 +1,51 @@
+#pragma once
+// The error of a run without pilots: the same scene is simulated beside it with shorter steps. What they differ by is the error of the
+// longer ones, over all of the run. It costs one and a half runs, where pilots cost some twenty. But what it finds it finds out when the
+// run is over.
+
+#include <atomic>
+#include <memory>
+#include <optional>
+
+#include "core/model/chain.hpp"
+#include "core/samples.hpp"
+#include "core/scene/scene.hpp"
+#include "core/solvers/solver.hpp"
+#include "core/step_choice/output_errors.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace hertzline {
+
+/// How many steps are tried without pilots.
+inline constexpr int max_tries = 3;
+
+/// Settles integrator and step as are likely to keep the accuracy. There is no estimate, and no largest stable step. Nothing for scenes
+/// whose step has to be measured: on a grid, of a long chain, with a modal plate, or given by the scene. @throws std::bad_alloc
+std::optional<ResolvedScene> resolve_unmeasured(const Scene& scene);
+
+/// The next step to try. @param error of the last one. Nothing where no step helps
+std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double error) noexcept;
+
+/// A run's scene with shorter steps. Follows the run.
+class FinerRun {
+public:
+    /// @param scene resolved @param capacity of the run's blocks @param stop as of SimulationOptions. @throws std::bad_alloc
+    FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop);
+
+    /// Takes the run's next samples. @returns false when it failed or was stopped
+    bool follow(const Samples& run) noexcept;
+
+    /// Of the run so far.
+    ErrorEstimate estimate() const noexcept;
+    /// Whether the run is as good as was asked for, beyond doubt. Else its step is shortened, or pilots fly.
+    bool convinces(double accuracy) const noexcept { return estimate().error <= 0.8 * accuracy; }
+
+private:
+    Scene scene_;
+    std::unique_ptr<const Chain> chain_;
+    std::unique_ptr<Solver> solver_;
+    Samples block_;
+    OutputErrors errors_;
+};
+
+}  // namespace hertzline

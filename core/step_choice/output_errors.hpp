@@ -1,0 +1,55 @@
+#pragma once
+// How far the outputs of one simulation are from those of a better one, by sums over the samples: bounded memory, however long.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/samples.hpp"
+#include "core/step_choice/pilot.hpp"
+
+namespace hertzline {
+
+/// What a run is judged by.
+inline constexpr TapSet judged_outputs =
+    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre | Tap::v_face | Tap::p_axis;
+
+/// Sums of squares of each output's differences.
+class OutputErrors {
+public:
+    /// The next samples of both, of the judged outputs that both have.
+    void add(const Samples& run, const Samples& better) noexcept {
+        for (const Tap tap : run.taps() & better.taps() & judged_outputs) {
+            Sums& sums = sums_[static_cast<std::size_t>(tap)];
+            for (std::size_t i = 0; i < better.count; ++i) {
+                const double truth = better[tap][i];
+                const double wrong = run[tap][i] - truth;
+                sums.wrong += wrong * wrong;
+                sums.norm += truth * truth;
+            }
+        }
+    }
+
+    /// Relative L2 of the worst output. One below quiet_column of the loudest velocity is judged on that scale.
+    double worst() const noexcept {
+        double loudest = 0;
+        for (const Tap tap : judged_outputs - Tap::p_axis) {
+            loudest = std::max(loudest, sums_[static_cast<std::size_t>(tap)].norm);
+        }
+        double found = 0;
+        for (const Sums& sums : sums_) {
+            const double scale = std::max(sums.norm, quiet_column * quiet_column * loudest);
+            found = scale > 0 ? std::max(found, std::sqrt(sums.wrong / scale)) : found;
+        }
+        return found;
+    }
+
+private:
+    struct Sums {
+        double wrong = 0;
+        double norm = 0;
+    };
+    std::array<Sums, tap_count> sums_{};
+};
+
+}  // namespace hertzline

@@ -1,0 +1,75 @@
+#include "core/step_choice/finer_run.hpp"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/simulation.hpp"
+
+namespace hertzline::test {
+namespace {
+
+Scene shipped(std::string_view name) {
+    return parse_scene(find_shipped_scene(name)->text, std::string(name))->scene;
+}
+
+/// Of a whole run with that step.
+ErrorEstimate estimate_with(ResolvedScene resolved, double step_s) {
+    resolved.scene.numerics.step_s = step_s;
+    Simulation simulation(resolved.scene);
+    Samples block = simulation.make_samples(1001);
+    FinerRun finer(resolved.scene, block.capacity(), nullptr);
+    for (int i = 0; i < 5; ++i) {
+        EXPECT_EQ(simulation.advance(block, block.capacity()), Status::running);
+        EXPECT_TRUE(finer.follow(block));
+    }
+    return finer.estimate();
+}
+
+TEST(FinerRun, FindsWhatTheReferenceFinds) {
+    const Scene scene = shipped("paper-vitreous-carbon");
+    for (const double step_s : {1.2e-6, 0.9e-6, 0.7e-6}) {
+        Scene given = scene;
+        given.numerics.step_s = step_s;
+        const ErrorEstimate estimate = estimate_with(*resolve_unmeasured(scene), step_s);
+        const double by_pilots = resolve(given, 500.4e-6).estimate->error;
+        EXPECT_GT(estimate.error, 0.8 * by_pilots) << step_s;
+        EXPECT_LT(estimate.error, 1.2 * by_pilots) << step_s;
+        EXPECT_NEAR(estimate.over_s, 500.5e-6, 1e-9);
+    }
+}
+
+TEST(FinerRun, AMissIsShortenedUntilItIsNone) {
+    ResolvedScene resolved = *resolve_unmeasured(shipped("paper-vitreous-carbon"));
+    const ErrorEstimate missed = estimate_with(resolved, 1.3e-6);
+    ASSERT_GT(missed.error, resolved.advice.accuracy) << "not missed: this tests nothing";
+    resolved.scene.numerics.step_s = 1.3e-6;
+    const auto shorter = with_shorter_step(resolved, missed.error);
+    ASSERT_TRUE(shorter);
+    EXPECT_LT(estimate_with(*shorter, *shorter->scene.numerics.step_s).error, resolved.advice.accuracy);
+}
+
+TEST(FinerRun, NoStepHelpsAMotionThatIsChaoticOrHasFailed) {
+    const ResolvedScene resolved = *resolve_unmeasured(shipped("paper-vitreous-carbon"));
+    EXPECT_FALSE(with_shorter_step(resolved, 0.5));
+    EXPECT_FALSE(with_shorter_step(resolved, std::numeric_limits<double>::infinity()));
+    EXPECT_FALSE(with_shorter_step(resolved, std::numeric_limits<double>::quiet_NaN()));
+}
+
+TEST(FinerRun, IsNotForScenesWhoseStepHasToBeMeasured) {
+    const Scene scene = shipped("paper-vitreous-carbon");
+    EXPECT_TRUE(resolve_unmeasured(scene));
+    for (const auto& change :
+         {+[](Scene& each) { each.numerics.integrator = Integrator::chin4a; },
+          +[](Scene& each) { each.numerics.step_s = 1e-7; }, +[](Scene& each) { each.chain.spheres = 501; },
+          +[](Scene& each) { each.end.model = PlateModel::modal; }}) {
+        Scene changed = scene;
+        change(changed);
+        EXPECT_FALSE(resolve_unmeasured(changed));
+    }
+}
+
+}  // namespace
+}  // namespace hertzline::test
