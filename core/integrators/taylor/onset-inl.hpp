@@ -100,11 +100,13 @@ HWY_INLINE double onset_length(Expansion<K, Degree, Kind>& e) {
     if constexpr (Kind == Damping::nonlinear) {
         length = damped_onset_length(Expansion<K, Degree, Kind>(e), length);
     }
-    if (largest_lane(fastest) > 1e3 * e.piece.negligible) {
+    // The force of a contact that bends even within the shortest piece has no series there, and does not count.
+    const bool too_bent = length < shortest;
+    if (!too_bent && largest_lane(fastest) > 1e3 * e.piece.negligible) {
         return length;
     }
     const double without = negligible_length(Expansion<K, Degree, Kind>(e));
-    if (without > length) {
+    if (too_bent || without > length) {
         HERTZLINE_EACH_ROW(k, e.rows.count()) e.onset.set(k, zero());
     }
     return std::max(length, without);
