@@ -1,5 +1,7 @@
 #include "stream/scene_json.hpp"
 
+#include <optional>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -36,8 +38,10 @@ struct ToJson {
 
 Json material_json(const Material& material) {
     Json json = Json::object();
-    const auto add = [&](const fields::Key& key, double number, const auto&) {
-        json[std::string(key.name)] = number;
+    const auto add = [&](const fields::Key& key, const std::optional<double>& number, const auto&) {
+        if (number) {
+            json[std::string(key.name)] = *number;
+        }
     };
     if (const auto* solid = std::get_if<Solid>(&material)) {
         fields::visit_solid(*solid, "materials", add);

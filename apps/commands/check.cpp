@@ -1,14 +1,18 @@
 // hertzline check: whether a scene can be simulated, and what follows from it.
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/scene_report.hpp"
 #include "apps/console/output.hpp"
+#include "core/model/validity.hpp"
+#include "core/scene/text.hpp"
 #include "stream/resources.hpp"
 
 namespace hertzline::app {
@@ -47,7 +51,7 @@ std::string as_text(const std::vector<ReportRow>& report) {
     for (const ReportRow& row : report) {
         const std::string heading = row.group == group ? "" : row.group;
         group = row.group;
-        text += fmt::format("{:<10}{:<32}{}\n", heading, row.label, shown(row));
+        text += fmt::format("{:<10}{:<34}{}\n", heading, row.label, shown(row));
     }
     return text;
 }
@@ -68,7 +72,14 @@ Json as_json(const std::vector<ReportRow>& report) {
 }
 
 Exit check(const CheckOptions& options) {
-    const std::vector<ReportRow> report = scene_report(resolved_scene(options.scene));
+    const ResolvedScene resolved = resolved_scene(options.scene);
+    const Scene& scene = resolved.scene;
+    const auto peaks = peak_overlaps(scene, std::min(scene.output.duration_s, first_burst_s(scene)));
+    warn_of_contacts(options.scene.scene, scene, peaks);
+    if (const auto late = late_wave_warning(scene)) {
+        spdlog::warn("{}: {}", printable(options.scene.scene), *late);
+    }
+    const std::vector<ReportRow> report = scene_report(resolved, peaks);
     print(options.format == Format::json ? json_text(as_json(report)) + '\n' : as_text(report));
     return Exit::done;
 }

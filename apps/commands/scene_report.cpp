@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
@@ -15,9 +17,11 @@
 #include "core/model/chain.hpp"
 #include "core/model/coupling.hpp"
 #include "core/model/hertz.hpp"
+#include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
 #include "core/simulation.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/recordings/recording_formats.hpp"
@@ -53,13 +57,13 @@ void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
                       if_any(several, std::sqrt(4 * slope / mass) / two_pi)});
 }
 
-void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
+void add_contacts(Report& report, const Scene& scene, const Chain& chain,
+                  const std::optional<Eigen::ArrayXd>& peaks) {
     struct Kind {
         const char* label;
         const char* name;
         Eigen::Index contact;
         bool exists;
-        bool between_spheres = false;
     };
     if (scene.chain.damping_law != DampingLaw::dashpot) {
         report.push_back(
@@ -67,7 +71,7 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
     }
     const std::array<Kind, 3> kinds{
         {{"horn - sphere", "horn", 0, true},
-         {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1, true},
+         {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1},
          {"sphere - end", "end", chain.spheres(), scene.end.kind != EndKind::free}}};
     for (const Kind& kind : kinds) {
         report.push_back({"contacts", std::string(kind.label) + ", stiffness",
@@ -79,13 +83,20 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain) {
                           std::string(kind.name) + "_contact_static_overlap_m", "m",
                           if_any(kind.exists, chain.static_overlap[kind.contact])});
     }
-    for (const Kind& kind : kinds) {
-        const double radius = scene.chain.diameter_m / (kind.between_spheres ? 4 : 2);
-        const double pressure =
-            contact_pressure(chain.stiffness[kind.contact], chain.static_overlap[kind.contact], radius);
-        report.push_back({"contacts", std::string(kind.label) + ", pressure at rest",
-                          std::string(kind.name) + "_contact_static_pressure_pa", "Pa",
-                          if_any(kind.exists, pressure)});
+    const double radius = scene.chain.diameter_m / 2;
+    const ContactLoad rest = contact_load(chain, chain.static_overlap, radius);
+    const ContactLoad most = peaks ? contact_load(chain, *peaks, radius) : rest;
+    const PressureLimits limits = pressure_limits(scene);
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        const Kind& kind = kinds[i];
+        const auto& limit = limits[i];
+        const auto add = [&](const char* label, const char* name, Value value) {
+            report.push_back({"contacts", fmt::format("{}, {}", kind.label, label),
+                              fmt::format("{}_contact_{}", kind.name, name), "Pa", std::move(value)});
+        };
+        add("pressure at rest", "static_pressure_pa", if_any(kind.exists, rest.pressures_pa[i]));
+        add("peak pressure", "peak_pressure_pa", if_any(kind.exists && peaks, most.pressures_pa[i]));
+        add("its limit", "pressure_limit_pa", if_any(kind.exists && limit, limit ? limit->pressure_pa : 0));
     }
 }
 
@@ -136,30 +147,14 @@ void add_end(Report& report, const Scene& scene, const Chain& chain) {
         {"plate", "transmission sqrt(Tm Tw)", "transmission", "", if_any(plate, chain.end.transmission)});
 }
 
-/// The fastest mode over the first burst and half as long again; nothing when that takes too many steps.
-Value fastest_in_motion(const Scene& scene) {
-    constexpr double max_body_steps = 3e7;
-    const double watched =
-        std::min(scene.output.duration_s, 1.5 * scene.drive.cycles / scene.drive.frequency_hz);
-    const double body_steps = watched / *scene.numerics.step_s * static_cast<double>(scene.chain.spheres);
-    if (body_steps > max_body_steps) {
-        return {};
-    }
-    Simulation simulation(scene);
-    const double samples = std::max(1.0, watched * scene.output.sample_rate_hz);
-    if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
-        return {};
-    }
-    return fastest_frequency(simulation.chain(), simulation.state().peak_overlap) / two_pi;
-}
-
-void add_time_scales(Report& report, const Scene& scene, const Chain& chain) {
+void add_time_scales(Report& report, const Scene& scene, const Chain& chain,
+                     const std::optional<Eigen::ArrayXd>& peaks) {
     report.push_back({"time", "duration of a burst", "burst_duration_s", "s",
                       scene.drive.cycles / scene.drive.frequency_hz});
     report.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
                       fastest_frequency(chain, chain.static_overlap) / two_pi});
-    report.push_back(
-        {"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz", fastest_in_motion(scene)});
+    report.push_back({"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz",
+                      if_any(peaks.has_value(), peaks ? fastest_frequency(chain, *peaks) / two_pi : 0)});
 }
 
 void add_accuracy(Report& report, const ResolvedScene& resolved) {
@@ -236,14 +231,50 @@ void add_costs(Report& report, const Scene& scene) {
 
 }  // namespace
 
-std::vector<ReportRow> scene_report(const ResolvedScene& resolved) {
+double first_burst_s(const Scene& scene) {
+    return 1.5 * scene.drive.cycles / scene.drive.frequency_hz;
+}
+
+std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s) {
+    constexpr double max_body_steps = 3e7;
+    const double body_steps = duration_s / *scene.numerics.step_s * static_cast<double>(scene.chain.spheres);
+    if (body_steps > max_body_steps) {
+        return std::nullopt;
+    }
+    Simulation simulation(scene);
+    const double samples = std::max(1.0, duration_s * scene.output.sample_rate_hz);
+    if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
+        return std::nullopt;
+    }
+    return simulation.state().peak_overlap;
+}
+
+void warn_of_contacts(const std::string& name, const Scene& scene,
+                      const std::optional<Eigen::ArrayXd>& peaks) {
+    const Chain chain(scene);
+    const ContactLoad load =
+        contact_load(chain, peaks ? *peaks : chain.static_overlap, scene.chain.diameter_m / 2);
+    std::vector<std::string> warnings;
+    if (peaks) {  // those at rest are judged with the scene
+        warnings = validity_warnings(load);
+    }
+    if (auto beyond = strength_warning(scene, chain, load)) {
+        warnings.push_back(*std::move(beyond));
+    }
+    for (const std::string& text : warnings) {
+        spdlog::warn("{}: {}", printable(name), text);
+    }
+}
+
+std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
+                                    const std::optional<Eigen::ArrayXd>& peaks) {
     const Scene& scene = resolved.scene;
     const Chain chain(scene);
     Report report;
     add_spheres(report, scene, chain);
-    add_contacts(report, scene, chain);
+    add_contacts(report, scene, chain, peaks);
     add_end(report, scene, chain);
-    add_time_scales(report, scene, chain);
+    add_time_scales(report, scene, chain, peaks);
     add_accuracy(report, resolved);
     add_step(report, resolved);
     add_costs(report, scene);

@@ -1,5 +1,5 @@
 #pragma once
-// What follows from a scene: masses, stiffnesses, frequencies, the cost of a run.
+// What follows from a scene: masses, stiffnesses, frequencies, what contacts carry, the cost of a run.
 
 #include <cstdint>
 #include <optional>
@@ -7,6 +7,9 @@
 #include <variant>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include "core/scene/scene.hpp"
 #include "core/step_choice/resolve.hpp"
 
 namespace hertzline::app {
@@ -21,8 +24,20 @@ struct ReportRow {
     std::variant<std::monostate, double, std::int64_t, bool, std::string> value;
 };
 
-/// In the order in which they are best read. Simulates the scene's first burst for the peak overlaps: takes
-/// as long as that.
-std::vector<ReportRow> scene_report(const ResolvedScene& resolved);
+/// The first burst and half as long again [s].
+double first_burst_s(const Scene& scene);
+
+/// Overlaps of the contacts at their largest in so many seconds [m]; nothing when that takes too many steps, or fails.
+/// Simulates them. @param scene is resolved
+std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s);
+
+/// Warns of contacts that are pressed too deep, or harder than their materials bear, at these overlaps; at rest where they
+/// are not known. @param name of the scene, as the user gave it
+void warn_of_contacts(const std::string& name, const Scene& scene,
+                      const std::optional<Eigen::ArrayXd>& peaks);
+
+/// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
+std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
+                                    const std::optional<Eigen::ArrayXd>& peaks);
 
 }  // namespace hertzline::app

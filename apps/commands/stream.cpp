@@ -14,6 +14,7 @@
 #include "apps/command.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
+#include "apps/commands/scene_report.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
@@ -111,6 +112,7 @@ Exit stream(const StreamArguments& arguments) {
     faults.of([&] { recorded = taps_to_record(arguments, end ? &*end : nullptr); });
     faults.refuse();
     const Scene& scene = resolved.scene;
+    warn_of_contacts(arguments.scene.scene, scene, peak_overlaps(scene, first_burst_s(scene)));
     const double rate = scene.output.sample_rate_hz;
     stream::StreamOptions options =
         stream_options(arguments.publish, rate,

@@ -129,11 +129,25 @@ ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, dou
         }
         const double curvature_radius = c == 0 || c == last ? radius_m : radius_m / 2;
         load.force_n = std::max(load.force_n, elastic_force(stiffness, overlaps[c]));
-        load.pressure_pa =
-            std::max(load.pressure_pa, contact_pressure(stiffness, overlaps[c], curvature_radius));
+        double& pressure = load.pressures_pa[c == 0 ? 0 : c == last ? 2 : 1];
+        pressure = std::max(pressure, contact_pressure(stiffness, overlaps[c], curvature_radius));
         load.overlap_ratio = std::max(load.overlap_ratio, overlaps[c] / radius_m);
     }
+    load.pressure_pa = *std::max_element(load.pressures_pa.begin(), load.pressures_pa.end());
     return load;
+}
+
+std::optional<std::string> late_wave_warning(const Scene& scene) {
+    // no wave is faster than a long one in a chain pressed as far as the drive can: diameter sqrt(k_t / m), and the
+    // cut-off is sqrt(4 k_t / m) / (2 pi)
+    const double soonest_s =
+        static_cast<double>(scene.chain.spheres) / (std::numbers::pi * fastest_contact_hz(scene));
+    if (scene.output.duration_s >= soonest_s) {
+        return std::nullopt;
+    }
+    return "the run ends after " + briefly(scene.output.duration_s) +
+           " s (output.duration_s); the wave needs about " + briefly(soonest_s) +
+           " s or more to reach the end of the chain";
 }
 
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {

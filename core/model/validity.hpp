@@ -1,6 +1,9 @@
 #pragma once
 // Where a scene leaves what its equations were made for. Nothing here is refused: the equations can still be solved.
 
+#include <array>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,11 +14,16 @@
 
 namespace hertzline {
 
+/// Horn - sphere, sphere - sphere and sphere - end.
+inline constexpr std::size_t contact_kinds = 3;
+
 /// What the contacts carry at most, each number of the contact where it is largest.
 struct ContactLoad {
     double force_n = 0;        ///< elastic force [N]
     double pressure_pa = 0;    ///< at the centre of the contact [Pa]
     double overlap_ratio = 0;  ///< overlap over the radius of a sphere
+    std::array<double, contact_kinds>
+        pressures_pa{};  ///< of each kind of contact [Pa]; 0 where there is none
 };
 
 /// Pressure at the centre of a contact of stiffness k [N/m^(3/2)] at an overlap [m]: 3 k sqrt(overlap) / (2 pi R) [Pa]
@@ -30,6 +38,9 @@ ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, dou
 /// sags by more than half its thickness, contacts that the preload presses too deep, damping of another material. A
 /// sentence each. @param scene has passed validate()
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain);
+
+/// Of a run that ends before its wave can reach the end of the chain: when it could at the soonest. Nothing of others.
+std::optional<std::string> late_wave_warning(const Scene& scene);
 
 /// What is odd about a motion: contacts that were pressed too deep.
 std::vector<std::string> validity_warnings(const ContactLoad& load);

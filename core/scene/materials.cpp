@@ -12,19 +12,24 @@ namespace {
 // D. J. Inman, Piezoelectric Energy Harvesting, 2011, appendix E. "Duck": F. A. Duck, Physical Properties of Tissue, 1990.
 // "crystal average": the isotropic (Voigt-Reuss-Hill) average of the single crystal. "usual value(s)": what data sheets agree on
 // within a few per cent; who needs more gives the material's own. A ceramic of PZT counts as a solid with E = 1 / s11 and
-// nu = -s12 / s11 at constant field, without its piezoelectricity.
+// nu = -s12 / s11 at constant field, without its piezoelectricity. Strengths are those of one grade, which the source names: those of
+// other grades, tempers and surfaces differ by factors. Where there is none, no figure could be cited.
 constexpr std::array table{std::to_array<BuiltInMaterial>({
-    {"aluminium", Solid{69e9, 0.33, 2700}, "paper"},
+    {"aluminium", Solid{69e9, 0.33, 2700, 276e6, {}},
+     "paper; yield: Aluminum Design Manual (6061-T6, typical)"},
     {"pyrex", Solid{67e9, 0.20, 2230}, "E and nu: paper; density: data sheet"},
-    {"vitreous_carbon", Solid{35e9, 0.15, 1420}, "E and nu: paper; density: data sheet (Sigradur G)"},
+    {"vitreous_carbon", Solid{35e9, 0.15, 1420, {}, 260e6},
+     "E and nu: paper; density and strength: data sheet (Sigradur G)"},
     {"acrylic", Solid{2.5e9, 0.35, 1190}, "E and nu: paper; density: usual value"},
     {"silicone_rubber", Solid{0.1e9, 0.49, 1100}, "E and nu: paper; density: usual value"},
     {"steel", Solid{201e9, 0.30, 7833}, "paper (horn)"},
 
-    {"stainless_steel", Solid{193e9, 0.29, 8000}, "usual values (AISI 304)"},
+    {"stainless_steel", Solid{193e9, 0.29, 8000, 205e6, {}},
+     "usual values (AISI 304); yield: ASTM A240 minimum"},
     {"bearing_steel", Solid{210e9, 0.30, 7810}, "usual values (100Cr6)"},
-    {"titanium", Solid{115.7e9, 0.321, 4508}, "Kaye and Laby"},
-    {"titanium_alloy", Solid{113.8e9, 0.342, 4430}, "usual values (Ti-6Al-4V, annealed)"},
+    {"titanium", Solid{115.7e9, 0.321, 4508, 275e6, {}}, "Kaye and Laby; yield: ASTM B265 minimum (grade 2)"},
+    {"titanium_alloy", Solid{113.8e9, 0.342, 4430, 828e6, {}},
+     "usual values (Ti-6Al-4V, annealed); yield: ASTM B265 minimum (grade 5)"},
     {"copper", Solid{129.8e9, 0.343, 8933}, "Kaye and Laby"},
     {"brass", Solid{100.6e9, 0.350, 8500}, "Kaye and Laby (70 Cu, 30 Zn)"},
     {"nickel", Solid{219.2e9, 0.306, 8908}, "Kaye and Laby"},
@@ -33,27 +38,27 @@ constexpr std::array table{std::to_array<BuiltInMaterial>({
     {"tungsten", Solid{411e9, 0.280, 19254}, "Kaye and Laby"},
     {"tungsten_carbide", Solid{630e9, 0.22, 14900}, "usual values (6 % cobalt)"},
 
-    {"alumina", Solid{370e9, 0.22, 3900}, "data sheet (99.5 %, AD-995)"},
+    {"alumina", Solid{370e9, 0.22, 3900, {}, 379e6}, "data sheet (99.5 %, AD-995)"},
     {"sapphire", Solid{403e9, 0.234, 3987}, "crystal average"},
     {"silicon", Solid{162.6e9, 0.223, 2329}, "crystal average"},
-    {"silicon_carbide", Solid{410e9, 0.14, 3100}, "data sheet (sintered, Hexoloy SA)"},
+    {"silicon_carbide", Solid{410e9, 0.14, 3100, {}, 380e6}, "data sheet (sintered, Hexoloy SA)"},
     {"silicon_nitride", Solid{310e9, 0.27, 3200}, "usual values (bearing balls)"},
     {"zirconia", Solid{205e9, 0.31, 6050}, "usual values (3Y-TZP)"},
-    {"fused_silica", Solid{72.7e9, 0.16, 2201}, "data sheet (Corning 7980)"},
-    {"soda_lime_glass", Solid{72e9, 0.22, 2500}, "usual values"},
+    {"fused_silica", Solid{72.7e9, 0.16, 2201, {}, 52.4e6}, "data sheet (Corning 7980; strength: abraded)"},
+    {"soda_lime_glass", Solid{72e9, 0.22, 2500, {}, 45e6}, "usual values; strength: EN 572-1"},
     {"bk7", Solid{82e9, 0.206, 2510}, "data sheet (Schott N-BK7)"},
-    {"macor", Solid{66.9e9, 0.29, 2520}, "data sheet (Corning)"},
+    {"macor", Solid{66.9e9, 0.29, 2520, {}, 94e6}, "data sheet (Corning)"},
     {"pzt_4", Solid{81.3e9, 0.33, 7500}, "usual values (s11 12.3, s12 -4.05 / TPa)"},
     {"pzt_5a", Solid{61.0e9, 0.35, 7750}, "Erturk and Inman"},
     {"pzt_5h", Solid{60.6e9, 0.29, 7500}, "Erturk and Inman"},
 
-    {"peek", Solid{4.0e9, 0.40, 1300}, "data sheet (Victrex 450G); nu: usual value"},
+    {"peek", Solid{4.0e9, 0.40, 1300, 98e6, {}}, "data sheet (Victrex 450G); nu: usual value"},
     {"polycarbonate", Solid{2.4e9, 0.37, 1200}, "usual values"},
     {"polystyrene", Solid{3.3e9, 0.34, 1050}, "usual values"},
     {"nylon", Solid{3.0e9, 0.40, 1140}, "usual values (polyamide 6.6, dry)"},
     {"pom", Solid{3.1e9, 0.35, 1420}, "data sheet (Delrin 500); nu: usual value"},
     {"ptfe", Solid{0.5e9, 0.46, 2200}, "usual values"},
-    {"polyimide", Solid{2.5e9, 0.34, 1420}, "data sheet (Kapton HN)"},
+    {"polyimide", Solid{2.5e9, 0.34, 1420, 69e6, {}}, "data sheet (Kapton HN)"},
     {"epoxy", Solid{3.5e9, 0.35, 1160}, "usual values (unfilled)"},
 
     {"water", Fluid{998, 1482}, "usual values at 20 C"},

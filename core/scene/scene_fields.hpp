@@ -143,10 +143,13 @@ inline constexpr Range density_range{1e-3, 1e6, "kg/m^3"};
 /// The same for the keys of a solid in `section`, [materials.NAME].
 template <class AnySolid, class Visit>
 void visit_solid(AnySolid& solid, std::string_view section, Visit&& visit) {
-    auto& [youngs_modulus_pa, poissons_ratio, density_kg_per_m3] = solid;
+    auto& [youngs_modulus_pa, poissons_ratio, density_kg_per_m3, yield_strength_pa, flexural_strength_pa] =
+        solid;
     visit(Key{section, "youngs_modulus_pa"}, youngs_modulus_pa, Range{1, 1e15, "Pa"});
     visit(Key{section, "poissons_ratio"}, poissons_ratio, Range{-1, 0.5, "", Bounds::excluded});
     visit(Key{section, "density_kg_per_m3"}, density_kg_per_m3, density_range);
+    visit(Key{section, "yield_strength_pa"}, yield_strength_pa, Range{1, 1e15, "Pa"});
+    visit(Key{section, "flexural_strength_pa"}, flexural_strength_pa, Range{1, 1e15, "Pa"});
 }
 
 template <class AnyFluid, class Visit>

@@ -65,11 +65,17 @@ std::string hint(const TomlValue& /*value*/, const Allowed& /*allowed*/) {
     return "";
 }
 
+template <class Member>
+constexpr bool is_optional = false;
+template <class Value>
+constexpr bool is_optional<std::optional<Value>> = true;
+
 // Visits the fields and sets those that are given.
 struct FieldReader {
     const SceneSettings& settings;
     std::vector<Fault>& faults;
-    const Setting* material = nullptr;  // the beginning of a [materials.NAME], which must give every key
+    const Setting* material =
+        nullptr;  // the beginning of a [materials.NAME], which must give every key but the optional ones
 
     template <class Member, class Allowed>
     void operator()(const Key& key, Member& member, const Allowed& allowed) const {
@@ -81,7 +87,7 @@ struct FieldReader {
                 faults.push_back({text, value_text(given->value),
                                   allowed_text(allowed) + hint(given->value, allowed), given->place});
             }
-        } else if (material != nullptr) {
+        } else if (material != nullptr && !is_optional<Member>) {
             faults.push_back({text, "nothing", allowed_text(allowed), material->place});
         }
     }
@@ -93,7 +99,8 @@ std::optional<Material> read_material(const SceneSettings& settings, const std::
     const std::string section = "materials." + key_part(name);
     const Setting* beginning = settings.find(section);
     const auto given = [&](const char* key) { return settings.find(section + '.' + key) != nullptr; };
-    const bool solid_keys = given("youngs_modulus_pa") || given("poissons_ratio");
+    const bool solid_keys = given("youngs_modulus_pa") || given("poissons_ratio") ||
+                            given("yield_strength_pa") || given("flexural_strength_pa");
     const bool fluid_keys = given("sound_speed_m_per_s");
     if (solid_keys == fluid_keys) {
         faults.push_back({section, solid_keys ? "keys of a solid and of a fluid" : "no material",

@@ -1,9 +1,12 @@
 #include "stream/measures/run_summary.hpp"
 
+#include <optional>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
 #include "core/scene/scene_words.hpp"
 #include "stream/measures/record_warnings.hpp"
@@ -56,10 +59,19 @@ std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& 
 SummaryGroup contacts_of_run(Simulation& simulation, Warnings& warnings) {
     const ContactLoad load = contact_load(simulation.chain(), simulation.state().peak_overlap,
                                           simulation.scene().chain.diameter_m / 2);
+    const Scene& scene = simulation.scene();
     append(warnings, validity_warnings(load));
+    if (auto beyond = strength_warning(scene, simulation.chain(), load)) {
+        warnings.push_back(*std::move(beyond));
+    }
+    const ContactLoad rest =
+        contact_load(simulation.chain(), simulation.chain().static_overlap, scene.chain.diameter_m / 2);
+    const std::optional<double> ratio = strength_ratio(pressure_limits(scene), load);
     Json values;
     values["peak_contact_force_n"] = load.force_n;
     values["peak_contact_pressure_pa"] = load.pressure_pa;
+    values["static_contact_pressure_pa"] = rest.pressure_pa;
+    values["peak_strength_ratio"] = ratio ? Json(*ratio) : Json(nullptr);
     values["peak_overlap_ratio"] = load.overlap_ratio;
     values["contact_events"] = simulation.contact_events();
     return {"contacts", std::move(values), ""};

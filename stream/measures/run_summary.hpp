@@ -31,7 +31,7 @@ std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& 
                                           SpectrumAnalyser& analyser, std::optional<double> band_from_hz,
                                           Warnings& warnings);
 
-/// What the contacts carried. Warns where that is beyond Hertz's law.
+/// What the contacts carried. Warns where that is beyond Hertz's law or the strength of a material.
 SummaryGroup contacts_of_run(Simulation& simulation, Warnings& warnings);
 
 /// How far the result can be trusted.

@@ -78,8 +78,9 @@ std::vector<NumberColumn> number_columns(TapSet measured, bool modal) {
         list.add(std::string(row.name) + ".peak_" + std::string(row.column));
         list.add_spectrum(std::string(row.name) + '.');
     }
-    for (const char* name : {"peak_contact_force_n", "peak_contact_pressure_pa", "peak_overlap_ratio",
-                             "contact_events", "energy_residual"}) {
+    for (const char* name :
+         {"peak_contact_force_n", "peak_contact_pressure_pa", "static_contact_pressure_pa",
+          "peak_strength_ratio", "peak_overlap_ratio", "contact_events", "energy_residual"}) {
         list.add(name);
     }
     if (modal) {

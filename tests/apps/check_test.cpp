@@ -126,7 +126,8 @@ TEST(Check, NamesTheLawOfDampingWhereItIsNotTheDashpot) {
 }
 
 TEST(Check, TextHasUnitsAndNoMessages) {
-    const Outcome outcome = hertzline({"check", "paper-acrylic"});
+    const Outcome outcome = hertzline(
+        {"check", "paper-acrylic", "--set", "chain.preload_n=0.01", "--set", "drive.amplitude_m=1e-8"});
     EXPECT_EQ(outcome.status, 0);
     EXPECT_THAT(outcome.out, HasSubstr("1.41372e-06 kg"));
     EXPECT_THAT(outcome.out, HasSubstr("N/m^1.5"));

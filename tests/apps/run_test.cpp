@@ -96,7 +96,9 @@ TEST(Run, EstimatesTheErrorOfAnyStepThatAPilotCanAfford) {
 }
 
 TEST(Run, NothingGoesToStderrWithoutATerminal) {
-    EXPECT_THAT(hertzline({"run", "paper-wall"}).err, IsEmpty());
+    const Words gentle{
+        "run", "paper-wall", "--set", "chain.preload_n=0.01", "--set", "drive.amplitude_m=1e-8"};
+    EXPECT_THAT(hertzline(gentle).err, IsEmpty());  // no contact yields
 }
 
 TEST(Run, FilesHoldEverySampleUpToAndIncludingTheDuration) {
@@ -257,8 +259,37 @@ TEST(Run, TellsWhatTheContactsCarry) {
     EXPECT_NEAR(summary["peak_contact_force_n"].get<double>(), 2.6, 0.1);
     EXPECT_NEAR(summary["peak_contact_pressure_pa"].get<double>(), 2.3e9, 0.1e9);
     EXPECT_LT(summary["peak_overlap_ratio"].get<double>(), 0.05);
+    EXPECT_NEAR(summary["static_contact_pressure_pa"].get<double>(), 0.77e9, 0.01e9);
+    EXPECT_NEAR(summary["peak_strength_ratio"].get<double>(),
+                summary["peak_contact_pressure_pa"].get<double>() / (1.6 * 276e6), 1e-9);
     const Outcome deep = hertzline({"run", "paper-wall", "--set", "drive.amplitude_m=5e-5"});
     EXPECT_THAT(deep.err, HasSubstr("deep by the motion; Hertz's law is for less than 0.05"));
+}
+
+TEST(Run, CheckAndStreamWarnOnceOfContactsBeyondTheirMaterials) {
+    const auto warned = [](Words words, const std::string& strength) {
+        const Words scene{"paper-wall",
+                          "--set",
+                          "materials.mine.youngs_modulus_pa=69e9",
+                          "--set",
+                          "materials.mine.poissons_ratio=0.33",
+                          "--set",
+                          "materials.mine.density=2700",
+                          "--set",
+                          "materials.mine.yield_strength_pa=" + strength,
+                          "--set",
+                          "chain.material=mine"};
+        words.insert(words.end(), scene.begin(), scene.end());
+        const std::string err = hertzline(words).err;
+        const auto first = err.find("contacts press harder than their materials bear: horn - sphere");
+        EXPECT_TRUE(first == std::string::npos || err.find("press harder", first + 20) == std::string::npos);
+        return first != std::string::npos;
+    };
+    for (const Words& words : std::vector<Words>{
+             {"run"}, {"check"}, {"stream", "--duration", "1e-3", "--bind", "tcp://127.0.0.1:*"}}) {
+        EXPECT_TRUE(warned(words, "1e9")) << words[0];  // beyond in motion only: 1.3 GPa at rest, 3 at most
+        EXPECT_FALSE(warned(words, "1e10")) << words[0];
+    }
 }
 
 TEST(Run, SameSceneSameHashOtherSceneOtherHash) {

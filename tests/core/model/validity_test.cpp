@@ -123,6 +123,15 @@ TEST(Validity, DampingOfAnotherMaterialIsNoticed) {
                 IsEmpty());
 }
 
+TEST(Validity, ARunThatEndsBeforeTheWaveArrivesIsNoticed) {
+    Scene scene;
+    EXPECT_FALSE(late_wave_warning(scene));
+    scene.chain.spheres = 10'000;
+    EXPECT_THAT(late_wave_warning(scene).value_or(""), HasSubstr("the run ends after 0.0005 s"));
+    scene.output.duration_s = 0.1;  // 10 m at 100 m/s: slower than any wave in it
+    EXPECT_FALSE(late_wave_warning(scene));
+}
+
 TEST(ContactLoad, IsThatOfTheTextbook) {
     // Johnson 1985, equations 4.22 to 4.24: a = (3 F R / 4 E)^(1/3), overlap a^2 / R, p0 = 3 F / (2 pi a^2),
     // here between two aluminium spheres of 1 mm: R = 0.25 mm, E = 69 GPa / (1 - 0.33^2) / 2.

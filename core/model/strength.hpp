@@ -1,0 +1,41 @@
+#pragma once
+// What contacts may carry before their materials yield or crack. The model stays elastic: nothing here changes a motion.
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "core/model/chain.hpp"
+#include "core/model/validity.hpp"
+#include "core/scene/scene.hpp"
+
+namespace hertzline {
+
+enum class Failure { yields, cracks };
+
+/// Pressure at the centre of a contact [Pa] from which one of its materials is no longer elastic.
+struct PressureLimit {
+    double pressure_pa = 0;
+    Failure failure = Failure::yields;
+    std::string material;
+};
+
+/// The limit of a solid, the lower one where it has both strengths; none where it has neither. It yields from 1.6 times
+/// its yield strength on (K. L. Johnson, Contact Mechanics, 1985, section 6.1; a sphere, nu = 0.3). It cracks where the
+/// tension at the contact's edge, (1 - 2 nu) p0 / 3 (section 4.2), reaches its flexural strength: contacts much smaller than
+/// the flaws that decided that strength bear more.
+std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::string& name);
+
+/// Of each kind of contact the limit of its weaker material, in the order of ContactLoad::pressures_pa; none where no
+/// strength is known.
+using PressureLimits = std::array<std::optional<PressureLimit>, contact_kinds>;
+PressureLimits pressure_limits(const Scene& scene);
+
+/// The largest ratio of a pressure to its limit; none where no limit is known.
+std::optional<double> strength_ratio(const PressureLimits& limits, const ContactLoad& load);
+
+/// One sentence that names each contact whose pressure is beyond its limit, with figures; none where all are within.
+/// @param most what the contacts carry at most, or at rest where nothing else is known
+std::optional<std::string> strength_warning(const Scene& scene, const Chain& chain, const ContactLoad& most);
+
+}  // namespace hertzline

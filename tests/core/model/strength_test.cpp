@@ -1,0 +1,99 @@
+#include "core/model/strength.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hertzline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+/// A wall of a material with these strengths under spheres and a horn that bear anything.
+Scene scene_with(const std::optional<double>& yield_pa, const std::optional<double>& flexural_pa) {
+    Scene scene;
+    scene.end.kind = EndKind::wall;
+    scene.end.material = "mine";
+    scene.chain.material = "steel";
+    scene.materials["mine"] = Solid{69e9, 0.33, 2700, yield_pa, flexural_pa};
+    return scene;
+}
+
+std::optional<std::string> warning_at_rest(const Scene& scene) {
+    const Chain chain(scene);
+    return strength_warning(scene, chain,
+                            contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2));
+}
+
+double pressure_at_rest(const Scene& scene) {
+    // Johnson 1985, equations 4.22 and 4.24: p0 = (6 F E*^2 / (pi^3 R^2))^(1/3)
+    const Solid steel{201e9, 0.30, 7833};
+    const auto& wall = std::get<Solid>(scene.materials.at("mine"));
+    const double modulus = 1 / (1 / plane_strain_modulus(steel) + 1 / plane_strain_modulus(wall));
+    const double radius = scene.chain.diameter_m / 2;
+    return std::cbrt(6 * scene.chain.preload_n * modulus * modulus / std::pow(std::numbers::pi, 3) /
+                     (radius * radius));
+}
+
+TEST(Strength, AMetalYieldsAt1p6OfItsYieldStrength) {
+    const double pressure = pressure_at_rest(scene_with({}, {}));
+    const auto beyond = warning_at_rest(scene_with(0.99 * pressure / 1.6, {}));
+    ASSERT_TRUE(beyond);
+    EXPECT_THAT(*beyond, AllOf(HasSubstr("sphere - end"), HasSubstr("mine yields from"),
+                               Not(HasSubstr("horn")), Not(HasSubstr("sphere - sphere"))));
+    EXPECT_FALSE(warning_at_rest(scene_with(1.01 * pressure / 1.6, {})));
+}
+
+TEST(Strength, ABrittleMaterialCracksByTheTensionAtTheEdge) {
+    const double tension = (1 - 2 * 0.33) / 3 * pressure_at_rest(scene_with({}, {}));
+    const auto beyond = warning_at_rest(scene_with({}, 0.99 * tension));
+    ASSERT_TRUE(beyond);
+    EXPECT_THAT(*beyond, HasSubstr("mine may crack from"));
+    EXPECT_FALSE(warning_at_rest(scene_with({}, 1.01 * tension)));
+}
+
+TEST(Strength, TheLowerLimitCounts) {
+    const Solid solid{69e9, 0.33, 2700, 100e6, 1e6};
+    const auto limit = pressure_limit(solid, "mine");
+    ASSERT_TRUE(limit);
+    EXPECT_EQ(limit->failure, Failure::cracks);
+    EXPECT_NEAR(limit->pressure_pa, 3e6 / 0.34, 1);
+    EXPECT_EQ(pressure_limit(Solid{69e9, 0.33, 2700, 1e6, 100e6}, "mine")->pressure_pa, 1.6e6);
+    EXPECT_FALSE(pressure_limit(Solid{69e9, 0.33, 2700}, "mine"));
+}
+
+TEST(Strength, EachKindOfContactIsNamedWithBothItsPressures) {
+    Scene scene;  // aluminium spheres: 1.6 * 276 MPa
+    const Chain chain(scene);
+    ContactLoad load = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
+    EXPECT_NEAR(load.pressures_pa[1], 0.77e9, 0.01e9);
+    EXPECT_EQ(*std::max_element(load.pressures_pa.begin(), load.pressures_pa.end()), load.pressure_pa);
+    load.pressures_pa[1] = 2.3e9;
+    const auto beyond = strength_warning(scene, chain, load);
+    ASSERT_TRUE(beyond);
+    EXPECT_THAT(*beyond, AllOf(HasSubstr("horn - sphere "), HasSubstr(" MPa at rest (aluminium yields"),
+                               HasSubstr("sphere - sphere 774 MPa at rest and 2300 MPa at most (aluminium "
+                                         "yields from 442 MPa on)")));
+    EXPECT_NEAR(*strength_ratio(pressure_limits(scene), load), 2300 / (1.6 * 276), 1e-9);
+}
+
+TEST(Strength, NothingIsSaidOfMaterialsWhoseStrengthIsNotKnown) {
+    Scene scene = scene_with({}, {});
+    scene.chain.preload_n = 1000;
+    EXPECT_FALSE(warning_at_rest(scene));
+    EXPECT_FALSE(strength_ratio(pressure_limits(scene), ContactLoad{.pressures_pa = {1e12, 1e12, 1e12}}));
+}
+
+TEST(Strength, OfAFreeEndThereIsNothingToBear) {
+    Scene scene = scene_with(1.0, {});
+    scene.end.kind = EndKind::free;
+    EXPECT_FALSE(warning_at_rest(scene));
+}
+
+}  // namespace
+}  // namespace hertzline
