@@ -17,6 +17,7 @@ set(core_headers
   core/taps.hpp
   # what those include
   core/scene/fault.hpp
+  core/model/bursts.hpp
   core/model/chain.hpp
   core/model/end.hpp
   core/plate/plate_modes.hpp

@@ -94,4 +94,15 @@ Json provenance_of_meta(const Json& meta) {
     return json;
 }
 
+std::optional<double> repetition_of(const nlohmann::ordered_json& provenance) {
+    const nlohmann::ordered_json::json_pointer path("/scene/drive/repetition_hz");
+    if (!provenance.contains(path)) {
+        return std::nullopt;
+    }
+    const auto& value = provenance.at(path);
+    constexpr double most = 1e9;  // as in a scene
+    const bool usable = value.is_number() && value.get<double>() >= 0 && value.get<double>() <= most;
+    return usable ? std::optional(value.get<double>()) : std::nullopt;
+}
+
 }  // namespace hertzline::stream

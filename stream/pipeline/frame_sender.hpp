@@ -5,6 +5,7 @@
 
 #include <zmq.hpp>
 
+#include "core/model/bursts.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/topic_demand.hpp"
@@ -29,6 +30,7 @@ private:
     void describe(const Block& block, Tap tap);
 
     Publisher& publisher_;
+    Bursts bursts_;
     FrameHeader frame_;
     std::string header_;
 };

@@ -5,6 +5,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "stream/provenance.hpp"
+
 namespace hertzline::stream {
 
 ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sample_rate_hz,
@@ -12,6 +14,9 @@ ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sampl
     : reader_(std::move(reader)), columns_(tap_count) {
     format_.sample_rate_hz = sample_rate_hz;
     format_.frame_samples = frame_samples;
+    // another rate than the recording's makes the bursts faster or slower, too
+    const double faster = head().sample_rate_hz > 0 ? sample_rate_hz / head().sample_rate_hz : 1;
+    format_.repetition_hz = faster * repetition_of(head().provenance).value_or(0);
     find_columns();
     if (!refill()) {
         throw std::runtime_error(failure_.empty() ? "the recording holds no samples" : failure_);

@@ -23,6 +23,7 @@ struct StreamFormat {
     std::size_t spheres = 0;  ///< channels of the taps with one per sphere
     double sample_rate_hz = 0;
     std::int64_t frame_samples = 0;
+    double repetition_hz = 0;  ///< bursts a second; 0: a single one, or it is not known
 
     std::size_t channels(Tap tap) const noexcept { return channels_of(tap, spheres); }
     /// The taps with one channel per sphere.

@@ -6,7 +6,8 @@ StreamFormat SimulationSource::format_of(const Scene& scene) noexcept {
     return {.taps = streamed_taps_of(scene.end),
             .spheres = static_cast<std::size_t>(scene.chain.spheres),
             .sample_rate_hz = scene.output.sample_rate_hz,
-            .frame_samples = scene.output.frame_samples};
+            .frame_samples = scene.output.frame_samples,
+            .repetition_hz = scene.drive.repetition_hz};
 }
 
 double SimulationSource::memory_bytes(const Scene& scene) noexcept {

@@ -9,11 +9,14 @@ namespace hertzline::stream {
 
 /// The header of n consecutive samples of one stream.
 struct FrameHeader {
-    std::string stream;         ///< a tap's name, "v_out"
-    std::string unit = "m/s";   ///< of the samples
-    std::uint64_t seq = 0;      ///< counts the topic's frames, from 0; a discarded frame takes a number too
-    std::uint64_t sample = 0;   ///< index of the first sample since the run's start
-    double fs = 0;              ///< samples a second [Hz], positive
+    std::string stream;        ///< a tap's name, "v_out"
+    std::string unit = "m/s";  ///< of the samples
+    std::uint64_t seq = 0;     ///< counts the topic's frames, from 0; a discarded frame takes a number too
+    std::uint64_t sample = 0;  ///< index of the first sample since the run's start
+    std::uint64_t burst =
+        0;  ///< the horn's burst that the first sample lies in, from 0; 0 where bursts do not repeat
+    std::uint64_t burst_sample = 0;  ///< index of the first sample since that burst's first sample
+    double fs = 0;                   ///< samples a second [Hz], positive
     std::uint64_t dropped = 0;  ///< frames of this run that the program itself had to discard before this one
     std::string run;            ///< the run's id, a UUID
     std::size_t n = 0;          ///< samples in the frame, at least 1

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""meta, meters and end of real streams are what their schema says: messages_keep_their_schema.py HERTZLINE SCHEMA"""
+"""meta, meters, end and the headers of frames of real streams are what their schema says: messages_keep_their_schema.py HERTZLINE SCHEMA"""
 import json, sys, tempfile
 import jsonschema, zmq
 from streaming import LONG_ENOUGH_S, Stream
@@ -10,6 +10,7 @@ with open(schema_file) as text:
 jsonschema.Draft202012Validator.check_schema(schema)
 topics = {name: jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$defs": schema["$defs"]})
           for name in ("meta", "meters", "end")}
+header = jsonschema.Draft202012Validator({"$ref": "#/$defs/header", "$defs": schema["$defs"]})
 
 
 def messages_of(scene, duration_s, *words, command="stream"):
@@ -18,7 +19,7 @@ def messages_of(scene, duration_s, *words, command="stream"):
                 *words, command=command) as stream, zmq.Context() as context, context.socket(zmq.SUB) as socket:
         socket.rcvtimeo = LONG_ENOUGH_S * 1000
         socket.connect(stream.endpoint)
-        for topic in (*topics, "v_last/raw"):
+        for topic in (*topics, "v_last/raw", "v_last/np"):
             socket.subscribe(topic)
         said = []
         while not said or said[-1][0] != "end":
@@ -26,6 +27,8 @@ def messages_of(scene, duration_s, *words, command="stream"):
             if topic.decode() in topics:
                 assert len(parts) == 1, f"{topic}: {len(parts)} parts after the topic"
                 said.append((topic.decode(), json.loads(parts[0])))
+            elif topic == b"v_last/np":
+                header.validate(json.loads(parts[0]))
         assert said[-1][1] == json.loads(stream.summary()), "end is not what --json prints"
         return said
 

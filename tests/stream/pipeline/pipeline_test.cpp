@@ -2,6 +2,7 @@
 
 #include "stream/pipeline/pipeline.hpp"
 
+#include <cmath>
 #include <map>
 #include <optional>
 #include <thread>
@@ -44,6 +45,7 @@ public:
 
     std::map<Tap, std::vector<float>> samples;
     std::map<Tap, ContinuityCheck> checks;
+    std::vector<FrameHeader> headers;
 
 private:
     void run(const std::string& endpoint) {
@@ -63,6 +65,7 @@ private:
             const auto header = decode_header(message->text(0), message->bytes(1).size());
             ASSERT_TRUE(header) << header.error();
             checks[tap].take(*header);
+            headers.push_back(*header);
             ASSERT_TRUE(decode_samples(message->bytes(1), part));
             samples[tap].insert(samples[tap].end(), part.begin(), part.end());
         }
@@ -126,6 +129,33 @@ TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
     }
     EXPECT_EQ(meters.account.steps, simulation.steps());
     EXPECT_EQ(meters.account.contact_events, simulation.contact_events());
+}
+
+TEST(Pipeline, HeadersSayInWhichBurstTheirFirstSampleLies) {
+    const auto headers_of = [](double repetition_hz) {
+        CountingSource source({.taps = Tap::v_out,
+                               .spheres = 1,
+                               .sample_rate_hz = 1e7,
+                               .frame_samples = 1024,
+                               .repetition_hz = repetition_hz});
+        Publisher publisher("tcp://127.0.0.1:*");
+        Listener listener(publisher.endpoint(), {Tap::v_out});
+        run(options(Pace::flat_out(), 100'000, StreamStart::with_first_subscriber), source, publisher);
+        listener.join();
+        EXPECT_EQ(listener.headers.size(), 98U);
+        return listener.headers;
+    };
+    for (const FrameHeader& header :
+         headers_of(997)) {  // 10030.09 samples: the bursts begin at 10031, 20061...
+        const auto burst = static_cast<std::uint64_t>(static_cast<double>(header.sample) * 997 / 1e7);
+        EXPECT_EQ(header.burst, burst);
+        const double start = std::ceil(static_cast<double>(burst) * 1e7 / 997);
+        EXPECT_EQ(header.burst_sample, header.sample - static_cast<std::uint64_t>(start));
+    }
+    for (const FrameHeader& header : headers_of(0)) {
+        EXPECT_EQ(header.burst, 0U);
+        EXPECT_EQ(header.burst_sample, header.sample);
+    }
 }
 
 TEST(Pipeline, TheSimulatingThreadAllocatesNothing) {

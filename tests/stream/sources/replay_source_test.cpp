@@ -20,6 +20,8 @@ public:
         : pieces_(std::move(pieces)), damaged_(damaged) {
         head_.columns = std::move(columns);
     }
+    ListReader(RecordingHead head, std::deque<RecordedRows> pieces)
+        : head_(std::move(head)), pieces_(std::move(pieces)), damaged_(false) {}
     const RecordingHead& head() const noexcept override { return head_; }
     bool read(RecordedRows& rows, std::size_t most) override {
         if (pieces_.empty()) {
@@ -79,6 +81,18 @@ TEST(ReplaySource, ColumnsBecomeTheStreamsOfTheirName) {
     EXPECT_EQ(samples[Tap::v_last][9], 9.0);
     EXPECT_EQ(samples[Tap::v_chain][2 * 9], 9 + 0.1 * 2);
     EXPECT_EQ(samples[Tap::v_chain][2 * 9 + 1], 9 + 0.1 * 4);
+}
+
+TEST(ReplaySource, BurstsAreThoseOfTheRecordedScene) {
+    const auto repetition_of_replay = [](const nlohmann::ordered_json& provenance, double sample_rate_hz) {
+        RecordingHead head{.columns = outputs, .sample_rate_hz = 1e6, .provenance = provenance};
+        auto reader = std::make_unique<ListReader>(std::move(head), std::deque{counted(0, 25, 5)});
+        return ReplaySource(std::move(reader), sample_rate_hz, 10).format().repetition_hz;
+    };
+    const nlohmann::ordered_json scene{{"scene", {{"drive", {{"repetition_hz", 1000.0}}}}}};
+    EXPECT_EQ(repetition_of_replay(scene, 1e6), 1000);
+    EXPECT_EQ(repetition_of_replay(scene, 2e6), 2000);  // played faster
+    EXPECT_EQ(repetition_of_replay({}, 1e6), 0);
 }
 
 TEST(ReplaySource, FramesAreFullUntilTheEnd) {

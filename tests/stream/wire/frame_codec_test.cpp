@@ -27,6 +27,8 @@ FrameHeader example() {
             .unit = "m/s",
             .seq = 7,
             .sample = 7168,
+            .burst = 3,
+            .burst_sample = 168,
             .fs = 1e7,
             .dropped = 2,
             .run = "01234567-89ab-4cde-8f01-23456789abcd",
@@ -51,9 +53,10 @@ std::string with(const char* key, const nlohmann::json& value) {
 }
 
 TEST(EncodeHeader, WritesTheAgreedJson) {
-    EXPECT_EQ(encoded(example()),
-              R"({"dtype":"<f4","shape":[1024,1],"unit":"m/s","stream":"v_out","seq":7,"sample":7168,)"
-              R"("fs":10000000,"t":0.0007168,"dropped":2,"run":"01234567-89ab-4cde-8f01-23456789abcd"})");
+    EXPECT_EQ(
+        encoded(example()),
+        R"({"dtype":"<f4","shape":[1024,1],"unit":"m/s","stream":"v_out","seq":7,"sample":7168,)"
+        R"("burst":3,"burst_sample":168,"fs":10000000,"t":0.0007168,"dropped":2,"run":"01234567-89ab-4cde-8f01-23456789abcd"})");
 }
 
 TEST(EncodeHeader, NumbersSurviveTheRoundTripBitForBit) {
@@ -62,6 +65,8 @@ TEST(EncodeHeader, NumbersSurviveTheRoundTripBitForBit) {
         FrameHeader header = example();
         header.fs = std::exp(std::uniform_real_distribution<double>(std::log(1e-3), std::log(1e12))(random));
         header.sample = random() >> (1 + random() % 63);
+        header.burst = random() >> (1 + random() % 63);
+        header.burst_sample = header.sample >> (random() % 64);
         header.seq = random() >> (1 + random() % 63);
         header.dropped = random() >> (1 + random() % 63);
         header.n = 1 + random() % 5000;
@@ -77,19 +82,22 @@ TEST(EncodeHeader, NumbersSurviveTheRoundTripBitForBit) {
 TEST(EncodeHeader, AllocatesNothingOnceTheBufferHasGrown) {
     FrameHeader header = example();
     std::string json;
-    header.sample = header.seq = header.dropped = std::numeric_limits<std::int64_t>::max();
+    header.sample = header.seq = header.dropped = header.burst = header.burst_sample =
+        std::numeric_limits<std::int64_t>::max();
     encode_header(header, json);
     const std::size_t before = test::allocations();
     for (std::uint64_t k = 0; k < 1000; ++k) {
         header.seq = k;
         header.sample = k * 1024;
+        header.burst_sample = k;
         encode_header(header, json);
     }
     EXPECT_EQ(test::allocations(), before);
 }
 
 TEST(DecodeHeader, AcceptsAnyOrderBlanksAndUnknownKeys) {
-    const std::string json = R"( { "run":"r", "dropped":0, "t":0, "fs":1e7, "sample":0, "seq":0, "new":[[{}]],
+    const std::string json =
+        R"( { "run":"r", "dropped":0, "t":0, "fs":1e7, "sample":0, "burst":0, "burst_sample":0, "seq":0, "new":[[{}]],
         "stream":"v_chain", "unit":"m/s", "shape":[ 3 , 6 ], "dtype":"<f4" } )";
     const auto header = decode_header(json, 72);
     ASSERT_TRUE(header) << header.error();
@@ -100,8 +108,8 @@ TEST(DecodeHeader, AcceptsAnyOrderBlanksAndUnknownKeys) {
 }
 
 TEST(DecodeHeader, NamesTheKeyThatIsMissing) {
-    for (const char* key :
-         {"dtype", "shape", "unit", "stream", "seq", "sample", "fs", "t", "dropped", "run"}) {
+    for (const char* key : {"dtype", "shape", "unit", "stream", "seq", "sample", "burst", "burst_sample",
+                            "fs", "t", "dropped", "run"}) {
         const auto header =
             decode_header(with(key, nlohmann::json(nlohmann::json::value_t::discarded)), 4096);
         ASSERT_FALSE(header) << key;
@@ -113,6 +121,8 @@ TEST(DecodeHeader, NamesTheKeyOfAWrongValue) {
     using nlohmann::json;
     const std::vector<std::pair<const char*, json>> wrong = {
         {"dtype", "<f8"},
+        {"burst", -1},
+        {"burst_sample", 7169},
         {"dtype", 4},
         {"shape", 1024},
         {"shape", {1024}},

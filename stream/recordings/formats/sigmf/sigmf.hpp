@@ -6,6 +6,9 @@
 // core:global_index that sample's number in the run, core:datetime the time at which it was written. Columns
 // and provenance have names of the namespace "hertzline".
 //
+// Each burst of the horn has an annotation, "burst 12", over the samples up to the next burst: of the first 1000 in the
+// file. While it is written, those that are complete.
+//
 // Viewers take interleaved channels for a single one. A SigMF collection (x.sigmf-collection) has a recording of one
 // channel for each column, x-COLUMN.sigmf-meta and x-COLUMN.sigmf-data, all of the same samples, and lists them with
 // the SHA-512 of their metadata, as the specification demands.

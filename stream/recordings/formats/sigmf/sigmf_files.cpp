@@ -60,7 +60,7 @@ SigmfFiles::SigmfFiles(const SigmfPaths& paths, const RecordingHead& head, std::
     const OutputFile writable(meta_path_, StagedFile::Devices::refused);
 }
 
-void SigmfFiles::appear(const Json& captures) {
+void SigmfFiles::appear(const SigmfProgress& progress) {
     fs::remove(meta_path_);
     if (data_.is_closed()) {
         data_.commit();
@@ -68,11 +68,11 @@ void SigmfFiles::appear(const Json& captures) {
         data_.appear();
     }
     appeared_ = true;
-    save_meta(captures);
+    save_meta(progress);
 }
 
-void SigmfFiles::save_meta(const Json& captures) {
-    const std::string text = meta_text(captures);
+void SigmfFiles::save_meta(const SigmfProgress& progress) {
+    const std::string text = meta_text(progress);
     OutputFile file(meta_path_, StagedFile::Devices::refused);
     file.write(text);
     file.commit();
@@ -94,11 +94,11 @@ void SigmfFiles::write(std::span<const double> values, const std::function<void(
     data_.write(bytes);
 }
 
-fs::path SigmfFiles::keep(const Json& captures) {
+fs::path SigmfFiles::keep(const SigmfProgress& progress) {
     fs::path file = data_.keep();
     if (hash_.empty()) {
         OutputFile meta(meta_path_, StagedFile::Devices::refused);
-        meta.write(meta_text(captures));
+        meta.write(meta_text(progress));
         meta.flush();
         meta.keep();
     }
@@ -117,8 +117,9 @@ Json SigmfFiles::listed() const {
     return {{"name", meta_path_.stem().string()}, {"hash", hash_}};
 }
 
-std::string SigmfFiles::meta_text(const Json& captures) const {
-    return sigmf_text({{"global", global_}, {"captures", captures}, {"annotations", Json::array()}});
+std::string SigmfFiles::meta_text(const SigmfProgress& progress) const {
+    return sigmf_text(
+        {{"global", global_}, {"captures", progress.captures}, {"annotations", progress.annotations}});
 }
 
 }  // namespace hertzline::stream

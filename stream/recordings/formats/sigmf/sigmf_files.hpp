@@ -24,6 +24,12 @@ nlohmann::ordered_json sigmf_extensions();
 /// As SigMF files have it.
 std::string sigmf_text(const nlohmann::ordered_json& json);
 
+/// What changes in the metadata while samples are written.
+struct SigmfProgress {
+    nlohmann::ordered_json captures = nlohmann::ordered_json::array();
+    nlohmann::ordered_json annotations = nlohmann::ordered_json::array();
+};
+
 /// Metadata and samples. Errors are those of their files.
 class SigmfFiles {
 public:
@@ -36,9 +42,9 @@ public:
 
     /// Takes the place of what had the name. Old metadata go first and new ones come last: they never lie beside
     /// samples that are not theirs.
-    void appear(const nlohmann::ordered_json& captures);
+    void appear(const SigmfProgress& progress);
 
-    void save_meta(const nlohmann::ordered_json& captures);
+    void save_meta(const SigmfProgress& progress);
 
     /// @param values whole rows of all columns of the head @param make_room called where the buffer has none for them
     void write(std::span<const double> values, const std::function<void()>& make_room);
@@ -57,7 +63,7 @@ public:
 
     /// Ends them before they are complete; those without a name of their own stay under the names of their temporaries.
     /// @returns where the samples are
-    std::filesystem::path keep(const nlohmann::ordered_json& captures);
+    std::filesystem::path keep(const SigmfProgress& progress);
 
     void remove() noexcept;
 
@@ -65,7 +71,7 @@ public:
     nlohmann::ordered_json listed() const;
 
 private:
-    std::string meta_text(const nlohmann::ordered_json& captures) const;
+    std::string meta_text(const SigmfProgress& progress) const;
 
     std::filesystem::path meta_path_;
     GrowingFile data_;

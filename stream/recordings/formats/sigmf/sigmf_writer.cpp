@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
@@ -14,6 +15,7 @@
 #include "stream/provenance.hpp"
 #include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/sigmf/sigmf.hpp"
+#include "stream/recordings/formats/sigmf/sigmf_bursts.hpp"
 #include "stream/recordings/formats/sigmf/sigmf_files.hpp"
 
 namespace hertzline::stream {
@@ -44,6 +46,9 @@ public:
         : CheckedWriter(path, {head.columns, head.sample_rate_hz, NumberType::float32, head.provenance}),
           appearance_(appearance),
           half_a_second_(static_cast<std::int64_t>(flush_every_s * head.sample_rate_hz)) {
+        if (const auto repetition_hz = repetition_of(head.provenance)) {
+            bursts_.emplace(head.sample_rate_hz, *repetition_hz);
+        }
         if (kind == Kind::collection) {
             require_possible(max_recordings, "a SigMF collection, which has files for each");
             begin_collection();
@@ -89,12 +94,12 @@ private:
     }
 
     void begin_capture(Capture capture) override {
-        if (captures_.size() == max_captures) {
+        if (progress_.captures.size() == max_captures) {
             cannot_write(path(), fmt::format("found more than {} gaps", max_captures - 1));
         }
-        captures_.push_back({{"core:sample_start", capture.row},
-                             {"core:global_index", capture.sample},
-                             {"core:datetime", utc_text(std::chrono::system_clock::now())}});
+        progress_.captures.push_back({{"core:sample_start", capture.row},
+                                      {"core:global_index", capture.sample},
+                                      {"core:datetime", utc_text(std::chrono::system_clock::now())}});
         meta_is_stale_ = true;
     }
 
@@ -116,6 +121,8 @@ private:
     void finish() override {
         if (appeared_) {
             flush();
+            annotate(LastBurst::included, rows());
+            save_meta();
             for (SigmfFiles& recording : recordings_) {
                 recording.commit();
             }
@@ -124,6 +131,7 @@ private:
         for (SigmfFiles& recording : recordings_) {
             recording.close();  // what was there before goes only when all is in the new files
         }
+        annotate(LastBurst::included, rows());
         appear();
     }
 
@@ -138,17 +146,16 @@ private:
                 flush();
             } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
             }
-            for (const SigmfFiles& recording : recordings_) {
-                rows = std::min(rows, recording.rows());  // so many have all of them
-            }
+            rows = held_rows();
             if (rows == 0 && !appeared_) {
                 remove();
                 return {};
             }
         }
+        annotate(LastBurst::included, rows);
         std::vector<fs::path> files;
         for (SigmfFiles& recording : recordings_) {
-            files.push_back(recording.keep(captures_));
+            files.push_back(recording.keep(progress_));
         }
         const bool doubtful = any(&SigmfFiles::is_doubtful);
         rows = doubtful ? 0 : rows;
@@ -174,7 +181,7 @@ private:
             fs::remove(*collection_);
         }
         for (SigmfFiles& recording : recordings_) {
-            recording.appear(captures_);
+            recording.appear(progress_);
         }
         appeared_ = true;
         meta_is_stale_ = false;
@@ -187,16 +194,43 @@ private:
             recording.require_present();  // else the metadata of that name are another recording's
         }
         if (meta_is_stale_ && appeared_) {
-            for (SigmfFiles& recording : recordings_) {
-                recording.save_meta(captures_);
-            }
-            meta_is_stale_ = false;
-            save_collection();
+            save_meta();
         }
         for (SigmfFiles& recording : recordings_) {
             recording.flush();
         }
+        if (annotate(LastBurst::left_out, held_rows()) && appeared_) {
+            save_meta();  // after the samples: there are no annotations of what is not there
+        }
         last_flush_ = steady_clock::now();
+    }
+
+    void save_meta() {
+        for (SigmfFiles& recording : recordings_) {
+            recording.save_meta(progress_);
+        }
+        meta_is_stale_ = false;
+        save_collection();
+    }
+
+    /// Rows of which the system has taken all. Not of files that are closed.
+    std::int64_t held_rows() const {
+        std::int64_t rows = std::numeric_limits<std::int64_t>::max();
+        for (const SigmfFiles& recording : recordings_) {
+            rows = std::min(rows, recording.rows());
+        }
+        return rows;
+    }
+
+    /// @param rows that the files have @returns whether there are more annotations than before
+    bool annotate(LastBurst last, std::int64_t rows) {
+        Json& annotations = progress_.annotations;
+        const std::size_t before = annotations.size();
+        if (!bursts_ || (last == LastBurst::left_out && before == max_burst_annotations)) {
+            return false;
+        }
+        annotations = burst_annotations(*bursts_, progress_.captures, rows, last);
+        return annotations.size() > before;
     }
 
     void save_collection() const {
@@ -219,9 +253,10 @@ private:
     Appearance appearance_;
     std::optional<fs::path> collection_;
     std::deque<SigmfFiles> recordings_;  // of a collection one for each column
-    Json captures_ = Json::array();
-    std::int64_t half_a_second_;  // in samples
-    std::int64_t flushed_ = 0;    // samples
+    SigmfProgress progress_;
+    std::optional<Bursts> bursts_;  // unset: the scene is not known
+    std::int64_t half_a_second_;    // in samples
+    std::int64_t flushed_ = 0;      // samples
     steady_clock::time_point last_flush_ = steady_clock::now();
     bool meta_is_stale_ = false;
     bool appeared_ = false;

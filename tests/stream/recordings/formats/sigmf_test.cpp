@@ -134,6 +134,77 @@ TEST_F(Sigmf, ACaptureIsKnownBeforeItsSamplesAreThere) {
     }
 }
 
+/// Of a scene with bursts 2.5 times a second.
+RecordingHead head_with_bursts(double sample_rate_hz) {
+    RecordingHead head = recording_head(two, sample_rate_hz);
+    head.provenance["scene"]["drive"]["repetition_hz"] = 2.5;
+    return head;
+}
+
+class SigmfBursts : public Sigmf, public testing::WithParamInterface<Appearance> {};
+INSTANTIATE_TEST_SUITE_P(Appearances, SigmfBursts,
+                         testing::Values(Appearance::early, Appearance::when_complete));
+
+TEST_P(SigmfBursts, AreAnnotated) {
+    const auto writer =
+        open_sigmf_writer(meta_file, head_with_bursts(1001), GetParam());  // 400.4 samples each
+    writer->write(300, numbered_rows(300, 500));
+    writer->write(1000, numbered_rows(1000, 500));
+    writer->commit();
+    struct Expected {
+        std::int64_t burst, start, count;
+    };
+    // bursts begin at 0, 401, 801, 1202 and 1602; 800 to 999 are missing
+    const std::vector<Expected> expected{{0, 0, 101}, {1, 101, 399}, {2, 500, 202}, {3, 702, 298}};
+    const json annotations = meta()["annotations"];
+    ASSERT_THAT(annotations, SizeIs(expected.size()));
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        EXPECT_EQ(annotations[i]["hertzline:burst"], expected[i].burst);
+        EXPECT_EQ(annotations[i]["core:label"], "burst " + std::to_string(expected[i].burst));
+        EXPECT_EQ(annotations[i]["core:sample_start"], expected[i].start);
+        EXPECT_EQ(annotations[i]["core:sample_count"], expected[i].count);
+    }
+}
+
+TEST_F(Sigmf, AnnotationsAreOfSamplesThatAreThere) {
+    const auto writer = open_sigmf_writer(meta_file, head_with_bursts(1000));
+    std::size_t most = 0;
+    for (std::int64_t first = 0; first < 10'000; first += 100) {
+        writer->write(first, numbered_rows(first, 100));
+        const auto read = read_rows(*open_sigmf_reader(meta_file));
+        const std::size_t held = read.empty() ? 0 : read[0].values.size() / 2;
+        const json annotations = meta()["annotations"];
+        most = annotations.size();
+        EXPECT_EQ(most, held / 400) << "those that are complete";
+    }
+    EXPECT_GT(most, 20U);
+}
+
+TEST_F(Sigmf, NoMoreThanAThousandBurstsAreAnnotated) {
+    RecordingHead head = recording_head(two, 1000);
+    head.provenance["scene"]["drive"]["repetition_hz"] = 500.0;
+    const auto writer = open_sigmf_writer(meta_file, head);
+    writer->write(0, numbered_rows(0, 3000));
+    writer->commit();
+    const json annotations = meta()["annotations"];
+    ASSERT_THAT(annotations, SizeIs(1000));
+    EXPECT_EQ(annotations.back()["core:sample_start"], 1998);
+}
+
+TEST_F(Sigmf, ASingleBurstIsTheWholeRecordingAndOfNoSceneThereAreNone) {
+    RecordingHead head = recording_head(two, 1000);
+    head.provenance["scene"]["drive"]["repetition_hz"] = 0.0;
+    const auto writer = open_sigmf_writer(meta_file, head);
+    writer->write(0, numbered_rows(0, 700));
+    writer->commit();
+    ASSERT_THAT(meta()["annotations"], SizeIs(1));
+    EXPECT_EQ(meta()["annotations"][0]["core:sample_count"], 700);
+    const auto foreign = open_sigmf_writer(meta_file, recording_head(two, 1000));
+    foreign->write(0, numbered_rows(0, 700));
+    foreign->commit();
+    EXPECT_THAT(meta()["annotations"], IsEmpty());
+}
+
 TEST_F(Sigmf, WithoutCommitWhatWasFlushedStays) {
     open_sigmf_writer(meta_file, recording_head(two, 1000))->write(0, numbered_rows(0, 5000));
     EXPECT_EQ(read_rows(*open_sigmf_reader(meta_file)).at(0).values, numbered_rows(0, 5000));

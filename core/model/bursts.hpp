@@ -1,0 +1,37 @@
+#pragma once
+// Which burst of the horn a sample lies in. Bursts begin every 1/repetition_hz from time 0 on; their periods need not be whole
+// numbers of samples.
+
+#include <cstdint>
+
+namespace hertzline {
+
+/// A sample's burst, and its index from the first sample of that burst on.
+struct BurstPlace {
+    std::int64_t burst = 0;
+    std::int64_t sample = 0;
+    bool operator==(const BurstPlace&) const = default;
+};
+
+/// The bursts of a run as samples see them. A burst begins with the first sample that lies at its start or after it.
+class Bursts {
+public:
+    /// @param repetition_hz bursts a second; 0: a single burst without an end
+    Bursts(double sample_rate_hz, double repetition_hz) noexcept
+        : sample_rate_hz_(sample_rate_hz), repetition_hz_(repetition_hz) {}
+
+    bool repeat() const noexcept { return repetition_hz_ > 0; }
+
+    /// Index, from the run's start, of the first sample of the burst. Bursts of a repetition above the sample rate may share it.
+    /// @param burst at least 0; 0 where there is no repetition
+    std::int64_t first_sample(std::int64_t burst) const noexcept;
+
+    /// Where a sample lies. @param sample its index from the run's start, at least 0
+    BurstPlace at(std::int64_t sample) const noexcept;
+
+private:
+    double sample_rate_hz_;
+    double repetition_hz_;
+};
+
+}  // namespace hertzline

@@ -1,0 +1,23 @@
+#pragma once
+// The bursts of a run as annotations of its SigMF recording, so that viewers mark them.
+
+#include <cstdint>
+
+#include <nlohmann/json.hpp>
+
+#include "core/model/bursts.hpp"
+
+namespace hertzline::stream {
+
+/// Annotations are written anew with each further one, and viewers draw them all.
+inline constexpr std::size_t max_burst_annotations = 1000;
+
+enum class LastBurst { left_out, included };
+
+/// An annotation for each burst of which there are samples among the first `rows`, at most max_burst_annotations of them.
+/// Where samples are missing a burst has one in each capture. @param captures as SigMF has them
+/// @param last the burst in which the rows end; while they grow it is not complete
+nlohmann::ordered_json burst_annotations(const Bursts& bursts, const nlohmann::ordered_json& captures,
+                                         std::int64_t rows, LastBurst last);
+
+}  // namespace hertzline::stream
