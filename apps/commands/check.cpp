@@ -2,18 +2,27 @@
 
 #include <memory>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/scene_report.hpp"
+#include "apps/commands/preflight.hpp"
+#include "apps/commands/publish_session.hpp"
 #include "apps/console/output.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "stream/measures/scene_report.hpp"
+#include "stream/pipeline/pipeline.hpp"
 #include "stream/resources.hpp"
+#include "stream/sources/simulation_source.hpp"
 
 namespace hertzline::app {
 
 namespace {
+
+using stream::ReportRow;
 
 constexpr const char* examples =
     "Examples:\n"
@@ -52,24 +61,34 @@ std::string as_text(const std::vector<ReportRow>& report) {
     return text;
 }
 
-Json as_json(const std::vector<ReportRow>& report) {
-    struct Converted {
-        Json operator()(std::monostate) const { return nullptr; }
-        Json operator()(bool yes) const { return yes; }
-        Json operator()(const std::string& text) const { return text; }
-        Json operator()(std::int64_t number) const { return number; }
-        Json operator()(double number) const { return number; }
-    };
-    Json json;
-    for (const ReportRow& row : report) {
-        json[row.name] = std::visit(Converted{}, row.value);
-    }
-    return json;
+/// What a run and a stream of the scene take.
+void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
+    const auto count = stream::report_count;
+    const double rows = rows_of_run(scene);
+    const TapSet recorded = recorded_taps(scene.end);
+    report.push_back({"run", "rows", "rows", "", count(rows)});
+    report.push_back(
+        {"run", "memory, at most", "run_memory_bytes", "bytes", count(memory_of_run(scene, recorded, {}))});
+    const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
+    report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", count(csv_bytes(recorded))});
+    report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",
+                      count(csv_bytes(recorded | Tap::v_chain | Tap::x_chain))});
+    report.push_back(
+        {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
+         count(stream::SimulationSource::memory_bytes(scene) +
+               stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
+                            publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
+                                              std::nullopt)))});
+    report.push_back({"run", "more for each of its recordings", "stream_recording_memory_bytes", "bytes",
+                      count(memory_of_recordings(scene, recorded, 1))});
+    report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 
 Exit check(const CheckOptions& options) {
-    const std::vector<ReportRow> report = scene_report(resolved_scene(options.scene));
-    print(options.format == Format::json ? json_text(as_json(report)) + '\n' : as_text(report));
+    const ResolvedScene resolved = resolved_scene(options.scene);
+    std::vector<ReportRow> report = stream::scene_report(resolved);
+    add_costs(report, resolved.scene);
+    print(options.format == Format::json ? json_text(stream::report_json(report)) + '\n' : as_text(report));
     return Exit::done;
 }
 

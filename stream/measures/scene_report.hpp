@@ -1,15 +1,17 @@
 #pragma once
-// What follows from a scene: masses, stiffnesses, frequencies, the cost of a run.
+// What follows from a scene: masses, stiffnesses, frequencies, accuracy and step.
 
 #include <cstdint>
-#include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/step_choice/resolve.hpp"
 
-namespace hertzline::app {
+namespace hertzline::stream {
 
 /// A row of the report: a quantity, its value and its unit.
 struct ReportRow {
@@ -25,4 +27,10 @@ struct ReportRow {
 /// as long as that.
 std::vector<ReportRow> scene_report(const ResolvedScene& resolved);
 
-}  // namespace hertzline::app
+/// A whole number, or what is beyond all counting.
+decltype(ReportRow::value) report_count(double number);
+
+/// One flat object; null where this scene has no such thing.
+nlohmann::ordered_json report_json(std::span<const ReportRow> report);
+
+}  // namespace hertzline::stream
