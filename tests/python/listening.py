@@ -38,6 +38,7 @@ class Publisher:
             samples = np.arange(sample, sample + n, dtype="<f4")
             self.socket.send_multipart([b"v_out/np", json.dumps(header).encode(), samples.tobytes()])
         self.send("end", {"run": "r", "samples": self.end, "dropped_frames": 0})
+        self.socket.close(linger=2000)
 
     def send(self, topic, message):
         self.socket.send_multipart([topic.encode(), json.dumps(message).encode()])

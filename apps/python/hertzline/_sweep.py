@@ -154,11 +154,13 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         import xarray
 
         plain = self.view(np.ndarray)
-        dimensions, shape, coordinates = ("point",), (len(plain),), {"point": plain["point"]}
+        dimensions: tuple[str, ...] = ("point",)
+        shape: tuple[int, ...] = (len(plain),)
+        coordinates = {"point": plain["point"]}
         if self.grid:
             coordinates = {key: plain[key][np.sort(np.unique(plain[key], return_index=True)[1])] for key in self.keys}
             dimensions, shape = tuple(self.keys), tuple(len(values) for values in coordinates.values())
-        variables = {
+        variables: dict[str, Any] = {
             name: (dimensions, plain[name].reshape(shape), {"units": self.units[name]})
             for name in self.dtype.names or ()
             if name not in coordinates

@@ -80,7 +80,7 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
     if (!(wav_scale > 0 && std::isfinite(wav_scale))) {
         faults.add("wav_scale: found " + number_text(wav_scale) + ", allowed: a finite number above 0");
     }
-    if (taps.empty()) {
+    if (taps.empty() && (!names || names->empty())) {
         faults.add("taps: found none, allowed: at least one");
     }
     faults.refuse();
