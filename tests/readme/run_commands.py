@@ -223,7 +223,7 @@ def main(root, build, document):
             for language, name, text in shown:
                 if name in not_run:
                     print(f"not run: {name}: {not_run[name]}", flush=True)
-                elif "hertzline" in text and language == "python" and not (build / "python/hertzline").exists():
+                elif "import hertzline" in text and language == "python" and not (build / "python/hertzline").exists():
                     print(f"not run: {name}: the Python package is not built", flush=True)
                 elif language == "python":
                     folder.run_python(text)

@@ -87,6 +87,7 @@ void require_memory(const std::string& what, double bytes) {
 py::array_t<double> view_of(const double* data, std::vector<py::ssize_t> shape, const py::handle& owner,
                             const std::vector<py::ssize_t>& strides) {
     std::vector<py::ssize_t> bytes;
+    bytes.reserve(strides.size());
     for (const py::ssize_t stride : strides) {
         bytes.push_back(stride * static_cast<py::ssize_t>(sizeof(double)));
     }
