@@ -41,3 +41,11 @@ function(hertzline_build_quickly target)
   endif()
   target_compile_options(${target} PRIVATE ${ARGN})
 endfunction()
+
+# For libraries that the Python module is linked from: code that may lie anywhere, and whose functions still call each other
+# directly, as in a program.
+function(hertzline_for_modules target)
+  if(HERTZLINE_PYTHON)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden)
+  endif()
+endfunction()

@@ -40,6 +40,7 @@ ROOMS = {
         ["pipeline"],
     ],
     "apps": [
+        ["python"],
         ["command", "options"],
         ["console"],
         ["arguments"],

@@ -23,21 +23,12 @@ CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-std::vector<std::string> names_of(TapSet taps) {
-    std::vector<std::string> names;
-    for (const Tap tap : taps) {
-        names.emplace_back(row_of(tap).name);
-    }
-    return names;
-}
-
 Tap tap_argument(const char* option, const std::string& name, TapSet allowed) {
-    if (const auto tap = tap_named(name); tap && allowed.contains(*tap)) {
-        return *tap;
+    const auto tap = stream::find_tap(name, allowed);
+    if (!tap) {
+        throw WrongUse(fmt::format("{}: {}", option, tap.error()));
     }
-    const std::vector<std::string> names = names_of(allowed);
-    throw WrongUse(fmt::format("{}: found {}, allowed: {}{}", option, quoted_briefly(name),
-                               comma_separated(names), suggestion(name, names)));
+    return *tap;
 }
 
 TapSet tap_arguments(const char* option, const std::vector<std::string>& names, TapSet allowed) {

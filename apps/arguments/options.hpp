@@ -10,6 +10,7 @@
 
 #include "apps/command.hpp"
 #include "core/taps.hpp"
+#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
@@ -45,8 +46,7 @@ std::string missing_name(const std::string& value);
 CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector<std::string>& values,
                                    const std::string& description);
 
-/// The names of the taps, in the order of the set.
-std::vector<std::string> names_of(TapSet taps);
+using stream::names_of;
 
 /// The tap that the option's value names. @throws WrongUse unless it is one of the allowed ones
 Tap tap_argument(const char* option, const std::string& name, TapSet allowed);

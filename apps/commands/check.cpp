@@ -3,21 +3,30 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/scene_report.hpp"
+#include "apps/commands/preflight.hpp"
+#include "apps/commands/publish_session.hpp"
 #include "apps/console/output.hpp"
 #include "core/model/validity.hpp"
+#include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
+#include "stream/measures/scene_report.hpp"
+#include "stream/pipeline/pipeline.hpp"
 #include "stream/resources.hpp"
+#include "stream/sources/simulation_source.hpp"
 
 namespace hertzline::app {
 
 namespace {
+
+using stream::ReportRow;
 
 constexpr const char* examples =
     "Examples:\n"
@@ -56,31 +65,44 @@ std::string as_text(const std::vector<ReportRow>& report) {
     return text;
 }
 
-Json as_json(const std::vector<ReportRow>& report) {
-    struct Converted {
-        Json operator()(std::monostate) const { return nullptr; }
-        Json operator()(bool yes) const { return yes; }
-        Json operator()(const std::string& text) const { return text; }
-        Json operator()(std::int64_t number) const { return number; }
-        Json operator()(double number) const { return number; }
-    };
-    Json json;
-    for (const ReportRow& row : report) {
-        json[row.name] = std::visit(Converted{}, row.value);
-    }
-    return json;
+/// What a run and a stream of the scene take.
+void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
+    const auto count = stream::report_count;
+    const double rows = rows_of_run(scene);
+    const TapSet recorded = recorded_taps(scene.end);
+    report.push_back({"run", "rows", "rows", "", count(rows)});
+    report.push_back(
+        {"run", "memory, at most", "run_memory_bytes", "bytes", count(memory_of_run(scene, recorded, {}))});
+    const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
+    report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", count(csv_bytes(recorded))});
+    report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",
+                      count(csv_bytes(recorded | Tap::v_chain | Tap::x_chain))});
+    report.push_back(
+        {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
+         count(stream::SimulationSource::memory_bytes(scene) +
+               stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
+                            publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
+                                              std::nullopt)))});
+    report.push_back({"run", "more for each of its recordings", "stream_recording_memory_bytes", "bytes",
+                      count(memory_of_recordings(scene, recorded, 1))});
+    report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 
 Exit check(const CheckOptions& options) {
     const ResolvedScene resolved = resolved_scene(options.scene);
     const Scene& scene = resolved.scene;
-    const auto peaks = peak_overlaps(scene, std::min(scene.output.duration_s, first_burst_s(scene)));
-    warn_of_contacts(options.scene.scene, scene, peaks);
-    if (const auto late = late_wave_warning(scene)) {
-        spdlog::warn("{}: {}", printable(options.scene.scene), *late);
+    const auto peaks =
+        stream::peak_overlaps(scene, std::min(scene.output.duration_s, stream::first_burst_s(scene)));
+    std::vector<std::string> warnings = stream::contact_warnings(scene, peaks);
+    if (auto late = late_wave_warning(scene)) {
+        warnings.push_back(*std::move(late));
     }
-    const std::vector<ReportRow> report = scene_report(resolved, peaks);
-    print(options.format == Format::json ? json_text(as_json(report)) + '\n' : as_text(report));
+    for (const std::string& text : warnings) {
+        spdlog::warn("{}: {}", printable(options.scene.scene), text);
+    }
+    std::vector<ReportRow> report = stream::scene_report(resolved, peaks);
+    add_costs(report, scene);
+    print(options.format == Format::json ? json_text(stream::report_json(report)) + '\n' : as_text(report));
     return Exit::done;
 }
 

@@ -14,11 +14,11 @@
 #include "apps/command.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
-#include "apps/commands/scene_report.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
+#include "stream/measures/scene_report.hpp"
 #include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/row_builder.hpp"
@@ -112,7 +112,10 @@ Exit stream(const StreamArguments& arguments) {
     faults.of([&] { recorded = taps_to_record(arguments, end ? &*end : nullptr); });
     faults.refuse();
     const Scene& scene = resolved.scene;
-    warn_of_contacts(arguments.scene.scene, scene, peak_overlaps(scene, first_burst_s(scene)));
+    for (const std::string& text :
+         stream::contact_warnings(scene, stream::peak_overlaps(scene, stream::first_burst_s(scene)))) {
+        spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
+    }
     const double rate = scene.output.sample_rate_hz;
     stream::StreamOptions options =
         stream_options(arguments.publish, rate,

@@ -86,12 +86,7 @@ void print_summary(const Json& summary, Format format) {
 
 void print_summary(std::span<const SummaryGroup> groups, Format format) {
     if (format == Format::json) {
-        Json summary;
-        for (const SummaryGroup& group : groups) {
-            Json& place = group.member.empty() ? summary : summary[group.member];
-            place.update(group.values);
-        }
-        print_summary(summary, format);
+        print_summary(stream::summary_json(groups), format);
         return;
     }
     std::size_t width = 0;

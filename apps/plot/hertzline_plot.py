@@ -16,10 +16,8 @@ NOT_A_SWEEP = 4
 
 try:
     import matplotlib
-    import numpy as np
-
-    matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    import numpy as np
 except ImportError as error:
     print(error, file=sys.stderr)
     sys.exit(MODULES_MISSING)
@@ -186,8 +184,8 @@ def read_csv_table(path):
 class Sweep:
     """A table, what varies in it, and which points have numbers."""
 
-    def __init__(self, path):
-        self.columns, self.units = (read_hdf5_table if path.endswith(".h5") else read_csv_table)(path)
+    def __init__(self, columns, units):
+        self.columns, self.units = columns, units
         names = list(self.columns)
         if names[:1] != ["point"] or "status" not in names:
             raise NotASweep
@@ -209,6 +207,10 @@ class Sweep:
             if name not in self.quantities:
                 raise ValueError(f"--quantity: found {name}, allowed: {', '.join(self.quantities)}")
         return names
+
+
+def read_sweep(path):
+    return Sweep(*(read_hdf5_table if path.endswith(".h5") else read_csv_table)(path))
 
 
 def scale_of(values):
@@ -308,6 +310,7 @@ def draw_recording(path, title):
 
 
 def main():
+    plt.switch_backend("Agg")
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("recording", help="a recording of hertzline that ends in .npy, or a sweep: .h5, .csv")
     parser.add_argument("-o", "--output", required=True, help="the picture")
@@ -318,7 +321,7 @@ def main():
     if arguments.recording.endswith(".npy"):
         figure = draw_recording(arguments.recording, arguments.title)
     else:
-        figure = draw_sweep(Sweep(arguments.recording), arguments.quantity, arguments.title)
+        figure = draw_sweep(read_sweep(arguments.recording), arguments.quantity, arguments.title)
     figure.savefig(arguments.output, format=arguments.format, dpi=110, facecolor="white")
 
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <span>
 
+#include "core/scene/text.hpp"
 #include "stream/measures/spectrum.hpp"
 
 namespace hertzline::stream {
@@ -59,6 +60,45 @@ void keep(const Samples& block, const EndModel& end, RunRecord& record) {
             block[Tap::v_last], block[Tap::v_plate], std::back_inserter(record.v_out_smooth),
             [&end](double v_last, double v_plate) { return end.output_velocity(v_last, v_plate, true); });
     }
+}
+
+Status simulate(Simulation& simulation, RunRecord& record, const std::function<bool(const Samples&)>& take) {
+    using Clock = std::chrono::steady_clock;
+    const Scene& scene = simulation.scene();
+    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
+    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
+    while (record.rows() < rows) {
+        const Clock::time_point before = Clock::now();
+        const Status status = simulation.advance(block, std::min(block.capacity(), rows - record.rows()));
+        record.busy += Clock::now() - before;
+        if (status != Status::running) {
+            record.stopped = status == Status::stopped;
+            return status;
+        }
+        keep(block, simulation.chain().end, record);
+        if (!take(block)) {
+            record.stopped = true;
+            return Status::stopped;
+        }
+    }
+    return Status::running;
+}
+
+std::vector<std::string> names_of(TapSet taps) {
+    std::vector<std::string> names;
+    for (const Tap tap : taps) {
+        names.emplace_back(row_of(tap).name);
+    }
+    return names;
+}
+
+tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed) {
+    if (const auto tap = tap_named(name); tap && allowed.contains(*tap)) {
+        return *tap;
+    }
+    const std::vector<std::string> names = names_of(allowed);
+    return tl::unexpected("found " + quoted_briefly(name) + ", allowed: " + comma_separated(names) +
+                          suggestion(name, names));
 }
 
 }  // namespace hertzline::stream

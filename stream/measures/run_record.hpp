@@ -3,11 +3,17 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
 #include <vector>
+
+#include <tl/expected.hpp>
 
 #include "core/model/end.hpp"
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
+#include "core/simulation.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::stream {
@@ -54,5 +60,17 @@ RunRecord empty_record(TapSet measured, const EndModel& end, std::size_t rows);
 
 /// Takes the next samples.
 void keep(const Samples& block, const EndModel& end, RunRecord& record);
+
+/// Simulates to the end of the run, block by block, and keeps what the record keeps.
+/// @param record empty_record() @param take is called with each block once it has been kept; false ends the run
+/// @returns running: all rows are there; stopped: the simulation's stop flag or take() said so; else what went wrong: failure()
+/// says it
+Status simulate(Simulation& simulation, RunRecord& record, const std::function<bool(const Samples&)>& take);
+
+/// The names of the taps, in the order of the set.
+std::vector<std::string> names_of(TapSet taps);
+
+/// The tap of that name, or what was found and what is allowed.
+tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
 
 }  // namespace hertzline::stream

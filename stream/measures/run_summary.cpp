@@ -8,6 +8,7 @@
 
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
+#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "stream/measures/record_warnings.hpp"
 #include "stream/measures/spectrum_json.hpp"
@@ -74,6 +75,9 @@ SummaryGroup contacts_of_run(Simulation& simulation, Warnings& warnings) {
     values["peak_strength_ratio"] = ratio ? Json(*ratio) : Json(nullptr);
     values["peak_overlap_ratio"] = load.overlap_ratio;
     values["contact_events"] = simulation.contact_events();
+    if (const DampingLaw law = simulation.chain().damping_law; law != DampingLaw::dashpot) {
+        values["damping_law"] = word(law);
+    }
     return {"contacts", std::move(values), ""};
 }
 
@@ -100,6 +104,28 @@ SummaryGroup account_of_run(const Simulation& simulation, std::size_t rows) {
     values["step_s"] = simulation.step_s();
     values["steps"] = simulation.steps();
     return {"run", std::move(values), ""};
+}
+
+void add_times(SummaryGroup& account, double setup_s, double wall_s) {
+    Json& values = account.values;
+    values["setup_s"] = setup_s;
+    values["wall_s"] = wall_s;
+    values["real_time_factor"] =
+        wall_s > 0 ? Json(values["simulated_s"].get<double>() / wall_s) : Json(nullptr);
+}
+
+void add_identity(SummaryGroup& account, const Scene& scene) {
+    account.values["scene_hash"] = scene_hash(scene);
+    account.values["version"] = program_version();
+}
+
+Json summary_json(std::span<const SummaryGroup> groups) {
+    Json summary;
+    for (const SummaryGroup& group : groups) {
+        Json& place = group.member.empty() ? summary : summary[group.member];
+        place.update(group.values);
+    }
+    return summary;
 }
 
 std::optional<std::string> missed_accuracy(const ResolvedScene& resolved) {

@@ -3,6 +3,7 @@
 // every number of it.
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,15 @@ SummaryGroup trust_of_run(Simulation& simulation, const ResolvedScene& resolved)
 
 /// What was run: simulated time, rows, integrator and steps.
 SummaryGroup account_of_run(const Simulation& simulation, std::size_t rows);
+
+/// Adds how long the set-up and the simulation took, and the real-time factor, to an account.
+void add_times(SummaryGroup& account, double setup_s, double wall_s);
+
+/// Adds the scene's hash and the program's version to an account.
+void add_identity(SummaryGroup& account, const Scene& scene);
+
+/// All of it as one object.
+nlohmann::ordered_json summary_json(std::span<const SummaryGroup> groups);
 
 /// Of a scene whose accuracy is missed: by how much, and why. Nothing when it is met.
 std::optional<std::string> missed_accuracy(const ResolvedScene& resolved);

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
@@ -107,6 +108,18 @@ Journal::~Journal() {
     if (descriptor_ >= 0) {
         ::close(descriptor_);
     }
+}
+
+Journal Journal::passing() {
+    std::string name = std::filesystem::temp_directory_path() / "hertzline-sweep-XXXXXX";
+    const int descriptor = ::mkstemp(name.data());
+    if (descriptor < 0) {
+        throw std::system_error(errno, std::generic_category(), "cannot write " + name);
+    }
+    ::close(descriptor);
+    Journal journal(name, Use::begin);
+    std::filesystem::remove(name);
+    return journal;
 }
 
 Journal::Journal(Journal&& other) noexcept

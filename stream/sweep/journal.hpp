@@ -24,6 +24,8 @@ public:
 
     /// begin: there is none with rows yet; resume: goes on with one, or begins it; read: for merging, and must be there.
     Journal(std::filesystem::path path, Use use);
+    /// One without a name, in the folder for temporary files: for rows that stay in this process.
+    static Journal passing();
     ~Journal();
     Journal(Journal&& other) noexcept;
     Journal& operator=(Journal&&) = delete;

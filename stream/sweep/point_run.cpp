@@ -124,27 +124,17 @@ PointRunner::Flight PointRunner::make_flight(ResolvedScene resolved) const {
 
 /// @returns whether all samples are there
 bool PointRunner::simulate(Flight& flight, PointResult& result) {
-    Simulation& simulation = flight.simulation;
-    const Scene& scene = simulation.scene();
+    const Scene& scene = flight.simulation.scene();
     result.integrator = word(*scene.numerics.integrator);
     result.scene_hash = scene_hash(scene);
-    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     const TapSet waveform = waveform_taps(scene, demand_);
-    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
-    while (flight.record.rows() < rows) {
-        const std::size_t first = flight.record.rows();
-        if (simulation.advance(block, std::min(block.capacity(), rows - first)) != Status::running) {
-            return false;
-        }
-        keep(block, simulation.chain().end, flight.record);
+    const Status status = stream::simulate(flight.simulation, flight.record, [&](const Samples& block) {
         for (const Tap tap : waveform) {
-            keep_waveform(block, tap, first, result.waveform);
+            keep_waveform(block, tap, flight.record.rows() - block.count, result.waveform);
         }
-        if (flight.finer && !flight.finer->follow(block)) {
-            return false;
-        }
-    }
-    return true;
+        return !flight.finer || flight.finer->follow(block);
+    });
+    return status == Status::running;
 }
 
 /// With a step that pilots have found; nothing when that was refused or has failed.

@@ -42,6 +42,9 @@ NOT_RUN = {
         "node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 10000 heard.f32": "the tests clients/node do it",
         "from zmq.auth import load_certificate": "a part; apps/python_client_of_an_encrypted_stream has them",
     },
+    "apps/python/README.md": {
+        "python3 -m build --wheel --no-isolation apps/python": "builds; the test python/wheel does it",
+    },
     "bench/README.md": {
         "./scripts/build.sh release": BUILDS,
         "build/release/bench_scenes": MINUTES,
@@ -144,7 +147,8 @@ class Folder:
                 (path / entry.name).symlink_to(entry)
         (path / "build").mkdir()
         (path / "build/release").symlink_to(build)
-        self.environment = {**os.environ, "HOME": str(path), "PATH": f"{build}:{os.environ['PATH']}"}
+        self.environment = {**os.environ, "HOME": str(path), "PATH": f"{build}:{os.environ['PATH']}",
+                            "PYTHONPATH": f"{build}/python", "MPLBACKEND": "Agg"}
 
     def _start(self, command):
         print("+", command, flush=True)
@@ -219,6 +223,8 @@ def main(root, build, document):
             for language, name, text in shown:
                 if name in not_run:
                     print(f"not run: {name}: {not_run[name]}", flush=True)
+                elif "import hertzline" in text and language == "python" and not (build / "python/hertzline").exists():
+                    print(f"not run: {name}: the Python package is not built", flush=True)
                 elif language == "python":
                     folder.run_python(text)
                 else:

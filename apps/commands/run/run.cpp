@@ -98,37 +98,25 @@ stream::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measu
     const Scene& scene = simulation.scene();
     stream::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
-    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
-    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
-    stream::RunRecord record = stream::empty_record(measured, simulation.chain().end, rows);
+    stream::RunRecord record =
+        stream::empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
     ProgressLine line;
-    const std::atomic<bool>& stop = stop_asked();
     const stream::Nanoseconds start = stream::MonotonicClock::now();
-    while (record.rows() < rows) {
-        if (stop) {
-            record.stopped = true;
-            return record;
-        }
-        const stream::Nanoseconds before = stream::MonotonicClock::now();
-        const Status status = simulation.advance(block, std::min(block.capacity(), rows - record.rows()));
-        const stream::Nanoseconds after = stream::MonotonicClock::now();
-        record.busy += after - before;
-        if (status == Status::stopped) {
-            continue;  // to the look at `stop`
-        }
-        if (status != Status::running) {
-            throw std::runtime_error(simulation.failure());
-        }
-        stream::keep(block, simulation.chain().end, record);
+    const Status status = stream::simulate(simulation, record, [&](const Samples& block) {
         row_builder.write(block);
         if (wants_files && !recordings.any_left()) {
             throw std::runtime_error("every recording has failed, so the run was stopped");
         }
         if (line.due()) {
-            line.show(progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
-                                     scene.output.duration_s,
-                                     std::chrono::duration<double>(after - start).count()}));
+            const stream::Nanoseconds elapsed = stream::MonotonicClock::now() - start;
+            line.show(
+                progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
+                               scene.output.duration_s, std::chrono::duration<double>(elapsed).count()}));
         }
+        return true;
+    });
+    if (status != Status::running && status != Status::stopped) {
+        throw std::runtime_error(simulation.failure());
     }
     return record;
 }

@@ -4,10 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/scene_words.hpp"
 #include "stream/measures/spectrum.hpp"
-#include "stream/provenance.hpp"
 
 namespace hertzline::app {
 
@@ -35,24 +32,15 @@ SummaryGroup contacts(Simulation& simulation) {
     stream::Warnings warnings;
     SummaryGroup group = stream::contacts_of_run(simulation, warnings);
     warn(warnings);
-    if (const DampingLaw law = simulation.chain().damping_law; law != DampingLaw::dashpot) {
-        group.values["damping_law"] = word(law);
-    }
     return group;
 }
 
 SummaryGroup account(const Simulation& simulation, double setup_s, const stream::RunRecord& record,
                      const stream::RecordingSet& recordings) {
     SummaryGroup group = stream::account_of_run(simulation, record.rows());
-    const double wall_s = record.wall_s();
-    Json& values = group.values;
-    values["setup_s"] = setup_s;
-    values["wall_s"] = wall_s;
-    values["real_time_factor"] =
-        wall_s > 0 ? Json(values["simulated_s"].get<double>() / wall_s) : Json(nullptr);
-    values["recordings"] = stream::recordings_json(recordings);
-    values["scene_hash"] = scene_hash(simulation.scene());
-    values["version"] = stream::program_version();
+    stream::add_times(group, setup_s, record.wall_s());
+    group.values["recordings"] = stream::recordings_json(recordings);
+    stream::add_identity(group, simulation.scene());
     return group;
 }
 

@@ -6,13 +6,11 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <unistd.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
@@ -49,22 +47,9 @@ fs::path journal_path(const SweepOptions& options, const stream::Shard& shard) {
            journal_ending;
 }
 
-/// A journal without a name, for rows that only stdout gets.
-Journal passing_journal() {
-    std::string name = fs::temp_directory_path() / "hertzline-sweep-XXXXXX";
-    const int descriptor = ::mkstemp(name.data());
-    if (descriptor < 0) {
-        throw std::system_error(errno, std::generic_category(), "cannot write " + name);
-    }
-    ::close(descriptor);
-    Journal journal(name, Journal::Use::begin);
-    fs::remove(name);
-    return journal;
-}
-
 Journal open_journal(const SweepOptions& options, const Sweep& sweep) {
     if (options.output.empty()) {
-        return passing_journal();
+        return Journal::passing();
     }
     return {journal_path(options, sweep.shard), options.resume ? Journal::Use::resume : Journal::Use::begin};
 }
@@ -122,7 +107,7 @@ void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std:
                  stream::human_bytes(memory));
 }
 
-void tell_of_refused(const SweepSurvey& survey, std::int64_t points) {
+void tell_of_refused(const stream::SweepSurvey& survey, std::int64_t points) {
     if (survey.refused > 0) {
         spdlog::warn("{} of {} points cannot be simulated; {}", survey.refused, points, survey.first_refused);
     }

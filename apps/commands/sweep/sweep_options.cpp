@@ -106,38 +106,15 @@ stream::Shard shard_of(const std::string& text) {
     return shard;
 }
 
-/// What the points are, all together.
-struct Extremes {
-    SweepSurvey survey;
-    TapSet taps;  ///< that any of them has
-    bool modal = false;
-    double rows = 0;  ///< of the longest
-};
-
-Extremes survey_of(const stream::SweepPlan& plan, const SweepOptions& options) {
-    stream::PointDemand largest;
-    for (const std::string& name : options.measures) {
-        if (const auto tap =
-                tap_named(name)) {  // whether the name is right is looked at when it is known what there is
-            largest.measured |= TapSet(*tap) & stream::measurable_taps;
+/// Those of the names that are right: whether all are is looked at when it is known what there is.
+TapSet known_taps(const std::vector<std::string>& names) {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = tap_named(name)) {
+            taps |= TapSet(*tap) & stream::measurable_taps;
         }
     }
-    Extremes extremes;
-    for (std::int64_t point = 0; point < plan.size(); ++point) {
-        const Scene scene = plan.scene(point);
-        if (const std::string refusal = stream::scene_refusal(scene); !refusal.empty()) {
-            if (extremes.survey.refused++ == 0) {
-                extremes.survey.first_refused = plan.name(point) + ": " + refusal;
-            }
-            continue;
-        }
-        extremes.taps |= taps_of(scene.end);
-        extremes.modal = extremes.modal || provides(scene.end, Requires::modal_plate);
-        extremes.rows = std::max(extremes.rows, stream::rows_of_run(scene));
-        extremes.survey.memory_bytes =
-            std::max(extremes.survey.memory_bytes, stream::point_memory_bytes(scene, largest));
-    }
-    return extremes;
+    return taps;
 }
 
 std::vector<stream::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
@@ -196,12 +173,12 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     faults.of([&] { shard = shard_of(options.shard); });
     faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.of([&] { plan = plan_of(options); });
-    const Extremes extremes = plan ? survey_of(*plan, options) : Extremes{};
-    const TapSet there =
-        plan && !extremes.taps.empty() ? extremes.taps & stream::measurable_taps : stream::measurable_taps;
+    stream::SweepSurvey survey =
+        plan ? stream::survey_of(*plan, known_taps(options.measures)) : stream::SweepSurvey{};
+    const TapSet there = survey.measurable();
     stream::PointDemand demand;
     demand.band_from_hz = options.band_from_hz;
-    demand.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(extremes.rows);
+    demand.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(survey.rows);
     faults.of([&] { demand.measured = tap_arguments("--measure", options.measures, there); });
     faults.of([&] {
         if (!options.waveform.empty()) {
@@ -209,12 +186,10 @@ SoundSweep sound_sweep(const SweepOptions& options) {
         }
     });
     faults.of([&] {
-        demand.columns =
-            columns_of(options, (demand.measured | stream::measured_unasked) & (there | demand.measured),
-                       extremes.modal);
+        demand.columns = columns_of(
+            options, (demand.measured | stream::measured_unasked) & (there | demand.measured), survey.modal);
     });
     faults.refuse();
-    SweepSurvey survey = extremes.survey;
     survey.memory_bytes += sizeof(float) * static_cast<double>(demand.waveform_samples);
     return {{*std::move(plan), std::move(demand), shard}, std::move(survey)};
 }

@@ -10,6 +10,7 @@
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/console/output.hpp"
+#include "stream/sweep/survey.hpp"
 #include "stream/sweep/sweep.hpp"
 
 namespace hertzline::app {
@@ -34,17 +35,10 @@ struct SweepOptions {
 /// @param options must outlive the parsing
 void add_sweep_options(CLI::App& app, SweepOptions& options);
 
-/// What was found out about the points before the first of them is run.
-struct SweepSurvey {
-    std::int64_t refused = 0;   ///< points whose scene is refused: rows without numbers
-    std::string first_refused;  ///< which one, and why
-    double memory_bytes = 0;    ///< of the largest point
-};
-
 /// A sweep whose plan is sound.
 struct SoundSweep {
     stream::Sweep sweep;
-    SweepSurvey survey;
+    stream::SweepSurvey survey;
 };
 
 /// Looks at the scene of every point. @throws WrongUse that names every fault at once

@@ -1,4 +1,4 @@
-#include "apps/commands/scene_report.hpp"
+#include "stream/measures/scene_report.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,25 +9,17 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
-#include "apps/commands/preflight.hpp"
-#include "apps/commands/publish_session.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/coupling.hpp"
 #include "core/model/hertz.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/scene/text.hpp"
 #include "core/simulation.hpp"
-#include "stream/pipeline/pipeline.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/sources/simulation_source.hpp"
 
-namespace hertzline::app {
+namespace hertzline::stream {
 
 namespace {
 
@@ -38,12 +30,6 @@ constexpr double two_pi = 2 * std::numbers::pi;
 
 Value if_any(bool exists, double value) {
     return exists ? Value(value) : Value();
-}
-
-/// A whole number, or what is beyond all counting.
-Value count(double number) {
-    constexpr double most = 9e18;
-    return number < most ? Value(static_cast<std::int64_t>(std::llround(number))) : Value(number);
 }
 
 void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
@@ -198,7 +184,7 @@ void add_step(Report& report, const ResolvedScene& resolved) {
     report.push_back({"step", "chosen by", "step_chosen_by", "",
                       std::string(resolved.step_set_by_scene ? "scene" : "accuracy")});
     report.push_back({"step", series ? "pieces per burst, about" : "steps per burst, about",
-                      "steps_per_burst", "", count(resolved.steps_per_burst)});
+                      "steps_per_burst", "", report_count(resolved.steps_per_burst)});
     report.push_back(
         {"step", "steps per sample", "steps_per_sample", "", 1 / (scene.output.sample_rate_hz * step)});
     report.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
@@ -206,27 +192,6 @@ void add_step(Report& report, const ResolvedScene& resolved) {
                       advice.estimated_error});
     report.push_back(
         {"step", "largest stable step", "largest_stable_step_s", "s", advice.largest_stable_step_s});
-}
-
-void add_costs(Report& report, const Scene& scene) {
-    const double rows = rows_of_run(scene);
-    const TapSet recorded = recorded_taps(scene.end);
-    report.push_back({"run", "rows", "rows", "", count(rows)});
-    report.push_back(
-        {"run", "memory, at most", "run_memory_bytes", "bytes", count(memory_of_run(scene, recorded, {}))});
-    const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
-    report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", count(csv_bytes(recorded))});
-    report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",
-                      count(csv_bytes(recorded | Tap::v_chain | Tap::x_chain))});
-    report.push_back(
-        {"run", "memory of a stream, at most", "stream_memory_bytes", "bytes",
-         count(stream::SimulationSource::memory_bytes(scene) +
-               stream_bytes(stream::SimulationSource::format_of(scene), stream::Pace::realtime(),
-                            publisher_options(PublishRequest(), stream::SimulationSource::format_of(scene),
-                                              std::nullopt)))});
-    report.push_back({"run", "more for each of its recordings", "stream_recording_memory_bytes", "bytes",
-                      count(memory_of_recordings(scene, recorded, 1))});
-    report.push_back({"run", "scene hash", "scene_hash", "", scene_hash(scene)});
 }
 
 }  // namespace
@@ -249,8 +214,7 @@ std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_
     return simulation.state().peak_overlap;
 }
 
-void warn_of_contacts(const std::string& name, const Scene& scene,
-                      const std::optional<Eigen::ArrayXd>& peaks) {
+std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks) {
     const Chain chain(scene);
     const ContactLoad load =
         contact_load(chain, peaks ? *peaks : chain.static_overlap, scene.chain.diameter_m / 2);
@@ -261,9 +225,7 @@ void warn_of_contacts(const std::string& name, const Scene& scene,
     if (auto beyond = strength_warning(scene, chain, load)) {
         warnings.push_back(*std::move(beyond));
     }
-    for (const std::string& text : warnings) {
-        spdlog::warn("{}: {}", printable(name), text);
-    }
+    return warnings;
 }
 
 std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
@@ -277,8 +239,27 @@ std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
     add_time_scales(report, scene, chain, peaks);
     add_accuracy(report, resolved);
     add_step(report, resolved);
-    add_costs(report, scene);
     return report;
 }
 
-}  // namespace hertzline::app
+Value report_count(double number) {
+    constexpr double most = 9e18;
+    return number < most ? Value(static_cast<std::int64_t>(std::llround(number))) : Value(number);
+}
+
+nlohmann::ordered_json report_json(std::span<const ReportRow> report) {
+    struct Converted {
+        nlohmann::ordered_json operator()(std::monostate) const { return nullptr; }
+        nlohmann::ordered_json operator()(bool yes) const { return yes; }
+        nlohmann::ordered_json operator()(const std::string& text) const { return text; }
+        nlohmann::ordered_json operator()(std::int64_t number) const { return number; }
+        nlohmann::ordered_json operator()(double number) const { return number; }
+    };
+    nlohmann::ordered_json json;
+    for (const ReportRow& row : report) {
+        json[row.name] = std::visit(Converted{}, row.value);
+    }
+    return json;
+}
+
+}  // namespace hertzline::stream

@@ -1,18 +1,20 @@
 #pragma once
-// What follows from a scene: masses, stiffnesses, frequencies, what contacts carry, the cost of a run.
+// What follows from a scene: masses, stiffnesses, frequencies, what contacts carry, accuracy and step.
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include <Eigen/Core>
+#include <nlohmann/json.hpp>
 
 #include "core/scene/scene.hpp"
 #include "core/step_choice/resolve.hpp"
 
-namespace hertzline::app {
+namespace hertzline::stream {
 
 /// A row of the report: a quantity, its value and its unit.
 struct ReportRow {
@@ -31,13 +33,18 @@ double first_burst_s(const Scene& scene);
 /// Simulates them. @param scene is resolved
 std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s);
 
-/// Warns of contacts that are pressed too deep, or harder than their materials bear, at these overlaps; at rest where they
-/// are not known. @param name of the scene, as the user gave it
-void warn_of_contacts(const std::string& name, const Scene& scene,
-                      const std::optional<Eigen::ArrayXd>& peaks);
+/// What is to be warned of at these overlaps: contacts that are pressed too deep, or harder than their materials bear; at rest
+/// where overlaps are not known.
+std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks);
 
 /// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
 std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
                                     const std::optional<Eigen::ArrayXd>& peaks);
 
-}  // namespace hertzline::app
+/// A whole number, or what is beyond all counting.
+decltype(ReportRow::value) report_count(double number);
+
+/// One flat object; null where this scene has no such thing.
+nlohmann::ordered_json report_json(std::span<const ReportRow> report);
+
+}  // namespace hertzline::stream

@@ -1,0 +1,40 @@
+"""Simulates a chain of spheres that an ultrasonic horn pushes, with the bits of the program `hertzline`.
+
+    import hertzline
+    s = hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3})
+    r = s.run(taps=["v_out", "v_chain"])
+    r.t, r["v_out"], r.summary
+
+All numbers are in SI units, and the names say which: `thickness_m`, `preload_n`, `peak_v_out_m_per_s`.
+
+What is wrong with a scene or an argument is a `ValueError` that names every fault, a line each: where, what was found and
+what is allowed. A file that cannot be read or written is an `OSError`, too little memory a `MemoryError`, a motion that
+becomes unstable a `RuntimeError`. While it computes other threads of Python go on, and Ctrl-C ends it.
+
+FFTW is used for spectra: no other code of the process (pyfftw) may plan with it at the same time.
+"""
+
+from ._listen import Block, GapError, Live, listen
+from ._native import version as __version__
+from ._recording import Recording, load
+from ._samples import Samples, Spectrum
+from ._scene import Result, Scene, scene, scenes
+from ._sweep import Table, sweep
+
+__all__ = [
+    "Block",
+    "GapError",
+    "Live",
+    "Recording",
+    "Result",
+    "Samples",
+    "Scene",
+    "Spectrum",
+    "Table",
+    "__version__",
+    "listen",
+    "load",
+    "scene",
+    "scenes",
+    "sweep",
+]

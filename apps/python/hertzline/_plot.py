@@ -1,0 +1,59 @@
+"""Pictures, by the script that `hertzline plot` runs. matplotlib is imported when the first one is drawn."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ._samples import Samples
+    from ._sweep import Table
+
+
+def _script() -> Any:
+    import matplotlib  # noqa: F401  its absence is an ImportError here, and the script's end
+
+    from . import _draw
+
+    return _draw
+
+
+def draw_samples(samples: Samples, names: Sequence[str], title: str) -> Figure:
+    import matplotlib
+
+    columns: dict[str, Any] = {"t_s": samples.t}
+    about = []
+    for name in names:
+        values = samples[name]
+        channels = values[:, np.newaxis] if values.ndim == 1 else values
+        for channel in range(channels.shape[1]):
+            label = name if values.ndim == 1 else f"{name} {channel + 1}"
+            columns[label] = channels[:, channel]
+            about.append((label, label, samples.unit(name)))
+    if not about:
+        raise ValueError("plot: found no taps, allowed: at least one")
+    if len(samples.t) == 0:
+        raise ValueError("plot: found no samples, allowed: at least one")
+    with matplotlib.rc_context():
+        figure: Figure = _script().draw(
+            columns,
+            {"columns": about, "sample_rate_hz": samples.sample_rate_hz, "provenance": samples.provenance},
+            title,
+        )
+    return figure
+
+
+def draw_table(table: Table, quantities: Sequence[str], title: str) -> Figure:
+    import matplotlib
+
+    script = _script()
+    plain = table.view(np.ndarray)
+    names = plain.dtype.names or ()
+    columns = {name: plain[name] if plain.dtype[name].kind == "U" else plain[name].astype(float) for name in names}
+    with matplotlib.rc_context():
+        figure: Figure = script.draw_sweep(script.Sweep(columns, table.units), list(quantities), title)
+    return figure

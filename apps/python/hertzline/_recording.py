@@ -1,0 +1,88 @@
+"""Recordings of the program, of `Result.save`, or of others."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import numpy as np
+
+from . import _native
+from ._samples import Floats, Samples
+
+
+def load(path: str | os.PathLike[str]) -> Recording:
+    """Reads a recording, whole: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-data, .sigmf-collection.
+
+    Raises ValueError for another ending, OSError for a file that cannot be read or is damaged.
+    """
+    return Recording(_native.load(os.fspath(path)))
+
+
+class Recording(Samples):
+    """Samples of a file. Where some are missing, `gaps` says so, and `t` leaps."""
+
+    def __init__(self, native: _native.Recording) -> None:
+        self._native = native
+        self._columns = native.columns
+        self._quantities = list(dict.fromkeys(quantity or name for name, quantity, _ in self._columns))
+        self._t: Floats | None = None
+
+    @property
+    def t(self) -> Floats:
+        """Time of each sample since the start of its simulation [s], shape [sample]."""
+        if self._t is None:
+            samples = np.arange(self._native.rows)
+            for first, row in self._native.stretches:
+                samples[row:] = first + np.arange(self._native.rows - row)
+            self._t = samples / self._native.sample_rate_hz
+            self._t.setflags(write=False)
+        return self._t
+
+    @property
+    def gaps(self) -> list[tuple[int, int]]:
+        """Where samples are missing: (row before which they are, how many)."""
+        stretches = self._native.stretches
+        return [
+            (row, first - (before + row - row_before))
+            for (before, row_before), (first, row) in zip(stretches, stretches[1:])
+        ]
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """Samples a second [Hz]."""
+        return self._native.sample_rate_hz
+
+    @property
+    def taps(self) -> list[str]:
+        """What `self[...]` takes beside the names of single columns."""
+        return list(self._quantities)
+
+    @property
+    def columns(self) -> list[tuple[str, str, str]]:
+        """Name, quantity and unit of each column of the file."""
+        return list(self._columns)
+
+    def __getitem__(self, name: str) -> Floats:
+        return self._native.samples(name)
+
+    def unit(self, name: str) -> str:
+        """The unit of a tap or column; "" where the file does not say."""
+        for column, quantity, unit in self._columns:
+            if name in (quantity, column):
+                return unit
+        raise KeyError(name)
+
+    def spectrum(self, name: str, *, band_from_hz: float | None = None) -> Any:
+        if self.gaps:
+            raise ValueError(f"spectrum: found {len(self.gaps)} gaps in the recording, allowed: none")
+        return super().spectrum(name, band_from_hz=band_from_hz)
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Where the samples come from, as the file says: version, scene, integrator, step, estimated error."""
+        provenance = self._native.provenance()
+        return provenance if isinstance(provenance, dict) else {}
+
+    def __repr__(self) -> str:
+        return f"<hertzline.Recording {self._native.rows} samples of {', '.join(self.taps)}>"

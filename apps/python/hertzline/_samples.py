@@ -1,0 +1,89 @@
+"""What runs and recordings have in common: samples by name, their spectra and their pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Floats = NDArray[np.float64]
+
+
+class Spectrum(NamedTuple):
+    """The spectrum of a whole record, without a window: docs/measures.md defines it."""
+
+    frequency_hz: Floats
+    """From 0 to half the sample rate [Hz], equally spaced."""
+    amplitude: Floats
+    """In the unit of the samples: a sine that fills the record shows its amplitude."""
+    measures: dict[str, Any] | None
+    """Harmonics, distortion and bands, with the names of the summary; None where the drive's frequency is not known."""
+
+
+class Samples:
+    """Samples at equal distances in time, by the names of their quantities: `v_out` [m/s], `f_last` [N] and so on."""
+
+    @property
+    def t(self) -> Floats:
+        """Time of each sample since the start of the simulation [s], shape [sample]."""
+        raise NotImplementedError
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """Samples a second [Hz]."""
+        raise NotImplementedError
+
+    @property
+    def taps(self) -> list[str]:
+        """What `self[...]` takes."""
+        raise NotImplementedError
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Where the samples come from: version, scene, integrator, step, estimated error."""
+        raise NotImplementedError
+
+    def __getitem__(self, name: str) -> Floats:
+        """The samples in the unit of their tap: shape [sample], or [sample, sphere] of `v_chain` and `x_chain`.
+
+        Nothing is copied: the array is a view that cannot be written to, and keeps alive what it looks at.
+        Raises KeyError for a name that is not among `taps`.
+        """
+        raise NotImplementedError
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.taps
+
+    def spectrum(self, name: str, *, band_from_hz: float | None = None) -> Spectrum:
+        """Amplitude over frequency of one tap, and its measures, as the program computes them.
+
+        band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.
+        """
+        return Spectrum(*_native.spectrum(self[name], self.sample_rate_hz, self._drive_hz(), band_from_hz))
+
+    def plot(self, taps: Sequence[str] | None = None, *, title: str = "") -> Figure:
+        """Draws waveform and spectrum of taps (by default of those with one channel), as `hertzline plot` does.
+
+        Needs matplotlib. The figure is one of pyplot's: a notebook shows it by itself, a script by `plt.show()`.
+        """
+        from ._plot import draw_samples
+
+        names = [name for name in self.taps if self[name].ndim == 1] if taps is None else list(taps)
+        return draw_samples(self, names, title)
+
+    def unit(self, name: str) -> str:
+        """The unit of a tap: "m/s", "N", "Pa", "m"."""
+        raise NotImplementedError
+
+    def _drive_hz(self) -> float | None:
+        found: Any = self.provenance
+        for key in ("scene", "drive", "frequency_hz"):
+            found = found.get(key) if isinstance(found, Mapping) else None
+        return float(found) if isinstance(found, (int, float)) and found > 0 else None

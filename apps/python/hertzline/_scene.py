@@ -1,0 +1,222 @@
+"""Scenes, and what a run of one gives."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from . import _native
+from ._samples import Floats, Samples
+
+Path = str | os.PathLike[str]
+
+
+def scenes() -> dict[str, str]:
+    """The shipped scenes: name and description."""
+    return {name: description for name, description, _ in _native.shipped_scenes()}
+
+
+def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping[str, Any]) -> Scene:
+    """A scene: a file, a shipped scene's name (if both exist, the file is taken), or another scene, with keys changed.
+
+        hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3}, drive={"cycles": 10})
+        hertzline.scene("mine.toml", materials={"clay": {"density_kg_per_m3": 1900.0}}, end={"material": "clay"})
+
+    scenes/README.md has every section and key, with units. Raises ValueError with every fault of the scene.
+    """
+    settings = list(_settings(sections))
+    if isinstance(source, Scene):
+        return Scene(_native.parse(source.toml, source.name, settings))
+    name = os.fspath(source)
+    if os.path.exists(name) and not os.path.isdir(name):
+        with open(name, encoding="utf-8", errors="surrogateescape") as file:
+            text = file.read(1 << 20)
+        return Scene(_native.parse(text.encode("utf-8", "surrogateescape"), name, settings))
+    for shipped, _, text in _native.shipped_scenes():
+        if shipped == name:
+            return Scene(_native.parse(text, name, settings))
+    raise ValueError(_native.unknown_scene(name))
+
+
+def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> Iterator[str]:
+    """The keys as the program's option --set takes them."""
+    for name, value in sections.items():
+        key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name))
+        if isinstance(value, Mapping):
+            yield from _settings(value, key + ".")
+        elif prefix:
+            yield f"{key}={toml_value(key, value)}"
+        else:
+            raise TypeError(f"{key}: found {type(value).__name__}, allowed: a dict of the keys of this section")
+
+
+def toml_value(key: str, value: Any) -> str:
+    """A number, integer or word as TOML has it; numbers read back to the same bits."""
+    if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
+        value = value.item()
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if isinstance(value, str):
+        return json.dumps(value)
+    raise TypeError(f"{key}: found {type(value).__name__}, allowed: a number, an integer or a word")
+
+
+class Scene:
+    """What to simulate. Made by `hertzline.scene`; never changes."""
+
+    __slots__ = ("_native",)
+
+    def __init__(self, native: _native.Scene) -> None:
+        self._native = native
+
+    @property
+    def name(self) -> str:
+        """The file's or the shipped scene's name."""
+        return self._native.origin
+
+    @property
+    def toml(self) -> str:
+        """The scene as a file that sets every key."""
+        return self._native.toml()
+
+    @property
+    def hash(self) -> str:
+        """16 hexadecimal digits that tell scenes apart, as in summaries and recordings of resolved scenes."""
+        return self._native.hash()
+
+    @property
+    def values(self) -> dict[str, dict[str, Any]]:
+        """Section by section every key and its value; None where the program chooses."""
+        return self._native.values()
+
+    def __getitem__(self, key: str) -> Any:
+        """The value of a key: scene["end.thickness_m"] [m]."""
+        found: Any = self.values
+        for part in key.split("."):
+            if not isinstance(found, Mapping) or part not in found:
+                raise KeyError(key)
+            found = found[part]
+        return found
+
+    def resolved(self) -> Scene:
+        """The same scene with integrator and step settled, as it is simulated. Takes some milliseconds."""
+        return Scene(self._native.resolved())
+
+    def check(self) -> dict[str, Any]:
+        """What follows from the scene, with the names and units of `hertzline check --json`: masses, stiffnesses,
+        frequencies, step and estimated error; and its `warnings`. What the program says of its files is left out.
+
+        Raises ValueError when the scene cannot be simulated as it is, as with a step beyond the stability limit.
+        """
+        return self._native.check()
+
+    def run(
+        self,
+        taps: Iterable[str] | None = None,
+        *,
+        measure: Iterable[str] = (),
+        band_from_hz: float | None = None,
+    ) -> Result:
+        """Simulates from 0 to output.duration_s, with the bits of `hertzline run`.
+
+        taps: what to keep, as ["v_out", "v_chain"]; by default what `hertzline run -o` saves. v_out is always there.
+        measure: peaks and spectra of these taps, too, stand in the summary; they are kept as well.
+        band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.
+
+        Raises ValueError with every fault, RuntimeError when the motion becomes unstable, MemoryError.
+        """
+        names = None if taps is None else names_in("taps", taps)
+        return Result(_native.run(self._native, names, names_in("measure", measure), band_from_hz))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scene) and self.toml == other.toml
+
+    def __hash__(self) -> int:
+        return hash(self.toml)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.toml, self.name)
+
+    def __repr__(self) -> str:
+        return f"<hertzline.Scene {self.name} {self.hash}>"
+
+
+def _restored(toml: str, name: str) -> Scene:
+    return Scene(_native.parse(toml, name, []))
+
+
+def names_in(argument: str, names: Iterable[str]) -> list[str]:
+    """A list of names; one by itself, which would be taken letter by letter, is refused."""
+    if isinstance(names, str):
+        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
+    return list(names)
+
+
+class Result(Samples):
+    """What a run has given. `result["v_out"]` are samples, `result.summary` the numbers of `hertzline run --json`."""
+
+    def __init__(self, native: _native.Run) -> None:
+        self._native = native
+        self._t: Floats | None = None
+
+    @property
+    def t(self) -> Floats:
+        """Time of each sample since the start [s], shape [sample]."""
+        if self._t is None:
+            self._t = np.arange(self._native.rows) / self._native.sample_rate_hz
+            self._t.setflags(write=False)
+        return self._t
+
+    @property
+    def sample_rate_hz(self) -> float:
+        """Samples a second [Hz]."""
+        return self._native.sample_rate_hz
+
+    @property
+    def taps(self) -> list[str]:
+        """What `self[...]` takes: the taps that were asked for, those that are measured, and v_out."""
+        return self._native.taps
+
+    def __getitem__(self, name: str) -> Floats:
+        return self._native.samples(name)
+
+    def unit(self, name: str) -> str:
+        return self._native.unit(name)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """The summary of `hertzline run --json`, with the same names and units; without `recordings`."""
+        return self._native.summary()
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the program warns of, a sentence each: an accuracy that is missed, a record that is too short."""
+        return self._native.warnings
+
+    @property
+    def provenance(self) -> dict[str, Any]:
+        """Where the samples come from: version, resolved scene, integrator, step, estimated error."""
+        return self._native.provenance()
+
+    def save(self, *paths: Path, taps: Sequence[str] | None = None, wav_scale: float = 1.0) -> None:
+        """Writes recordings; the endings pick the formats: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-collection.
+
+        taps: what they hold; by default the taps that `run` was asked for.
+        wav_scale: what is full scale in WAV files, in the unit of the samples.
+
+        A file has its name when it is complete. Raises ValueError for wrong names, OSError.
+        """
+        if not paths:
+            raise TypeError("save: found no file, allowed: at least one")
+        files = [os.fspath(path) for path in paths]
+        self._native.save(files, None if taps is None else names_in("taps", taps), wav_scale)
+
+    def __repr__(self) -> str:
+        return f"<hertzline.Result {self._native.rows} samples of {', '.join(self.taps)}>"

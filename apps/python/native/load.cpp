@@ -1,0 +1,132 @@
+#include "apps/python/native/load.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <pybind11/stl.h>
+
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/python_values.hpp"
+#include "stream/recordings/recording.hpp"
+#include "stream/recordings/recording_formats.hpp"
+
+namespace hertzline::python {
+
+namespace {
+
+constexpr std::size_t portion = 65'536;  // rows that are read at a time
+
+/// Samples without a gap: where they begin in the run, and where in the recording.
+struct Stretch {
+    std::int64_t first = 0;
+    std::size_t row = 0;
+};
+
+struct Recording {
+    stream::RecordingHead head;
+    std::vector<double> values;  ///< row-major, [row][column]
+    std::vector<Stretch> stretches;
+
+    std::size_t rows() const { return values.size() / head.columns.size(); }
+};
+
+void read_rows(stream::RecordingReader& reader, Recording& recording, const std::atomic<bool>& stop) {
+    stream::RecordedRows rows;
+    std::int64_t due = -1;  // the sample that follows
+    while (!stop && reader.read(rows, portion)) {
+        if (rows.first != due) {
+            recording.stretches.push_back({rows.first, recording.rows()});
+        }
+        recording.values.insert(recording.values.end(), rows.values.begin(), rows.values.end());
+        due = rows.first + static_cast<std::int64_t>(rows.values.size() / recording.head.columns.size());
+    }
+}
+
+std::shared_ptr<Recording> load(const std::string& path) {
+    if (const auto fault = stream::recording_fault(path)) {
+        throw py::value_error(*fault);
+    }
+    auto recording = std::make_shared<Recording>();
+    with_os_errors([&] {
+        const std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(path);
+        recording->head = reader->head();
+        interruptible([&](const std::atomic<bool>& stop) { read_rows(*reader, *recording, stop); },
+                      [&] { reader->interrupt(); });
+    });
+    return recording;
+}
+
+/// Whose columns are `quantity`: the first of them, and how many follow it without a break.
+std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const std::string& quantity) {
+    const std::vector<stream::Column>& columns = recording.head.columns;
+    const auto named = std::ranges::find(columns, quantity, &stream::Column::name);
+    if (named != columns.end()) {
+        return {static_cast<std::size_t>(named - columns.begin()), 1};
+    }
+    const auto is_its = [&](const stream::Column& column) { return column.quantity == quantity; };
+    const auto first = std::ranges::find_if(columns, is_its);
+    return {static_cast<std::size_t>(first - columns.begin()),
+            static_cast<std::size_t>(std::ranges::count_if(columns, is_its))};
+}
+
+/// [sample], or [sample][sphere] of a tap of all spheres. @param name of a quantity or of a column
+py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
+    const auto [first, count] = columns_of(*recording, name);
+    const std::vector<stream::Column>& columns = recording->head.columns;
+    if (count == 0) {
+        throw py::key_error("found \"" + name + "\", which the recording does not hold");
+    }
+    // of all spheres the columns take turns: x1, v1, x2, v2
+    std::size_t apart = 1;
+    while (count > 1 && columns[first + apart].quantity != columns[first].quantity) {
+        ++apart;
+    }
+    const auto width = static_cast<py::ssize_t>(columns.size());
+    const auto rows = static_cast<py::ssize_t>(recording->rows());
+    std::vector<py::ssize_t> shape{rows};
+    std::vector<py::ssize_t> strides{width};
+    if (count > 1 || columns[first].name != name) {
+        const bool of_spheres = columns[first].quantity == "v_chain" || columns[first].quantity == "x_chain";
+        if (of_spheres) {
+            shape.push_back(static_cast<py::ssize_t>(count));
+            strides.push_back(static_cast<py::ssize_t>(apart));
+        }
+    }
+    return view_of(recording->values.data() + first, shape, py::cast(recording), strides);
+}
+
+}  // namespace
+
+void add_load(py::module_& module) {
+    py::class_<Recording, std::shared_ptr<Recording>>(module, "Recording")
+        .def_property_readonly("sample_rate_hz",
+                               [](const Recording& recording) { return recording.head.sample_rate_hz; })
+        .def_property_readonly("rows", &Recording::rows)
+        .def_property_readonly(
+            "columns",
+            [](const Recording& recording) {
+                py::list columns;
+                for (const stream::Column& column : recording.head.columns) {
+                    columns.append(py::make_tuple(column.name, column.quantity, column.unit));
+                }
+                return columns;
+            })
+        .def_property_readonly("stretches",
+                               [](const Recording& recording) {
+                                   py::list stretches;
+                                   for (const Stretch& stretch : recording.stretches) {
+                                       stretches.append(py::make_tuple(stretch.first, stretch.row));
+                                   }
+                                   return stretches;
+                               })
+        .def("provenance",
+             [](const Recording& recording) { return python_object(recording.head.provenance); })
+        .def("samples", &samples_of, py::arg("name"));
+    module.def("load", &load, py::arg("path"));
+}
+
+}  // namespace hertzline::python

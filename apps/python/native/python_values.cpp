@@ -1,0 +1,100 @@
+#include "apps/python/native/python_values.hpp"
+
+#include "stream/measures/run_record.hpp"
+#include "stream/resources.hpp"
+
+namespace hertzline::python {
+
+py::object python_object(const nlohmann::ordered_json& json) {
+    switch (json.type()) {
+        case nlohmann::ordered_json::value_t::object: {
+            py::dict dict;
+            for (const auto& [key, value] : json.items()) {
+                dict[py::str(key)] = python_object(value);
+            }
+            return dict;
+        }
+        case nlohmann::ordered_json::value_t::array: {
+            py::list list;
+            for (const auto& value : json) {
+                list.append(python_object(value));
+            }
+            return list;
+        }
+        case nlohmann::ordered_json::value_t::string:
+            return py::str(json.get_ref<const std::string&>());
+        case nlohmann::ordered_json::value_t::boolean:
+            return py::bool_(json.get<bool>());
+        case nlohmann::ordered_json::value_t::number_integer:
+            return py::int_(json.get<std::int64_t>());
+        case nlohmann::ordered_json::value_t::number_unsigned:
+            return py::int_(json.get<std::uint64_t>());
+        case nlohmann::ordered_json::value_t::number_float:
+            return py::float_(json.get<double>());
+        default:
+            return py::none();
+    }
+}
+
+std::string fault_text(std::vector<Fault> faults) {
+    std::string text;
+    for (Fault& fault : faults) {
+        if (fault.place.origin.starts_with("--")) {
+            fault.place = {};  // an option of the program; here it is the key that the caller gave
+        }
+        text += (text.empty() ? "" : "\n") + fault.message();
+    }
+    return text;
+}
+
+void ArgumentFaults::refuse() const {
+    if (!text_.empty()) {
+        throw py::value_error(text_);
+    }
+}
+
+TapSet taps_named(const char* argument, const std::vector<std::string>& names, TapSet allowed,
+                  ArgumentFaults& faults) {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = stream::find_tap(name, allowed)) {
+            taps |= *tap;
+        } else {
+            faults.add(std::string(argument) + ": " + tap.error());
+        }
+    }
+    return taps;
+}
+
+void with_os_errors(const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const py::builtin_exception&) {
+        throw;
+    } catch (const std::runtime_error& error) {
+        PyErr_SetString(PyExc_OSError, error.what());
+        throw py::error_already_set();
+    }
+}
+
+void require_memory(const std::string& what, double bytes) {
+    if (const auto shortage = stream::memory_shortage(what, bytes)) {
+        PyErr_SetString(PyExc_MemoryError, shortage->c_str());
+        throw py::error_already_set();
+    }
+}
+
+py::array_t<double> view_of(const double* data, std::vector<py::ssize_t> shape, const py::handle& owner,
+                            const std::vector<py::ssize_t>& strides) {
+    std::vector<py::ssize_t> bytes;
+    bytes.reserve(strides.size());
+    for (const py::ssize_t stride : strides) {
+        bytes.push_back(stride * static_cast<py::ssize_t>(sizeof(double)));
+    }
+    py::array_t<double> array = strides.empty() ? py::array_t<double>(std::move(shape), data, owner)
+                                                : py::array_t<double>(std::move(shape), bytes, data, owner);
+    array.attr("setflags")(py::arg("write") = false);
+    return array;
+}
+
+}  // namespace hertzline::python

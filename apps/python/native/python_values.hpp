@@ -1,0 +1,70 @@
+#pragma once
+// Between C++ and Python: arrays that are not copied, JSON as objects, faults as Python's own exceptions. All of it needs the GIL.
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include "core/scene/fault.hpp"
+#include "core/taps.hpp"
+
+namespace hertzline::python {
+
+namespace py = pybind11;
+
+/// dict, list, str, int, float, bool or None.
+py::object python_object(const nlohmann::ordered_json& json);
+
+/// The faults, a line each, as messages call them. Those of settings name the key alone.
+std::string fault_text(std::vector<Fault> faults);
+
+/// Collects what is wrong with several arguments, to be told at once.
+class ArgumentFaults {
+public:
+    void add(const std::string& text) { text_ += (text_.empty() ? "" : "\n") + text; }
+    /// @throws py::value_error when there are any
+    void refuse() const;
+
+private:
+    std::string text_;
+};
+
+/// The taps of those names; what is wrong goes to the faults. @param argument as messages call it
+TapSet taps_named(const char* argument, const std::vector<std::string>& names, TapSet allowed,
+                  ArgumentFaults& faults);
+
+/// Does what reads or writes files. @throws py::error_already_set: OSError with the text of its std::runtime_error
+void with_os_errors(const std::function<void()>& work);
+
+/// @throws py::error_already_set: MemoryError, unless so many bytes are available
+void require_memory(const std::string& what, double bytes);
+
+/// An array that cannot be written to, of memory that `owner` holds and keeps. @param strides in numbers; empty: row-major
+py::array_t<double> view_of(const double* data, std::vector<py::ssize_t> shape, const py::handle& owner,
+                            const std::vector<py::ssize_t>& strides = {});
+
+/// An array that owns what the vector held. Nothing is copied.
+template <class Number>
+py::array_t<Number> array_of(std::vector<Number>&& values, std::vector<py::ssize_t> shape) {
+    auto held = std::make_unique<std::vector<Number>>(std::move(values));
+    const py::capsule owner(held.get(), [](void* data) { delete static_cast<std::vector<Number>*>(data); });
+    const Number* const data = held.release()->data();
+    return py::array_t<Number>(std::move(shape), data, owner);
+}
+
+template <class Number>
+py::array_t<Number> array_of(std::vector<Number>&& values) {
+    const auto size = static_cast<py::ssize_t>(values.size());
+    return array_of(std::move(values), {size});
+}
+
+}  // namespace hertzline::python

@@ -1,0 +1,101 @@
+#include "apps/python/native/save.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/python_values.hpp"
+#include "core/samples.hpp"
+#include "core/scene/text.hpp"
+#include "stream/recordings/columns.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/recordings/recording_set.hpp"
+#include "stream/recordings/row_builder.hpp"
+
+namespace hertzline::python {
+
+namespace {
+
+constexpr std::size_t block_rows = 4096;
+
+/// The next rows of the taps, as a simulation would give them.
+void fill(Samples& block, const RunResult& result, TapSet taps, std::size_t first) {
+    block.first = static_cast<std::int64_t>(first);
+    block.count = std::min(block.capacity(), result.rows - first);
+    block.holds = taps;
+    for (const Tap tap : taps) {
+        const std::size_t channels = channels_of(tap, result.spheres);
+        std::copy_n(result.column(tap).begin() + static_cast<std::ptrdiff_t>(first * channels),
+                    block.count * channels, block.room(tap).begin());
+    }
+}
+
+/// @throws std::runtime_error when one of the recordings has failed
+void write(const RunResult& result, const std::vector<std::string>& paths, const stream::RecordingHead& head,
+           TapSet taps, const std::atomic<bool>& stop) {
+    stream::RecordingSet recordings(
+        paths, head, stream::RecordingPatience::endless(stop), [](const std::string&) {},
+        stream::Appearance::when_complete);
+    stream::RowBuilder rows(recordings, taps);
+    Samples block(taps, result.spheres, block_rows);
+    for (std::size_t first = 0; first < result.rows && !stop; first += block.count) {
+        fill(block, result, taps, first);
+        rows.write(block);
+    }
+    if (stop) {
+        recordings.discard();
+        return;
+    }
+    recordings.commit();
+    std::string failures;
+    for (const stream::RecordingSet::Status& status : recordings.status()) {
+        if (!status.failure.empty()) {
+            failures += (failures.empty() ? "" : "\n") + status.failure;
+        }
+    }
+    if (!failures.empty()) {
+        throw std::runtime_error(failures);
+    }
+}
+
+/// The HDF5 library may be entered by one thread at a time, and h5py holds the GIL when it does.
+bool needs_the_gil(const std::vector<std::string>& paths) {
+    return std::ranges::any_of(
+        paths, [](const std::string& path) { return stream::recording_ending(path) == ".h5"; });
+}
+
+}  // namespace
+
+void save(const std::shared_ptr<RunResult>& result, const std::vector<std::string>& paths,
+          const std::optional<std::vector<std::string>>& names, double wav_scale) {
+    ArgumentFaults faults;
+    const TapSet taps = names ? taps_named("taps", *names, result->held, faults) : result->asked;
+    for (const std::string& path : paths) {
+        if (const auto fault = stream::recording_fault(path)) {
+            faults.add(*fault);
+        }
+    }
+    if (!(wav_scale > 0 && std::isfinite(wav_scale))) {
+        faults.add("wav_scale: found " + number_text(wav_scale) + ", allowed: a finite number above 0");
+    }
+    if (taps.empty() && (!names || names->empty())) {
+        faults.add("taps: found none, allowed: at least one");
+    }
+    faults.refuse();
+    const stream::RecordingHead head{.columns = stream::recorded_columns(taps, result->spheres),
+                                     .sample_rate_hz = result->sample_rate_hz,
+                                     .provenance = result->provenance,
+                                     .full_scale = wav_scale};
+    with_os_errors([&] {
+        if (needs_the_gil(paths)) {
+            const std::atomic<bool> never{false};
+            write(*result, paths, head, taps, never);
+        } else {
+            interruptible([&](const std::atomic<bool>& stop) { write(*result, paths, head, taps, stop); });
+        }
+    });
+}
+
+}  // namespace hertzline::python

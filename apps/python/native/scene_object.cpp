@@ -1,0 +1,112 @@
+#include "apps/python/native/scene_object.hpp"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/python_values.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/validity.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/scene/text.hpp"
+#include "core/simulation.hpp"
+#include "stream/measures/run_summary.hpp"
+#include "stream/measures/scene_report.hpp"
+#include "stream/scene_json.hpp"
+
+namespace hertzline::python {
+
+namespace {
+
+std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& origin,
+                                   const std::vector<std::string>& settings) {
+    auto parsed = parse_scene(text, printable(origin), settings);
+    if (!parsed) {
+        throw py::value_error(fault_text(std::move(parsed.error())));
+    }
+    return std::make_shared<SceneObject>(*std::move(parsed));
+}
+
+/// What is wrong with a name that is neither a file's nor a shipped scene's.
+std::string unknown_scene(const std::string& name) {
+    std::vector<std::string> shipped;
+    for (const ShippedScene& scene : shipped_scenes()) {
+        shipped.emplace_back(scene.name);
+    }
+    return printable(name) + ": found no such file or shipped scene, allowed: a file, or one of " +
+           comma_separated(shipped) + suggestion(name, shipped);
+}
+
+py::object check(SceneObject& object) {
+    const std::shared_ptr<const ResolvedScene> resolved = object.resolved();
+    const Scene& scene = resolved->scene;
+    std::vector<stream::ReportRow> report;
+    std::vector<std::string> warnings = scene_warnings(*resolved);
+    interruptible([&](const std::atomic<bool>&) {
+        const auto peaks =
+            stream::peak_overlaps(scene, std::min(scene.output.duration_s, stream::first_burst_s(scene)));
+        report = stream::scene_report(*resolved, peaks);
+        std::ranges::move(stream::contact_warnings(scene, peaks), std::back_inserter(warnings));
+    });
+    nlohmann::ordered_json json = stream::report_json(report);
+    json["scene_hash"] = scene_hash(scene);
+    json["warnings"] = std::move(warnings);
+    return python_object(json);
+}
+
+}  // namespace
+
+std::shared_ptr<const ResolvedScene> SceneObject::resolved() {
+    if (!resolved_) {
+        require_memory("simulating " + origin(), Simulation::memory_bytes(scene(), {}));
+        std::optional<ResolvedScene> found;
+        interruptible([&](const std::atomic<bool>&) { found = hertzline::resolve(scene()); });
+        if (!found->faults.empty()) {
+            for (Fault& fault : found->faults) {
+                fault = parsed_.placed(fault);
+            }
+            throw py::value_error(fault_text(found->faults));
+        }
+        resolved_ = std::make_shared<const ResolvedScene>(*std::move(found));
+    }
+    return resolved_;
+}
+
+std::vector<std::string> scene_warnings(const ResolvedScene& resolved) {
+    std::vector<std::string> warnings = validity_warnings(resolved.scene, Chain(resolved.scene));
+    if (auto missed = stream::missed_accuracy(resolved)) {
+        warnings.push_back(*std::move(missed));
+    }
+    return warnings;
+}
+
+void add_scene(py::module_& module) {
+    py::class_<SceneObject, std::shared_ptr<SceneObject>>(module, "Scene")
+        .def_property_readonly("origin", &SceneObject::origin)
+        .def("toml", [](const SceneObject& object) { return to_toml(object.scene()); })
+        .def("hash", [](const SceneObject& object) { return scene_hash(object.scene()); })
+        .def("values",
+             [](const SceneObject& object) { return python_object(stream::scene_json(object.scene())); })
+        .def("resolved",
+             [](SceneObject& object) {
+                 return std::make_shared<SceneObject>(
+                     ParsedScene{object.resolved()->scene, object.origin(), {}});
+             })
+        .def("check", &check);
+    module.def("parse", &parse, py::arg("text"), py::arg("origin"), py::arg("settings"));
+    module.def("unknown_scene", &unknown_scene, py::arg("name"));
+    module.def("shipped_scenes", [] {
+        py::list scenes;
+        for (const ShippedScene& scene : shipped_scenes()) {
+            scenes.append(py::make_tuple(std::string(scene.name), std::string(scene.description),
+                                         std::string(scene.text)));
+        }
+        return scenes;
+    });
+}
+
+}  // namespace hertzline::python

@@ -1,0 +1,49 @@
+#include "apps/python/native/spectrum.hpp"
+
+#include <optional>
+#include <span>
+#include <utility>
+
+#include <pybind11/stl.h>
+
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/python_values.hpp"
+#include "stream/measures/spectrum.hpp"
+#include "stream/measures/spectrum_json.hpp"
+
+namespace hertzline::python {
+
+namespace {
+
+using Record = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// frequencies [Hz], amplitudes [as the samples], and the numbers of docs/measures.md; None without a fundamental.
+py::tuple spectrum(const Record& samples, double sample_rate_hz, std::optional<double> fundamental_hz,
+                   std::optional<double> band_from_hz) {
+    if (samples.ndim() != 1) {
+        throw py::value_error("spectrum: found an array of " + std::to_string(samples.ndim()) +
+                              " dimensions, allowed: one channel, which has one");
+    }
+    const std::span<const double> record(samples.data(), static_cast<std::size_t>(samples.size()));
+    require_memory("a spectrum", stream::SpectrumAnalyser::bytes_needed(static_cast<double>(record.size())));
+    stream::MagnitudeSpectrum lines;
+    std::optional<stream::SpectrumSummary> summary;
+    interruptible([&](const std::atomic<bool>&) {
+        stream::SpectrumAnalyser analyser(record.size(), sample_rate_hz);
+        lines = analyser.magnitudes(record);
+        if (fundamental_hz) {
+            summary = analyser.analyse(record, *fundamental_hz, band_from_hz);
+        }
+    });
+    return py::make_tuple(array_of(std::move(lines.frequencies_hz)), array_of(std::move(lines.amplitudes)),
+                          summary ? python_object(stream::spectrum_json(*summary)) : py::none());
+}
+
+}  // namespace
+
+void add_spectrum(py::module_& module) {
+    module.def("spectrum", &spectrum, py::arg("samples"), py::arg("sample_rate_hz"),
+               py::arg("fundamental_hz"), py::arg("band_from_hz"));
+}
+
+}  // namespace hertzline::python

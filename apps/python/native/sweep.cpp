@@ -1,0 +1,213 @@
+#include "apps/python/native/sweep.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <pybind11/stl.h>
+
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/python_values.hpp"
+#include "apps/python/native/scene_object.hpp"
+#include "core/scene/text.hpp"
+#include "stream/sweep/journal.hpp"
+#include "stream/sweep/survey.hpp"
+#include "stream/sweep/sweep.hpp"
+#include "stream/sweep/sweep_table.hpp"
+#include "stream/sweep/workers.hpp"
+
+namespace hertzline::python {
+
+namespace {
+
+constexpr int max_jobs = 1024;
+
+/// As Python gives it.
+struct SweepRequest {
+    stream::PlanRequest plan;
+    std::vector<std::string> measure;
+    std::vector<std::string> quantities;
+    std::optional<double> band_from_hz;
+    std::optional<std::string> waveforms;
+    std::optional<int> jobs;
+};
+
+/// A column of the table, from the first point to the last.
+using TableColumn = std::variant<std::vector<std::int64_t>, std::vector<double>, std::vector<std::string>>;
+
+struct Rows {
+    std::vector<TableColumn> columns;
+    std::vector<float> waveforms;  ///< row-major, [point][sample]
+};
+
+int jobs_of(const SweepRequest& request, ArgumentFaults& faults) {
+    const int processors = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_jobs);
+    const int jobs = request.jobs.value_or(processors);
+    if (jobs < 1 || jobs > max_jobs) {
+        faults.add("jobs: found " + number_text(std::int64_t{jobs}) + ", allowed: 1 to " +
+                   number_text(std::int64_t{max_jobs}));
+    }
+    return jobs;
+}
+
+TapSet known_taps(const std::vector<std::string>& names) {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = tap_named(name)) {
+            taps |= TapSet(*tap) & stream::measurable_taps;
+        }
+    }
+    return taps;
+}
+
+/// What is kept of each point. What is wrong goes to the faults.
+stream::PointDemand demand_of(const SweepRequest& request, const stream::SweepSurvey& survey,
+                              ArgumentFaults& faults) {
+    const TapSet there = survey.measurable();
+    stream::PointDemand demand;
+    demand.measured = taps_named("measure", request.measure, there, faults);
+    demand.band_from_hz = request.band_from_hz;
+    if (const auto from = demand.band_from_hz; from && !(*from >= 0 && std::isfinite(*from))) {
+        faults.add("band_from_hz: found " + number_text(*from) + ", allowed: a finite number from 0 [Hz]");
+    }
+    if (request.waveforms) {
+        const TapSet tap = taps_named("waveforms", {*request.waveforms}, there, faults);
+        demand.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
+        demand.waveform_samples = static_cast<std::size_t>(survey.rows);
+    }
+    auto columns = stream::chosen_columns(
+        stream::number_columns((demand.measured | stream::measured_unasked) & there, survey.modal),
+        request.quantities);
+    if (columns) {
+        demand.columns = *std::move(columns);
+    } else {
+        for (const std::string& fault : columns.error()) {
+            faults.add("quantities: " + fault);
+        }
+    }
+    return demand;
+}
+
+std::vector<TableColumn> empty_columns(const stream::SweepTable& table) {
+    std::vector<TableColumn> columns;
+    for (const stream::RecordField& field : table.columns()) {
+        if (field.kind == stream::RecordKind::integer) {
+            columns.emplace_back(std::vector<std::int64_t>());
+        } else if (field.kind == stream::RecordKind::number) {
+            columns.emplace_back(std::vector<double>());
+        } else {
+            columns.emplace_back(std::vector<std::string>());
+        }
+    }
+    return columns;
+}
+
+Rows rows_of(const stream::SweepTable& table, bool with_waveforms) {
+    Rows rows{empty_columns(table), {}};
+    for (std::int64_t point = 0; point < table.sweep().plan.size(); ++point) {
+        std::vector<float> waveform;
+        std::vector<stream::Cell> cells = table.row(point, with_waveforms ? &waveform : nullptr);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            std::visit(
+                [&](auto& cell) {
+                    std::get<std::vector<std::decay_t<decltype(cell)>>>(rows.columns[i]).push_back(cell);
+                },
+                cells[i]);
+        }
+        rows.waveforms.insert(rows.waveforms.end(), waveform.begin(), waveform.end());
+    }
+    return rows;
+}
+
+/// Runs all points. @returns nothing when it was stopped
+std::optional<Rows> run(const stream::Sweep& sweep, int jobs, const std::atomic<bool>& stop) {
+    stream::Journal journal = stream::Journal::passing();
+    journal.begin(stream::journal_text(sweep), stream::payload_bytes(sweep.demand));
+    journal.load(sweep.plan.size());
+    std::vector<std::int64_t> points(static_cast<std::size_t>(sweep.plan.size()));
+    std::iota(points.begin(), points.end(), std::int64_t{0});
+    stream::run_points(sweep, journal, points, jobs, stop, [](const stream::PointCounts&) {});
+    if (stop) {
+        return std::nullopt;
+    }
+    return rows_of(stream::SweepTable(sweep, {&journal}), sweep.demand.waveform.has_value());
+}
+
+py::object python_column(TableColumn& column) {
+    if (auto* integers = std::get_if<std::vector<std::int64_t>>(&column)) {
+        return array_of(std::move(*integers));
+    }
+    if (auto* numbers = std::get_if<std::vector<double>>(&column)) {
+        return array_of(std::move(*numbers));
+    }
+    return py::cast(std::get<std::vector<std::string>>(column));
+}
+
+/// [(name, unit, values)], waveforms or None, and where it all comes from.
+py::tuple python_table(const stream::Sweep& sweep, Rows& rows) {
+    const stream::SweepTable empty(sweep, {});
+    py::list columns;
+    for (std::size_t i = 0; i < rows.columns.size(); ++i) {
+        const stream::RecordField& field = empty.columns()[i];
+        columns.append(py::make_tuple(field.name, field.unit, python_column(rows.columns[i])));
+    }
+    py::object waveforms = py::none();
+    if (sweep.demand.waveform) {
+        waveforms =
+            array_of(std::move(rows.waveforms), {static_cast<py::ssize_t>(sweep.plan.size()),
+                                                 static_cast<py::ssize_t>(sweep.demand.waveform_samples)});
+    }
+    return py::make_tuple(columns, waveforms, python_object(stream::sweep_provenance(sweep)));
+}
+
+py::tuple sweep(const SceneObject& scene, const SweepRequest& request) {
+    ArgumentFaults faults;
+    const int jobs = jobs_of(request, faults);
+    auto plan = stream::SweepPlan::make(scene.scene(), request.plan);
+    if (!plan) {
+        faults.add(fault_text(std::move(plan.error())));
+        faults.refuse();
+    }
+    stream::SweepSurvey survey;
+    interruptible(
+        [&](const std::atomic<bool>&) { survey = stream::survey_of(*plan, known_taps(request.measure)); });
+    stream::PointDemand demand = demand_of(request, survey, faults);
+    faults.refuse();
+    const auto points = static_cast<double>(plan->size());
+    const double kept = points * static_cast<double>(stream::payload_bytes(demand));
+    require_memory("the sweep", jobs * survey.memory_bytes + 2 * kept);
+    const stream::Sweep wanted{*std::move(plan), std::move(demand), {}};
+    std::optional<Rows> rows;
+    with_os_errors(
+        [&] { interruptible([&](const std::atomic<bool>& stop) { rows = run(wanted, jobs, stop); }); });
+    return python_table(wanted, *rows);
+}
+
+}  // namespace
+
+void add_sweep(py::module_& module) {
+    module.def(
+        "sweep",
+        [](const SceneObject& scene, std::vector<std::string> vary, std::string points,
+           std::optional<std::int64_t> sobol, std::vector<std::string> measure,
+           std::vector<std::string> quantities, std::optional<double> band_from_hz,
+           std::optional<std::string> waveforms, std::optional<int> jobs) {
+            return sweep(scene, {{std::move(vary), std::move(points), "points", sobol},
+                                 std::move(measure),
+                                 std::move(quantities),
+                                 band_from_hz,
+                                 std::move(waveforms),
+                                 jobs});
+        },
+        py::arg("scene"), py::arg("vary"), py::arg("points"), py::arg("sobol"), py::arg("measure"),
+        py::arg("quantities"), py::arg("band_from_hz"), py::arg("waveforms"), py::arg("jobs"));
+}
+
+}  // namespace hertzline::python

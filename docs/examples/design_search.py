@@ -1,0 +1,42 @@
+# %% [markdown]
+# # Searching a design
+#
+# Which thickness and which preload give a wide band and a strong output? Each point of the grid is a simulation.
+
+# %%
+import matplotlib.pyplot as plt
+import numpy as np
+
+import hertzline
+
+scene = hertzline.scene("paper-vitreous-carbon")
+table = hertzline.sweep(
+    scene,
+    {"end.thickness_m": np.geomspace(0.2e-3, 2e-3, 16), "chain.preload_n": np.geomspace(0.01, 2, 16)},
+    quantities=["occupied_20db_hz", "peak_v_out_m_per_s", "step_s"],
+)
+print(len(table), "points:", dict(zip(*np.unique(table["status"], return_counts=True))))
+table.plot()
+plt.show()
+
+# %% [markdown]
+# The widest band among the points with at least 0.3 m/s. A row is as good as its `status`.
+
+# %%
+strong = table[(table["status"] == "ok") & (table["peak_v_out_m_per_s"] >= 0.3)]
+best = strong[np.argmax(strong["occupied_20db_hz"])]
+print(f"{best['occupied_20db_hz'] / 1e3:.0f} kHz with {best['end.thickness_m'] * 1e3:.2f} mm and {best['chain.preload_n']:.2f} N")
+
+# %% [markdown]
+# The device itself, with the step of its row, has the numbers of its row, bit for bit.
+
+# %%
+device = hertzline.scene(
+    scene,
+    end={"thickness_m": best["end.thickness_m"]},
+    chain={"preload_n": best["chain.preload_n"]},
+    numerics={"step_s": best["step_s"]},
+).run()
+assert device.summary["peak_v_out_m_per_s"] == best["peak_v_out_m_per_s"]
+device.plot(["v_out"], title="the widest band above 0.3 m/s")
+plt.show()

@@ -1,0 +1,47 @@
+"""Pictures are drawn, of all that has samples, and leave matplotlib's settings as they were."""
+import sys
+import unittest
+
+try:
+    import matplotlib
+except ImportError:
+    print("skipped: matplotlib is not there")
+    sys.exit(77)
+import numpy as np
+from support import InAFolder, short_scene
+
+import hertzline
+
+
+class Pictures(InAFolder):
+    def check(self, figure, panels):
+        self.assertEqual(len(figure.axes), panels)
+        figure.savefig(self.folder / "x.png")
+        self.assertGreater((self.folder / "x.png").stat().st_size, 5000)
+        matplotlib.pyplot.close(figure)
+
+    def test_of_a_run(self):
+        before = dict(matplotlib.rcParams)
+        r = short_scene().run(taps=["v_out", "v_last", "v_chain"])
+        self.check(r.plot(["v_out"], title="one"), 2)
+        self.check(r.plot(["v_chain"]), 12)
+        self.check(r.plot(), 4)
+        self.assertEqual(dict(matplotlib.rcParams), before)
+
+    def test_of_a_recording(self):
+        short_scene().run().save(self.folder / "x.sigmf-meta")
+        self.check(hertzline.load(self.folder / "x.sigmf-meta").plot(["v_out"]), 2)
+
+    def test_of_sweeps(self):
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": np.geomspace(0.1, 1, 4)})
+        self.check(table.plot(["peak_v_out_m_per_s"]), 1)
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.3], "end.thickness_m": [2e-4, 5e-4]})
+        self.check(table.plot(["peak_v_out_m_per_s"]), 2)  # with its scale
+
+    def test_of_nothing_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "plot: found no taps"):
+            short_scene().run().plot([])
+
+
+if __name__ == "__main__":
+    unittest.main()

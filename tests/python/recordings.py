@@ -1,0 +1,99 @@
+"""Recordings: each format is written and read, and what is missing is told."""
+import unittest
+
+import numpy as np
+from support import SHORT, InAFolder, program, short_scene
+
+import hertzline
+
+EXACT = ["x.h5", "x.csv", "x.npy"]
+SINGLE = ["x.sigmf-meta", "x.wav", "x.sigmf-collection"]  # float32
+
+
+class Recordings(InAFolder):
+    def test_give_back_what_was_saved(self):
+        r = short_scene().run(taps=["v_out", "v_last", "v_chain", "x_chain"])
+        for name in EXACT + SINGLE:
+            with self.subTest(name):
+                r.save(self.folder / name, wav_scale=2.0 if name.endswith("wav") else 1.0)
+                loaded = hertzline.load(self.folder / name)
+                self.assertEqual(loaded.sample_rate_hz, 1e7)
+                self.assertTrue(np.array_equal(loaded.t, r.t))
+                for tap in ("v_out", "v_last", "v_chain", "x_chain"):
+                    wanted = r[tap] if name in EXACT else r[tap].astype(np.float32)
+                    if not name.endswith("wav"):
+                        self.assertTrue(np.array_equal(loaded[tap], wanted), tap)
+                    self.assertEqual(loaded[tap].shape, r[tap].shape)
+                if not name.endswith("wav"):
+                    self.assertEqual((loaded.unit("v_out"), loaded.unit("x_chain")), ("m/s", "m"))
+                    self.assertEqual(loaded.provenance["scene_hash"], r.summary["scene_hash"])
+                self.assertEqual(loaded.gaps, [])
+
+    def test_are_those_of_the_program(self):
+        program("run", *SHORT, "-o", self.folder / "a.sigmf-meta", "-o", self.folder / "a.h5")
+        r = short_scene().run()
+        exact, single = hertzline.load(self.folder / "a.h5"), hertzline.load(self.folder / "a.sigmf-meta")
+        self.assertEqual(exact["v_out"].tobytes(), r["v_out"].tobytes())
+        self.assertTrue(np.array_equal(single["v_plate"], r["v_plate"].astype(np.float32)))
+        self.assertEqual(exact.spectrum("v_out").measures, r.spectrum("v_out").measures)
+        self.assertEqual(exact.taps, ["v_last", "v_plate", "v_out"])
+        self.assertTrue(np.array_equal(exact["v_out_m_per_s"], exact["v_out"]))
+
+    def test_several_at_once_with_chosen_taps(self):
+        r = short_scene().run()
+        r.save(self.folder / "a.csv", self.folder / "b.npy", taps=["v_out"])
+        self.assertEqual(hertzline.load(self.folder / "b.npy").taps, ["v_out"])
+        self.assertTrue((self.folder / "a.csv").read_text().startswith("t_s,v_out_m_per_s\n"))
+
+    def test_gaps_are_told(self):
+        path = self.folder / "x.csv"
+        short_scene().run().save(path)
+        lines = path.read_text().splitlines(keepends=True)
+        path.write_text("".join(lines[:101] + lines[301:]))
+        loaded = hertzline.load(path)
+        self.assertEqual(loaded.gaps, [(100, 200)])
+        self.assertAlmostEqual(loaded.t[100], 300e-7, delta=1e-12)
+        self.assertEqual(len(loaded.t), 801)
+        with self.assertRaisesRegex(ValueError, "found 1 gaps"):
+            loaded.spectrum("v_out")
+
+    def test_wrong_names_are_value_errors(self):
+        r = short_scene().run()
+        with self.assertRaises(ValueError) as caught:
+            r.save(self.folder / "x.mp3", taps=["v_chain"], wav_scale=0)
+        self.assertEqual(len(str(caught.exception).splitlines()), 3)
+        with self.assertRaisesRegex(ValueError, "allowed: .csv"):
+            hertzline.load("x.mp3")
+        with self.assertRaisesRegex(KeyError, "nothing"):
+            r.save(self.folder / "x.npy")
+            _ = hertzline.load(self.folder / "x.npy")["nothing"]
+
+    def test_files_that_cannot_be_used_are_os_errors(self):
+        r = short_scene().run()
+        for name in EXACT + SINGLE:
+            with self.subTest(name):
+                with self.assertRaisesRegex(OSError, "none"):
+                    r.save(self.folder / "none" / name)
+                with self.assertRaises(OSError):
+                    hertzline.load(self.folder / "none" / name)
+        (self.folder / "broken.npy").write_bytes(b"\x93NUMPY nonsense")
+        with self.assertRaisesRegex(OSError, "broken.npy"):
+            hertzline.load(self.folder / "broken.npy")
+
+    def test_live_beside_h5py(self):
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("h5py is not there")
+        r = short_scene().run()
+        with h5py.File(self.folder / "other.h5", "w") as file:
+            file["a"] = np.arange(10)
+            r.save(self.folder / "x.h5")
+            self.assertTrue(np.array_equal(hertzline.load(self.folder / "x.h5")["v_out"], r["v_out"]))
+            file["b"] = np.arange(10)
+        with h5py.File(self.folder / "x.h5") as file:
+            self.assertTrue(np.array_equal(file["v_out"][:], r["v_out"]))
+
+
+if __name__ == "__main__":
+    unittest.main()

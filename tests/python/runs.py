@@ -1,0 +1,96 @@
+"""Runs have the bits of `hertzline run`."""
+import unittest
+
+import numpy as np
+from support import SHORT, InAFolder, program, short_scene, summary
+
+import hertzline
+
+CLOCK = ("setup_s", "wall_s", "real_time_factor")
+
+
+class Runs(InAFolder):
+    def test_have_the_bits_of_the_program(self):
+        program("run", *SHORT, "--all", "--tap", "f_last", "-o", self.folder / "run.npy")
+        table = np.load(self.folder / "run.npy")
+        r = short_scene().run(taps=["v_out", "v_last", "v_chain", "x_chain", "f_last"])
+        self.assertEqual(r["v_out"].tobytes(), table["v_out_m_per_s"].tobytes())
+        self.assertEqual(r["f_last"].tobytes(), table["f_last_n"].tobytes())
+        self.assertEqual(r.t.tobytes(), table["t_s"].tobytes())
+        self.assertEqual(r["v_chain"].shape, (len(table), 6))
+        for sphere in range(6):
+            self.assertTrue(np.array_equal(r["v_chain"][:, sphere], table[f"v{sphere + 1}_m_per_s"]))
+            self.assertTrue(np.array_equal(r["x_chain"][:, sphere], table[f"x{sphere + 1}_m"]))
+        self.assertTrue(r["v_out"].any())
+
+    def test_a_modal_plate_has_them_too(self):
+        words = ["wet-vitreous-carbon", "--set", "output.duration_s=5e-5"]
+        program("run", *words, "-o", self.folder / "wet.npy")
+        table = np.load(self.folder / "wet.npy")
+        r = hertzline.scene("wet-vitreous-carbon", output={"duration_s": 5e-5}).run()
+        for tap, column in (("v_face", "v_face_m_per_s"), ("p_axis", "p_axis_pa"), ("v_centre", "v_centre_m_per_s")):
+            self.assertEqual(r[tap].tobytes(), table[column].tobytes())
+        self.assertEqual((r.unit("p_axis"), r.unit("v_face")), ("Pa", "m/s"))
+
+    def test_the_summary_is_the_programs(self):
+        said = summary("run", *SHORT, "--measure", "v_plate")
+        found = short_scene().run(measure=["v_plate"]).summary
+        said.pop("recordings")
+        self.assertEqual(list(found), list(said))
+        for name in CLOCK:
+            self.assertGreater(found.pop(name), 0)
+            said.pop(name)
+        self.assertEqual(found, said)
+
+    def test_warnings_are_the_programs(self):
+        r = hertzline.scene("paper-vitreous-carbon", output={"duration_s": 1e-4}).run()
+        self.assertTrue(any("output.duration_s" in warning for warning in r.warnings), r.warnings)
+        self.assertEqual(hertzline.scene("paper-wall").run().warnings, [])
+
+    def test_a_spectrum_is_the_programs(self):
+        program("run", *SHORT, "--spectrum", self.folder / "lines.csv")
+        lines = np.loadtxt(self.folder / "lines.csv", delimiter=",", skiprows=1)
+        r = short_scene().run()
+        spectrum = r.spectrum("v_out")
+        self.assertTrue(np.array_equal(spectrum.frequency_hz, lines[:, 0]))
+        self.assertTrue(np.array_equal(spectrum.amplitude, lines[:, 1]))
+        self.assertEqual(spectrum.measures["harmonics_db"], r.summary["harmonics_db"])
+        with self.assertRaisesRegex(ValueError, "found an array of 2 dimensions"):
+            short_scene().run(taps=["v_chain"]).spectrum("v_chain")
+
+    def test_a_file_is_the_programs(self):
+        r = short_scene().run()
+        program("run", *SHORT, "-o", self.folder / "a.csv")
+        r.save(self.folder / "b.csv")
+        self.assertEqual((self.folder / "a.csv").read_bytes(), (self.folder / "b.csv").read_bytes())
+
+    def test_every_wrong_argument_is_told_at_once(self):
+        with self.assertRaises(ValueError) as caught:
+            short_scene().run(taps=["v_ou", "v_face"], measure=["v_chain"], band_from_hz=-1)
+        self.assertEqual(len(str(caught.exception).splitlines()), 4)
+        self.assertIn("""taps: found "v_ou", allowed: v_out, """, str(caught.exception))
+        with self.assertRaisesRegex(TypeError, r'allowed: a list of names, as \["v_out"\]'):
+            short_scene().run(taps="v_out")
+
+    def test_what_was_not_kept_is_a_key_error(self):
+        with self.assertRaisesRegex(KeyError, "v_chain"):
+            _ = short_scene().run()["v_chain"]
+
+    def test_a_motion_that_becomes_unstable_is_a_runtime_error(self):
+        # later bursts are stronger than those that the pilots have seen; when it fails hangs on the instruction set
+        scene = hertzline.scene(
+            "paper-stream",
+            drive={"amplitude_m": 1.05e-3},
+            numerics={"integrator": "leapfrog", "step_s": 2.3e-7},
+            output={"duration_s": 0.5, "sample_rate_hz": 2e6},
+        )
+        with self.assertRaisesRegex(RuntimeError, "stability limit"):
+            scene.run()
+
+    def test_too_long_a_record_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "output.duration_s: found .* samples, allowed: at most"):
+            short_scene(output={"duration_s": 1e5}).run()
+
+
+if __name__ == "__main__":
+    unittest.main()

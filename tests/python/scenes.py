@@ -1,0 +1,91 @@
+"""Scenes: where they come from, what they say, and every fault at once."""
+import copy
+import json
+import pickle
+import unittest
+
+import numpy as np
+from support import SHORT, InAFolder, program, short_scene, summary
+
+import hertzline
+
+
+class Scenes(InAFolder):
+    def test_are_those_of_the_program(self):
+        self.assertIn("paper-vitreous-carbon", hertzline.scenes())
+        for name in hertzline.scenes():
+            self.assertEqual(hertzline.scene(name).name, name)
+
+    def test_a_key_is_changed_to_the_last_bit(self):
+        for value in (0.4e-3, 1 / 3000, np.float64(0.1) / 137, np.float32(1e-3)):
+            scene = hertzline.scene("paper-vitreous-carbon", end={"thickness_m": value})
+            self.assertEqual(scene["end.thickness_m"], float(value))
+        self.assertEqual(hertzline.scene("paper-wall", chain={"spheres": np.int32(9)})["chain.spheres"], 9)
+        self.assertEqual(hertzline.scene("paper-wall", drive={"envelope": "tukey"})["drive.envelope"], "tukey")
+
+    def test_materials_of_the_scenes_own(self):
+        clay = {"youngs_modulus_pa": 5e9, "poissons_ratio": 0.3, "density_kg_per_m3": 1900}
+        scene = hertzline.scene("paper-pyrex", materials={"clay": clay}, end={"material": "clay"})
+        self.assertEqual(scene["materials.clay.density_kg_per_m3"], 1900)
+
+    def test_a_file_and_a_scene_can_be_the_source(self):
+        path = self.folder / "mine.toml"
+        path.write_text("chain.spheres = 4\n", encoding="utf-8")
+        scene = hertzline.scene(path, drive={"cycles": 5})
+        self.assertEqual((scene["chain.spheres"], scene["drive.cycles"]), (4, 5))
+        self.assertEqual(hertzline.scene(scene, drive={"cycles": 6})["chain.spheres"], 4)
+
+    def test_every_fault_is_told_at_once(self):
+        with self.assertRaises(ValueError) as caught:
+            hertzline.scene("paper-wall", chain={"spheres": 0, "sphere": 3}, drive={"frequency_hz": -1})
+        lines = str(caught.exception).splitlines()
+        self.assertEqual(len(lines), 3)
+        self.assertIn("chain.spheres: found 0, allowed: an integer from 1 to", str(caught.exception))
+        self.assertIn("did you mean 'chain.spheres'?", str(caught.exception))
+        self.assertNotIn("--set", str(caught.exception))
+
+    def test_faults_of_a_file_name_their_lines(self):
+        path = self.folder / "mine.toml"
+        path.write_text("[chain]\nspheres = 0\n", encoding="utf-8")
+        with self.assertRaisesRegex(ValueError, "mine.toml:2: chain.spheres: found 0"):
+            hertzline.scene(path)
+
+    def test_an_unknown_name_is_told_what_there_is(self):
+        with self.assertRaisesRegex(ValueError, "paper-wal: found no such file or shipped scene.*did you mean 'paper-wall'"):
+            hertzline.scene("paper-wal")
+
+    def test_wrong_types_are_type_errors(self):
+        for wrong in ({"chain": 5}, {"chain": {"spheres": None}}, {"chain": {"spheres": [1, 2]}}):
+            with self.assertRaisesRegex(TypeError, "allowed: "):
+                hertzline.scene("paper-wall", **wrong)
+
+    def test_check_says_what_the_program_says(self):
+        said = json.loads(program("check", *SHORT, "--json"))
+        found = short_scene().check()
+        self.assertEqual(found.pop("warnings"), [])
+        self.assertEqual(found, {key: said[key] for key in found})
+        self.assertGreater(len(found), 30)
+
+    def test_check_refuses_a_step_beyond_stability(self):
+        scene = short_scene(numerics={"integrator": "leapfrog", "step_s": 1e-5})
+        with self.assertRaisesRegex(ValueError, "numerics.step_s: found 1e-05, allowed: "):
+            scene.check()
+
+    def test_a_resolved_scene_leaves_nothing_open(self):
+        scene = short_scene()
+        self.assertIsNone(scene["numerics.step_s"])
+        resolved = scene.resolved()
+        self.assertGreater(resolved["numerics.step_s"], 0)
+        self.assertEqual(resolved.hash, summary("run", *SHORT)["scene_hash"])
+
+    def test_equal_scenes_are_equal_and_travel(self):
+        scene = short_scene()
+        self.assertEqual(scene, short_scene())
+        self.assertEqual(hash(scene), hash(short_scene()))
+        self.assertNotEqual(scene, hertzline.scene("paper-wall"))
+        self.assertEqual(pickle.loads(pickle.dumps(scene)), scene)
+        self.assertEqual(copy.deepcopy(scene), scene)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,40 @@
+"""What the tests of the Python package share: the program beside it, and short scenes."""
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+import hertzline
+
+PROGRAM = os.environ["HERTZLINE_PROGRAM"]
+LONG_ENOUGH_S = 100  # for a loaded machine
+
+
+def program(*words):
+    """What the program prints."""
+    done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=LONG_ENOUGH_S, check=False)
+    if done.returncode != 0:
+        raise AssertionError(f"exit status {done.returncode}: {done.stderr}")
+    return done.stdout
+
+
+def summary(*words):
+    return json.loads(program(*words, "--json"))
+
+
+def short_scene(**sections):
+    """Three cycles, 100 µs."""
+    sections = {"drive": {"cycles": 3}, "output": {"duration_s": 1e-4}, **sections}
+    return hertzline.scene("paper-vitreous-carbon", **sections)
+
+
+SHORT = ["paper-vitreous-carbon", "--set", "drive.cycles=3", "--set", "output.duration_s=1e-4"]
+
+
+class InAFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)

@@ -1,0 +1,117 @@
+"""Sweeps have the rows of `hertzline sweep`."""
+import json
+import math
+import unittest
+
+import numpy as np
+from support import SHORT, InAFolder, program, short_scene
+
+import hertzline
+
+VARY = ["--vary", "end.thickness_m=1e-4..2e-3:log:5", "--vary", "end.material=pyrex,aluminium"]
+
+
+def rows_of_program(*words):
+    return [json.loads(line) for line in program("sweep", *SHORT, *words, "--json").splitlines()]
+
+
+class Sweeps(InAFolder):
+    def check_rows(self, table, rows):
+        self.assertEqual(list(table.dtype.names), list(rows[0]))
+        self.assertEqual(len(table), len(rows))
+        for found, wanted in zip(table, rows):
+            for name, value in wanted.items():
+                if value is None:
+                    self.assertTrue(math.isnan(found[name]), name)
+                else:
+                    self.assertEqual(found[name], value, name)
+
+    def test_have_the_rows_of_the_program(self):
+        rows = rows_of_program(*VARY)
+        thickness = [row["end.thickness_m"] for row in rows[::2]]
+        vary = {"end.thickness_m": np.array(thickness), "end.material": ["pyrex", "aluminium"]}
+        for jobs in (1, 2):
+            self.check_rows(hertzline.sweep(short_scene(), vary, jobs=jobs), rows)
+        ranges = {"end.thickness_m": "1e-4..2e-3:log:5", "end.material": "pyrex,aluminium"}
+        self.check_rows(hertzline.sweep(short_scene(), ranges, jobs=2), rows)
+
+    def test_points_and_sobol_sequences(self):
+        points = {"chain.preload_n": [0.1, 0.2, 0.3], "chain.spheres": np.array([5, 6, 7])}
+        (self.folder / "points.csv").write_text("chain.preload_n,chain.spheres\n0.1,5\n0.2,6\n0.3,7\n", encoding="utf-8")
+        rows = rows_of_program("--points", self.folder / "points.csv")
+        self.check_rows(hertzline.sweep(short_scene(), points=points), rows)
+        rows = rows_of_program("--vary", "chain.preload_n=0.01..2:log", "--sobol", "5")
+        self.check_rows(hertzline.sweep(short_scene(), {"chain.preload_n": "0.01..2:log"}, sobol=5), rows)
+
+    def test_measures_and_quantities(self):
+        words = ["--vary", "chain.spheres=5,6", "--measure", "v_plate", "--quantity", "harmonics_db,v_plate.thd_r"]
+        table = hertzline.sweep(short_scene(), {"chain.spheres": [5, 6]}, measure=["v_plate"],
+                                quantities=["harmonics_db", "v_plate.thd_r"])
+        self.check_rows(table, rows_of_program(*words))
+        self.assertEqual(table.units["harmonics_db_3"], "dB")
+
+    def test_waveforms_are_those_of_runs(self):
+        table = hertzline.sweep(short_scene(), {"output.duration_s": [5e-5, 1e-4]}, waveforms="v_out")
+        v = short_scene(numerics={"step_s": table["step_s"][1]}).run()["v_out"].astype(np.float32)
+        self.assertEqual((table.waveforms.shape, table.waveforms.dtype), ((2, 1001), np.float32))
+        self.assertTrue(np.array_equal(table.waveforms[1], v))
+        self.assertTrue(np.array_equal(table.waveforms[0][:501], v[:501]))
+        self.assertTrue(np.isnan(table.waveforms[0][501:]).all())
+
+    def test_a_point_that_is_refused_is_a_row(self):
+        scene = short_scene(numerics={"integrator": "leapfrog"})
+        table = hertzline.sweep(scene, {"numerics.step_s": [1e-9, 1e-5]})
+        self.assertEqual(list(table["status"]), ["ok", "refused"])
+        self.assertIn("numerics.step_s", table["message"][1])
+        self.assertTrue(np.isnan(table["peak_v_out_m_per_s"][1]))
+
+    def test_every_fault_is_told_before_anything_runs(self):
+        with self.assertRaises(ValueError) as caught:
+            hertzline.sweep(short_scene(), {"chain.preload_n": "2..1:5", "chain.sphere": [1], "drive.cycles": [-1, 3]})
+        self.assertEqual(len(str(caught.exception).splitlines()), 3, caught.exception)
+        with self.assertRaises(ValueError) as caught:
+            hertzline.sweep(short_scene(), {"drive.cycles": [3]}, jobs=0 + 2000, measure=["v_ou"], quantities=["peak"])
+        self.assertEqual(len(str(caught.exception).splitlines()), 3, caught.exception)
+        with self.assertRaisesRegex(ValueError, "different lengths"):
+            hertzline.sweep(short_scene(), points={"drive.cycles": [1, 2], "chain.spheres": [5]})
+        with self.assertRaises(ValueError):
+            hertzline.sweep(short_scene())
+
+    def test_is_an_array_with_units(self):
+        table = hertzline.sweep("paper-wall", {"chain.spheres": [5, 6]}, jobs=2)
+        self.assertEqual(table.units["peak_v_out_m_per_s"], "m/s")
+        self.assertIs(type(table["peak_v_out_m_per_s"]), np.ndarray)
+        best = table[np.argmax(table["peak_v_out_m_per_s"])]
+        self.assertIn(best["chain.spheres"], (5, 6))
+        part = table[table["chain.spheres"] > 5]
+        self.assertEqual((len(part), part.units, part.grid), (1, table.units, False))
+        self.assertEqual(table.provenance["plan"]["vary"], ["chain.spheres=5,6"])
+
+    def test_goes_to_pandas(self):
+        try:
+            import pandas  # noqa: F401
+        except ImportError:
+            self.skipTest("pandas is not there")
+        table = hertzline.sweep(short_scene(), {"chain.spheres": [5, 6]})
+        frame = table.to_pandas()
+        self.assertEqual(list(frame["chain.spheres"]), [5, 6])
+        self.assertTrue(np.array_equal(frame["peak_v_out_m_per_s"], table["peak_v_out_m_per_s"]))
+        self.assertEqual(frame.attrs["units"]["step_s"], "s")
+
+    def test_goes_to_xarray(self):
+        try:
+            import xarray  # noqa: F401
+        except ImportError:
+            self.skipTest("xarray is not there")
+        vary = {"chain.preload_n": [0.3, 0.1], "end.material": ["pyrex", "aluminium"]}
+        table = hertzline.sweep(short_scene(), vary, waveforms="v_out")
+        data = table.to_xarray()
+        self.assertEqual(dict(data.sizes), {"chain.preload_n": 2, "end.material": 2, "sample": 1001})
+        found = data["peak_v_out_m_per_s"].sel({"chain.preload_n": 0.1, "end.material": "pyrex"})
+        self.assertEqual(float(found), table["peak_v_out_m_per_s"][2])
+        self.assertEqual(data["peak_v_out_m_per_s"].attrs["units"], "m/s")
+        self.assertEqual(table[1:].to_xarray().sizes["point"], 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

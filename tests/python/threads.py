@@ -1,0 +1,86 @@
+"""Other threads go on while hertzline computes, and Ctrl-C ends what it does."""
+import signal
+import subprocess
+import sys
+import threading
+import time
+import unittest
+
+from support import LONG_ENOUGH_S
+
+import hertzline
+
+
+def counted_during(work):
+    """How far another thread counts meanwhile."""
+    count, over = 0, threading.Event()
+
+    def run():
+        nonlocal count
+        while not over.wait(0.001):
+            count += 1
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    time.sleep(0.05)
+    before = count
+    work()
+    after = count
+    over.set()
+    thread.join()
+    return after - before
+
+
+LONG = """
+import hertzline, numpy as np
+s = hertzline.scene("paper-stream", output={"duration_s": 2000.0, "sample_rate_hz": 1e4})
+short = hertzline.scene("paper-vitreous-carbon")
+"""
+
+
+class Threads(unittest.TestCase):
+    def test_others_go_on_during_a_run(self):
+        scene = hertzline.scene("paper-stream", output={"duration_s": 2.0, "sample_rate_hz": 1e5})
+        scene.run()
+        self.assertGreater(counted_during(scene.run), 20)  # none at all when the GIL is kept
+
+    def test_others_go_on_during_a_sweep(self):
+        scene = hertzline.scene("paper-stream", output={"duration_s": 0.05, "sample_rate_hz": 1e5})
+        self.assertGreater(counted_during(lambda: hertzline.sweep(scene, {"drive.cycles": range(5, 25)}, jobs=1)), 20)
+
+    def test_runs_beside_each_other_have_the_same_bits(self):
+        scene = hertzline.scene("paper-wall")
+        wanted, found = scene.run()["v_out"], []
+        threads = [threading.Thread(target=lambda: found.append(scene.run()["v_out"])) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual([v.tobytes() for v in found], [wanted.tobytes()] * 4)
+
+    def interrupted(self, work):
+        """Seconds from Ctrl-C to KeyboardInterrupt; and the interpreter goes on."""
+        text = f"{LONG}\nprint('go', flush=True)\ntry:\n    {work}\nexcept KeyboardInterrupt:\n" \
+               "    print('interrupted', len(short.run()['v_out']), flush=True)\n"
+        with subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, text=True) as process:
+            self.assertEqual(process.stdout.readline(), "go\n")
+            time.sleep(0.7)
+            start = time.monotonic()
+            process.send_signal(signal.SIGINT)
+            self.assertEqual(process.stdout.readline(), "interrupted 5001\n")
+            took = time.monotonic() - start
+            self.assertEqual(process.wait(LONG_ENOUGH_S), 0)
+        return took
+
+    def test_ctrl_c_ends_a_run(self):
+        self.assertLess(self.interrupted("s.run()"), 5)
+
+    def test_ctrl_c_ends_a_sweep(self):
+        self.assertLess(self.interrupted("hertzline.sweep(s, {'drive.cycles': np.linspace(5, 25, 8)}, jobs=2)"), 5)
+
+    def test_ctrl_c_ends_listening(self):
+        self.assertLess(self.interrupted("next(hertzline.listen('tcp://127.0.0.1:9'))"), 5)
+
+
+if __name__ == "__main__":
+    unittest.main()
