@@ -35,6 +35,7 @@ ROOMS = {
         ["files"],
         ["recordings"],
         ["sweep"],
+        ["optimise"],
         ["wire"],
         ["sources"],
         ["pipeline"],
