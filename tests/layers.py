@@ -31,7 +31,7 @@ ROOMS = {
         ["simulation"],
     ],
     "stream": [
-        ["float32", "json_from_outside", "scene_json", "provenance", "measures", "resources"],
+        ["float32", "scene_json", "provenance", "measures", "resources"],
         ["files"],
         ["recordings"],
         ["sweep"],

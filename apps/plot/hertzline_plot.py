@@ -324,8 +324,6 @@ def draw_over_key(axes, sweep, kept, key):
     if any(text.startswith(key + "=") and text.endswith(":log") for text in sweep.search["vary"]):
         axes.set_xscale("log")
     axes.set_xlabel(sweep.label(key))
-    if (np.isfinite(y) & ~kept).any():
-        axes.legend(fontsize=8, frameon=False)
 
 
 def draw_search(sweep, title):
@@ -346,6 +344,7 @@ def draw_search(sweep, title):
         panel.grid()
     for row in grid[:, 0]:
         row.set_ylabel(sweep.label(measure_of(sweep)))
+    axes[0].legend(fontsize=8, frameon=False)
     if title:
         figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)
     return figure

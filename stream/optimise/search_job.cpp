@@ -8,7 +8,7 @@
 
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 
 namespace hertzline::stream {
 

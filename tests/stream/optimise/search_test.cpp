@@ -81,11 +81,12 @@ TEST(Search, FindsTheTopOfTwoHills) {
 TEST(Search, GoesTheSameWayForASeedAndAnotherForAnother) {
     const SearchSpace space = space_of(two_ranges);
     const auto points = [&](std::uint64_t seed) {
-        std::vector<std::vector<SceneValue>> points;
-        for (const auto& evaluation : found_in(space, 150, seed, hills).evaluations.all()) {
-            points.push_back(evaluation.values);
+        const Found found = found_in(space, 150, seed, hills);
+        std::vector<std::vector<SceneValue>> looked_at;
+        for (const auto& evaluation : found.evaluations.all()) {
+            looked_at.push_back(evaluation.values);
         }
-        return points;
+        return looked_at;
     };
     EXPECT_EQ(points(7), points(7));
     EXPECT_NE(points(7), points(8));

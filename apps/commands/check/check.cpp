@@ -7,7 +7,7 @@
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/scene_report.hpp"
+#include "apps/commands/check/scene_report.hpp"
 #include "apps/console/output.hpp"
 #include "stream/resources.hpp"
 

@@ -1,4 +1,4 @@
-#include "apps/commands/scene_report.hpp"
+#include "apps/commands/check/scene_report.hpp"
 
 #include <algorithm>
 #include <array>
