@@ -98,7 +98,7 @@ TEST_F(Optimise, GivesTheSameBytesWhateverTheJobs) {
     EXPECT_NE(contents(folder.file("one.csv")), contents(folder.file("other.csv")));
 }
 
-TEST_F(Optimise, MinimisesWhatPointsThatFailDoNotEnd) {
+TEST_F(Optimise, GoesOnWherePointsFail) {
     const Outcome outcome =
         hertzline(with(scene, {"--vary", "drive.repetition_hz=0,1000,60000", "--vary",
                                "chain.preload_n=0.1..1", "--minimise", "peak_v_out_m_per_s", "--evaluations",

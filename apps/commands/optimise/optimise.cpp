@@ -107,9 +107,6 @@ Exit report(const SearchJob& job, const SweepOptions& options) {
     for (const std::string& warning : search_warnings(job)) {
         spdlog::warn(warning);
     }
-    if (job.evaluations().size() < job.request().evaluations) {
-        spdlog::info("the search ended after {} evaluations", job.evaluations().size());
-    }
     print_summary(search_summary(job, options.output), options.format);
     if (job.result().best.centre == stream::Evaluations::none) {
         spdlog::error(no_feasible_text(job));
