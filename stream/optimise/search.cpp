@@ -216,9 +216,11 @@ std::vector<Surroundings> around_others(const SearchSpace& space, Evaluations& e
     }
     std::ranges::stable_sort(sorted, {},
                              [&](const SearchStart* start) { return evaluations[start->best].merit; });
-    std::vector<const SearchStart*> apart;  // the first one is at the best of all
+    std::vector<const SearchStart*> apart;  // the first one is at the best of all, or beside it
     for (const SearchStart* start : sorted) {
-        if (apart.size() <= other_places && std::ranges::none_of(apart, [&](const SearchStart* other) {
+        const bool may_be_slope = !start->ended && !apart.empty();
+        if (apart.size() <= other_places && !may_be_slope &&
+            std::ranges::none_of(apart, [&](const SearchStart* other) {
                 return space.distance(start->place, other->place) <= elsewhere;
             })) {
             apart.push_back(start);

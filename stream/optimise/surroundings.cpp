@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t none = Evaluations::none;
 constexpr double near_share = 0.01;
 constexpr double far_share = 0.05;
-constexpr std::size_t looks_at_best = 3;  // it moves at most one time less
+constexpr int looks_at_best = 3;
 
 using Wanted = std::vector<std::pair<Neighbour, std::vector<SceneValue>>>;
 
@@ -89,12 +89,18 @@ Surroundings around(const SearchSpace& space, Evaluations& evaluations, std::int
 }
 
 Surroundings around_best(const SearchSpace& space, Evaluations& evaluations) {
+    const auto one_more = static_cast<std::int64_t>(4 * space.keys());  // what near and far take at most
     Surroundings best;
-    for (std::size_t look = 0; look < looks_at_best && best.centre != evaluations.best(); ++look) {
+    for (int look = 1; evaluations.best() != best.centre; ++look) {
         best = around(space, evaluations, evaluations.best());
-    }
-    if (best.centre != none) {
+        const bool may_move = look < looks_at_best && evaluations.left() >= one_more;
+        if (may_move && evaluations.best() != best.centre) {
+            continue;
+        }
         best.far = far(space, evaluations, best.centre);
+        if (look >= looks_at_best || evaluations.left() < one_more) {
+            break;
+        }
     }
     return best;
 }

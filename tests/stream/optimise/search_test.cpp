@@ -66,7 +66,7 @@ Score hills(const std::vector<SceneValue>& values) {
 
 TEST(Search, FindsTheTopOfTwoHills) {
     const SearchSpace space = space_of(two_ranges);
-    const Found found = found_in(space, 400, 1, hills);
+    const Found found = found_in(space, 2000, 1, hills);
     const auto& best = found.evaluations[found.result.best.centre];
     EXPECT_NEAR(number(best.values[0]), 0.5e-3, 0.02e-3);
     EXPECT_NEAR(number(best.values[1]), 0.2, 0.01);
@@ -75,7 +75,7 @@ TEST(Search, FindsTheTopOfTwoHills) {
     EXPECT_GT(found.evaluations[found.result.best.worst(found.evaluations)].score.value, 1.99);
     ASSERT_FALSE(found.result.others.empty());
     EXPECT_NEAR(found.evaluations[found.result.others[0].centre].score.value, 1, 0.1);
-    EXPECT_LE(found.evaluations.size(), 400);
+    EXPECT_LE(found.evaluations.size(), 2000);
 }
 
 TEST(Search, GoesTheSameWayForASeedAndAnotherForAnother) {
