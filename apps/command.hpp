@@ -26,6 +26,7 @@ using AddCommand = Run(CLI::App& app);
 
 AddCommand run_command;
 AddCommand sweep_command;
+AddCommand optimise_command;
 AddCommand stream_command;
 AddCommand replay_command;
 AddCommand listen_command;

@@ -39,6 +39,8 @@ struct Subcommand {
 constexpr std::array subcommands{
     Subcommand{"run", "simulate a scene as fast as possible, to files and a summary", run_command},
     Subcommand{"sweep", "vary keys of a scene: simulate each point, to a table", sweep_command},
+    Subcommand{"optimise", "search ranges of a scene's keys for the best point, under bounds",
+               optimise_command},
     Subcommand{"stream", "simulate a scene in step with the clock and publish it", stream_command},
     Subcommand{"replay", "publish a recording as if it were live", replay_command},
     Subcommand{"listen", "receive a stream, check that nothing is missing, save it", listen_command},

@@ -31,10 +31,11 @@ ROOMS = {
         ["simulation"],
     ],
     "stream": [
-        ["float32", "json_from_outside", "scene_json", "provenance", "measures", "resources"],
+        ["float32", "scene_json", "provenance", "measures", "resources"],
         ["files"],
         ["recordings"],
         ["sweep"],
+        ["optimise"],
         ["wire"],
         ["sources"],
         ["pipeline"],

@@ -3,7 +3,8 @@
 
 hertzline runs it for `hertzline plot` and `hertzline run --plot`; by itself it draws recordings that end in .npy, and tables of
 `hertzline sweep`. The spectrum is that of docs/measures.md: all samples, no window, in dB under the maximum from half the
-drive's frequency upward. Of a sweep it draws curves over one key that varies, a map over two.
+drive's frequency upward. Of a sweep it draws curves over one key that varies, a map over two; of a search what it looked for over
+each key and as the search went on.
 Debian: python3-numpy python3-matplotlib, for sweeps that end in .h5 python3-h5py.
 """
 import argparse
@@ -145,8 +146,16 @@ class NotASweep(Exception):
     pass
 
 
+def search_of(provenance):
+    """What `hertzline optimise` was asked for; None: it is a sweep."""
+    try:
+        return json.loads(provenance).get("search")
+    except (TypeError, ValueError, AttributeError):
+        return None
+
+
 def read_hdf5_table(path):
-    """Columns by name, and their units."""
+    """Columns by name, their units, and the search."""
     try:
         import h5py
     except ImportError as error:
@@ -157,19 +166,22 @@ def read_hdf5_table(path):
             raise NotASweep
         table = file["points"][:]
         units = dict(zip(table.dtype.names, file["points"].attrs["units"]))
+        search = search_of(file.attrs.get("provenance"))
     texts = [name for name in table.dtype.names if table[name].dtype.kind == "S"]
     return {name: np.char.decode(table[name]) if name in texts else table[name].astype(float)
-            for name in table.dtype.names}, units
+            for name in table.dtype.names}, units, search
 
 
 def read_csv_table(path):
     """The same of a CSV; the units are beside it."""
     with open(path, newline="", encoding="utf-8") as file:
         names, *rows = csv.reader(file)
-    units = {}
+    units, search = {}, None
     try:
         with open(path + "-metadata.json", encoding="utf-8") as file:
-            units = {c["name"]: c["schema:unitText"] for c in json.load(file)["tableSchema"]["columns"]}
+            metadata = json.load(file)
+        units = {c["name"]: c["schema:unitText"] for c in metadata["tableSchema"]["columns"]}
+        search = metadata["urn:hertzline:provenance"].get("search")
     except (OSError, ValueError, KeyError):
         pass
     columns = {}
@@ -178,14 +190,14 @@ def read_csv_table(path):
             columns[name] = np.array(cells, dtype=float)
         except ValueError:
             columns[name] = np.array(cells)
-    return columns, units
+    return columns, units, search
 
 
 class Sweep:
     """A table, what varies in it, and which points have numbers."""
 
-    def __init__(self, columns, units):
-        self.columns, self.units = columns, units
+    def __init__(self, columns, units, search=None):
+        self.columns, self.units, self.search = columns, units, search
         names = list(self.columns)
         if names[:1] != ["point"] or "status" not in names:
             raise NotASweep
@@ -281,7 +293,68 @@ def draw_map(figure, axes, sweep, quantity):
         axes.legend(fontsize=8)
 
 
+def kept_bounds(sweep):
+    """Of each point, whether it has the number that was looked for and keeps to the bounds."""
+    kept = np.isfinite(sweep.columns[measure_of(sweep)]) & np.isin(sweep.status, ("ok", "inaccurate"))
+    for bound in sweep.search["subject_to"]:
+        measure, sign, number = bound.split()
+        values = sweep.columns[measure]
+        kept &= (values >= float(number)) if sign == ">=" else (values <= float(number))
+    return kept
+
+
+def measure_of(sweep):
+    return sweep.search.get("maximise") or sweep.search["minimise"]
+
+
+def draw_course(axes, sweep, kept):
+    """The best so far, evaluation by evaluation."""
+    y = sweep.columns[measure_of(sweep)]
+    best = (np.fmax if "maximise" in sweep.search else np.fmin).accumulate(np.where(kept, y, np.nan))
+    points = sweep.columns["point"]
+    axes.plot(points[kept], y[kept], ".", color="#5f7f96", ms=3, alpha=0.6)
+    axes.step(points, best, where="post", color="#0b6e8a", lw=1.2)
+    axes.set_xlabel("evaluation")
+
+
+def draw_over_key(axes, sweep, kept, key):
+    x, y = sweep.columns[key], sweep.columns[measure_of(sweep)]
+    axes.plot(x[~kept], y[~kept], ".", color="#bbbbbb", ms=3, label="beyond a bound")
+    axes.plot(x[kept], y[kept], ".", color="#0b6e8a", ms=3)
+    best = sweep.columns["point"] == sweep.search["best_point"]
+    axes.plot(x[best], y[best], "*", color="#b03a2e", ms=11, ls="", label="best")
+    if any(text.startswith(key + "=") and text.endswith(":log") for text in sweep.search["vary"]):
+        axes.set_xscale("log")
+    axes.set_xlabel(sweep.label(key))
+
+
+def draw_search(sweep, title):
+    """What was looked for over each key, and as the search went on."""
+    matplotlib.rcParams.update(STYLE | {"font.size": 9})
+    kept = kept_bounds(sweep)
+    panels = len(sweep.keys) + 1
+    columns = min(panels, 3)
+    figure, grid = plt.subplots(-(-panels // columns), columns, figsize=(3.6 * columns, 0.4 + 2.9 * -(-panels // columns)),
+                                layout="constrained", squeeze=False, sharey=True)
+    axes = grid.ravel()
+    for spare in axes[panels:]:
+        spare.axis("off")
+    for key, panel in zip(sweep.keys, axes):
+        draw_over_key(panel, sweep, kept, key)
+    draw_course(axes[panels - 1], sweep, kept)
+    for panel in axes[:panels]:
+        panel.grid()
+    for row in grid[:, 0]:
+        row.set_ylabel(sweep.label(measure_of(sweep)))
+    axes[0].legend(fontsize=8, frameon=False)
+    if title:
+        figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)
+    return figure
+
+
 def draw_sweep(sweep, quantities, title):
+    if sweep.search and not quantities:
+        return draw_search(sweep, title)
     if len(sweep.numbers) > 2 or len(sweep.words) > 1 or (len(sweep.numbers) == 2 and sweep.words):
         raise ValueError(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: a number, two numbers, "
                          "or a number and a word")

@@ -10,7 +10,7 @@
 
 #include "core/scene/text.hpp"
 #include "stream/files/errors.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/recordings/recording_head.hpp"
 
 namespace hertzline::stream {

@@ -11,7 +11,7 @@
 #include "core/scene/scene.hpp"
 #include "core/scene/text.hpp"
 #include "stream/float32.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/provenance.hpp"
 #include "stream/wire/frame_codec.hpp"
 

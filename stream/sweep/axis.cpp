@@ -12,7 +12,7 @@ namespace hertzline::stream {
 namespace {
 
 constexpr std::string_view form = "KEY=FROM..TO[:lin|log]:COUNT or KEY=A,B,C";
-constexpr std::string_view form_anywhere = "KEY=FROM..TO[:lin|log] or KEY=A,B,C, as --sobol says how many";
+constexpr std::string_view form_anywhere = "KEY=FROM..TO[:lin|log] or KEY=A,B,C, without a count";
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
     std::vector<std::string_view> parts;

@@ -160,7 +160,7 @@ void Journal::open(Use use) {
             const int reason = errno;
             ::close(descriptor_);
             if (reason == EWOULDBLOCK) {
-                throw std::runtime_error(path_.string() + " is in use by another sweep");
+                throw std::runtime_error(path_.string() + " is in use by another sweep or search");
             }
             fail("lock", reason);
         }
@@ -195,7 +195,7 @@ void Journal::read_head(Use use) {
     const std::string_view begins(head.magic.data(),
                                   std::min<std::size_t>(magic.size(), static_cast<std::size_t>(there)));
     if (!magic.starts_with(begins)) {
-        cannot_read(path_, "it is no journal of a sweep");
+        cannot_read(path_, "it is no journal of a sweep or search");
     }
     if (there == static_cast<std::int64_t>(sizeof(Head))) {
         read_text(head);
@@ -209,9 +209,10 @@ void Journal::read_head(Use use) {
         return;
     }
     if (static_cast<std::uint64_t>(status.st_size) >= one_row) {
-        throw std::runtime_error(path_.string() +
-                                 " is the journal of a sweep that has not ended, allowed: --resume to go on "
-                                 "with it, another -o FILE, or remove it");
+        throw std::runtime_error(
+            path_.string() +
+            " is the journal of a sweep or search that has not ended, allowed: --resume to go on "
+            "with it, another -o FILE, or remove it");
     }
     text_.clear();  // nothing is lost
 }

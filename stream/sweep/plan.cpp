@@ -73,6 +73,19 @@ tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, c
     return plan;
 }
 
+SweepPlan SweepPlan::growing(const Scene& base, std::vector<SceneKeyInfo> keys) {
+    SweepPlan plan;
+    plan.base_ = base;
+    plan.keys_ = std::move(keys);
+    plan.list_ = PointList{plan.keys_, {}};
+    return plan;
+}
+
+void SweepPlan::add(const std::vector<SceneValue>& values) {
+    list_->values.insert(list_->values.end(), values.begin(), values.end());
+    ++size_;
+}
+
 /// Counts the points. @returns what is wrong with their number
 std::optional<Fault> SweepPlan::size_fault() {
     const std::string allowed = number_text(max_points);

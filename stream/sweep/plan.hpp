@@ -35,6 +35,11 @@ public:
     /// The plan from what json() gave. @throws std::runtime_error when that is no plan
     static SweepPlan from_json(const nlohmann::ordered_json& json);
 
+    /// A plan of no points, for a search that adds them as it goes on. @param keys that vary, of the base
+    static SweepPlan growing(const Scene& base, std::vector<SceneKeyInfo> keys);
+    /// Adds a point to such a plan. @param values allowed ones, in the order of the keys
+    void add(const std::vector<SceneValue>& values);
+
     /// {"scene": TOML, "vary": [...], "points": CSV, "sobol": N}: all there is to know; the same for equal plans.
     nlohmann::ordered_json json() const;
 
@@ -42,6 +47,9 @@ public:
     const Scene& base() const noexcept { return base_; }
     /// What varies, in the order of the options or of the list's columns.
     const std::vector<SceneKeyInfo>& keys() const noexcept { return keys_; }
+
+    /// What --vary says of each key; none of a list of points.
+    const std::vector<Axis>& axes() const noexcept { return axes_; }
 
     /// The values of the keys at a point, 0 to size() - 1.
     std::vector<SceneValue> values(std::int64_t point) const;

@@ -11,7 +11,7 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/scene/text.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/provenance.hpp"
 
 namespace hertzline::stream {

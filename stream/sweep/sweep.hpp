@@ -27,6 +27,8 @@ struct Sweep {
     SweepPlan plan;
     PointDemand demand;
     Shard shard;
+    nlohmann::ordered_json search =
+        nullptr;  ///< what its files say instead of the plan, where a search chose the points
 };
 
 /// What made the numbers: program, version, git_hash, compiler, simd_target. With another one of these they may have other bits.

@@ -97,6 +97,10 @@ Json row_json(const SweepTable& table, std::int64_t point) {
 Json sweep_provenance(const Sweep& sweep) {
     Json json = maker_json();
     json["scene"] = scene_json(sweep.plan.base());
+    if (!sweep.search.is_null()) {
+        json["search"] = sweep.search;
+        return json;
+    }
     const Json plan = sweep.plan.json();
     for (const char* key : {"vary", "sobol", "points"}) {
         json["plan"][key] = plan[key];

@@ -48,7 +48,7 @@ private:
 /// One row as a JSON object; null where there is no number.
 nlohmann::ordered_json row_json(const SweepTable& table, std::int64_t point);
 
-/// What the files say of where their rows come from: what made them, base scene and plan.
+/// What the files say of where their rows come from: what made them, base scene, and plan or search.
 nlohmann::ordered_json sweep_provenance(const Sweep& sweep);
 
 }  // namespace hertzline::stream

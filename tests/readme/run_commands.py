@@ -94,6 +94,8 @@ INSTEAD = {
         "hertzline run paper-wall -o a.csv -o a.npy --columns v_last,v_horn --tap f_last --measure f_last --spectrum s.h5 "
         "--plot a.png",
     "hertzline sweep SCENE --vary KEY=VALUES... -o FILE": "hertzline sweep paper-wall --vary chain.spheres=5,6 -o swept.h5",
+    "hertzline optimise SCENE --vary KEY=VALUES... --maximise MEASURE -o FILE":
+        "hertzline optimise paper-wall --vary chain.preload_n=0.1..1 --maximise thd_r --evaluations 60 -o o.h5",
     "hertzline stream SCENE [--record FILE]... [--columns NAME,...]":
         "hertzline stream paper-stream --record live.h5 --columns v_out,v_horn",
     "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",

@@ -18,6 +18,7 @@
 #include "apps/commands/sweep/sweep_options.hpp"
 #include "apps/commands/sweep/sweep_progress.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
+#include "apps/commands/sweep/unused_journal.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
@@ -139,23 +140,6 @@ PointCounts run_missing(const Sweep& sweep, Journal& journal, const std::vector<
                                  [&](const PointCounts& done) { progress.tell(add(first, done)); });
     return add(add(there, first), others);
 }
-
-/// Takes a journal away that no row has come to, where one was to come.
-class UnusedJournal {
-public:
-    UnusedJournal(Journal& journal, bool wants_rows) : journal_(journal), wants_rows_(wants_rows) {}
-    ~UnusedJournal() {
-        if (wants_rows_ && !journal_.has_rows()) {
-            journal_.remove();
-        }
-    }
-    UnusedJournal(const UnusedJournal&) = delete;
-    UnusedJournal& operator=(const UnusedJournal&) = delete;
-
-private:
-    Journal& journal_;
-    bool wants_rows_;
-};
 
 Exit stopped(const SweepOptions& options, const Journal& journal, const PointCounts& counts,
              std::int64_t all) {

@@ -12,7 +12,7 @@
 #include "core/scene/text.hpp"
 #include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/recordings/columns.hpp"
 #include "stream/recordings/formats/csv.hpp"
 #include "stream/recordings/isolated_reader.hpp"

@@ -12,8 +12,8 @@
 
 #include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/files/output_file.hpp"
-#include "stream/json_from_outside.hpp"
 #include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/npy_header.hpp"
 #include "stream/recordings/recording_head.hpp"

@@ -213,7 +213,7 @@ TEST(SweepPlan, RangesThatAreNoneAreNamed) {
     }
     EXPECT_THAT(faults_of("chain.preload_n=0..1"), HasSubstr("KEY=FROM..TO[:lin|log]:COUNT"));
     EXPECT_THAT(faults_of("chain.preload_n=0..1:sqrt:3"), HasSubstr("KEY=FROM..TO[:lin|log]:COUNT"));
-    EXPECT_THAT(faults_of({{"chain.preload_n=0..1:9"}, "", "", 9}), HasSubstr("as --sobol says how many"));
+    EXPECT_THAT(faults_of({{"chain.preload_n=0..1:9"}, "", "", 9}), HasSubstr("without a count"));
 }
 
 TEST(SweepPlan, TooManyPointsAreRefused) {

@@ -10,7 +10,7 @@
 
 #include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/recordings/captures.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/hdf5/hdf5_layout.hpp"

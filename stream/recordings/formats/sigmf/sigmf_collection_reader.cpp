@@ -9,7 +9,7 @@
 #include "core/scene/text.hpp"
 #include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/recordings/formats/sigmf/sigmf.hpp"
 #include "stream/recordings/recording_head.hpp"
 

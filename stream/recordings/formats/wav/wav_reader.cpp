@@ -7,7 +7,7 @@
 
 #include "stream/files/errors.hpp"
 #include "stream/files/input_file.hpp"
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 #include "stream/recordings/captures.hpp"
 #include "stream/recordings/formats/wav/wav.hpp"
 #include "stream/recordings/formats/wav/wav_library.hpp"

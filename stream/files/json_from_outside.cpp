@@ -1,4 +1,4 @@
-#include "stream/json_from_outside.hpp"
+#include "stream/files/json_from_outside.hpp"
 
 #include <array>
 #include <cstddef>

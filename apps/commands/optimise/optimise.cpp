@@ -1,0 +1,153 @@
+// hertzline optimise: the best point of ranges, under bounds.
+
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/command.hpp"
+#include "apps/commands/optimise/optimise_options.hpp"
+#include "apps/commands/optimise/search_report.hpp"
+#include "apps/commands/sweep/sweep_progress.hpp"
+#include "apps/commands/sweep/sweep_result.hpp"
+#include "apps/commands/sweep/unused_journal.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/resources.hpp"
+#include "stream/sweep/sweep_files.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+using stream::Journal;
+using stream::SearchJob;
+using stream::SearchRequest;
+
+constexpr const char* journal_ending = ".journal";
+
+stream::Sweep rows_of(const SearchRequest& request) {
+    std::vector<stream::SceneKeyInfo> keys;
+    for (const stream::Axis& axis : request.axes) {
+        keys.push_back(axis.key);
+    }
+    return {stream::SweepPlan::growing(request.base, std::move(keys)), request.demand, {}};
+}
+
+Journal open_journal(const SweepOptions& options, const SearchRequest& request) {
+    Journal journal(options.output + journal_ending,
+                    options.resume ? Journal::Use::resume : Journal::Use::begin);
+    const std::string text = stream::journal_text(request);
+    if (journal.is_new()) {
+        if (options.resume) {
+            spdlog::info("{} is not there; the search begins anew", journal.path().string());
+        }
+        journal.begin(text, stream::payload_bytes(request.demand));
+    } else if (const auto difference = stream::search_difference(journal.text(), text)) {
+        throw WrongUse(
+            fmt::format("{}: found {}, allowed: the journal of the same search, made by the same program",
+                        journal.path().string(), *difference));
+    }
+    require_rows_of(rows_of(request), journal);
+    journal.load(request.evaluations);
+    if (journal.damaged() > 0) {
+        spdlog::warn("{}: {} damaged rows are computed again", journal.path().string(), journal.damaged());
+    }
+    return journal;
+}
+
+void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
+    const SearchRequest& request = search.request;
+    const int jobs = jobs_of(options);
+    const auto points = static_cast<double>(request.evaluations);
+    constexpr double point_bytes = 500;  // what is known of each
+    const double memory = jobs * search.survey.memory_bytes + points * point_bytes;
+    if (const auto shortage = stream::memory_shortage(fmt::format("a search with {} jobs", jobs), memory)) {
+        throw std::runtime_error(*shortage + "; fewer --jobs take less");
+    }
+    const double row = Journal::bytes(1, stream::payload_bytes(request.demand));
+    const double disk = 2 * points * row;  // the journal, and the file beside it
+    if (const auto shortage = stream::disk_shortage(options.output, disk)) {
+        throw std::runtime_error(*shortage);
+    }
+    spdlog::info("{} evaluations at most, on {} {}; about {} of disk and {} of memory", request.evaluations,
+                 jobs, jobs == 1 ? "thread" : "threads", stream::human_bytes(disk),
+                 stream::human_bytes(memory));
+}
+
+void search_or_tell(SearchJob& job, const Journal& journal) {
+    try {
+        job.run();
+    } catch (const std::runtime_error& error) {
+        if (!journal.has_rows()) {
+            throw;
+        }
+        throw std::runtime_error(
+            fmt::format("{}; the points that are done are in {}: the same command with --resume goes on",
+                        error.what(), journal.path().string()));
+    }
+}
+
+Exit stopped(const Journal& journal, std::int64_t evaluations) {
+    if (!journal.has_rows()) {
+        spdlog::error("stopped before the first point was done; nothing was saved");
+    } else {
+        spdlog::error("stopped after {} evaluations, which are in {}: the same command with --resume goes on",
+                      evaluations, journal.path().string());
+    }
+    return Exit::failed;
+}
+
+Exit report(const SearchJob& job, const SweepOptions& options) {
+    for (const std::string& warning : search_warnings(job)) {
+        spdlog::warn(warning);
+    }
+    print_summary(search_summary(job, options.output), options.format);
+    if (job.result().best.centre == stream::Evaluations::none) {
+        spdlog::error(no_feasible_text(job));
+        return Exit::failed;
+    }
+    return Exit::done;
+}
+
+Exit optimise(const OptimiseOptions& options) {
+    const SoundSearch search = sound_search(options);
+    const std::string& file = options.sweep.output;
+    stream::require_writable(file);
+    if (search.survey.refused > 0) {
+        spdlog::warn("{} of {} points all over the ranges cannot be simulated; {}", search.survey.refused,
+                     search.request.evaluations, search.survey.first_refused);
+    }
+    Journal journal = open_journal(options.sweep, search.request);
+    const UnusedJournal unused(journal, true);
+    stop_asked();  // from here on there are rows to be saved
+    refuse_shortages(options.sweep, search);
+    SweepProgress progress(search.request.evaluations);
+    SearchJob job(search.request, journal, jobs_of(options.sweep), stop_asked(),
+                  [&](std::int64_t done) { progress.tell({{done}}); });
+    search_or_tell(job, journal);
+    if (job.evaluations().stopped()) {
+        return stopped(journal, job.evaluations().size());
+    }
+    if (!stream::write_sweep(file, stream::SweepTable(job.sweep(), {&journal}), stop_asked())) {
+        return stopped(journal, job.evaluations().size());
+    }
+    const Exit exit = report(job, options.sweep);
+    journal.replace_by(file);
+    return exit;
+}
+
+}  // namespace
+
+Run optimise_command(CLI::App& app) {
+    auto options = std::make_shared<OptimiseOptions>();
+    add_optimise_options(app, *options);
+    return [options] { return optimise(*options); };
+}
+
+}  // namespace hertzline::app

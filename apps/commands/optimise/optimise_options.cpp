@@ -1,0 +1,159 @@
+#include "apps/commands/optimise/optimise_options.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "core/scene/text.hpp"
+#include "stream/sweep/sweep_files.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "MEASURE is a number of hertzline run's summary. A sample of the ranges is simulated first, then local "
+    "searches begin at its best points, then more samples follow, until the evaluations are used up. FILE "
+    "has all of them, as that of a sweep. The summary says how the best point differs from what other "
+    "searches came to, and what it is worth 1 % and 5 % beside itself.\n"
+    "Examples:\n"
+    "  hertzline optimise paper-vitreous-carbon --vary end.thickness_m=0.1e-3..2e-3:log \\\n"
+    "      --vary chain.preload_n=0.01..2:log --maximise occupied_20db_hz \\\n"
+    "      --subject-to \"peak_v_out_m_per_s >= 0.3\" -o search.h5\n"
+    "  hertzline optimise my-scene.toml --vary chain.spheres=3..12 --vary end.material=pyrex,acrylic \\\n"
+    "      --minimise thd_r --evaluations 300 --seed 7 -o search.csv";
+
+constexpr std::int64_t most_evaluations = 1'000'000;
+
+/// As sweeps have it, where they may do without.
+void refuse_no_file(const OptimiseOptions& options) {
+    if (options.sweep.output.empty()) {
+        throw WrongUse("-o: found no file, allowed: a file that ends in .h5 or .csv");
+    }
+}
+
+stream::Goal goal_of(const OptimiseOptions& options) {
+    if (options.maximise.empty() == options.minimise.empty()) {
+        throw WrongUse(fmt::format("--maximise: found {} measure, allowed: one of --maximise and --minimise",
+                                   options.maximise.empty() ? "no" : "a second"));
+    }
+    const bool maximise = options.minimise.empty();
+    return {maximise ? options.maximise : options.minimise, maximise, {}};
+}
+
+stream::Goal whole_goal_of(const OptimiseOptions& options) {
+    Faults faults;
+    stream::Goal goal;
+    faults.of([&] { goal = goal_of(options); });
+    for (const std::string& text : options.subject_to) {
+        faults.of([&] {
+            auto constraint = stream::parse_constraint(text);
+            if (!constraint) {
+                throw WrongUse("--subject-to: " + constraint.error());
+            }
+            goal.constraints.push_back(*std::move(constraint));
+        });
+    }
+    faults.refuse();
+    return goal;
+}
+
+void refuse_wrong_evaluations(const OptimiseOptions& options, std::int64_t fewest, std::size_t keys) {
+    if (options.evaluations < fewest || options.evaluations > most_evaluations) {
+        throw WrongUse(fmt::format("--evaluations: found {}, allowed: {} to {}{}", options.evaluations,
+                                   fewest, most_evaluations,
+                                   keys == 0 ? "" : fmt::format(", where {} keys vary", keys)));
+    }
+}
+
+/// A sweep over the ranges: its plan says whether they are right, its points what they take.
+SoundSweep sound_sample(const OptimiseOptions& options) {
+    if (options.sweep.vary.empty()) {
+        throw WrongUse(
+            "--vary: found none, allowed: KEY=FROM..TO[:lin|log] or KEY=A,B,C, for each key that varies");
+    }
+    SweepOptions sample = options.sweep;
+    sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
+    if (sample.output.empty()) {  // which is told by itself
+        sample.format = Format::json;
+        sample.resume = false;
+    }
+    return sound_sweep(sample);
+}
+
+void refuse_unknown_measures(const stream::Goal& goal, const stream::PointDemand& demand) {
+    Faults faults;
+    for (const std::string& fault : stream::measure_faults(goal, demand.columns)) {
+        faults.of([&] { throw WrongUse(fault); });
+    }
+    faults.refuse();
+}
+
+}  // namespace
+
+SoundSearch sound_search(const OptimiseOptions& options) {
+    if (options.sweep.scene.scene.empty()) {
+        throw WrongUse("SCENE: found none, allowed: a scene file, or the name of a shipped scene");
+    }
+    Faults faults;
+    std::optional<stream::Goal> goal;
+    std::optional<SoundSweep> sample;
+    faults.of([&] { refuse_no_file(options); });
+    faults.of([&] { goal = whole_goal_of(options); });
+    faults.of([&] { sample = sound_sample(options); });
+    if (!sample) {
+        faults.of([&] { refuse_wrong_evaluations(options, 1, 0); });
+        faults.refuse();
+    }
+    const stream::SearchSpace space(sample->sweep.plan.axes());
+    faults.of([&] { refuse_wrong_evaluations(options, fewest_evaluations(space), space.keys()); });
+    if (goal) {
+        faults.of([&] { refuse_unknown_measures(*goal, sample->sweep.demand); });
+    }
+    faults.refuse();
+    return {{sample->sweep.plan.base(), space.axes(), *std::move(goal), options.evaluations, options.seed,
+             std::move(sample->sweep.demand)},
+            std::move(sample->survey)};
+}
+
+void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
+    SweepOptions& sweep = options.sweep;
+    add_scene_options(app, sweep.scene);
+    add_repeatable_option(app, "--vary", sweep.vary,
+                          "vary a key of the scene in a range or a list; repeatable")
+        ->type_name("KEY=VALUES");
+    app.add_option("--maximise", options.maximise, "look for the largest value of this measure")
+        ->check(missing_name)
+        ->type_name("MEASURE");
+    app.add_option("--minimise", options.minimise, "look for the smallest one")
+        ->check(missing_name)
+        ->type_name("MEASURE");
+    add_repeatable_option(app, "--subject-to", options.subject_to,
+                          "only where a measure keeps to a bound: \"MEASURE >= NUMBER\", or <=; repeatable")
+        ->type_name("BOUND");
+    app.add_option("--evaluations", options.evaluations, "points that are simulated at most (default: 2000)")
+        ->type_name("N");
+    app.add_option("--seed", options.seed, "another one begins with other points (default: 1)")
+        ->type_name("S");
+    app.add_option("-o,--output", sweep.output, "the table: .h5 or .csv")
+        ->check(missing_name)
+        ->type_name("FILE");
+    add_repeatable_option(app, "--measure", sweep.measures,
+                          "measure these outputs, too, as v_out, as run does")
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    app.add_option("--band-from", sweep.band_from_hz,
+                   "bands are looked for from here upward (default: half the drive's frequency)")
+        ->type_name("HZ");
+    app.add_option("--jobs", sweep.jobs, "threads (default: one for each processor)")->type_name("N");
+    app.add_flag("--resume", sweep.resume, "go on where a search was ended, or begin");
+    add_format_option(app, sweep.format, "print the summary as JSON");
+    app.footer(examples);
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,251 @@
+// hertzline optimise: its answer, its file, its journal, and what it refuses.
+
+#include <csignal>
+#include <filesystem>
+#include <sstream>
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "tests/apps/program.hpp"
+#include "tests/support/recordings.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+using Words = std::vector<std::string>;
+
+Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// A search that is over soon: a short chain on a wall, and few samples.
+const Words scene{"optimise", "paper-wall", "--set", "output.duration_s=5e-5", "--set", "drive.cycles=2"};
+const Words vary{"--vary", "chain.preload_n=0.01..1:log", "--vary", "chain.spheres=3..8"};
+const Words quick = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s", "--evaluations", "120"});
+
+class Optimise : public testing::Test {
+protected:
+    Outcome optimised(const std::string& name, const Words& more = {}, const Words& words = quick) {
+        return hertzline(with(words, with(more, {"-o", folder.file(name)})));
+    }
+    std::string fault(const Words& words) {
+        const Outcome outcome = hertzline(words);
+        EXPECT_EQ(outcome.status, 2) << testing::PrintToString(words);
+        EXPECT_THAT(outcome.out, IsEmpty());
+        return outcome.err;
+    }
+
+    TemporaryFolder folder;
+};
+
+TEST_F(Optimise, TellsTheBestOfItsRows) {
+    const Outcome outcome =
+        optimised("s.csv", {"--json", "--subject-to", "peak_contact_force_n <= 4", "--seed", "3"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json summary = outcome.json();
+    EXPECT_LE(summary["evaluations"], 120);
+    EXPECT_GT(summary["feasible"], 10);
+    EXPECT_GE(summary["starts"]["starts"], 2);
+    EXPECT_TRUE(summary["around"].contains("chain.preload_n.minus_1_percent") ||
+                summary["around"].contains("chain.preload_n.plus_1_percent"));
+    const json& best = summary["best"];
+    EXPECT_LE(best["peak_contact_force_n"], 4);
+    EXPECT_EQ(best["status"], "ok");
+
+    std::istringstream rows(contents(folder.file("s.csv")));
+    std::string line;
+    std::int64_t count = -1;  // without the head
+    std::string best_row;
+    while (std::getline(rows, line)) {
+        if (line.starts_with(std::to_string(best["point"].get<int>()) + ',')) {
+            best_row = line;
+        }
+        ++count;
+    }
+    EXPECT_EQ(count, summary["evaluations"]);
+    EXPECT_THAT(best_row, HasSubstr(best["peak_v_out_m_per_s"].dump()));
+    const json metadata = json::parse(contents(folder.file("s.csv-metadata.json")));
+    const json& search = metadata["urn:hertzline:provenance"]["search"];
+    EXPECT_EQ(search["maximise"], "peak_v_out_m_per_s");
+    EXPECT_EQ(search["subject_to"][0], "peak_contact_force_n <= 4");
+    EXPECT_EQ(search["best_point"], best["point"]);
+    EXPECT_FALSE(fs::exists(folder.file("s.csv.journal")));
+}
+
+TEST_F(Optimise, GivesTheSameBytesWhateverTheJobs) {
+    for (const std::string ending : {".csv", ".h5"}) {
+        ASSERT_EQ(optimised("one" + ending, {"--jobs", "1"}).status, 0);
+        ASSERT_EQ(optimised("two" + ending, {"--jobs", "2"}).status, 0);
+        EXPECT_GT(contents(folder.file("one" + ending)).size(), 5'000U);
+        EXPECT_EQ(contents(folder.file("one" + ending)), contents(folder.file("two" + ending)));
+    }
+    ASSERT_EQ(optimised("other.csv", {"--seed", "2"}).status, 0);
+    EXPECT_NE(contents(folder.file("one.csv")), contents(folder.file("other.csv")));
+}
+
+TEST_F(Optimise, GoesOnWherePointsFail) {
+    const Outcome outcome =
+        hertzline(with(scene, {"--vary", "drive.repetition_hz=0,1000,60000", "--vary",
+                               "chain.preload_n=0.1..1", "--minimise", "peak_v_out_m_per_s", "--evaluations",
+                               "60", "--json", "-o", folder.file("m.csv")}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_GT(outcome.json()["refused"], 0);
+    EXPECT_THAT(outcome.err, HasSubstr("cannot be simulated"));
+    EXPECT_NE(outcome.json()["best"]["drive.repetition_hz"], 60000);
+}
+
+TEST_F(Optimise, WithoutAFeasiblePointSaysHowFarTheClosestIs) {
+    const Outcome outcome =
+        optimised("n.csv", {"--subject-to", "peak_v_last_m_per_s >= 100", "--subject-to", "thd_r >= 0"});
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("none of "), HasSubstr("the closest is point "),
+                                   HasSubstr("where peak_v_last_m_per_s >= 100 was asked for")));
+    EXPECT_THAT(outcome.out, HasSubstr("feasible     0"));
+    EXPECT_TRUE(fs::exists(folder.file("n.csv")));
+}
+
+TEST_F(Optimise, IsDrawn) {
+    ASSERT_EQ(optimised("p.h5").status, 0);
+    const Outcome drawn = hertzline({"plot", folder.file("p.h5"), "-o", folder.file("p.svg")});
+    EXPECT_EQ(drawn.status, 0) << drawn.err;
+    EXPECT_THAT(contents(folder.file("p.svg")),
+                AllOf(HasSubstr("<!-- chain.preload_n [N] -->"), HasSubstr("<!-- chain.spheres -->"),
+                      HasSubstr("<!-- peak_v_out_m_per_s [m/s] -->"), HasSubstr("<!-- evaluation -->")));
+}
+
+/// A search that lasts, to be interrupted.
+class LongSearch : public Optimise {
+protected:
+    Outcome interrupt(int signal) {
+        Program program(words);
+        const auto size = [&] {
+            std::error_code error;
+            const auto bytes = fs::file_size(journal, error);
+            return error ? 0 : bytes;
+        };
+        for (int tries = 0; size() < 60'000 && tries < 6000; ++tries) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        }
+        program.send(signal);
+        return program.wait();
+    }
+    void expect_resumed(const Words& more = {}) {
+        const Outcome outcome = hertzline(with(words, with({"--resume", "--json"}, more)));
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_FALSE(fs::exists(journal));
+        const Outcome undisturbed =
+            optimised("u.csv", {"--json"}, with(long_words, {"--evaluations", "300"}));
+        ASSERT_EQ(undisturbed.status, 0);
+        EXPECT_EQ(contents(file), contents(folder.file("u.csv")));
+        EXPECT_EQ(outcome.json()["best"], undisturbed.json()["best"]);
+        EXPECT_EQ(outcome.json()["starts"], undisturbed.json()["starts"]);
+    }
+
+    std::string file = folder.file("s.csv");
+    std::string journal = file + ".journal";
+    Words long_words = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s"});
+    Words words = with(long_words, {"--evaluations", "300", "-o", file});
+};
+
+TEST_F(LongSearch, GoesOnAfterItWasKilled) {
+    EXPECT_EQ(interrupt(SIGKILL).status, -1);
+    EXPECT_FALSE(fs::exists(file));
+    fs::resize_file(journal, fs::file_size(journal) - 7);  // as if it had been killed amid a row
+    expect_resumed({"--jobs", "3"});
+}
+
+TEST_F(LongSearch, CtrlCSavesWhatThereIs) {
+    const Outcome outcome = interrupt(SIGINT);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("which are in " + journal), HasSubstr("--resume")));
+    EXPECT_THAT(hertzline(words).err, HasSubstr("--resume to go on"));
+    const Outcome other = hertzline(with(words, {"--resume", "--seed", "5"}));
+    EXPECT_EQ(other.status, 2);
+    EXPECT_THAT(other.err, HasSubstr("found another seed"));
+    const Outcome sweep =
+        hertzline({"sweep", "paper-wall", "--vary", "chain.spheres=3,4", "-o", file, "--resume"});
+    EXPECT_EQ(sweep.status, 2);
+    expect_resumed();
+}
+
+TEST_F(LongSearch, AFileInUseByAnotherSearchIsRefused) {
+    interrupt(SIGINT);
+    const int descriptor = ::open(journal.c_str(), O_RDWR);
+    ASSERT_EQ(::flock(descriptor, LOCK_EX), 0);
+    const Outcome outcome = hertzline(with(words, {"--resume"}));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, HasSubstr(journal + " is in use by another sweep or search"));
+    ::close(descriptor);
+}
+
+TEST_F(LongSearch, AFullDiskLosesNoRow) {
+    rlimit before{};
+    getrlimit(RLIMIT_FSIZE, &before);
+    const rlimit limit{60'000, before.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &limit);
+    const Outcome outcome = hertzline(words);
+    setrlimit(RLIMIT_FSIZE, &before);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large"),
+                                   HasSubstr("--resume goes on")));
+    expect_resumed();
+}
+
+TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
+    const Words maximise{"--maximise", "peak_v_out_m_per_s"};
+    const Words sound = with(with(scene, vary), maximise);
+    const Words output{"-o", folder.file("w.csv")};
+    EXPECT_THAT(fault({"optimise", "-o", "x.h5"}), HasSubstr("SCENE: found none"));
+    EXPECT_THAT(fault(sound), HasSubstr("-o: found no file"));
+    EXPECT_THAT(fault(with(sound, {"-o", "a.txt"})), HasSubstr(".h5, .csv"));
+    EXPECT_THAT(fault(with(with(scene, maximise), output)), HasSubstr("--vary: found none"));
+    EXPECT_THAT(fault(with(with(scene, vary), output)), HasSubstr("--maximise: found no measure"));
+    EXPECT_THAT(fault(with(sound, with(output, {"--minimise", "thd_r"}))),
+                HasSubstr("--maximise: found a second measure"));
+    EXPECT_THAT(fault(with(with(scene, vary), with(output, {"--maximise", "peak_v_out"}))),
+                AllOf(HasSubstr("--maximise: found \"peak_v_out\""),
+                      HasSubstr("did you mean 'peak_v_out_m_per_s'?")));
+    EXPECT_THAT(fault(with(sound, with(output, {"--subject-to", "thd >= 1"}))),
+                HasSubstr("--subject-to: found \"thd\""));
+    EXPECT_THAT(fault(with(sound, with(output, {"--subject-to", "thd_r == 1"}))),
+                HasSubstr("allowed: \"MEASURE >= NUMBER\""));
+    EXPECT_THAT(fault(with(sound, with(output, {"--vary", "chain.sphere=3..4"}))),
+                HasSubstr("did you mean 'chain.spheres'?"));
+    EXPECT_THAT(fault(with(sound, with(output, {"--vary", "chain.damping_kg_per_s=0.4..0.3"}))),
+                HasSubstr("a range that goes up"));
+    EXPECT_THAT(fault(with(sound, with(output, {"--vary", "chain.damping_kg_per_s=0.3..0.4:5"}))),
+                HasSubstr("without a count"));
+    EXPECT_THAT(fault(with(sound, with(output, {"--set", "chain.spheres=5"}))),
+                HasSubstr("a key that varies"));
+    EXPECT_THAT(fault(with(sound, with(output, {"--evaluations", "10"}))),
+                HasSubstr("--evaluations: found 10, allowed: 36 to 1000000, where 2 keys vary"));
+    EXPECT_THAT(fault(with(sound, with(output, {"--evaluations", "-3", "--jobs", "0"}))),
+                AllOf(HasSubstr("--evaluations: found -3"), HasSubstr("--jobs: found 0")));
+    EXPECT_THAT(fault(with(sound, with(output, {"--seed", "x"}))), HasSubstr("--seed"));
+    EXPECT_THAT(fault({"optimise", "paper-wall", "--vary", "chain.sphere=1", "--subject-to", "x"}),
+                AllOf(HasSubstr("-o: found no file"), HasSubstr("--maximise: found no measure"),
+                      HasSubstr("--subject-to: found \"x\""), HasSubstr("did you mean 'chain.spheres'?")));
+    const Outcome nowhere = hertzline(with(sound, {"-o", folder.file("no/a.csv")}));
+    EXPECT_EQ(nowhere.status, 1);
+    EXPECT_THAT(nowhere.err, HasSubstr("no/a.csv"));
+    EXPECT_TRUE(fs::is_empty(folder.file("")));
+}
+
+}  // namespace
+
+}  // namespace hertzline::test
