@@ -70,7 +70,7 @@ double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcep
     const double rows = rows_of_run(scene);
     const double block = static_cast<double>(block_of_run(scene, taps)) *
                          channels_of(taps, static_cast<double>(scene.chain.spheres));
-    return Simulation::memory_bytes(scene, taps) + sizeof(double) * (block + records * rows) +
+    return 2 * Simulation::memory_bytes(scene, taps) + sizeof(double) * (2 * block + records * rows) +
            SpectrumAnalyser::bytes_needed(rows);
 }
 
