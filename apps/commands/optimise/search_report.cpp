@@ -33,6 +33,11 @@ Json feasible_value(const SearchJob& job, std::int64_t evaluation) {
     return score.feasible ? Json(score.value) : Json(nullptr);
 }
 
+/// null: nobody looked, or a neighbour is not feasible
+Json worst_near(const SearchJob& job, const Surroundings& around) {
+    return around.near.empty() ? Json(nullptr) : feasible_value(job, around.worst(job.evaluations()));
+}
+
 Json json_of(const stream::SceneValue& value) {
     return std::visit([](const auto& held) { return Json(held); }, value);
 }
@@ -77,7 +82,7 @@ std::string name_of(const SearchJob& job, const Neighbour& neighbour) {
 }
 
 Json around_json(const SearchJob& job, const Surroundings& around) {
-    Json json{{"worst_within_1_percent", feasible_value(job, around.worst(job.evaluations()))}};
+    Json json{{"worst_within_1_percent", worst_near(job, around)}};
     std::vector<Neighbour> all = around.near;
     all.insert(all.end(), around.far.begin(), around.far.end());
     std::ranges::stable_sort(
@@ -123,7 +128,7 @@ Json starts_json(const SearchJob& job) {
         const std::string name = fmt::format("elsewhere_{}", ++number);
         json[name] = value_of(job, other.centre);
         json[name + "_point"] = other.centre;
-        json[name + "_worst_within_1_percent"] = feasible_value(job, other.worst(job.evaluations()));
+        json[name + "_worst_within_1_percent"] = worst_near(job, other);
     }
     return json;
 }
@@ -173,7 +178,7 @@ stream::Warnings search_warnings(const SearchJob& job) {
         std::string text = fmt::format("{} of the best point {} within 1 % of a key",
                                        job.request().goal.measure, fall_text(fall));
         for (const Surroundings& other : job.result().others) {
-            if (fall_of(job, other) <= large_fall) {
+            if (!other.near.empty() && fall_of(job, other) <= large_fall) {
                 text += fmt::format("; of point {}, which has {}, it {}", other.centre,
                                     number_text(value_of(job, other.centre)), fall_text(fall_of(job, other)));
                 break;
