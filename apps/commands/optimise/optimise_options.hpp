@@ -27,7 +27,7 @@ void add_optimise_options(CLI::App& app, OptimiseOptions& options);
 /// A search that can be begun.
 struct SoundSearch {
     stream::SearchRequest request;
-    SweepSurvey survey;  ///< of points all over the ranges
+    stream::SweepSurvey survey;  ///< of points all over the ranges
 };
 
 /// @throws WrongUse that names every fault at once
