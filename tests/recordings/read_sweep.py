@@ -45,6 +45,7 @@ def check_waveforms(folder, table, waveforms):
         keys = [["--set", f"{key}={value}"] for key, value in
                 [("chain.preload_n", repr(float(row["chain.preload_n"]))),
                  ("output.duration_s", repr(float(row["output.duration_s"]))),
+                 ("numerics.step_s", repr(float(row["step_s"]))),
                  ("end.material", row["end.material"].decode())]]
         hertzline("run", *SCENE, *sum(keys, []), "-o", folder / "run.npy")
         run = np.load(folder / "run.npy")["v_out_m_per_s"].astype(np.float32)

@@ -133,7 +133,7 @@ TEST_F(JournalOfASweep, ASecondUserIsRefused) {
     write({1});
     const Journal journal(path, Journal::Use::resume);
     for (const Journal::Use use : {Journal::Use::begin, Journal::Use::resume, Journal::Use::read}) {
-        EXPECT_EQ(error_of([&] { Journal(path, use); }), path + " is in use by another sweep");
+        EXPECT_EQ(error_of([&] { Journal(path, use); }), path + " is in use by another sweep or search");
     }
 }
 
