@@ -62,7 +62,7 @@ class Scenes(InAFolder):
     def test_check_says_what_the_program_says(self):
         said = json.loads(program("check", *SHORT, "--json"))
         found = short_scene().check()
-        self.assertEqual(found.pop("warnings"), [])
+        self.assertRegex(found.pop("warnings")[0], "contacts press harder than their materials bear: .*aluminium yields")
         self.assertEqual(found, {key: said[key] for key in found})
         self.assertGreater(len(found), 30)
 
