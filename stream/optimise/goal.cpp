@@ -55,7 +55,7 @@ std::string Constraint::text() const {
 tl::expected<Constraint, std::string> parse_constraint(std::string_view text) {
     const auto refuse = [&] {
         return tl::unexpected("found " + quoted_briefly(text) +
-                              ", allowed: \"MEASURE >= NUMBER\" or \"MEASURE <= NUMBER\"");
+                              R"(, allowed: "MEASURE >= NUMBER" or "MEASURE <= NUMBER")");
     };
     const std::size_t sign = text.find_first_of("<>");
     if (sign == std::string_view::npos || sign + 1 == text.size() || text[sign + 1] != '=') {

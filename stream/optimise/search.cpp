@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -172,9 +173,8 @@ void Search::advance(std::vector<Walk>& walks) {
     std::vector<Place> places;
     for (std::int64_t round = 1; evaluations_.left() > 0 && ask(walks, asking, places); ++round) {
         std::vector<std::vector<SceneValue>> values;
-        for (const Place& place : places) {
-            values.push_back(space_.values(place));
-        }
+        std::ranges::transform(places, std::back_inserter(values),
+                               [this](const Place& place) { return space_.values(place); });
         const std::vector<std::int64_t> numbers = evaluations_.run(values);
         for (std::size_t i = 0; i < asking.size(); ++i) {
             if (numbers[i] != none) {
