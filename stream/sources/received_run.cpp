@@ -10,8 +10,8 @@
 
 #include "core/scene/scene.hpp"
 #include "core/scene/text.hpp"
-#include "stream/float32.hpp"
 #include "stream/files/json_from_outside.hpp"
+#include "stream/float32.hpp"
 #include "stream/provenance.hpp"
 #include "stream/wire/frame_codec.hpp"
 
