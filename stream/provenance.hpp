@@ -41,7 +41,7 @@ nlohmann::ordered_json provenance_json(const Provenance& provenance);
 /// The provenance in a message of the topic meta: those of the keys above that it has.
 nlohmann::ordered_json provenance_of_meta(const nlohmann::ordered_json& meta);
 
-/// Bursts a second of the scene in this provenance, 0 for a single one; nothing where it tells of no such scene.
+/// drive.repetition_hz of the scene in this provenance [Hz], 0 for a single burst; nothing when it holds no scene.
 std::optional<double> repetition_of(const nlohmann::ordered_json& provenance);
 
 }  // namespace hertzline::stream

@@ -37,7 +37,7 @@ public:
 
     /// Of the run so far.
     ErrorEstimate estimate() const noexcept;
-    /// Whether the run is as good as was asked for, beyond doubt. Else its step is shortened, or pilots fly.
+    /// Whether the run surely keeps the accuracy. Else its step is shortened, or pilots choose one.
     bool convinces(double accuracy) const noexcept { return estimate().error <= 0.8 * accuracy; }
 
 private:

@@ -108,17 +108,11 @@ double rounded_down(double step) {
 }
 
 /// The longest piece that a series may take. @param largest_stable_s of the chain in motion
-double longest_piece(const Scene& scene, const Chain& chain, double largest_stable_s) {
-    return std::min(
-        {0.98 * largest_stable_s,
-         0.98 * largest_stable_step(chain, expected_overlaps(chain, scene.drive), *scene.numerics.integrator),
-         longest_for_drive(scene.drive)});
-}
-
-/// The longest piece whose own relative error is expected to be within the tolerance.
-double piece_for(double tolerance, const Scene& scene, const Chain& chain) {
-    return SeriesSolver::phase_for(tolerance) /
-           fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+double longest_piece(const Scene& scene, const Chain& chain, const Eigen::ArrayXd& expected,
+                     double largest_stable_s) {
+    return std::min({0.98 * largest_stable_s,
+                     0.98 * largest_stable_step(chain, expected, *scene.numerics.integrator),
+                     longest_for_drive(scene.drive)});
 }
 
 /// The longest step whose error lies in the window, by secants on the logarithms.
@@ -155,7 +149,9 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
                           double largest_stable_s) {
     const Integrator integrator = *scene.numerics.integrator;
     const double accuracy = asked_accuracy(scene);
-    const double limit = longest_piece(scene, chain, largest_stable_s);
+    const Eigen::ArrayXd expected = expected_overlaps(chain, scene.drive);
+    const double omega = fastest_frequency(chain, expected);
+    const double limit = longest_piece(scene, chain, expected, largest_stable_s);
     const double finest = std::min(reference.step_s(), limit);
     StepAdvice advice;
     const auto trial_of = [&](double step) {
@@ -163,7 +159,7 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
         return reference.trial(integrator, step);
     };
     const auto step_for = [&](double tolerance) {
-        return std::min(limit, piece_for(tolerance, scene, chain));
+        return std::min(limit, SeriesSolver::phase_for(tolerance) / omega);
     };
     std::optional<Trial> best;
     if (reference.error() <= most * accuracy) {
@@ -184,8 +180,10 @@ AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, c
 
 double expected_piece(const Scene& scene, double tolerance) {
     const Chain chain(scene);
-    const double limit = longest_piece(scene, chain, std::numeric_limits<double>::infinity());
-    return rounded_down(std::min(limit, piece_for(tolerance, scene, chain)));
+    const Eigen::ArrayXd expected = expected_overlaps(chain, scene.drive);
+    const double limit = longest_piece(scene, chain, expected, std::numeric_limits<double>::infinity());
+    return rounded_down(
+        std::min(limit, SeriesSolver::phase_for(tolerance) / fastest_frequency(chain, expected)));
 }
 
 AdvisedStep advise(const Scene& scene, const ReferencePilot& reference) {

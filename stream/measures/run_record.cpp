@@ -101,4 +101,14 @@ tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed) {
                           suggestion(name, names));
 }
 
+TapSet measurable_among(std::span<const std::string> names) noexcept {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = tap_named(name)) {
+            taps |= TapSet(*tap) & measurable_taps;
+        }
+    }
+    return taps;
+}
+
 }  // namespace hertzline::stream

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -72,5 +73,8 @@ std::vector<std::string> names_of(TapSet taps);
 
 /// The tap of that name, or what was found and what is allowed.
 tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
+
+/// Those of one channel among the names; names that are no such tap are passed over.
+TapSet measurable_among(std::span<const std::string> names) noexcept;
 
 }  // namespace hertzline::stream

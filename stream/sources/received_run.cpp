@@ -266,6 +266,18 @@ bool ReceivedRun::sound() const noexcept {
     return heard_samples() && check_.gapless() && missing_at_end_ == 0 && malformed_ == 0 && whole;
 }
 
+nlohmann::ordered_json ReceivedRun::account() const {
+    const ContinuityTotals& counted = totals();
+    return {{"frames", counted.frames},
+            {"missing_samples", counted.missing_samples + missing_at_end_},
+            {"frames_dropped_by_sender", counted.dropped_by_sender},
+            {"frames_lost_on_the_way", counted.lost_on_the_way},
+            {"frames_repeated", counted.repeated},
+            {"frames_out_of_order", counted.out_of_order},
+            {"frames_inconsistent", counted.inconsistent},
+            {"messages_malformed", malformed_}};
+}
+
 std::string ReceivedRun::text() const {
     return check_.text() +
            (missing_at_end_ > 0 ? fmt::format(", {} samples missing at the end", missing_at_end_) : "") +

@@ -86,6 +86,8 @@ public:
     std::size_t channels() const noexcept { return channels_; }
     std::uint64_t first_sample() const noexcept { return first_sample_; }
 
+    /// Frames that came, and what was missing or odd, by the names of docs/measures.md.
+    nlohmann::ordered_json account() const;
     /// What was received and what was not, as a line.
     std::string text() const;
 

@@ -70,6 +70,7 @@ double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcep
     const double rows = rows_of_run(scene);
     const double block = static_cast<double>(block_of_run(scene, taps)) *
                          channels_of(taps, static_cast<double>(scene.chain.spheres));
+    // twice: a FinerRun goes beside
     return 2 * Simulation::memory_bytes(scene, taps) + sizeof(double) * (2 * block + records * rows) +
            SpectrumAnalyser::bytes_needed(rows);
 }
@@ -112,7 +113,7 @@ SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz)
     return *analyser_;
 }
 
-PointRunner::Flight PointRunner::make_flight(ResolvedScene resolved) const {
+PointRunner::Attempt PointRunner::make_attempt(ResolvedScene resolved) const {
     const Scene& scene = resolved.scene;
     const TapSet measured = measured_of(scene, demand_.measured);
     const TapSet taps = taps_of_run(scene, measured | waveform_taps(scene, demand_));
@@ -123,59 +124,61 @@ PointRunner::Flight PointRunner::make_flight(ResolvedScene resolved) const {
 }
 
 /// @returns whether all samples are there
-bool PointRunner::simulate(Flight& flight, PointResult& result) {
-    const Scene& scene = flight.simulation.scene();
+bool PointRunner::simulate(Attempt& attempt, PointResult& result) {
+    const Scene& scene = attempt.simulation.scene();
     result.integrator = word(*scene.numerics.integrator);
     result.scene_hash = scene_hash(scene);
     const TapSet waveform = waveform_taps(scene, demand_);
-    const Status status = stream::simulate(flight.simulation, flight.record, [&](const Samples& block) {
+    const Status status = stream::simulate(attempt.simulation, attempt.record, [&](const Samples& block) {
         for (const Tap tap : waveform) {
-            keep_waveform(block, tap, flight.record.rows() - block.count, result.waveform);
+            keep_waveform(block, tap, attempt.record.rows() - block.count, result.waveform);
         }
-        return !flight.finer || flight.finer->follow(block);
+        return !attempt.finer || attempt.finer->follow(block);
     });
     return status == Status::running;
 }
 
 /// With a step that pilots have found; nothing when that was refused or has failed.
-std::optional<PointRunner::Flight> PointRunner::fly(const Scene& scene, PointResult& result) {
+std::optional<PointRunner::Attempt> PointRunner::attempt_with_pilots(const Scene& scene,
+                                                                     PointResult& result) {
     ResolvedScene resolved = resolve(scene);
     if (!resolved.faults.empty()) {
         result.status = PointStatus::refused;
         result.message = joined(resolved.faults);
         return std::nullopt;
     }
-    std::optional<Flight> flight = make_flight(std::move(resolved));
-    if (!simulate(*flight, result)) {
+    std::optional<Attempt> attempt = make_attempt(std::move(resolved));
+    if (!simulate(*attempt, result)) {
         std::ranges::fill(result.waveform, std::numeric_limits<float>::quiet_NaN());
         result.status = PointStatus::unstable;
-        result.message = flight->simulation.failure();
+        result.message = attempt->simulation.failure();
         return std::nullopt;
     }
-    return flight;
+    return attempt;
 }
 
 /// Without pilots; nothing when they have to find a step.
-std::optional<PointRunner::Flight> PointRunner::fly_unmeasured(const Scene& scene, PointResult& result) {
+std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene& scene, PointResult& result) {
     std::optional<ResolvedScene> resolved = resolve_unmeasured(scene);
     for (int tries = 1; resolved && tries <= max_tries && !stop_; ++tries) {
         const double accuracy = resolved->advice.accuracy;
-        std::optional<Flight> flight = make_flight(*std::move(resolved));
-        flight->finer.emplace(flight->resolved.scene, block_of_run(scene, flight->simulation.taps()), &stop_);
-        if (!simulate(*flight, result)) {
+        std::optional<Attempt> attempt = make_attempt(*std::move(resolved));
+        attempt->finer.emplace(attempt->resolved.scene, block_of_run(scene, attempt->simulation.taps()),
+                               &stop_);
+        if (!simulate(*attempt, result)) {
             return std::nullopt;
         }
-        flight->resolved.estimate = flight->finer->estimate();
-        if (flight->finer->convinces(accuracy)) {
-            check(result.point, flight->resolved);
-            return flight;
+        attempt->resolved.estimate = attempt->finer->estimate();
+        if (attempt->finer->convinces(accuracy)) {
+            check(result.point, attempt->resolved);
+            return attempt;
         }
-        resolved = with_shorter_step(flight->resolved, flight->resolved.estimate->error);
+        resolved = with_shorter_step(attempt->resolved, attempt->resolved.estimate->error);
     }
     return std::nullopt;
 }
 
-/// Pilots look at one point of a hundred, drawn by its number. The larger one of two estimates holds.
+/// Pilots estimate the error of one point of a hundred, too, drawn by its number. The larger estimate holds.
 void PointRunner::check(std::int64_t point, ResolvedScene& resolved) {
     constexpr std::uint64_t one_of = 100;
     if (std::mt19937_64(static_cast<std::uint64_t>(point))() % one_of != 0) {
@@ -187,21 +190,21 @@ void PointRunner::check(std::int64_t point, ResolvedScene& resolved) {
     }
 }
 
-void PointRunner::measure(Flight& flight, PointResult& result) {
-    const Scene& scene = flight.resolved.scene;
-    const RunRecord& record = flight.record;
-    result.status = status_of(flight.resolved);
-    Warnings warnings = validity_warnings(scene, flight.simulation.chain());
-    if (auto missed = missed_accuracy(flight.resolved)) {
+void PointRunner::measure(Attempt& attempt, PointResult& result) {
+    const Scene& scene = attempt.resolved.scene;
+    const RunRecord& record = attempt.record;
+    result.status = status_of(attempt.resolved);
+    Warnings warnings = validity_warnings(scene, attempt.simulation.chain());
+    if (auto missed = missed_accuracy(attempt.resolved)) {
         warnings.insert(warnings.begin(), *std::move(missed));
     }
     const auto put = [&](const SummaryGroup& group) { places_.put(group, result.numbers); };
     std::ranges::for_each(measures_of_run(record, scene, analyser(record.rows(), scene.output.sample_rate_hz),
                                           demand_.band_from_hz, warnings),
                           put);
-    put(contacts_of_run(flight.simulation, warnings));
-    put(trust_of_run(flight.simulation, flight.resolved));
-    put(account_of_run(flight.simulation, record.rows()));
+    put(contacts_of_run(attempt.simulation, warnings));
+    put(trust_of_run(attempt.simulation, attempt.resolved));
+    put(account_of_run(attempt.simulation, record.rows()));
     for (const std::string& text : warnings) {
         result.message += (result.message.empty() ? "" : "; ") + text;
     }
@@ -214,15 +217,15 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
         result.status = PointStatus::refused;
         return true;
     }
-    std::optional<Flight> flight = fly_unmeasured(scene, result);
-    if (!flight && !stop_) {
-        flight = fly(scene, result);
+    std::optional<Attempt> attempt = attempt_unmeasured(scene, result);
+    if (!attempt && !stop_) {
+        attempt = attempt_with_pilots(scene, result);
     }
     if (stop_) {
         return false;
     }
-    if (flight) {
-        measure(*flight, result);
+    if (attempt) {
+        measure(*attempt, result);
     }
     return true;
 }

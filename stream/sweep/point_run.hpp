@@ -44,21 +44,21 @@ public:
 
 private:
     PointResult row(std::int64_t point) const;
-    /// A point that has been simulated.
-    struct Flight {
+    /// A simulation of a point with some step.
+    struct Attempt {
         ResolvedScene resolved;
         Simulation simulation;
         RunRecord record;
-        std::optional<FinerRun> finer;  ///< unless pilots have flown
+        std::optional<FinerRun> finer;  ///< unless pilots have chosen the step
     };
 
     bool try_run(const Scene& scene, PointResult& result);
-    std::optional<Flight> fly(const Scene& scene, PointResult& result);
-    std::optional<Flight> fly_unmeasured(const Scene& scene, PointResult& result);
+    std::optional<Attempt> attempt_with_pilots(const Scene& scene, PointResult& result);
+    std::optional<Attempt> attempt_unmeasured(const Scene& scene, PointResult& result);
     static void check(std::int64_t point, ResolvedScene& resolved);
-    Flight make_flight(ResolvedScene resolved) const;
-    bool simulate(Flight& flight, PointResult& result);
-    void measure(Flight& flight, PointResult& result);
+    Attempt make_attempt(ResolvedScene resolved) const;
+    bool simulate(Attempt& attempt, PointResult& result);
+    void measure(Attempt& attempt, PointResult& result);
     SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);
 
     const PointDemand& demand_;

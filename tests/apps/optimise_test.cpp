@@ -24,14 +24,6 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
-using testing::Not;
-
-using Words = std::vector<std::string>;
-
-Words with(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
 
 /// A search that is over soon: a short chain on a wall, and few samples.
 const Words scene{"optimise", "paper-wall", "--set", "output.duration_s=5e-5", "--set", "drive.cycles=2"};

@@ -116,6 +116,11 @@ Outcome Program::wait(Seconds limit) {
     return outcome;
 }
 
+Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
 Outcome hertzline(const std::vector<std::string>& arguments) {
     return Program(arguments).wait();
 }

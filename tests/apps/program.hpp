@@ -59,6 +59,10 @@ private:
     pid_t process_ = -1;
 };
 
+using Words = std::vector<std::string>;
+/// The words, and more behind them.
+Words with(Words words, const Words& more);
+
 /// The program from start to end.
 Outcome hertzline(const std::vector<std::string>& arguments);
 

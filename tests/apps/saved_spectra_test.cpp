@@ -81,7 +81,8 @@ TEST(SavedSpectra, AFullDiskFailsAndLeavesTheSummaryAndNoHalfFile) {
         setrlimit(RLIMIT_FSIZE, &before);
         const Outcome outcome = program.wait();
         EXPECT_EQ(outcome.status, 1) << name;
-        EXPECT_THAT(outcome.err, StartsWith("error: cannot write " + folder.file(name) + ": File too large\n"));
+        EXPECT_THAT(outcome.err,
+                    StartsWith("error: cannot write " + folder.file(name) + ": File too large\n"));
         EXPECT_TRUE(outcome.json().contains("harmonics_db")) << name;
         EXPECT_TRUE(std::filesystem::is_empty(std::filesystem::path(folder.file(name)).parent_path()));
     }

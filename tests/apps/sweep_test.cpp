@@ -31,13 +31,6 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
 
-using Words = std::vector<std::string>;
-
-Words with(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
 /// Points that are run fast: a short chain on a wall, and few samples.
 const Words quick{"sweep", "paper-wall", "--set", "output.duration_s=5e-5", "--set", "drive.cycles=2"};
 

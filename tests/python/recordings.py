@@ -1,4 +1,4 @@
-"""Recordings: each format is written and read, and what is missing is told."""
+"""Recordings: each format is written and read, and gaps are reported."""
 import unittest
 
 import numpy as np

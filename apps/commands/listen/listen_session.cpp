@@ -60,7 +60,6 @@ void ListenSession::save() {
 }
 
 Json ListenSession::summary() const {
-    const stream::ContinuityTotals& totals = received_.totals();
     Json summary;
     summary["stream"] = row_of(received_.tap()).name;
     summary["run"] = received_.run();
@@ -69,14 +68,7 @@ Json ListenSession::summary() const {
     summary["first_sample"] = received_.first_sample();
     summary["simulated_s"] = simulated_s();
     summary["samples"] = samples_;
-    summary["frames"] = totals.frames;
-    summary["missing_samples"] = totals.missing_samples + received_.missing_at_end();
-    summary["frames_dropped_by_sender"] = totals.dropped_by_sender;
-    summary["frames_lost_on_the_way"] = totals.lost_on_the_way;
-    summary["frames_repeated"] = totals.repeated;
-    summary["frames_out_of_order"] = totals.out_of_order;
-    summary["frames_inconsistent"] = totals.inconsistent;
-    summary["messages_malformed"] = received_.malformed();
+    summary.update(received_.account());
     summary["recordings"] = recordings_ ? stream::recordings_json(*recordings_) : Json::array();
     summary["gapless"] = sound();
     summary["ended_by"] = stream::word(end_reason());

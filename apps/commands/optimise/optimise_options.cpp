@@ -79,7 +79,7 @@ SoundSweep sound_sample(const OptimiseOptions& options) {
     }
     SweepOptions sample = options.sweep;
     sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
-    if (sample.output.empty()) {  // which is told by itself
+    if (sample.output.empty()) {  // refuse_no_file() says so
         sample.format = Format::json;
         sample.resume = false;
     }
@@ -140,17 +140,7 @@ void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
         ->type_name("N");
     app.add_option("--seed", options.seed, "another one begins with other points (default: 1)")
         ->type_name("S");
-    app.add_option("-o,--output", sweep.output, "the table: .h5 or .csv")
-        ->check(missing_name)
-        ->type_name("FILE");
-    add_repeatable_option(app, "--measure", sweep.measures,
-                          "measure these outputs, too, as v_out, as run does")
-        ->delimiter(',')
-        ->type_name("NAME,...");
-    app.add_option("--band-from", sweep.band_from_hz,
-                   "bands are looked for from here upward (default: half the drive's frequency)")
-        ->type_name("HZ");
-    app.add_option("--jobs", sweep.jobs, "threads (default: one for each processor)")->type_name("N");
+    add_point_options(app, sweep);
     app.add_flag("--resume", sweep.resume, "go on where a search was ended, or begin");
     add_format_option(app, sweep.format, "print the summary as JSON");
     app.footer(examples);

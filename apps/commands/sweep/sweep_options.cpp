@@ -106,17 +106,6 @@ stream::Shard shard_of(const std::string& text) {
     return shard;
 }
 
-/// Those of the names that are right: whether all are is looked at when it is known what there is.
-TapSet known_taps(const std::vector<std::string>& names) {
-    TapSet taps;
-    for (const std::string& name : names) {
-        if (const auto tap = tap_named(name)) {
-            taps |= TapSet(*tap) & stream::measurable_taps;
-        }
-    }
-    return taps;
-}
-
 std::vector<stream::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
     auto columns = stream::chosen_columns(stream::number_columns(measured, modal), options.quantities);
     if (!columns) {
@@ -174,7 +163,7 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.of([&] { plan = plan_of(options); });
     stream::SweepSurvey survey =
-        plan ? stream::survey_of(*plan, known_taps(options.measures)) : stream::SweepSurvey{};
+        plan ? stream::survey_of(*plan, stream::measurable_among(options.measures)) : stream::SweepSurvey{};
     const TapSet there = survey.measurable();
     stream::PointDemand demand;
     demand.band_from_hz = options.band_from_hz;
@@ -194,6 +183,20 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     return {{*std::move(plan), std::move(demand), shard}, std::move(survey)};
 }
 
+void add_point_options(CLI::App& app, SweepOptions& options) {
+    app.add_option("-o,--output", options.output, "the table: .h5 or .csv")
+        ->check(missing_name)
+        ->type_name("FILE");
+    add_repeatable_option(app, "--measure", options.measures,
+                          "measure these outputs, too, as v_out, as run does")
+        ->delimiter(',')
+        ->type_name("NAME,...");
+    app.add_option("--band-from", options.band_from_hz,
+                   "bands are looked for from here upward (default: half the drive's frequency)")
+        ->type_name("HZ");
+    app.add_option("--jobs", options.jobs, "threads (default: one for each processor)")->type_name("N");
+}
+
 void add_sweep_options(CLI::App& app, SweepOptions& options) {
     add_scene_options(app, options.scene);
     add_repeatable_option(app, "--vary", options.vary,
@@ -205,25 +208,15 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
     app.add_option("--sobol", options.sobol,
                    "so many points of Sobol's sequence in the ranges, instead of a grid")
         ->type_name("N");
-    app.add_option("-o,--output", options.output, "the table: .h5 or .csv")
-        ->check(missing_name)
-        ->type_name("FILE");
-    add_repeatable_option(app, "--measure", options.measures,
-                          "measure these outputs, too, as v_out, as run does")
-        ->delimiter(',')
-        ->type_name("NAME,...");
+    add_point_options(app, options);
     add_repeatable_option(app, "--quantity", options.quantities,
                           "keep only these numbers of run's summary (default: all)")
         ->delimiter(',')
         ->type_name("NAME,...");
-    app.add_option("--band-from", options.band_from_hz,
-                   "bands are looked for from here upward (default: half the drive's frequency)")
-        ->type_name("HZ");
     app.add_option("--waveforms", options.waveform,
                    "keep the samples of this output, too, as float32: .h5 only")
         ->check(missing_name)
         ->type_name("NAME");
-    app.add_option("--jobs", options.jobs, "threads (default: one for each processor)")->type_name("N");
     app.add_flag("--resume", options.resume, "go on where a sweep was ended, or begin");
     app.add_option("--shard", options.shard, "run only the I-th of N parts; --merge joins them")
         ->check(missing_name)

@@ -32,7 +32,9 @@ struct SweepOptions {
     Format format = Format::text;
 };
 
-/// @param options must outlive the parsing
+/// What is measured of points, on how many threads, and where it goes. @param options must outlive the parsing
+void add_point_options(CLI::App& app, SweepOptions& options);
+/// All of a sweep. @param options must outlive the parsing
 void add_sweep_options(CLI::App& app, SweepOptions& options);
 
 /// A sweep whose plan is sound.

@@ -156,21 +156,13 @@ std::unique_ptr<Listener> listen(const std::string& endpoint, const std::string&
 
 py::dict totals_of(const Listener& listener) {
     const stream::ReceivedRun& received = listener.received();
-    const stream::ContinuityTotals& totals = received.totals();
     py::dict dict;
     dict["run"] = received.run();
     dict["fs"] = received.fs();
     dict["channels"] = received.channels();
     dict["first_sample"] = received.first_sample();
-    dict["samples"] = totals.samples;
-    dict["frames"] = totals.frames;
-    dict["missing_samples"] = totals.missing_samples + received.missing_at_end();
-    dict["frames_dropped_by_sender"] = totals.dropped_by_sender;
-    dict["frames_lost_on_the_way"] = totals.lost_on_the_way;
-    dict["frames_repeated"] = totals.repeated;
-    dict["frames_out_of_order"] = totals.out_of_order;
-    dict["frames_inconsistent"] = totals.inconsistent;
-    dict["messages_malformed"] = received.malformed();
+    dict["samples"] = received.totals().samples;
+    dict.attr("update")(python_object(received.account()));
     dict["gapless"] = received.sound();
     dict["ended_by"] = stream::word(received.end_reason());
     return dict;

@@ -57,16 +57,6 @@ int jobs_of(const SweepRequest& request, ArgumentFaults& faults) {
     return jobs;
 }
 
-TapSet known_taps(const std::vector<std::string>& names) {
-    TapSet taps;
-    for (const std::string& name : names) {
-        if (const auto tap = tap_named(name)) {
-            taps |= TapSet(*tap) & stream::measurable_taps;
-        }
-    }
-    return taps;
-}
-
 /// What is kept of each point. What is wrong goes to the faults.
 stream::PointDemand demand_of(const SweepRequest& request, const stream::SweepSurvey& survey,
                               ArgumentFaults& faults) {
@@ -176,8 +166,9 @@ py::tuple sweep(const SceneObject& scene, const SweepRequest& request) {
         faults.refuse();
     }
     stream::SweepSurvey survey;
-    interruptible(
-        [&](const std::atomic<bool>&) { survey = stream::survey_of(*plan, known_taps(request.measure)); });
+    interruptible([&](const std::atomic<bool>&) {
+        survey = stream::survey_of(*plan, stream::measurable_among(request.measure));
+    });
     stream::PointDemand demand = demand_of(request, survey, faults);
     faults.refuse();
     const auto points = static_cast<double>(plan->size());

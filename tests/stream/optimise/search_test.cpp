@@ -112,7 +112,7 @@ TEST(Search, KeepsToTheConstraintsAndTheRanges) {
     const auto& best = found.evaluations[found.result.best.centre];
     EXPECT_TRUE(best.score.feasible);
     EXPECT_NEAR(best.score.value, 0.05, 0.001);
-    // one per cent more is too much, and that is told
+    // one per cent more breaks the bound, and the search says so
     EXPECT_FALSE(found.evaluations[found.result.best.worst(found.evaluations)].score.feasible);
 }
 
