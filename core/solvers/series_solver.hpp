@@ -24,6 +24,10 @@ public:
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return next_sample_; }
+    std::int64_t first_open_sample() const noexcept override { return end_.rounded_up(); }
+    void end_at(std::int64_t sample) noexcept override { last_moment_ = {sample, 0}; }
+    bool can_hand_over() const noexcept override { return true; }
+    Status continue_from(Solver& before) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override;
@@ -41,12 +45,15 @@ private:
     void lay_out(Eigen::Index active) noexcept;
     void follow_the_wave() noexcept;
     void next_piece() noexcept;
+    Status reach_last_moment() noexcept;
     void set_horn(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
     bool stands_still() noexcept;
     bool finite() const noexcept;
+
+    static constexpr double sliver = 1e-9;  // [samples]: too short for a piece
 
     const Chain& chain_;
     SimulationOptions options_;
@@ -61,6 +68,7 @@ private:
     std::unique_ptr<kernels::PlateMotion> plate_;  ///< of a modal plate
     kernels::SeriesKernels kernels_{};
     FixedTime begin_, end_;  ///< of the present piece [samples]
+    FixedTime last_moment_;  ///< no piece goes beyond it [samples]
     FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
     FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
