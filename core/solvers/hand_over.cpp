@@ -7,6 +7,13 @@
 
 namespace hertzline {
 
+void SeriesSolver::end_at(std::int64_t sample) noexcept {
+    last_moment_ = {sample, 0};
+    if (asleep_ && end_.rounded_up() > sample) {
+        end_ = last_moment_;
+    }
+}
+
 Status SeriesSolver::reach_last_moment() noexcept {
     while (difference(last_moment_, end_) >= sliver) {
         if (options_.stop_asked()) {

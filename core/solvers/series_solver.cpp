@@ -118,6 +118,7 @@ void SeriesSolver::reset() noexcept {
     simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     last_moment_ = for_good;
+    asleep_ = false;
     smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
     ledger_ = {};
@@ -234,7 +235,8 @@ void SeriesSolver::next_piece() noexcept {
     const double left_s =
         std::min(smooth_.left_s - since_look_up, difference(last_moment_, begin_) * sample_period_s_);
     ++state_.step;
-    if (rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_) {
+    asleep_ = rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_;
+    if (asleep_) {
         sleep();
         constexpr double longest = 1e15;  // [samples]: for good
         end_.advance(FixedTime::of(std::min(longest, left_s / sample_period_s_)));

@@ -24,8 +24,10 @@ public:
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return next_sample_; }
-    std::int64_t first_open_sample() const noexcept override { return end_.rounded_up(); }
-    void end_at(std::int64_t sample) noexcept override { last_moment_ = {sample, 0}; }
+    std::int64_t first_open_sample() const noexcept override {
+        return asleep_ ? next_sample_ : end_.rounded_up();
+    }
+    void end_at(std::int64_t sample) noexcept override;
     bool can_hand_over() const noexcept override { return true; }
     Status continue_from(Solver& before) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
@@ -74,6 +76,7 @@ private:
     SmoothDrive smooth_;
     double rest_energy_ = 0;            ///< below it the chain is at rest while the horn is; 0: never [J]
     double still_ = 0;                  ///< a body that moves less stands still [m/s]
+    bool asleep_ = false;               ///< the present piece is exact rest, which may end at any time
     Eigen::Index active_at_start_ = 0;  ///< bodies that are laid out before the wave has gone further
     SeriesSamples samples_;
     PlateOutputs plate_outputs_;

@@ -79,6 +79,7 @@ void SceneControl::get(const Json& keys, const Reply& reply) const {
 }
 
 void SceneControl::turn() {
+    source_.hand_over().idle();  // what was replaced is freed
     if (job_) {
         go_on();
     }

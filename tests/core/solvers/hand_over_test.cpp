@@ -63,7 +63,7 @@ std::vector<double> column(Simulation& simulation, Tap tap, std::int64_t until) 
 
 class HandOver : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(Of, HandOver, testing::ValuesIn(cases()),
-                         [](const auto& info) { return info.param.name; });
+                         [](const auto& one) { return one.param.name; });
 
 TEST_P(HandOver, ToTheSameDriveChangesNothing) {
     const Scene& scene = GetParam().scene;
