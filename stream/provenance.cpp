@@ -145,10 +145,12 @@ std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz) {
             continue;
         }
         const auto set = change.find("set");
-        const Json rate = set != change.end() && set->is_object() ? set->value("drive.repetition_hz", Json(nullptr))
-                                                                  : Json(nullptr);
+        const Json rate = set != change.end() && set->is_object()
+                              ? set->value("drive.repetition_hz", Json(nullptr))
+                              : Json(nullptr);
         const auto its = repetition_of({{"scene", {{"drive", {{"repetition_hz", rate}}}}}});
-        epochs.push_back(before.next(sample_rate_hz, count_in(change, "sample"), its.value_or(before.repetition_hz)));
+        epochs.push_back(
+            before.next(sample_rate_hz, count_in(change, "sample"), its.value_or(before.repetition_hz)));
         epochs.back().number = count_in(change, "epoch");
     }
     return epochs;

@@ -75,7 +75,7 @@ struct SceneSteps {
     std::vector<SceneStep> steps;
     SimulationOptions options;                          ///< of their simulations
     std::function<void(std::size_t step)> begins = {};  ///< called before the samples of a step
-    std::unique_ptr<Simulation> last = nullptr;         ///< after the run: that of the last step, if one has begun
+    std::unique_ptr<Simulation> last = nullptr;  ///< after the run: that of the last step, if one has begun
 };
 
 /// Simulates to the end of the run, block by block, and keeps what the record keeps.

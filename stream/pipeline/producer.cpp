@@ -18,14 +18,12 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
       refill_(size.refill),
-      ring_(size.blocks,
-            [&source, small = source.format().taps - source.format().chain_taps()] {
-                return Block{.small = source.make_block(small),
-                             .demand = {},
-                             .account = {},
-                             .motion = {},
-                             .epoch = {}};
-            }),
+      ring_(
+          size.blocks,
+          [&source, small = source.format().taps - source.format().chain_taps()] {
+              return Block{
+                  .small = source.make_block(small), .demand = {}, .account = {}, .motion = {}, .epoch = {}};
+          }),
       chain_taps_(source.format().chain_taps()),
       discarded_to_(origin_) {
     for (std::size_t i = 0; i < size.chain_blocks; ++i) {

@@ -58,7 +58,8 @@ void RecordingSet::discard() {
 }
 
 void RecordingSet::write(std::int64_t first, std::vector<double> values) {
-    const auto rows = std::make_shared<const RecordedRows>(RecordedRows{.first = first, .values = std::move(values)});
+    const auto rows =
+        std::make_shared<const RecordedRows>(RecordedRows{.first = first, .values = std::move(values)});
     for (std::size_t i = 0; i < threads_.size(); ++i) {
         if (threads_[i] == nullptr || pass_on(*threads_[i], rows, behind_[i] != 0)) {
             behind_[i] = 0;

@@ -40,8 +40,8 @@ private:
 
     std::unique_ptr<RecordingReader> reader_;
     StreamFormat format_;
-    std::vector<Epoch> epochs_;  // none: not known
-    std::size_t epoch_ = 0;      // of them, the present one
+    std::vector<Epoch> epochs_;                      // none: not known
+    std::size_t epoch_ = 0;                          // of them, the present one
     std::vector<std::vector<std::size_t>> columns_;  // of each tap, in the rows
     RecordedRows rows_;                              // read and not handed on
     std::int64_t row_ = 0;                           // of them, the next one

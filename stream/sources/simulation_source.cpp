@@ -73,8 +73,7 @@ void SimulationSource::change() noexcept {
         next_->simulation.begin_at(change_at_);
     }
     before_ = account();
-    epoch_ = epoch_.next(format_.sample_rate_hz, change_at_,
-                         next_->simulation.scene().drive.repetition_hz);
+    epoch_ = epoch_.next(format_.sample_rate_hz, change_at_, next_->simulation.scene().drive.repetition_hz);
     hand_over_.give_back(current_.release());
     current_ = std::move(next_);
 }

@@ -130,8 +130,7 @@ SceneValue present(const Scene& /*scene*/, const std::string& member) {
     return member;
 }
 template <class Choice>
-    requires std::is_enum_v<Choice>
-SceneValue present(const Scene& /*scene*/, Choice member) {
+requires std::is_enum_v<Choice> SceneValue present(const Scene& /*scene*/, Choice member) {
     return std::string(word(member));
 }
 template <class Member>
@@ -233,8 +232,9 @@ tl::expected<SceneKeyInfo, Fault> scene_key_named(const Scene& scene, std::strin
     if (found) {
         return *std::move(found);
     }
-    return tl::unexpected(Fault{"", quoted_briefly(name),
-                                "a key of the scene, as chain.preload_n" + suggestion(name, scene_key_names(scene))});
+    return tl::unexpected(
+        Fault{"", quoted_briefly(name),
+              "a key of the scene, as chain.preload_n" + suggestion(name, scene_key_names(scene))});
 }
 
 tl::expected<SceneValue, Fault> read_value(const SceneKeyInfo& key, std::string_view text) {
@@ -292,7 +292,8 @@ std::optional<Fault> value_fault(const Scene& scene, const SceneKeyInfo& key, co
 
 std::optional<SceneValue> value_of(const Scene& scene, std::string_view key) {
     std::optional<SceneValue> value;
-    visit_key(scene, key, [&](const Key&, const auto& member, const auto&) { value = value_in(scene, member); });
+    visit_key(scene, key,
+              [&](const Key&, const auto& member, const auto&) { value = value_in(scene, member); });
     return value;
 }
 

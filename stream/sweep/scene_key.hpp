@@ -26,8 +26,8 @@ enum class ValueKind { number, integer, word };
 struct SceneKeyInfo {
     std::string name;  ///< "chain.preload_n", "materials.mine.density_kg_per_m3"
     ValueKind kind = ValueKind::number;
-    std::string unit;     ///< of a number; may be empty
-    std::string allowed;  ///< as messages have it
+    std::string unit;                                  ///< of a number; may be empty
+    std::string allowed;                               ///< as messages have it
     std::optional<double> minimum = {}, maximum = {};  ///< of a number or an integer
     std::vector<std::string> words = {};               ///< that there are
 };

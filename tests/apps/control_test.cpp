@@ -30,8 +30,8 @@ const std::string any_port = "tcp://127.0.0.1:*";
 class LiveStream {
 public:
     explicit LiveStream(const Words& more = {})
-        : program(with({"stream", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json", "--bind", any_port,
-                        "--control", any_port},
+        : program(with({"stream", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json", "--bind",
+                        any_port, "--control", any_port},
                        more)) {
         const std::regex said("control (tcp://\\S+)");
         const std::string messages = program.messages_with(said);
@@ -64,7 +64,9 @@ Json changes_in_file(const std::string& file) {
 
 /// Any change, as a controller may want it.
 Json random_change(std::mt19937& random) {
-    const auto from_to = [&](double from, double to) { return std::uniform_real_distribution(from, to)(random); };
+    const auto from_to = [&](double from, double to) {
+        return std::uniform_real_distribution(from, to)(random);
+    };
     switch (std::uniform_int_distribution(0, 5)(random)) {
         case 0:
             return {{"set", {{"drive.amplitude_m", from_to(1e-7, 4e-6)}}}};
@@ -83,7 +85,9 @@ Json random_change(std::mt19937& random) {
 
 TEST(Control, SetsGetsAndUndoes) {
     LiveStream stream;
-    const auto at = [&](Words words) { return hertzline(with(std::move(words), {"--connect", stream.control, "--json"})); };
+    const auto at = [&](Words words) {
+        return hertzline(with(std::move(words), {"--connect", stream.control, "--json"}));
+    };
     const Json before = Json::parse(at({"get"}).out);
     EXPECT_EQ(before["epoch"], 0);
     const Outcome set = at({"set", "drive.amplitude_m=2e-6", "drive.envelope=tukey"});
@@ -113,7 +117,8 @@ TEST(Control, SaysWhatIsWrongWithItsArguments) {
     const Outcome nobody = hertzline({"get", "--connect", "tcp://127.0.0.1:9", "--timeout", "0.2"});
     EXPECT_EQ(nobody.status, 1);
     EXPECT_THAT(nobody.err, HasSubstr("no reply from tcp://127.0.0.1:9"));
-    const Outcome exposed = hertzline({"stream", "paper-stream", "--control", "tcp://0.0.0.0:*", "--insecure"});
+    const Outcome exposed =
+        hertzline({"stream", "paper-stream", "--control", "tcp://0.0.0.0:*", "--insecure"});
     EXPECT_EQ(exposed.status, 2);
     EXPECT_THAT(exposed.err, HasSubstr("--allow-controllers"));
     EXPECT_EQ(hertzline({"stream", "paper-stream", "--allow-controllers", "x.key"}).status, 2);
@@ -129,14 +134,15 @@ TEST(Control, ASessionOfRandomChangesIsSimulatedAgainBitForBit) {
             }
         });
     }
-    const std::vector<std::string> files{folder.file("a.sigmf-meta"), folder.file("a.h5"), folder.file("a.npy"),
-                                         folder.file("a.wav"), folder.file("a.csv")};
+    const std::vector<std::string> files{folder.file("a.sigmf-meta"), folder.file("a.h5"),
+                                         folder.file("a.npy"), folder.file("a.wav"), folder.file("a.csv")};
     Words words{"--columns", "v_out"};
     for (const std::string& file : files) {
         words = with(words, {"--record", file});
     }
     LiveStream stream(words);
-    Program listener({"listen", "--connect", stream.program.endpoint(), "-o", folder.file("heard.h5"), "--json"});
+    Program listener(
+        {"listen", "--connect", stream.program.endpoint(), "-o", folder.file("heard.h5"), "--json"});
     std::mt19937 random(14);
     const int wanted = sanitized ? 10 : 50;
     for (int done_changes = 0; done_changes < wanted;) {
@@ -177,9 +183,11 @@ TEST(Control, ASessionOfRandomChangesIsSimulatedAgainBitForBit) {
 
 TEST(Control, ChangesOfAFileAreMadeInARun) {
     const TemporaryFolder folder;
-    write_text(folder.file("changes.json"),
-               R"([{"sample": 1000, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 2000, "set": {"chain.preload_n": 0.2}}])");
-    const Words words{"run", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--set", "output.duration_s=3e-3"};
+    write_text(
+        folder.file("changes.json"),
+        R"([{"sample": 1000, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 2000, "set": {"chain.preload_n": 0.2}}])");
+    const Words words{"run",   "paper-stream",          "--set", "output.sample_rate_hz=1e6",
+                      "--set", "output.duration_s=3e-3"};
     const auto v_out = [&](const Words& more, const std::string& file) {
         const Outcome run = hertzline(with(with(words, more), {"-o", file}));
         EXPECT_EQ(run.status, 0) << run.err;
@@ -187,7 +195,8 @@ TEST(Control, ChangesOfAFileAreMadeInARun) {
     };
     const auto plain = v_out({}, folder.file("plain.csv"));
     const auto changed = v_out({"--changes", folder.file("changes.json")}, folder.file("changed.csv"));
-    const auto anew = v_out({"--set", "chain.preload_n=0.2", "--set", "drive.amplitude_m=1e-6"}, folder.file("anew.csv"));
+    const auto anew =
+        v_out({"--set", "chain.preload_n=0.2", "--set", "drive.amplitude_m=1e-6"}, folder.file("anew.csv"));
     ASSERT_EQ(changed.size(), plain.size());
     EXPECT_TRUE(std::equal(plain.begin(), plain.begin() + 1000, changed.begin()));
     EXPECT_FALSE(std::equal(plain.begin() + 1000, plain.begin() + 2000, changed.begin() + 1000));

@@ -106,19 +106,22 @@ stream::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measu
         stream::empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
     ProgressLine line;
     const stream::Nanoseconds start = stream::MonotonicClock::now();
-    const Status status = stream::simulate(simulation, record, [&](const Samples& block) {
-        row_builder.write(block);
-        if (wants_files && !recordings.any_left()) {
-            throw std::runtime_error("every recording has failed, so the run was stopped");
-        }
-        if (line.due()) {
-            const stream::Nanoseconds elapsed = stream::MonotonicClock::now() - start;
-            line.show(
-                progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
-                               scene.output.duration_s, std::chrono::duration<double>(elapsed).count()}));
-        }
-        return true;
-    }, &steps);
+    const Status status = stream::simulate(
+        simulation, record,
+        [&](const Samples& block) {
+            row_builder.write(block);
+            if (wants_files && !recordings.any_left()) {
+                throw std::runtime_error("every recording has failed, so the run was stopped");
+            }
+            if (line.due()) {
+                const stream::Nanoseconds elapsed = stream::MonotonicClock::now() - start;
+                line.show(
+                    progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
+                                   scene.output.duration_s, std::chrono::duration<double>(elapsed).count()}));
+            }
+            return true;
+        },
+        &steps);
     if (status != Status::running && status != Status::stopped) {
         throw std::runtime_error((steps.last ? *steps.last : simulation).failure());
     }
@@ -131,7 +134,8 @@ Session session_of(const RunOptions& options) {
         return session_of_scene(options.scene, options.changes);
     }
     if (!options.changes.empty()) {
-        throw WrongUse("--changes: found together with a recording, which has its own; allowed: with a scene");
+        throw WrongUse(
+            "--changes: found together with a recording, which has its own; allowed: with a scene");
     }
     return session_of_recording(options.scene);
 }
@@ -218,7 +222,8 @@ Run run_command(CLI::App& app) {
     auto options = std::make_shared<RunOptions>();
     add_scene_options(app, options->scene)->required();
     app.add_option("--changes", options->changes,
-                   "change the scene on the way as a stream was changed: a JSON list of {\"sample\": N, \"set\": {KEY: "
+                   "change the scene on the way as a stream was changed: a JSON list of {\"sample\": N, "
+                   "\"set\": {KEY: "
                    "VALUE}}")
         ->check(missing_name)
         ->type_name("FILE");

@@ -55,9 +55,10 @@ Scene resolved_step(const Scene& scene, const std::string& hash, const std::stri
         refuse(where, resolved.faults);
     }
     if (!hash.empty() && scene_hash(resolved.scene) != hash) {
-        throw WrongUse(fmt::format("{}: found the scene hash {}, expected {}: it was another scene at the start, or "
-                                   "another version of the program",
-                                   where, scene_hash(resolved.scene), hash));
+        throw WrongUse(
+            fmt::format("{}: found the scene hash {}, expected {}: it was another scene at the start, or "
+                        "another version of the program",
+                        where, scene_hash(resolved.scene), hash));
     }
     return std::move(resolved.scene);
 }
@@ -75,8 +76,10 @@ void add_steps(Session& session, Scene scene, const std::string& origin) {
         }
         const bool goes_on = stream::motion_goes_on(before, after);
         if (goes_on && !Simulation(before, {.taps = {}}).can_hand_over()) {
-            throw WrongUse(where + ": the motion of this grid cannot be handed over; allowed: a series, or steps that "
-                                   "divide the sample period without a modal plate");
+            throw WrongUse(
+                where +
+                ": the motion of this grid cannot be handed over; allowed: a series, or steps that "
+                "divide the sample period without a modal plate");
         }
         change.set = stream::values_of_change(after, asked);
         change.was = stream::values_of_change(before, asked);
@@ -139,8 +142,8 @@ void warn_of_differences(const Json& provenance, const std::string& origin) {
     const auto differs = [&](const char* key, const std::string& here) {
         const std::string there = provenance.value(key, here);
         if (there != here) {
-            spdlog::warn("{}: recorded with {} {}, here it is {}: the samples may differ in their last bits", origin,
-                         key, printable(there), here);
+            spdlog::warn("{}: recorded with {} {}, here it is {}: the samples may differ in their last bits",
+                         origin, key, printable(there), here);
         }
     };
     differs("simd_target", kernels::kernel_target());
@@ -168,7 +171,8 @@ Session session_of_recording(const SceneRequest& request) {
     // a listener that joined later has the scene of the epoch in which it did
     const auto joined = provenance.value("epoch", std::int64_t{0});
     if (joined > 0 && (session.changes.empty() || session.changes.front().epoch != 1)) {
-        throw WrongUse(fmt::format("{}: it begins in epoch {}, and does not hold all changes before it", origin, joined));
+        throw WrongUse(fmt::format("{}: it begins in epoch {}, and does not hold all changes before it",
+                                   origin, joined));
     }
     for (auto change = session.changes.rbegin(); change != session.changes.rend(); ++change) {
         if (change->epoch <= joined) {
@@ -195,7 +199,8 @@ Session session_of_scene(const SceneRequest& request, const std::string& file) {
     session.resolved = resolved_scene(request);
     try {
         stream::InputFile input(file);
-        const Json json = stream::json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
+        const Json json =
+            stream::json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
         session.changes = changes_of(json.is_object() && json.contains("changes") ? json["changes"] : json,
                                      "--changes " + printable(file));
     } catch (const WrongUse&) {

@@ -24,8 +24,10 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* set_examples =
-    "The stream has to be started with --control. A change takes effect at the next burst's start, or at the next "
-    "frame where bursts do not repeat. Keys of [drive] but its material let the motion go on; all others begin anew "
+    "The stream has to be started with --control. A change takes effect at the next burst's start, or at the "
+    "next "
+    "frame where bursts do not repeat. Keys of [drive] but its material let the motion go on; all others "
+    "begin anew "
     "at static equilibrium.\n"
     "Examples:\n"
     "  hertzline set drive.amplitude_m=2e-6\n"
@@ -88,8 +90,10 @@ Json value_of(const std::string& text) {
 
 Json request_of(const ControlArguments& arguments) {
     if (arguments.undo != arguments.words.empty()) {
-        throw WrongUse("found " + std::string(arguments.undo ? "both KEY=VALUE and --undo" : "neither KEY=VALUE nor --undo") +
-                       ", allowed: one of them");
+        throw WrongUse(
+            "found " +
+            std::string(arguments.undo ? "both KEY=VALUE and --undo" : "neither KEY=VALUE nor --undo") +
+            ", allowed: one of them");
     }
     if (arguments.undo) {
         return {{"undo", true}};
@@ -98,7 +102,8 @@ Json request_of(const ControlArguments& arguments) {
     for (const std::string& word : arguments.words) {
         const std::size_t equals = word.find('=');
         if (equals == std::string::npos || equals == 0) {
-            throw WrongUse(fmt::format("found {}, allowed: KEY=VALUE, as drive.amplitude_m=2e-6", quoted_briefly(word)));
+            throw WrongUse(
+                fmt::format("found {}, allowed: KEY=VALUE, as drive.amplitude_m=2e-6", quoted_briefly(word)));
         }
         set[word.substr(0, equals)] = value_of(word.substr(equals + 1));
     }

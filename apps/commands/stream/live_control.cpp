@@ -12,7 +12,8 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr std::size_t most_told = 500;  // changes; meta is sent once a second, and no listener reads more than 1 MiB
+constexpr std::size_t most_told =
+    500;  // changes; meta is sent once a second, and no listener reads more than 1 MiB
 
 }  // namespace
 
@@ -22,9 +23,10 @@ void add_control_options(CLI::App& app, ControlRequest& request) {
                    "tcp://127.0.0.1:5574")
         ->check(missing_name)
         ->type_name("ENDPOINT");
-    add_repeatable_option(app, "--allow-controllers", request.controllers,
-                          "with --control and --curve-key: public key of who may change the scene, NAME.key, or a "
-                          "folder of them")
+    add_repeatable_option(
+        app, "--allow-controllers", request.controllers,
+        "with --control and --curve-key: public key of who may change the scene, NAME.key, or a "
+        "folder of them")
         ->check(missing_name)
         ->type_name("FILE|FOLDER");
 }
@@ -42,15 +44,17 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
     }
     if (request.controllers.empty()) {
         if (!stream::is_local(request.endpoint)) {
-            throw WrongUse(fmt::format("--control: {} can be reached from other machines, and anybody there could "
-                                       "change the scene; allowed: with --curve-key and --allow-controllers",
-                                       request.endpoint));
+            throw WrongUse(
+                fmt::format("--control: {} can be reached from other machines, and anybody there could "
+                            "change the scene; allowed: with --curve-key and --allow-controllers",
+                            request.endpoint));
         }
         return std::nullopt;
     }
     if (stream.key.empty()) {
-        throw WrongUse("--allow-controllers: found no --curve-key, allowed: only together; --curve-key is the "
-                       "stream's secret key");
+        throw WrongUse(
+            "--allow-controllers: found no --curve-key, allowed: only together; --curve-key is the "
+            "stream's secret key");
     }
     Faults faults;
     stream::CurveServer server;

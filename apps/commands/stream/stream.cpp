@@ -210,7 +210,8 @@ Exit stream(const StreamArguments& arguments) {
         watch = [&](const MotionExtent& motion) { return told(now->estimate.look(motion)); };
     }
     try {
-        publish_to_the_end(pipeline, publisher, line, arguments.publish.format, {add_to_summary, watch, control ? EpochBegins(epoch_begins) : nullptr});
+        publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
+                           {add_to_summary, watch, control ? EpochBegins(epoch_begins) : nullptr});
     } catch (...) {
         recordings.commit();  // what was streamed until then is whole
         throw;

@@ -62,10 +62,10 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
         }
         return reply;
     }
-    throw std::runtime_error(
-        fmt::format("no reply from {}: no stream that was started with --control is there, it does not know our "
-                    "key, or the change waits for a burst that begins later",
-                    connection.endpoint));
+    throw std::runtime_error(fmt::format(
+        "no reply from {}: no stream that was started with --control is there, it does not know our "
+        "key, or the change waits for a burst that begins later",
+        connection.endpoint));
 }
 
 }  // namespace hertzline::stream

@@ -30,7 +30,8 @@ public:
     /// Binds. @param curve who may control; unset: whoever can reach the endpoint @param control outlives this; the server's thread
     /// alone uses it until the server is gone
     /// @throws std::runtime_error that names the endpoint and what is wrong
-    ControlServer(const std::string& endpoint, const std::optional<CurveServer>& curve, SceneControl& control);
+    ControlServer(const std::string& endpoint, const std::optional<CurveServer>& curve,
+                  SceneControl& control);
     /// What waits is not answered any more.
     ~ControlServer();
     ControlServer(const ControlServer&) = delete;

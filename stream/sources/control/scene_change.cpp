@@ -134,7 +134,7 @@ Json values_before(const Scene& scene, const Json& values) {
 }
 
 tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
-                                                       const std::vector<std::string>& keys) {
+                                                        const std::vector<std::string>& keys) {
     Json all = Json::object();
     std::vector<Fault> faults;
     for (const std::string& name : keys.empty() ? scene_key_names(scene) : keys) {
@@ -216,7 +216,8 @@ Json change_json(const SceneChange& change) {
 
 tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list) {
     if (!list.is_array()) {
-        return tl::unexpected(std::string("found no list, allowed: [{\"sample\": 20000, \"set\": {...}}, ...]"));
+        return tl::unexpected(
+            std::string("found no list, allowed: [{\"sample\": 20000, \"set\": {...}}, ...]"));
     }
     std::vector<SceneChange> changes;
     for (const Json& entry : list) {

@@ -24,8 +24,8 @@ tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const nlohmann:
 nlohmann::ordered_json values_before(const Scene& scene, const nlohmann::ordered_json& values);
 
 /// What there is to know of keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has
-tl::expected<nlohmann::ordered_json, std::vector<Fault>> described_values(const Scene& scene,
-                                                                         const std::vector<std::string>& keys);
+tl::expected<nlohmann::ordered_json, std::vector<Fault>> described_values(
+    const Scene& scene, const std::vector<std::string>& keys);
 
 /// As replies have it.
 nlohmann::ordered_json faults_json(const std::vector<Fault>& faults);
@@ -39,12 +39,12 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to);
 
 /// A change as it took effect, or shall.
 struct SceneChange {
-    std::int64_t sample = 0;              ///< the first one of the epoch that begins with it
-    std::int64_t epoch = 0;               ///< its number, from 1
-    nlohmann::ordered_json set;           ///< values by key; of a change that took effect with integrator and step
+    std::int64_t sample = 0;     ///< the first one of the epoch that begins with it
+    std::int64_t epoch = 0;      ///< its number, from 1
+    nlohmann::ordered_json set;  ///< values by key; of a change that took effect with integrator and step
     nlohmann::ordered_json was = nullptr;  ///< the values before; null: not known
-    bool goes_on = false;                 ///< the motion goes on
-    std::string scene_hash;               ///< of the scene with integrator and step; empty: not known
+    bool goes_on = false;                  ///< the motion goes on
+    std::string scene_hash;                ///< of the scene with integrator and step; empty: not known
 };
 
 /// The values that make one resolved scene of another: those that were asked for, then integrator, step and accuracy.

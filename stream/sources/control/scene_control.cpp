@@ -55,7 +55,8 @@ void SceneControl::take(const Json& request, Reply reply) {
         reply(fault_json("", "no request",
                          R"(one of {"set": {KEY: VALUE, ...}}, {"get": [KEY, ...]}, {"undo": true})"));
     } else if (waiting_.size() == most_waiting) {
-        reply(fault_json("", "more requests than are kept waiting", "another try when changes have taken effect"));
+        reply(fault_json("", "more requests than are kept waiting",
+                         "another try when changes have taken effect"));
     } else {
         waiting_.push_back({undo ? Json(nullptr) : request["set"], std::move(reply)});
     }
@@ -169,8 +170,8 @@ void SceneControl::prepare(Job& job) const {
     auto next = std::make_unique<NextSimulation>(scene, source_.options(), goes_on);
     if (!format_stays(source_.format(), SimulationSource::format_of(scene))) {
         job.faults.push_back({"end", "other streams", "the streams that there are"});
-    } else if (goes_on && !(next->simulation.can_hand_over() &&
-                            Simulation(job.from, {.taps = {}}).can_hand_over())) {
+    } else if (goes_on &&
+               !(next->simulation.can_hand_over() && Simulation(job.from, {.taps = {}}).can_hand_over())) {
         job.faults.push_back({"numerics.integrator", "a grid whose motion cannot be handed over",
                               "for other drives: a series, or steps that divide the sample period without a "
                               "modal plate"});
@@ -236,8 +237,7 @@ void SceneControl::conclude(std::int64_t sample) {
     }
     requested_ = std::move(job_->requested);
     resolved_ = job_->resolved.scene;
-    const Json reply{
-        {"applies_at_sample", sample}, {"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}};
+    const Json reply{{"applies_at_sample", sample}, {"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}};
     for (const Reply& to : job_->replies) {
         to(reply);
     }

@@ -17,7 +17,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json change(std::int64_t sample, std::int64_t epoch) {
-    return {{"sample", sample}, {"epoch", epoch}, {"set", {{"drive.cycles", 3.0 + static_cast<double>(epoch)}}}};
+    return {
+        {"sample", sample}, {"epoch", epoch}, {"set", {{"drive.cycles", 3.0 + static_cast<double>(epoch)}}}};
 }
 
 RecordingHead head_of_run() {
@@ -29,7 +30,8 @@ RecordingHead head_of_run() {
 
 class RecordedChanges : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Formats, RecordedChanges,
-                         testing::Values("a.sigmf-meta", "a.sigmf-collection", "a.h5", "a.npy", "a.wav", "a.csv"));
+                         testing::Values("a.sigmf-meta", "a.sigmf-collection", "a.h5", "a.npy", "a.wav",
+                                         "a.csv"));
 
 TEST_P(RecordedChanges, ComeBackAndLeaveNoGap) {
     const TemporaryFolder folder;
@@ -87,7 +89,8 @@ TEST(RecordedChanges, SigmfMarksThem) {
         starts.push_back(one["core:sample_start"]);
     }
     // bursts of 100 samples begin anew with the epoch
-    EXPECT_THAT(labels, testing::ElementsAre("burst 0", "burst 1", "epoch 1", "burst 2", "burst 3", "burst 4"));
+    EXPECT_THAT(labels,
+                testing::ElementsAre("burst 0", "burst 1", "epoch 1", "burst 2", "burst 3", "burst 4"));
     EXPECT_THAT(starts, testing::ElementsAre(0, 100, 150, 150, 250, 350));
 }
 

@@ -110,8 +110,8 @@ TEST(DecodeHeader, AcceptsAnyOrderBlanksAndUnknownKeys) {
 }
 
 TEST(DecodeHeader, NamesTheKeyThatIsMissing) {
-    for (const char* key : {"dtype", "shape", "unit", "stream", "seq", "sample", "burst", "burst_sample", "epoch",
-                            "fs", "t", "dropped", "run"}) {
+    for (const char* key : {"dtype", "shape", "unit", "stream", "seq", "sample", "burst", "burst_sample",
+                            "epoch", "fs", "t", "dropped", "run"}) {
         const auto header =
             decode_header(with(key, nlohmann::json(nlohmann::json::value_t::discarded)), 4096);
         ASSERT_FALSE(header) << key;

@@ -174,8 +174,8 @@ private:
         hsize_t bytes = 0;
         const Hdf5Object dataset = open_dataset(file_.id(), hdf5_changes, 1, 1, bytes);
         if (bytes > max_change_bytes) {
-            throw std::runtime_error(fmt::format("dataset {}: {} bytes, allowed: at most {}", hdf5_changes, bytes,
-                                                 max_change_bytes));
+            throw std::runtime_error(fmt::format("dataset {}: {} bytes, allowed: at most {}", hdf5_changes,
+                                                 bytes, max_change_bytes));
         }
         std::string text(bytes, '\0');
         hdf5(H5Dread(dataset.id(), H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()));

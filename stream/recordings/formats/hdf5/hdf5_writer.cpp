@@ -106,9 +106,11 @@ private:
         const std::string line = text_of(change) + '\n';
         inside_the_library([&] {
             if (change_bytes_ == 0) {
-                changes_ = hdf5_create_dataset(file_.id(), hdf5_changes, H5T_STD_U8LE, 1, 1, {change_chunk, 1});
+                changes_ =
+                    hdf5_create_dataset(file_.id(), hdf5_changes, H5T_STD_U8LE, 1, 1, {change_chunk, 1});
             }
-            hdf5_append_rows(changes_.id(), H5T_NATIVE_UCHAR, change_bytes_, std::ssize(line), 1, line.data());
+            hdf5_append_rows(changes_.id(), H5T_NATIVE_UCHAR, change_bytes_, std::ssize(line), 1,
+                             line.data());
             change_bytes_ += std::ssize(line);
         });
     }

@@ -98,7 +98,8 @@ private:
             cannot_write(path(), fmt::format("found more than {} gaps", max_captures - 1));
         }
         if (!progress_.captures.empty() && progress_.captures.back()["core:sample_start"] == capture.row) {
-            progress_.captures.erase(progress_.captures.size() - 1);  // that of an epoch whose first samples are missing
+            progress_.captures.erase(progress_.captures.size() -
+                                     1);  // that of an epoch whose first samples are missing
         }
         progress_.captures.push_back({{"core:sample_start", capture.row},
                                       {"core:global_index", capture.sample},

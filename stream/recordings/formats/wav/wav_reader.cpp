@@ -173,7 +173,8 @@ private:
             return;
         }
         InputFile file(beside);
-        const Json noted = json_from_outside(file.text(std::min(file.size(), largest_changes), "the changes"));
+        const Json noted =
+            json_from_outside(file.text(std::min(file.size(), largest_changes), "the changes"));
         if (noted.is_object() && noted.contains("changes") && noted.contains("run") &&
             noted["run"] == head_.provenance["run"]) {
             head_.provenance["changes"] = noted["changes"];

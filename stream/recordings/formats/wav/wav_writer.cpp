@@ -191,7 +191,7 @@ private:
         }
         OutputFile file(beside, StagedFile::Devices::refused);
         file.write(text_of(nlohmann::ordered_json{{"run", head().provenance.value("run", "")},
-                            {"changes", head().provenance["changes"]}}) +
+                                                  {"changes", head().provenance["changes"]}}) +
                    '\n');
         file.commit();
     }

@@ -114,7 +114,8 @@ TEST(SceneControl, UndoGoesBackStepByStep) {
     stream.ask({{"set", {{"end.stiffness_n_per_m", 1e6}}}});
     EXPECT_EQ(stream.ask({{"undo", true}})["scene_hash"], second);
     EXPECT_EQ(stream.ask({{"undo", true}})["scene_hash"], first);
-    EXPECT_THAT(stream.ask({{"undo", true}})["faults"][0]["found"].get<std::string>(), HasSubstr("nothing to undo"));
+    EXPECT_THAT(stream.ask({{"undo", true}})["faults"][0]["found"].get<std::string>(),
+                HasSubstr("nothing to undo"));
 }
 
 TEST(SceneControl, RefusesWhatIsWrongAndStaysAsItIs) {
@@ -122,9 +123,13 @@ TEST(SceneControl, RefusesWhatIsWrongAndStaysAsItIs) {
     const Json before = stream.ask({{"get", Json::array()}});
     EXPECT_EQ(stream.ask({{"set", {{"drive.amplitude_m", -1}, {"nothing", 2}}}})["faults"].size(), 2U);
     EXPECT_EQ(stream.ask({{"set", {{"chain.spheres", 7}}}})["faults"][0]["key"], "chain.spheres");
-    EXPECT_EQ(stream.ask({{"set", {{"numerics.integrator", "leapfrog"}, {"numerics.step_s", 1e-6}}}})["faults"].size(), 1U);
-    for (const Json& nonsense : {Json(3), Json(nullptr), Json::object(), Json{{"set", 3}}, Json{{"set", Json::object()}},
-                                 Json{{"undo", false}}, Json{{"get", "all"}}, Json{{"undo", true}, {"get", Json::array()}}}) {
+    EXPECT_EQ(
+        stream.ask({{"set", {{"numerics.integrator", "leapfrog"}, {"numerics.step_s", 1e-6}}}})["faults"]
+            .size(),
+        1U);
+    for (const Json& nonsense :
+         {Json(3), Json(nullptr), Json::object(), Json{{"set", 3}}, Json{{"set", Json::object()}},
+          Json{{"undo", false}}, Json{{"get", "all"}}, Json{{"undo", true}, {"get", Json::array()}}}) {
         EXPECT_EQ(stream.ask(nonsense)["faults"].size(), 1U) << nonsense;
     }
     EXPECT_EQ(stream.ask({{"get", Json::array()}}), before);
@@ -157,8 +162,8 @@ TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
     Controlled stream;
     Publisher publisher("tcp://127.0.0.1:*");
     const std::string address = publisher.endpoint();
-    Pipeline pipeline({.about = {{"version", "test"}}, .start = StreamStart::with_first_subscriber}, stream.source,
-                      publisher, nullptr);
+    Pipeline pipeline({.about = {{"version", "test"}}, .start = StreamStart::with_first_subscriber},
+                      stream.source, publisher, nullptr);
     ControlServer server("tcp://127.0.0.1:*", std::nullopt, stream.control);
     std::atomic<bool> stop{false};
     std::vector<FrameHeader> headers;
@@ -189,9 +194,12 @@ TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
         const std::atomic<bool> never{false};
         for (int i = 0; i < 6; ++i) {
             const Json request =
-                i % 3 == 2 ? Json{{"set", {{"chain.preload_n", 0.1 + 0.01 * i}}}}
-                           : Json{{"set", {{"drive.amplitude_m", 1e-6 + 1e-7 * i}, {"drive.repetition_hz", 900 + 7 * i}}}};
-            const Json reply = ask_control({.endpoint = server.endpoint(), .timeout = patience}, request, never);
+                i % 3 == 2
+                    ? Json{{"set", {{"chain.preload_n", 0.1 + 0.01 * i}}}}
+                    : Json{{"set",
+                            {{"drive.amplitude_m", 1e-6 + 1e-7 * i}, {"drive.repetition_hz", 900 + 7 * i}}}};
+            const Json reply =
+                ask_control({.endpoint = server.endpoint(), .timeout = patience}, request, never);
             EXPECT_EQ(reply["epoch"], i + 1) << reply;
             begins.push_back(reply["applies_at_sample"]);
         }
@@ -250,7 +258,8 @@ TEST(ControlServer, LetsInListedControllersOnly) {
     const KeyPair controller = make_key_pair();
     const KeyPair other = make_key_pair();
     Controlled stream;
-    ControlServer server("tcp://127.0.0.1:*", CurveServer{server_keys, {controller.public_key}}, stream.control);
+    ControlServer server("tcp://127.0.0.1:*", CurveServer{server_keys, {controller.public_key}},
+                         stream.control);
     const std::atomic<bool> never{false};
     const auto ask = [&](const KeyPair& own, std::chrono::milliseconds timeout) {
         return ask_control({server.endpoint(), CurveClient{own, server_keys.public_key}, timeout},

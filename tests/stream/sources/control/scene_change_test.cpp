@@ -90,7 +90,8 @@ TEST(SceneChange, WhatFramesHoldStays) {
     const Scene scene = steady_scene();
     const auto faults = [&](const Json& values) { return frame_faults(scene, *with_values(scene, values)); };
     EXPECT_TRUE(faults({{"chain.preload_n", 0.2}, {"end.thickness_m", 1e-3}}).empty());
-    EXPECT_EQ(faults({{"output.sample_rate_hz", 1e6}, {"chain.spheres", 3}, {"end.kind", "wall"}}).size(), 3U);
+    EXPECT_EQ(faults({{"output.sample_rate_hz", 1e6}, {"chain.spheres", 3}, {"end.kind", "wall"}}).size(),
+              3U);
 }
 
 TEST(SceneChange, ComesBackFromItsJson) {
@@ -100,7 +101,8 @@ TEST(SceneChange, ComesBackFromItsJson) {
                              .was = {{"drive.cycles", 5.0}},
                              .goes_on = true,
                              .scene_hash = "0123456789abcdef"};
-    const auto changes = changes_in(Json::array({change_json(change), {{"sample", 30}, {"set", {{"drive.cycles", 4}}}}}));
+    const auto changes =
+        changes_in(Json::array({change_json(change), {{"sample", 30}, {"set", {{"drive.cycles", 4}}}}}));
     ASSERT_TRUE(changes);
     EXPECT_EQ(change_json(changes->at(0))["was"], change_json(change)["was"]);
     EXPECT_EQ(changes->at(0).scene_hash, change.scene_hash);
@@ -108,16 +110,15 @@ TEST(SceneChange, ComesBackFromItsJson) {
     EXPECT_FALSE(changes_in(Json::object()));
     EXPECT_FALSE(changes_in(Json::array({{{"sample", 0}, {"set", Json::object()}}})));
     EXPECT_FALSE(changes_in(Json::array({{{"sample", 9}}})));
-    EXPECT_FALSE(changes_in(Json::array(
-        {{{"sample", 9}, {"set", Json::object()}}, {{"sample", 9}, {"set", Json::object()}}})));
+    EXPECT_FALSE(changes_in(
+        Json::array({{{"sample", 9}, {"set", Json::object()}}, {{"sample", 9}, {"set", Json::object()}}})));
 }
 
 TEST(SceneChange, ProvenanceTellsTheEpochs) {
-    const Json provenance{
-        {"scene", {{"drive", {{"repetition_hz", 1000}}}}},
-        {"changes",
-         {{{"epoch", 1}, {"sample", 20'000}, {"set", {{"drive.repetition_hz", 500}}}},
-          {{"epoch", 2}, {"sample", 60'000}, {"set", {{"drive.cycles", 5}}}}}}};
+    const Json provenance{{"scene", {{"drive", {{"repetition_hz", 1000}}}}},
+                          {"changes",
+                           {{{"epoch", 1}, {"sample", 20'000}, {"set", {{"drive.repetition_hz", 500}}}},
+                            {{"epoch", 2}, {"sample", 60'000}, {"set", {{"drive.cycles", 5}}}}}}};
     const std::vector<Epoch> epochs = epochs_of(provenance, 1e7);
     ASSERT_EQ(epochs.size(), 3U);
     EXPECT_EQ(epochs[1], (Epoch{1, 20'000, 2, 500}));
