@@ -2,8 +2,8 @@
 // The socket of a stream's controllers, and the thread that serves it.
 //
 // A ROUTER: a REQ or a DEALER sends a JSON object in one part and gets one back (stream/README.md, "Live control"). What a stranger sends is
-// bounded in size, in number and in what it costs: the socket takes in no more than a few messages at a time, and forgets a peer that
-// sends more than 64 KiB at once.
+// bounded in size, in number and in what it costs: the socket takes in no more than a few messages at a time, forgets a peer that
+// sends more than 64 KiB at once, and has at most 32 connections, of which those that never asked for anything go first.
 
 #include <atomic>
 #include <cstdint>
@@ -14,6 +14,7 @@
 #include <zmq.hpp>
 
 #include "stream/sources/control/scene_control.hpp"
+#include "stream/wire/security/connections.hpp"
 #include "stream/wire/security/curve.hpp"
 #include "stream/wire/security/zap.hpp"
 
@@ -46,10 +47,11 @@ private:
     bool receive_one();
 
     SceneControl& control_;
+    std::string endpoint_;
     zmq::context_t context_;
     std::optional<ZapHandler> zap_;
-    zmq::socket_t socket_;  // the thread's from its start to its end
-    std::string endpoint_;
+    zmq::socket_t socket_;     // the thread's from its start to its end
+    Connections connections_;  // the same
     std::atomic<bool> stopping_{false};
     std::thread thread_;  // last, so that it ends before what it uses
 };
