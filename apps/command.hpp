@@ -30,6 +30,8 @@ AddCommand optimise_command;
 AddCommand stream_command;
 AddCommand replay_command;
 AddCommand listen_command;
+AddCommand set_command;
+AddCommand get_command;
 AddCommand plot_command;
 AddCommand scenes_command;
 AddCommand materials_command;

@@ -44,6 +44,8 @@ constexpr std::array subcommands{
     Subcommand{"stream", "simulate a scene in step with the clock and publish it", stream_command},
     Subcommand{"replay", "publish a recording as if it were live", replay_command},
     Subcommand{"listen", "receive a stream, check that nothing is missing, save it", listen_command},
+    Subcommand{"set", "change keys of a scene while it is streamed", set_command},
+    Subcommand{"get", "look at the scene of a running stream", get_command},
     Subcommand{"plot", "draw waveforms and spectra of a recording", plot_command},
     Subcommand{"scenes", "list the shipped scenes, or print one with every default resolved", scenes_command},
     Subcommand{"materials", "list the built-in materials, their numbers and sources", materials_command},

@@ -40,6 +40,7 @@ set(stream_headers
   stream/recordings/recording_formats.hpp
   stream/recordings/recording_set.hpp
   stream/sources/sample_source.hpp
+  stream/sources/control/hand_over.hpp
   stream/sources/simulation_source.hpp
   stream/float32.hpp
   stream/measures/record_warnings.hpp

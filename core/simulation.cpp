@@ -53,7 +53,14 @@ Samples Simulation::make_samples(std::size_t capacity) const {
 
 void Simulation::reset() noexcept {
     solver_->reset();
+    first_sample_ = 0;
     status_ = Status::running;
+}
+
+Status Simulation::continue_from(Simulation& before, std::int64_t first) noexcept {
+    first_sample_ = first;
+    status_ = before.status_ = solver_->continue_from(*before.solver_);
+    return status_;
 }
 
 std::string Simulation::failure() const {
@@ -63,6 +70,7 @@ std::string Simulation::failure() const {
 Status Simulation::advance(Samples& samples, std::size_t count, TapSet wanted) noexcept {
     if (status_ == Status::running) {
         status_ = solver_->fill(samples, count, wanted);
+        samples.first += first_sample_;
     } else {
         samples.first = next_sample();
         samples.count = 0;

@@ -27,6 +27,23 @@ public:
     /// Back to sample 0, at static equilibrium.
     void reset() noexcept;
 
+    /// From here on the first sample has this number instead of 0; for a simulation that has not begun.
+    void begin_at(std::int64_t sample) noexcept { first_sample_ = sample; }
+
+    // One simulation after another in the same run: the first one is told where it ends, gives all samples before, and hands its motion
+    // over. Both drives begin their bursts anew at the sample that is the first one of the second.
+
+    /// Whether this simulation's motion can be handed over to one with another drive. A series can; of a grid the steps have to
+    /// divide the sample period, and no modal plate may hang on it.
+    bool can_hand_over() const noexcept { return solver_->can_hand_over(); }
+    /// The first sample at which end_at() can let it end: the motion has not gone further.
+    std::int64_t first_open_sample() const noexcept { return first_sample_ + solver_->first_open_sample(); }
+    /// The motion will end at this sample, which belongs to the simulation that follows. @param sample first_open_sample() or later
+    void end_at(std::int64_t sample) noexcept { solver_->end_at(sample - first_sample_); }
+    /// Begins at sample `first`, where `before` ends, with its motion and account of energy. Allocates nothing.
+    /// @param before can_hand_over(); its scene differs in drive and step only; has given all samples before `first`, and is done with
+    Status continue_from(Simulation& before, std::int64_t first) noexcept;
+
     /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room. Allocates nothing. If
     /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() tells where and when.
     Status advance(Samples& samples, std::size_t count, TapSet wanted) noexcept;
@@ -45,12 +62,12 @@ public:
     double step_s() const noexcept { return step_s_; }
     /// Steps or pieces so far.
     std::int64_t steps() const noexcept { return solver_->state().step; }
-    std::int64_t next_sample() const noexcept { return solver_->next_sample(); }
+    std::int64_t next_sample() const noexcept { return first_sample_ + solver_->next_sample(); }
     std::int64_t contact_events() const noexcept { return solver_->contact_events(); }
 
     /// State at the last step taken. Not cheap: for tests, checks and ledgers, not for each sample.
     const ChainState& state() noexcept { return solver_->state(); }
-    /// Its time [s]. Steps do not end where samples lie.
+    /// Its time since the simulation's first sample [s]. Steps do not end where samples lie.
     double time_s() const noexcept { return solver_->time_s(); }
     Ledger ledger() noexcept { return solver_->ledger(); }
     /// As the functions of that name in solvers/extent.hpp.
@@ -71,6 +88,7 @@ private:
     std::unique_ptr<const Chain> chain_;
     double step_s_;
     std::unique_ptr<Solver> solver_;
+    std::int64_t first_sample_ = 0;
     Status status_ = Status::running;
 };
 

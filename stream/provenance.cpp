@@ -1,5 +1,6 @@
 #include "stream/provenance.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -20,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::string_view, 14> keys{"program",
+constexpr std::array<std::string_view, 19> keys{"program",
                                                 "version",
                                                 "git_hash",
                                                 "compiler",
@@ -33,7 +34,12 @@ constexpr std::array<std::string_view, 14> keys{"program",
                                                 "estimated_error",
                                                 "estimated_over_s",
                                                 "p_axis_travel_s",
-                                                "scene"};
+                                                "scene",
+                                                "epoch",
+                                                "epoch_sample",
+                                                "epoch_burst",
+                                                "changes",
+                                                "changes_left_out"};
 
 }  // namespace
 
@@ -91,6 +97,11 @@ Json provenance_of_meta(const Json& meta) {
             json[std::string(key)] = meta[std::string(key)];
         }
     }
+    if (json.value("epoch", Json(0)) == 0) {  // the first one, as where nothing is said
+        for (const char* key : {"epoch", "epoch_sample", "epoch_burst"}) {
+            json.erase(key);
+        }
+    }
     return json;
 }
 
@@ -103,6 +114,46 @@ std::optional<double> repetition_of(const nlohmann::ordered_json& provenance) {
     constexpr double most = 1e9;  // as in a scene
     const bool usable = value.is_number() && value.get<double>() >= 0 && value.get<double>() <= most;
     return usable ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+namespace {
+
+std::int64_t count_in(const Json& object, const char* key) {
+    constexpr std::int64_t most = 9'000'000'000'000'000'000;
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number_integer()
+               ? std::clamp(found->get<std::int64_t>(), std::int64_t{0}, most)
+               : 0;
+}
+
+}  // namespace
+
+std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz) {
+    const auto repetition = repetition_of(provenance);
+    if (!repetition) {
+        return {};
+    }
+    std::vector<Epoch> epochs{{.number = count_in(provenance, "epoch"),
+                               .first_sample = count_in(provenance, "epoch_sample"),
+                               .first_burst = count_in(provenance, "epoch_burst"),
+                               .repetition_hz = *repetition}};
+    const Json changes = provenance.value("changes", Json::array());
+    for (const Json& change : changes) {
+        const Epoch before = epochs.back();
+        if (!change.is_object() || count_in(change, "epoch") <= before.number ||
+            count_in(change, "sample") <= before.first_sample) {
+            continue;
+        }
+        const auto set = change.find("set");
+        const Json rate = set != change.end() && set->is_object()
+                              ? set->value("drive.repetition_hz", Json(nullptr))
+                              : Json(nullptr);
+        const auto its = repetition_of({{"scene", {{"drive", {{"repetition_hz", rate}}}}}});
+        epochs.push_back(
+            before.next(sample_rate_hz, count_in(change, "sample"), its.value_or(before.repetition_hz)));
+        epochs.back().number = count_in(change, "epoch");
+    }
+    return epochs;
 }
 
 }  // namespace hertzline::stream

@@ -4,9 +4,11 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "core/model/bursts.hpp"
 #include "core/scene/scene.hpp"
 #include "core/step_choice/reference_pilot.hpp"
 
@@ -43,5 +45,9 @@ nlohmann::ordered_json provenance_of_meta(const nlohmann::ordered_json& meta);
 
 /// drive.repetition_hz of the scene in this provenance [Hz], 0 for a single burst; nothing when it holds no scene.
 std::optional<double> repetition_of(const nlohmann::ordered_json& provenance);
+
+/// The epochs of a run as far as its provenance tells: the one in which its first samples lie, and those that "changes" began
+/// later; none when it holds no scene.
+std::vector<Epoch> epochs_of(const nlohmann::ordered_json& provenance, double sample_rate_hz);
 
 }  // namespace hertzline::stream

@@ -47,10 +47,14 @@ stream::PublisherOptions publisher_options(const PublishRequest& request, const 
 double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
                     const stream::PublisherOptions& options) noexcept;
 
+/// As StreamEvents has it.
+using EpochBegins = std::function<Json(const Epoch&)>;
+
 /// What only the caller knows.
 struct PublishedSource {
     std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
     std::function<Json(const MotionExtent&)> watch = {};  ///< as in StreamEvents
+    EpochBegins epoch_begins = {};                        ///< as in StreamEvents
 };
 
 /// Publishes to the end, shows progress and warnings, and prints the summary.

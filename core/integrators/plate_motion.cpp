@@ -135,6 +135,15 @@ void PlateMotion::reset() noexcept {
     passed = lost = 0;
 }
 
+void PlateMotion::continue_from(const PlateMotion& before) noexcept {
+    const double scale = unit_s_ / before.unit_s_;
+    std::transform(before.state().re, before.state().re + 2 * size_, state().re,
+                   [scale](double state) { return scale * state; });
+    moves = before.moves;
+    passed = before.passed;
+    lost = before.lost;
+}
+
 double PlateMotion::energy() const noexcept {
     double twice = 0;
     for (std::size_t n = 0; n < response_.modes.size(); ++n) {

@@ -105,6 +105,9 @@ public:
     /// The same with nothing booked.
     void reset() noexcept;
 
+    /// Takes over the states and what is booked of a plate that differs in its unit only. Allocates nothing.
+    void continue_from(const PlateMotion& before) noexcept;
+
     /// Of all modes [J].
     double energy() const noexcept;
 

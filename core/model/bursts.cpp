@@ -6,16 +6,21 @@
 
 namespace hertzline {
 
-std::int64_t Bursts::first_sample(std::int64_t burst) const noexcept {
-    if (!repeat()) {
-        return 0;
-    }
+double Bursts::start_of(std::int64_t burst) const noexcept {
     constexpr double most = 9e18;
     const double samples = std::min(static_cast<double>(burst) * sample_rate_hz_ / repetition_hz_, most);
     const double whole = std::round(samples);
     // a start that misses a sample by rounding only lies on it: 1e7 Hz over 1/3e-3 s
     const double rounding = 4 * std::numeric_limits<double>::epsilon() * samples;
-    return static_cast<std::int64_t>(std::abs(samples - whole) <= rounding ? whole : std::ceil(samples));
+    return std::abs(samples - whole) <= rounding ? whole : samples;
+}
+
+std::int64_t Bursts::first_sample(std::int64_t burst) const noexcept {
+    return repeat() ? static_cast<std::int64_t>(std::ceil(start_of(burst))) : 0;
+}
+
+std::int64_t Bursts::last_sample_until(std::int64_t burst) const noexcept {
+    return repeat() ? static_cast<std::int64_t>(std::floor(start_of(burst))) : 0;
 }
 
 BurstPlace Bursts::at(std::int64_t sample) const noexcept {

@@ -26,12 +26,39 @@ public:
     /// @param burst at least 0; 0 where there is no repetition
     std::int64_t first_sample(std::int64_t burst) const noexcept;
 
+    /// Index of the last sample that does not lie behind the start of a burst: first_sample(), or the one before. @param burst as above
+    std::int64_t last_sample_until(std::int64_t burst) const noexcept;
+
     /// Where a sample lies. @param sample its index from the run's start, at least 0
     BurstPlace at(std::int64_t sample) const noexcept;
 
 private:
+    /// Where a burst begins [samples].
+    double start_of(std::int64_t burst) const noexcept;
+
     double sample_rate_hz_;
     double repetition_hz_;
+};
+
+/// A stretch of a run in which the scene stays the same. Bursts begin anew with it, and are counted on.
+struct Epoch {
+    std::int64_t number = 0;  ///< from 0
+    std::int64_t first_sample = 0;
+    std::int64_t first_burst = 0;
+    double repetition_hz = 0;  ///< as in Bursts
+
+    BurstPlace at(double sample_rate_hz, std::int64_t sample) const noexcept {
+        const BurstPlace place = Bursts(sample_rate_hz, repetition_hz).at(sample - first_sample);
+        return {first_burst + place.burst, place.sample};
+    }
+
+    /// The one that follows it from a sample on, which begins with a burst of its own.
+    Epoch next(double sample_rate_hz, std::int64_t sample, double its_repetition_hz) const noexcept {
+        const std::int64_t last = sample > first_sample ? at(sample_rate_hz, sample - 1).burst : first_burst;
+        return {number + 1, sample, last + 1, its_repetition_hz};
+    }
+
+    bool operator==(const Epoch&) const = default;
 };
 
 }  // namespace hertzline

@@ -30,6 +30,13 @@ struct ChainState {
         closed = (chain.static_overlap > 0).cast<double>();
     }
 
+    /// The motion of another chain that is equal to this one; peaks are counted from there on.
+    void take_motion(const ChainState& other) noexcept {
+        x = other.x;
+        v = other.v;
+        closed = other.closed;
+    }
+
     Eigen::ArrayXd x;       ///< displacement from static equilibrium [m], bodies()
     Eigen::ArrayXd v;       ///< velocity [m/s], bodies()
     Eigen::ArrayXd closed;  ///< 1 while the contact touches, else 0, contacts()

@@ -90,6 +90,24 @@ void PlateOutputs::reset() noexcept {
     line_ = lines.rounded_up();
 }
 
+void PlateOutputs::continue_from(const PlateOutputs& before, std::int64_t samples) noexcept {
+    if (!has_pressure_) {
+        return;
+    }
+    const auto shifted = [](const std::vector<double>& from, std::size_t by, std::vector<double>& to) {
+        if (!from.empty()) {
+            const auto middle = from.begin() + static_cast<std::ptrdiff_t>(by % from.size());
+            std::rotate_copy(from.begin(), middle, from.end(), to.begin());
+        }
+    };
+    const std::int64_t lines = samples * intervals_per_sample_;
+    shifted(before.ring_, static_cast<std::size_t>(samples), ring_);
+    shifted(before.history_, static_cast<std::size_t>(lines) * per_interval_, history_);
+    std::copy(before.open_.begin(), before.open_.end(), open_.begin());
+    line_ = before.line_ - lines;
+    done_ = 0;
+}
+
 double PlateOutputs::velocity(const kernels::PlateMotion::Velocity& of, double z) const noexcept {
     if (piece_.plate == nullptr) {
         return 0;

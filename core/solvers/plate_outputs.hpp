@@ -35,6 +35,10 @@ public:
     /// Back to sample 0: the plate at rest, and no sound on its way.
     void reset() noexcept;
 
+    /// Takes over the sound on its way, of a plate and taps that are equal to these. Allocates nothing.
+    /// @param samples number there of what is sample 0 here
+    void continue_from(const PlateOutputs& before, std::int64_t samples) noexcept;
+
     /// Puts down the samples that the motion has room for. @param piece the present one @param first number of the first sample
     void put(const EndMotion& motion, const kernels::SampleTimes& times, std::size_t count,
              const Stretch& piece, std::int64_t first) noexcept;

@@ -187,6 +187,13 @@ void Sampler::reset() noexcept {
     trace_.count = 1;
 }
 
+void Sampler::begin_with(const ChainState& state) noexcept {
+    reset();
+    const auto bodies = static_cast<Eigen::Index>(trace_.row_size() / 3);
+    std::copy_n(state.x.data() + trace_.first_body, bodies, trace_.rows);
+    std::copy_n(state.v.data() + trace_.first_body, bodies, trace_.rows + bodies);
+}
+
 std::int64_t Sampler::step_needed(std::int64_t end) const noexcept {
     FixedTime last = next_position_;
     last.advance(sample_period_.times(end - 1 - next_sample_));

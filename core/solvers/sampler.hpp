@@ -26,6 +26,9 @@ public:
     /// Back to sample 0, the static equilibrium.
     void reset() noexcept;
 
+    /// Back to sample 0, with the motion of that moment; for samples on the grid.
+    void begin_with(const ChainState& state) noexcept;
+
     std::int64_t next_sample() const noexcept { return next_sample_; }
 
     /// The first step at whose end the samples before `end` are known.
@@ -42,6 +45,9 @@ public:
     void passed_over(std::int64_t end) noexcept;
 
     kernels::Trace& trace() noexcept { return trace_; }
+
+    /// Steps per sample when that is a whole number; 0: samples lie between steps.
+    int grid() const noexcept { return grid_; }
 
     static double bytes(double bodies, TapSet taps) noexcept;
 

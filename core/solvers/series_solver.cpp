@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -34,6 +35,8 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) noex
 // What moves less, relative to the velocities of the scene, stands still: it is far below the rounding of what moves.
 constexpr double still_share = 1e-20;
 constexpr Eigen::Index laid_out_at_least = 64;  // bodies
+
+constexpr FixedTime for_good{std::numeric_limits<std::int64_t>::max(), 0};
 
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
 // Pieces within the time of the longest: more mean that the motion stands still.
@@ -114,6 +117,8 @@ void SeriesSolver::reset() noexcept {
     lay_out(active_at_start_);
     simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
+    last_moment_ = for_good;
+    asleep_ = false;
     smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
     ledger_ = {};
@@ -217,7 +222,6 @@ void SeriesSolver::next_piece() noexcept {
     follow_the_wave();
     begin_ = end_;
     double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
-    constexpr double sliver = 1e-9;  // [samples]
     if (smooth_.left_s - since_look_up < sliver * sample_period_s_) {
         const double before = horn_displacement();
         smooth_ = burst_.smooth(begin_.whole, begin_.fraction());
@@ -228,9 +232,11 @@ void SeriesSolver::next_piece() noexcept {
     } else if (!piece_.waves.turns || state_.step % turned_pieces == 0) {
         set_horn(since_look_up);
     }
-    const double left_s = smooth_.left_s - since_look_up;
+    const double left_s =
+        std::min(smooth_.left_s - since_look_up, difference(last_moment_, begin_) * sample_period_s_);
     ++state_.step;
-    if (rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_) {
+    asleep_ = rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_;
+    if (asleep_) {
         sleep();
         constexpr double longest = 1e15;  // [samples]: for good
         end_.advance(FixedTime::of(std::min(longest, left_s / sample_period_s_)));

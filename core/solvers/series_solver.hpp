@@ -24,6 +24,12 @@ public:
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return next_sample_; }
+    std::int64_t first_open_sample() const noexcept override {
+        return asleep_ ? next_sample_ : end_.rounded_up();
+    }
+    void end_at(std::int64_t sample) noexcept override;
+    bool can_hand_over() const noexcept override { return true; }
+    Status continue_from(Solver& before) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override;
@@ -41,12 +47,15 @@ private:
     void lay_out(Eigen::Index active) noexcept;
     void follow_the_wave() noexcept;
     void next_piece() noexcept;
+    Status reach_last_moment() noexcept;
     void set_horn(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
     bool stands_still() noexcept;
     bool finite() const noexcept;
+
+    static constexpr double sliver = 1e-9;  // [samples]: too short for a piece
 
     const Chain& chain_;
     SimulationOptions options_;
@@ -61,11 +70,13 @@ private:
     std::unique_ptr<kernels::PlateMotion> plate_;  ///< of a modal plate
     kernels::SeriesKernels kernels_{};
     FixedTime begin_, end_;  ///< of the present piece [samples]
+    FixedTime last_moment_;  ///< no piece goes beyond it [samples]
     FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
     FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
     double rest_energy_ = 0;            ///< below it the chain is at rest while the horn is; 0: never [J]
     double still_ = 0;                  ///< a body that moves less stands still [m/s]
+    bool asleep_ = false;               ///< the present piece is exact rest, which may end at any time
     Eigen::Index active_at_start_ = 0;  ///< bodies that are laid out before the wave has gone further
     SeriesSamples samples_;
     PlateOutputs plate_outputs_;

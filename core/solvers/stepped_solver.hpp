@@ -22,6 +22,10 @@ public:
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return sampler_.next_sample(); }
+    std::int64_t first_open_sample() const noexcept override;
+    void end_at(std::int64_t sample) noexcept override { last_sample_ = sample; }
+    bool can_hand_over() const noexcept override { return sampler_.grid() > 0 && plate_ == nullptr; }
+    Status continue_from(Solver& before) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override { return static_cast<double>(state_.step) * step_s_; }
@@ -58,6 +62,7 @@ private:
     Eigen::Index front_ = 0;  ///< bodies from here on are still at rest, exactly
     Sampler sampler_;
     Ledger ledger_;
+    std::int64_t last_sample_ = 0;  ///< where the motion is to be handed over
     Status status_ = Status::running;
 };
 

@@ -62,20 +62,83 @@ void keep(const Samples& block, const EndModel& end, RunRecord& record) {
     }
 }
 
-Status simulate(Simulation& simulation, RunRecord& record, const std::function<bool(const Samples&)>& take) {
+namespace {
+
+/// The simulations of a run, one after the other.
+class Sequence {
+public:
+    Sequence(Simulation& first, SceneSteps* steps) : now_(&first), steps_(steps) { announce(); }
+
+    Simulation& now() noexcept { return *now_; }
+
+    /// Samples that the present one has still to give.
+    std::size_t left() const noexcept {
+        return next() == nullptr ? std::numeric_limits<std::size_t>::max()
+                                 : static_cast<std::size_t>(next()->sample - now_->next_sample());
+    }
+
+    /// Goes over to the next one when it is due.
+    Status advance() {
+        if (left() > 0) {
+            return Status::running;
+        }
+        const SceneStep& step = *next();
+        auto simulation = std::make_unique<Simulation>(step.scene, steps_->options);
+        if (step.goes_on) {
+            const Status status = simulation->continue_from(*now_, step.sample);
+            if (status != Status::running) {
+                return status;
+            }
+        } else {
+            simulation->begin_at(step.sample);
+        }
+        if (steps_->begins) {
+            steps_->begins(done_);
+        }
+        ++done_;
+        steps_->last = std::move(simulation);
+        now_ = steps_->last.get();
+        announce();
+        return Status::running;
+    }
+
+private:
+    const SceneStep* next() const noexcept {
+        return steps_ != nullptr && done_ < steps_->steps.size() ? &steps_->steps[done_] : nullptr;
+    }
+    void announce() noexcept {
+        if (next() != nullptr && next()->goes_on) {
+            now_->end_at(next()->sample);
+        }
+    }
+
+    Simulation* now_;
+    SceneSteps* steps_;
+    std::size_t done_ = 0;
+};
+
+}  // namespace
+
+Status simulate(Simulation& simulation, RunRecord& record, const std::function<bool(const Samples&)>& take,
+                SceneSteps* steps) {
     using Clock = std::chrono::steady_clock;
     const Scene& scene = simulation.scene();
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
+    Sequence sequence(simulation, steps);
     while (record.rows() < rows) {
         const Clock::time_point before = Clock::now();
-        const Status status = simulation.advance(block, std::min(block.capacity(), rows - record.rows()));
+        Status status = sequence.advance();
+        if (status == Status::running) {
+            status = sequence.now().advance(
+                block, std::min({block.capacity(), rows - record.rows(), sequence.left()}));
+        }
         record.busy += Clock::now() - before;
         if (status != Status::running) {
             record.stopped = status == Status::stopped;
             return status;
         }
-        keep(block, simulation.chain().end, record);
+        keep(block, sequence.now().chain().end, record);
         if (!take(block)) {
             record.stopped = true;
             return Status::stopped;

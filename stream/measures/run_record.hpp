@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -62,11 +63,28 @@ RunRecord empty_record(TapSet measured, const EndModel& end, std::size_t rows);
 /// Takes the next samples.
 void keep(const Samples& block, const EndModel& end, RunRecord& record);
 
+/// Another scene from a sample on.
+struct SceneStep {
+    std::int64_t sample = 0;  ///< above that of the step before
+    bool goes_on = false;     ///< the motion goes on (Simulation::continue_from); else it begins anew
+    Scene scene;              ///< resolved; same samples
+};
+
+/// The scenes that follow the first one.
+struct SceneSteps {
+    std::vector<SceneStep> steps;
+    SimulationOptions options;                          ///< of their simulations
+    std::function<void(std::size_t step)> begins = {};  ///< called before the samples of a step
+    std::unique_ptr<Simulation> last = nullptr;  ///< after the run: that of the last step, if one has begun
+};
+
 /// Simulates to the end of the run, block by block, and keeps what the record keeps.
 /// @param record empty_record() @param take is called with each block once it has been kept; false ends the run
 /// @returns running: all rows are there; stopped: the simulation's stop flag or take() said so; else what went wrong: failure()
 /// says it
-Status simulate(Simulation& simulation, RunRecord& record, const std::function<bool(const Samples&)>& take);
+/// @param steps null: the scene stays the same
+Status simulate(Simulation& simulation, RunRecord& record, const std::function<bool(const Samples&)>& take,
+                SceneSteps* steps = nullptr);
 
 /// The names of the taps, in the order of the set.
 std::vector<std::string> names_of(TapSet taps);

@@ -37,7 +37,7 @@ zmq::message_t shared(zmq::message_t& payload) {
 }  // namespace
 
 FrameSender::FrameSender(Publisher& publisher, const StreamFormat& format, const std::string& run)
-    : publisher_(publisher), bursts_(format.sample_rate_hz, format.repetition_hz) {
+    : publisher_(publisher) {
     frame_.run = run;
     frame_.fs = format.sample_rate_hz;
 }
@@ -61,7 +61,8 @@ void FrameSender::describe(const Block& block, Tap tap) {
     frame_.stream = row.name;
     frame_.unit = row.unit;
     frame_.sample = static_cast<std::uint64_t>(block.samples().first);
-    const BurstPlace place = bursts_.at(block.samples().first);
+    frame_.epoch = static_cast<std::uint64_t>(block.epoch.number);
+    const BurstPlace place = block.epoch.at(frame_.fs, block.samples().first);
     frame_.burst = static_cast<std::uint64_t>(place.burst);
     frame_.burst_sample = static_cast<std::uint64_t>(place.sample);
     frame_.seq = block.seq;

@@ -5,7 +5,6 @@
 
 #include <zmq.hpp>
 
-#include "core/model/bursts.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/topic_demand.hpp"
@@ -30,7 +29,6 @@ private:
     void describe(const Block& block, Tap tap);
 
     Publisher& publisher_;
-    Bursts bursts_;
     FrameHeader frame_;
     std::string header_;
 };

@@ -57,7 +57,9 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     if (start_time_) {
         monitor_.measure_all(MonotonicClock::now(), *start_time_, producer_.busy());
     }
-    monitor_.meters().motion = source_.motion();
+    if (source_.epoch().number == options_.epoch.number) {  // else it has gone further than what was sent
+        monitor_.meters().motion = source_.motion();
+    }
     if (!source_.failure().empty()) {
         throw std::runtime_error(source_.failure());
     }
@@ -139,7 +141,19 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
     return pacer_.lateness(MonotonicClock::now(), deadline);
 }
 
+/// Frames of another epoch follow, and meta comes before them.
+void Pipeline::enter(const Epoch& epoch) {
+    options_.epoch = epoch;
+    if (events_->epoch_begins) {
+        options_.about.update(events_->epoch_begins(epoch));
+    }
+    send_meta();
+}
+
 void Pipeline::release(const Block& block) {
+    if (block.epoch.number != options_.epoch.number) {
+        enter(block.epoch);
+    }
     monitor_.count_dropped(block.dropped, demand_);
     frames_.send(block, demand_, monitor_.meters());
     if (recorder_ != nullptr) {

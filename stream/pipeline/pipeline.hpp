@@ -29,6 +29,8 @@ namespace hertzline::stream {
 struct StreamEvents {
     std::function<void(const StreamMeters&)> progress;  ///< about ten times a second
     std::function<void(const std::string&)> warn;       ///< for the user
+    /// Before the first frame of another epoch, if set: members of meta that have changed.
+    std::function<nlohmann::ordered_json(const Epoch&)> epoch_begins = {};
     /// About ten times a second, if set: members of meta that have changed, or nothing.
     std::function<nlohmann::ordered_json(const MotionExtent&)> watch = {};
     std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
@@ -55,6 +57,7 @@ private:
     std::uint64_t passed_over();
     void start_when_ready(Nanoseconds now);
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
+    void enter(const Epoch& epoch);
     void release(const Block& block);
     void listen_for_subscriptions();
     void report(Nanoseconds now);

@@ -18,10 +18,12 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
       refill_(size.refill),
-      ring_(size.blocks,
-            [&source, small = source.format().taps - source.format().chain_taps()] {
-                return Block{.small = source.make_block(small), .demand = {}, .account = {}, .motion = {}};
-            }),
+      ring_(
+          size.blocks,
+          [&source, small = source.format().taps - source.format().chain_taps()] {
+              return Block{
+                  .small = source.make_block(small), .demand = {}, .account = {}, .motion = {}, .epoch = {}};
+          }),
       chain_taps_(source.format().chain_taps()),
       discarded_to_(origin_) {
     for (std::size_t i = 0; i < size.chain_blocks; ++i) {
@@ -138,7 +140,10 @@ bool Producer::fill(Block& block, std::int64_t count) noexcept {
         return false;
     }
     block.account = source_.account();
-    if (motion_wanted_.exchange(false, std::memory_order_relaxed)) {
+    block.epoch = source_.epoch();
+    const bool another_epoch = block.epoch.number != epoch_seen_;
+    epoch_seen_ = block.epoch.number;
+    if (motion_wanted_.exchange(false, std::memory_order_relaxed) || another_epoch) {
         last_motion_ = source_.motion();
     }
     block.motion = last_motion_;
@@ -151,7 +156,7 @@ void Producer::produce() noexcept {
     bool running = wait_for_go();
     while (running && source_.next_sample() < end_) {
         const std::int64_t first = source_.next_sample();
-        const std::int64_t count = std::min(frame_samples_, end_ - first);
+        const std::int64_t count = std::min({frame_samples_, end_ - first, source_.samples_to_change()});
         Block* slot = wait_for_slot(first, count);
         if (stopping()) {
             return;

@@ -27,6 +27,9 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
     Json meta = options.about;
     meta.update(Json{
         {"run", options.run},
+        {"epoch", options.epoch.number},
+        {"epoch_sample", options.epoch.first_sample},
+        {"epoch_burst", options.epoch.first_burst},
         {"fs", format.sample_rate_hz},
         {"frame_samples", format.frame_samples},
         {"pace", options.pace.is_flat_out() ? Json("flat-out") : Json(options.pace.times())},

@@ -20,6 +20,7 @@ enum class StreamStart { at_once, with_first_subscriber };
 struct StreamOptions {
     std::string run = make_run_id();  ///< the run's id
     nlohmann::ordered_json about;  ///< of the samples: what meta says beside their format (stream/provenance)
+    Epoch epoch{};                 ///< in which the samples are that are sent now
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples{};  ///< unset: to the end, or until stopped
     StreamStart start = StreamStart::at_once;

@@ -35,6 +35,20 @@ void CheckedWriter::write(std::int64_t first, std::span<const double> values) {
     }
 }
 
+void CheckedWriter::note_change(const nlohmann::ordered_json& change) {
+    if (!failure_.empty()) {
+        throw std::runtime_error(failure_);
+    }
+    try {
+        head_.provenance["changes"].push_back(change);
+        changed(change);
+    } catch (const std::exception& error) {
+        failure_ = error.what();
+        complete_or_save();
+        throw;
+    }
+}
+
 /// Where the rows were wrong and not the file, it can be completed.
 void CheckedWriter::complete_or_save() noexcept {
     try {

@@ -16,6 +16,7 @@ namespace hertzline::stream {
 class CheckedWriter : public RecordingWriter {
 public:
     void write(std::int64_t first, std::span<const double> values) final;
+    void note_change(const nlohmann::ordered_json& change) final;
     void commit() final;
     void keep() noexcept final;
     void discard() noexcept final;
@@ -29,6 +30,8 @@ protected:
     virtual void begin_capture(Capture) {}
     /// Takes rows, at least one, of which `first` is the first one's sample.
     virtual void append(std::int64_t first, std::span<const double> values) = 0;
+    /// The provenance has one more change, which is before the next row.
+    virtual void changed(const nlohmann::ordered_json& /*change*/) {}
     /// Completes the file.
     virtual void finish() = 0;
     /// Saves whole rows of a file that cannot be completed, or shall not. May throw.
@@ -38,6 +41,8 @@ protected:
 
     const std::filesystem::path& path() const noexcept { return path_; }
     const RecordingHead& head() const noexcept { return head_; }
+    /// The sample that follows the last one.
+    std::int64_t due() const noexcept { return due_; }
     /// Taken so far, without those that append() is about to take.
     std::int64_t rows() const noexcept { return rows_; }
 

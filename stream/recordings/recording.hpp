@@ -46,6 +46,8 @@ enum class Appearance {
 struct RecordedRows {
     std::int64_t first = 0;      ///< index of the first sample since the run's start
     std::vector<double> values;  ///< row-major, [sample][column]
+    /// In place of rows: the scene changes with the row that follows, sources/control/scene_change.hpp says how. null: rows.
+    nlohmann::ordered_json change = nullptr;
 };
 
 /// What a recording has left: so many rows, and the file that they are in (empty: none). Without rows: nobody knows how
@@ -64,6 +66,8 @@ public:
     /// Appends rows, row-major [sample][column], the first of which is sample `first` of the run. A `first`
     /// beyond the sample that was due marks a gap; it never goes back.
     virtual void write(std::int64_t first, std::span<const double> values) = 0;
+    /// The scene changes with the row that follows: becomes the last of "changes" in the provenance.
+    virtual void note_change(const nlohmann::ordered_json& change) = 0;
     /// Completes the recording.
     virtual void commit() = 0;
     /// Ends it before it is complete: what was taken stays, under another name where the format has its own

@@ -58,7 +58,8 @@ void RecordingSet::discard() {
 }
 
 void RecordingSet::write(std::int64_t first, std::vector<double> values) {
-    const auto rows = std::make_shared<const RecordedRows>(RecordedRows{first, std::move(values)});
+    const auto rows =
+        std::make_shared<const RecordedRows>(RecordedRows{.first = first, .values = std::move(values)});
     for (std::size_t i = 0; i < threads_.size(); ++i) {
         if (threads_[i] == nullptr || pass_on(*threads_[i], rows, behind_[i] != 0)) {
             behind_[i] = 0;
@@ -73,6 +74,15 @@ void RecordingSet::write(std::int64_t first, std::vector<double> values) {
         }
         status_[i].missing += static_cast<std::int64_t>(rows->values.size() / columns_);
         behind_[i] = 1;
+    }
+}
+
+void RecordingSet::note_change(const nlohmann::ordered_json& change) {
+    const auto note = std::make_shared<const RecordedRows>(RecordedRows{.change = change});
+    for (std::size_t i = 0; i < threads_.size(); ++i) {
+        if (threads_[i] != nullptr && !threads_[i]->try_write(note) && threads_[i]->over()) {
+            conclude(i);
+        }
     }
 }
 

@@ -63,6 +63,9 @@ public:
     /// Appends rows as RecordingWriter does, but does not throw when a recording cannot be written.
     void write(std::int64_t first, std::vector<double> values);
 
+    /// The scene changes with the row that follows, as RecordingWriter has it.
+    void note_change(const nlohmann::ordered_json& change);
+
     /// Completes those that have not failed. Does not throw either.
     void commit();
 

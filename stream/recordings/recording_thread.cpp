@@ -110,7 +110,10 @@ void RecordingThread::write_queue(Shared& shared, std::unique_lock<std::mutex>& 
         }
         const SharedRows rows = shared.queue.front();
         lock.unlock();
-        std::string failure = failure_of([&] { shared.writer->write(rows->first, rows->values); });
+        std::string failure = failure_of([&] {
+            rows->change.is_null() ? shared.writer->write(rows->first, rows->values)
+                                   : shared.writer->note_change(rows->change);
+        });
         lock.lock();
         shared.queue.pop_front();
         shared.bytes -= bytes_of(rows);
@@ -127,8 +130,11 @@ bool RecordingThread::try_write(const SharedRows& rows) {
     const std::scoped_lock lock(shared_->mutex);
     // Once it was full half of it must be free: one long gap is better than many short ones.
     const std::size_t allowed = shared_->full ? shared_->max_bytes / 2 : shared_->max_bytes;
-    shared_->full = !shared_->queue.empty() && shared_->bytes + bytes_of(rows) > allowed;
-    if (shared_->full || shared_->over || !shared_->result.failure.empty()) {
+    const bool full = !shared_->queue.empty() && shared_->bytes + bytes_of(rows) > allowed;
+    if (rows->change.is_null()) {
+        shared_->full = full;
+    }
+    if ((full && rows->change.is_null()) || shared_->over || !shared_->result.failure.empty()) {
         return false;
     }
     shared_->queue.push_back(rows);

@@ -42,7 +42,7 @@ public:
     RecordingThread(const RecordingThread&) = delete;
     RecordingThread& operator=(const RecordingThread&) = delete;
 
-    /// False when the queue is full, or the recording over.
+    /// False when the queue is full, or the recording over. For a change there is always room.
     bool try_write(const SharedRows& rows);
     /// Waits until something more was written, at most so long. False when nothing was, or the recording is over.
     bool wait_for_progress(Duration most);

@@ -136,15 +136,20 @@ void ReceivedRun::note_refusal(const Refusal& refusal) {
 }
 
 void ReceivedRun::take_meta(const Message& message) {
-    if (heard_samples() || message.parts() != 1) {
+    if (message.parts() != 1) {
         return;
     }
     const Json meta = parsed_object(message.text(0));
+    if (heard_samples()) {
+        note_changes(meta);
+        return;
+    }
     if (!meta.is_object() || !meta.contains("streams") || !meta["streams"].is_array()) {
         note_malformed("meta has no streams");
         return;
     }
     knows_the_run_ = true;
+    epoch_ = static_cast<std::int64_t>(count_in(meta, "epoch"));
     provenance_ = provenance_of_meta(meta);
     streams_.clear();
     for (const Json& stream : meta["streams"]) {
@@ -158,6 +163,22 @@ void ReceivedRun::take_meta(const Message& message) {
         notify_(fmt::format("this run has no stream {}; it has {}", row_of(tap_).name,
                             comma_separated(streams_)));
         end(EndReason::no_such_stream);
+    }
+}
+
+/// Meta comes before the first frame of an epoch.
+void ReceivedRun::note_changes(const Json& meta) {
+    if (!meta.is_object() || text_in(meta, "run") != run_ || !meta.contains("changes") ||
+        !meta["changes"].is_array()) {
+        return;
+    }
+    for (const Json& change : meta["changes"]) {
+        const auto number =
+            change.is_object() ? static_cast<std::int64_t>(count_in(change, "epoch")) : std::int64_t{0};
+        if (number > epoch_) {
+            epoch_ = number;
+            changes_.push_back(change);
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -75,6 +76,9 @@ public:
     std::uint64_t malformed() const noexcept { return malformed_; }
     /// What meta says of where the samples come from.
     const nlohmann::ordered_json& provenance() const noexcept { return provenance_; }
+    /// Changes of the scene that were heard of since the last call, as meta has them; those before the first frame are in
+    /// provenance().
+    std::vector<nlohmann::ordered_json> take_changes() { return std::exchange(changes_, {}); }
     /// Why the last handshake failed; empty: none did.
     const std::string& refusal() const noexcept { return refusal_; }
     /// Names of the streams that the run has, once it is known.
@@ -95,6 +99,7 @@ private:
     ReceivedFrame* take_frame(const Message& message);
     void take_meta(const Message& message);
     void take_end(const Message& message);
+    void note_changes(const nlohmann::ordered_json& meta);
     /// The frame is of this run; else says why not.
     bool belongs_to_run(const FrameHeader& header);
     void begin(const FrameHeader& header);
@@ -109,6 +114,8 @@ private:
     nlohmann::ordered_json provenance_ = nlohmann::ordered_json::object();
     EndReason end_reason_ = EndReason::none;
     bool knows_the_run_ = false;
+    std::int64_t epoch_ = 0;  // of the last meta
+    std::vector<nlohmann::ordered_json> changes_;
     std::vector<std::string> streams_;
     std::optional<std::size_t> announced_channels_;  // as meta says
     std::map<Arrival, int> notices_;                 // so often the user was told of it

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <stdexcept>
 
@@ -17,6 +18,10 @@ ReplaySource::ReplaySource(std::unique_ptr<RecordingReader> reader, double sampl
     // another rate than the recording's makes the bursts faster or slower, too
     const double faster = head().sample_rate_hz > 0 ? sample_rate_hz / head().sample_rate_hz : 1;
     format_.repetition_hz = faster * repetition_of(head().provenance).value_or(0);
+    epochs_ = epochs_of(head().provenance, head().sample_rate_hz);
+    for (Epoch& epoch : epochs_) {
+        epoch.repetition_hz *= faster;
+    }
     find_columns();
     if (!refill()) {
         throw std::runtime_error(failure_.empty() ? "the recording holds no samples" : failure_);
@@ -103,6 +108,18 @@ bool ReplaySource::read(Samples& samples, std::size_t count, TapSet wanted) noex
         pass(taken);
     }
     return samples.count > 0;
+}
+
+std::int64_t ReplaySource::samples_to_change() noexcept {
+    while (epoch_ + 1 < epochs_.size() && epochs_[epoch_ + 1].first_sample <= next_) {
+        ++epoch_;
+    }
+    return epoch_ + 1 < epochs_.size() ? epochs_[epoch_ + 1].first_sample - next_
+                                       : std::numeric_limits<std::int64_t>::max();
+}
+
+Epoch ReplaySource::epoch() const noexcept {
+    return epoch_ < epochs_.size() ? epochs_[epoch_] : Epoch{.repetition_hz = format_.repetition_hz};
 }
 
 bool ReplaySource::skip(std::int64_t count) noexcept {

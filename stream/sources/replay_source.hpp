@@ -26,6 +26,8 @@ public:
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
     void interrupt() noexcept override { reader_->interrupt(); }
+    std::int64_t samples_to_change() noexcept override;
+    Epoch epoch() const noexcept override;
     std::int64_t next_sample() const noexcept override { return next_; }
     std::string failure() const override { return failure_; }
 
@@ -38,6 +40,8 @@ private:
 
     std::unique_ptr<RecordingReader> reader_;
     StreamFormat format_;
+    std::vector<Epoch> epochs_;                      // none: not known
+    std::size_t epoch_ = 0;                          // of them, the present one
     std::vector<std::vector<std::size_t>> columns_;  // of each tap, in the rows
     RecordedRows rows_;                              // read and not handed on
     std::int64_t row_ = 0;                           // of them, the next one

@@ -3,8 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 
+#include "core/model/bursts.hpp"
 #include "core/samples.hpp"
 #include "core/solvers/extent.hpp"
 #include "core/taps.hpp"
@@ -54,6 +56,12 @@ public:
 
     /// Makes read() and skip() return soon, with false; from another thread. For sources whose blocks take long.
     virtual void interrupt() noexcept {}
+
+    /// How many samples may be read or passed over at once: a block ends where the scene changes. At least 1.
+    virtual std::int64_t samples_to_change() noexcept { return std::numeric_limits<std::int64_t>::max(); }
+
+    /// That of the sample that comes next, after samples_to_change().
+    virtual Epoch epoch() const noexcept { return {.repetition_hz = format().repetition_hz}; }
 
     /// Index of the sample that comes next.
     virtual std::int64_t next_sample() const noexcept = 0;

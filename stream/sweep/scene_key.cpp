@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <set>
 #include <type_traits>
 #include <vector>
 
@@ -118,8 +119,73 @@ std::vector<std::string> words_of(const Other& /*other*/) {
     return {};
 }
 
-/// Every key that the scene has.
-std::vector<std::string> keys_of(const Scene& scene) {
+// The value of a member.
+SceneValue present(const Scene& /*scene*/, double member) {
+    return member;
+}
+SceneValue present(const Scene& /*scene*/, std::int64_t member) {
+    return member;
+}
+SceneValue present(const Scene& /*scene*/, const std::string& member) {
+    return member;
+}
+template <class Choice>
+requires std::is_enum_v<Choice> SceneValue present(const Scene& /*scene*/, Choice member) {
+    return std::string(word(member));
+}
+template <class Member>
+std::optional<SceneValue> value_in(const Scene& scene, const std::optional<Member>& member) {
+    return member ? std::optional(present(scene, *member)) : std::nullopt;
+}
+template <class Member>
+std::optional<SceneValue> value_in(const Scene& scene, const Member& member) {
+    return present(scene, member);
+}
+
+template <class Member>
+bool take_back(std::optional<Member>& member) {
+    member.reset();
+    return true;
+}
+template <class Member>
+bool take_back(Member& /*member*/) {
+    return false;
+}
+
+// Bounds and words, as who draws a knob needs them.
+void add_bounds(const Scene& /*scene*/, const Range& range, SceneKeyInfo& info) {
+    info.minimum = range.min;
+    info.maximum = range.max;
+}
+void add_bounds(const Scene& /*scene*/, const Count& count, SceneKeyInfo& info) {
+    info.minimum = static_cast<double>(count.min);
+    info.maximum = static_cast<double>(count.max);
+}
+void add_bounds(const Scene& scene, MaterialSort sort, SceneKeyInfo& info) {
+    const auto is_of = [sort](const Material& material) {
+        return std::holds_alternative<Solid>(material) == (sort == MaterialSort::solid);
+    };
+    std::set<std::string> names;
+    for (const BuiltInMaterial& entry : built_in_materials()) {
+        if (is_of(entry.material)) {
+            names.emplace(entry.name);
+        }
+    }
+    for (const auto& [name, material] : scene.materials) {
+        if (is_of(material)) {
+            names.insert(name);
+        }
+    }
+    info.words.assign(names.begin(), names.end());
+}
+template <class Choice>
+void add_bounds(const Scene& /*scene*/, OneOf<Choice> words, SceneKeyInfo& info) {
+    info.words = words_of(words);
+}
+
+}  // namespace
+
+std::vector<std::string> scene_key_names(const Scene& scene) {
     std::vector<std::string> keys;
     for (const SceneKey& key : scene_keys()) {
         keys.push_back(key.key);
@@ -135,6 +201,8 @@ std::vector<std::string> keys_of(const Scene& scene) {
     }
     return keys;
 }
+
+namespace {
 
 /// A number without a look at TOML's other ways to write one; nothing where those may matter.
 template <class Number>
@@ -159,12 +227,14 @@ tl::expected<SceneKeyInfo, Fault> scene_key_named(const Scene& scene, std::strin
     std::optional<SceneKeyInfo> found;
     visit_key(scene, name, [&](const Key& key, const auto&, const auto& allowed) {
         found = SceneKeyInfo{key.text(), kind_of(allowed), unit_of(allowed), allowed_text(allowed)};
+        add_bounds(scene, allowed, *found);
     });
     if (found) {
         return *std::move(found);
     }
-    return tl::unexpected(Fault{"", quoted_briefly(name),
-                                "a key of the scene, as chain.preload_n" + suggestion(name, keys_of(scene))});
+    return tl::unexpected(
+        Fault{"", quoted_briefly(name),
+              "a key of the scene, as chain.preload_n" + suggestion(name, scene_key_names(scene))});
 }
 
 tl::expected<SceneValue, Fault> read_value(const SceneKeyInfo& key, std::string_view text) {
@@ -218,6 +288,19 @@ std::optional<Fault> value_fault(const Scene& scene, const SceneKeyInfo& key, co
         }
     }
     return std::nullopt;
+}
+
+std::optional<SceneValue> value_of(const Scene& scene, std::string_view key) {
+    std::optional<SceneValue> value;
+    visit_key(scene, key,
+              [&](const Key&, const auto& member, const auto&) { value = value_in(scene, member); });
+    return value;
+}
+
+bool unset_value(Scene& scene, std::string_view key) {
+    bool done = false;
+    visit_key(scene, key, [&](const Key&, auto& member, const auto&) { done = take_back(member); });
+    return done;
 }
 
 void set_value(Scene& scene, std::string_view key, const SceneValue& value) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -25,9 +26,20 @@ enum class ValueKind { number, integer, word };
 struct SceneKeyInfo {
     std::string name;  ///< "chain.preload_n", "materials.mine.density_kg_per_m3"
     ValueKind kind = ValueKind::number;
-    std::string unit;     ///< of a number; may be empty
-    std::string allowed;  ///< as messages have it
+    std::string unit;                                  ///< of a number; may be empty
+    std::string allowed;                               ///< as messages have it
+    std::optional<double> minimum = {}, maximum = {};  ///< of a number or an integer
+    std::vector<std::string> words = {};               ///< that there are
 };
+
+/// Every key that the scene has, those of its own materials included.
+std::vector<std::string> scene_key_names(const Scene& scene);
+
+/// The key's value; nothing where it is not given, or there is no such key.
+std::optional<SceneValue> value_of(const Scene& scene, std::string_view key);
+
+/// Takes the key's value back; false where the key always has one.
+bool unset_value(Scene& scene, std::string_view key);
 
 /// The key of that name, or a fault that suggests another one.
 tl::expected<SceneKeyInfo, Fault> scene_key_named(const Scene& scene, std::string_view name);

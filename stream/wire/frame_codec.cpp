@@ -31,7 +31,7 @@ bool is_plain_name(std::string_view name) {
     return is_plain_name(header.stream) && is_plain_name(header.unit) && is_plain_name(header.run) &&
            std::isfinite(header.fs) && header.fs > 0 && std::isfinite(header.t()) && header.n >= 1 &&
            header.channels >= 1 && header.burst_sample <= header.sample &&
-           std::max({header.seq, header.sample, header.burst, header.dropped}) <= max_count;
+           std::max({header.seq, header.sample, header.burst, header.epoch, header.dropped}) <= max_count;
 }
 
 /// Reads members of one JSON object; remembers the first thing that is wrong.
@@ -111,9 +111,9 @@ void encode_header(const FrameHeader& header, std::string& json) {
     fmt::format_to(
         std::back_inserter(json),
         FMT_COMPILE(R"({{"dtype":"<f4","shape":[{},{}],"unit":"{}","stream":"{}","seq":{},"sample":{},)"
-                    R"("burst":{},"burst_sample":{},"fs":{},"t":{},"dropped":{},"run":"{}"}})"),
+                    R"("burst":{},"burst_sample":{},"epoch":{},"fs":{},"t":{},"dropped":{},"run":"{}"}})"),
         header.n, header.channels, header.unit, header.stream, header.seq, header.sample, header.burst,
-        header.burst_sample, header.fs, header.t(), header.dropped, header.run);
+        header.burst_sample, header.epoch, header.fs, header.t(), header.dropped, header.run);
 }
 
 tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std::size_t payload_bytes) {
@@ -140,6 +140,7 @@ tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std:
     if (header.burst_sample > header.sample) {
         reader.fail("burst_sample", "a whole number up to \"sample\"");
     }
+    header.epoch = reader.count("epoch");
     header.fs = reader.number("fs");
     if (header.fs <= 0) {
         reader.fail("fs", "a positive number");

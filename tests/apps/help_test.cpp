@@ -20,7 +20,7 @@ TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
     const Outcome program = hertzline({"--help"});
     EXPECT_EQ(program.status, 0);
     for (const char* command :
-         {"run", "sweep", "optimise", "stream", "listen", "plot", "scenes", "check", "keys"}) {
+         {"run", "sweep", "optimise", "stream", "listen", "set", "get", "plot", "scenes", "check", "keys"}) {
         const Outcome help = hertzline({command, "--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));
@@ -31,8 +31,8 @@ TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
 TEST(Help, FitsEightyColumns) {
     const Outcome program = hertzline({"--help"});
     std::vector<Words> helps{{"--help"}};
-    for (const char* command : {"run", "sweep", "optimise", "stream", "replay", "listen", "plot", "scenes",
-                                "materials", "check", "keys"}) {
+    for (const char* command : {"run", "sweep", "optimise", "stream", "replay", "listen", "set", "get",
+                                "plot", "scenes", "materials", "check", "keys"}) {
         EXPECT_THAT(program.out, HasSubstr(command));
         helps.push_back({command, "--help"});
     }

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """meta, meters, end and the headers of frames of real streams are what their schema says: messages_keep_their_schema.py HERTZLINE SCHEMA"""
-import json, sys, tempfile
+import json, subprocess, sys, tempfile
 import jsonschema, zmq
 from streaming import LONG_ENOUGH_S, Stream
 
@@ -50,6 +50,19 @@ def replayed(folder):
     return messages_of(file, 2e-4, command="replay")
 
 
+def replayed_with_changes(folder):
+    """The same of a recording whose scene changes."""
+    changes, file = folder + "/changes.json", folder + "/changed.sigmf-meta"
+    with open(changes, "w") as text:
+        json.dump([{"sample": 10000, "set": {"drive.cycles": 5}}, {"sample": 15000, "set": {"chain.preload_n": 0.2}}], text)
+    subprocess.run([program, "run", "paper-stream", "--set", "output.duration_s=2e-3", "--changes", changes, "-o", file],
+                   check=True, stdout=subprocess.DEVNULL)
+    said = messages_of(file, 2e-3, command="replay")
+    metas = [message for topic, message in said if topic == "meta"]
+    assert len(metas[-1]["changes"]) == 2 and metas[-1]["epoch"] == 2 and metas[-1]["epoch_sample"] == 15000
+    return said
+
+
 with tempfile.NamedTemporaryFile("w", suffix=".toml") as own_material:
     own_material.write('[end]\nmaterial = "tin"\n[materials.tin]\n'
                        "youngs_modulus_pa = 50e9\npoissons_ratio = 0.36\ndensity_kg_per_m3 = 7265.0\n")
@@ -59,6 +72,7 @@ with tempfile.NamedTemporaryFile("w", suffix=".toml") as own_material:
               messages_of("long-chain", 1e-4, "--set", "chain.spheres=1000", "--set", "numerics.step_s=20e-9")]
 with tempfile.TemporaryDirectory() as folder:
     others.append(replayed(folder))
+    others.append(replayed_with_changes(folder))
 for said in (plate, *others):
     assert {topic for topic, _ in said} == set(topics), "a topic said nothing"
     assert said[0][0] == "meta"

@@ -34,7 +34,7 @@ class Publisher:
                 self.send("meta", {"streams": [{"name": "v_out", "channels": 1}], "version": "9"})
         for seq, sample, dropped, n in self.frames:
             header = {"dtype": "<f4", "shape": [n, 1], "unit": "m/s", "stream": "v_out", "seq": seq, "sample": sample,
-                      "fs": 1e6, "t": sample / 1e6, "dropped": dropped, "run": "r", "burst": 0, "burst_sample": sample}
+                      "fs": 1e6, "t": sample / 1e6, "dropped": dropped, "run": "r", "burst": 0, "burst_sample": sample, "epoch": 0}
             samples = np.arange(sample, sample + n, dtype="<f4")
             self.socket.send_multipart([b"v_out/np", json.dumps(header).encode(), samples.tobytes()])
         self.send("end", {"run": "r", "samples": self.end, "dropped_frames": 0})

@@ -100,6 +100,8 @@ INSTEAD = {
         "hertzline stream paper-stream --record live.h5 --columns v_out,v_horn",
     "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",
     "hertzline listen [-o FILE]...": "hertzline listen -o heard.h5",
+    "hertzline set KEY=VALUE... [--undo]": "hertzline set --help",  # the streams there are not controlled
+    "hertzline get [KEY...]": "hertzline get --help",
     "hertzline plot RECORDING -o FILE.png": "hertzline plot a.npy -o b.png && test -s a.png && test -s b.png",
     "hertzline scenes [NAME]": "hertzline scenes && hertzline scenes paper-wall",
     "hertzline check SCENE": "hertzline check paper-wall",

@@ -17,6 +17,9 @@ void ListenSession::take(const stream::Message& message) {
         if (!recordings_) {
             begin();
         }
+        for (const Json& change : received_.take_changes()) {
+            recordings_->note_change(change);
+        }
         take_samples(*frame);
     }
 }

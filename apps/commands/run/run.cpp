@@ -15,6 +15,7 @@
 #include "apps/command.hpp"
 #include "apps/commands/plot/picture.hpp"
 #include "apps/commands/preflight.hpp"
+#include "apps/commands/run/run_changes.hpp"
 #include "apps/commands/run/run_picture.hpp"
 #include "apps/commands/run/run_spectra.hpp"
 #include "apps/commands/run/run_summary.hpp"
@@ -42,10 +43,13 @@ constexpr const char* examples =
     "  hertzline run paper-vitreous-carbon -o force.csv --columns v_out,f_last\n"
     "  hertzline run paper-vitreous-carbon --measure v_plate --spectrum lines.csv\n"
     "  hertzline run paper-wall --measure f_last --plot wall.png\n"
-    "  hertzline run my-scene.toml --all -o all.csv --json";
+    "  hertzline run my-scene.toml --all -o all.csv --json\n"
+    "A recording in place of SCENE is simulated again, with the changes that its stream went through:\n"
+    "  hertzline run session.h5 -o again.h5";
 
 struct RunOptions {
     SceneRequest scene;
+    std::string changes;  ///< a file; empty: the scene stays as it is
     std::vector<std::string> files;
     std::vector<std::string> columns;   ///< taps to be recorded; none: the usual ones
     std::vector<std::string> taps;      ///< to be recorded beside those
@@ -94,7 +98,7 @@ void refuse_unwritable(const RunOptions& options) {
 }
 
 stream::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
-                           stream::RecordingSet& recordings) {
+                           stream::RecordingSet& recordings, stream::SceneSteps& steps) {
     const Scene& scene = simulation.scene();
     stream::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
@@ -102,29 +106,44 @@ stream::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measu
         stream::empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
     ProgressLine line;
     const stream::Nanoseconds start = stream::MonotonicClock::now();
-    const Status status = stream::simulate(simulation, record, [&](const Samples& block) {
-        row_builder.write(block);
-        if (wants_files && !recordings.any_left()) {
-            throw std::runtime_error("every recording has failed, so the run was stopped");
-        }
-        if (line.due()) {
-            const stream::Nanoseconds elapsed = stream::MonotonicClock::now() - start;
-            line.show(
-                progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
-                               scene.output.duration_s, std::chrono::duration<double>(elapsed).count()}));
-        }
-        return true;
-    });
+    const Status status = stream::simulate(
+        simulation, record,
+        [&](const Samples& block) {
+            row_builder.write(block);
+            if (wants_files && !recordings.any_left()) {
+                throw std::runtime_error("every recording has failed, so the run was stopped");
+            }
+            if (line.due()) {
+                const stream::Nanoseconds elapsed = stream::MonotonicClock::now() - start;
+                line.show(
+                    progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
+                                   scene.output.duration_s, std::chrono::duration<double>(elapsed).count()}));
+            }
+            return true;
+        },
+        &steps);
     if (status != Status::running && status != Status::stopped) {
-        throw std::runtime_error(simulation.failure());
+        throw std::runtime_error((steps.last ? *steps.last : simulation).failure());
     }
     return record;
+}
+
+/// @throws WrongUse
+Session session_of(const RunOptions& options) {
+    if (!is_recording(options.scene.scene)) {
+        return session_of_scene(options.scene, options.changes);
+    }
+    if (!options.changes.empty()) {
+        throw WrongUse(
+            "--changes: found together with a recording, which has its own; allowed: with a scene");
+    }
+    return session_of_recording(options.scene);
 }
 
 Exit run(const RunOptions& options) {
     const stream::Nanoseconds start = stream::MonotonicClock::now();
     Faults faults;
-    std::optional<ResolvedScene> sound;  // unset: the scene has faults
+    std::optional<Session> sound;  // unset: the scene has faults
     TapSet columns;
     TapSet beside;
     TapSet measured;
@@ -137,21 +156,22 @@ Exit run(const RunOptions& options) {
         }
     });
     faults.of([&] { refuse_wrong_wav_scale(options.wav_scale, options.files); });
-    faults.of([&] { sound = resolved_scene(options.scene); });
-    const TapSet there = sound ? taps_of(sound->scene.end) : all_taps;
+    faults.of([&] { sound = session_of(options); });
+    const TapSet there = sound ? taps_of(sound->resolved.scene.end) : all_taps;
     faults.of([&] { columns = tap_arguments("--columns", options.columns, there); });
     faults.of([&] { beside = tap_arguments("--tap", options.taps, there); });
     faults.of([&] { measured = tap_arguments("--measure", options.measures, there & measurable_taps); });
     faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.refuse();
-    const ResolvedScene& resolved = *sound;
+    const ResolvedScene& resolved = sound->resolved;
     const Scene& scene = resolved.scene;
     measured |= there & measured_unasked;
     const TapSet recorded = asked_taps(options, columns, beside, scene.end);
     refuse_unwritable(options);
     refuse_shortages(scene, {options.files, recorded, options.spectra, measured});
     stop_asked();  // from here on there are files to be cleaned up
-    Simulation simulation(scene, {.taps = taps_of_run(scene, recorded | measured), .stop = &stop_asked()});
+    const SimulationOptions simulated{.taps = taps_of_run(scene, recorded | measured), .stop = &stop_asked()};
+    Simulation simulation(scene, simulated);
     const stream::RecordingHead head{
         .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,
@@ -162,7 +182,11 @@ Exit run(const RunOptions& options) {
         options.files, head, stream::RecordingPatience::endless(stop_asked()),
         [](const std::string& text) { spdlog::error(text); }, stream::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
-    const stream::RunRecord record = simulate(simulation, recorded, measured, recordings);
+    stream::SceneSteps steps{.steps = sound->steps, .options = simulated, .begins = [&](std::size_t step) {
+                                 recordings.note_change(stream::change_json(sound->changes[step]));
+                             }};
+    const stream::RunRecord record = simulate(simulation, recorded, measured, recordings, steps);
+    Simulation& last = steps.last ? *steps.last : simulation;
     if (record.stopped) {
         recordings.discard();
         spdlog::error("stopped before the end; nothing was saved");
@@ -185,9 +209,9 @@ Exit run(const RunOptions& options) {
         return Exit::failed;
     }
     std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz);
-    summary.push_back(contacts(simulation));
-    summary.push_back(stream::trust_of_run(simulation, resolved));
-    summary.push_back(account(simulation, setup_s, record, recordings));
+    summary.push_back(contacts(last));
+    summary.push_back(stream::trust_of_run(last, resolved));
+    summary.push_back(account(last, setup_s, record, recordings));
     print_summary(summary, options.format);
     return recordings.sound() && saved ? Exit::done : Exit::failed;
 }
@@ -197,6 +221,12 @@ Exit run(const RunOptions& options) {
 Run run_command(CLI::App& app) {
     auto options = std::make_shared<RunOptions>();
     add_scene_options(app, options->scene)->required();
+    app.add_option("--changes", options->changes,
+                   "change the scene on the way as a stream was changed: a JSON list of {\"sample\": N, "
+                   "\"set\": {KEY: "
+                   "VALUE}}")
+        ->check(missing_name)
+        ->type_name("FILE");
     add_repeatable_option(
         app, "-o,--output", options->files,
         "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")

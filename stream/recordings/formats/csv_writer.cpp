@@ -57,6 +57,16 @@ public:
     }
 
 private:
+    void changed(const Json& /*change*/) override { metadata_is_stale_ = true; }
+
+    void renew_metadata() {
+        if (metadata_ && metadata_is_stale_) {
+            metadata_.emplace(csv_metadata_path(path()), StagedFile::Devices::refused);
+            metadata_->write(metadata_text(path(), head()));
+            metadata_is_stale_ = false;
+        }
+    }
+
     void append(std::int64_t first, std::span<const double> values) override {
         const std::size_t columns = head().columns.size();
         for (; !values.empty(); values = values.subspan(columns)) {
@@ -87,6 +97,7 @@ private:
 
     void finish() override {
         flush();
+        renew_metadata();
         file_.close();
         if (metadata_) {
             metadata_->close();  // what was there before goes only when all is in the new files
@@ -128,6 +139,7 @@ private:
     }
 
     KeptRows kept_as_it_is(std::int64_t rows) {
+        renew_metadata();
         if (metadata_) {
             metadata_->keep();
         }
@@ -142,6 +154,7 @@ private:
 
     OutputFile file_;
     std::optional<OutputFile> metadata_;  // of what is no device; in the file from the start on
+    bool metadata_is_stale_ = false;      // since then the scene has changed
     std::string line_;
     std::int64_t lines_ = 0;  // that of the names among them
     std::int64_t flushed_lines_ = 0;

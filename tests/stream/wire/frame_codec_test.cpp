@@ -29,6 +29,7 @@ FrameHeader example() {
             .sample = 7168,
             .burst = 3,
             .burst_sample = 168,
+            .epoch = 2,
             .fs = 1e7,
             .dropped = 2,
             .run = "01234567-89ab-4cde-8f01-23456789abcd",
@@ -56,7 +57,7 @@ TEST(EncodeHeader, WritesTheAgreedJson) {
     EXPECT_EQ(
         encoded(example()),
         R"({"dtype":"<f4","shape":[1024,1],"unit":"m/s","stream":"v_out","seq":7,"sample":7168,)"
-        R"("burst":3,"burst_sample":168,"fs":10000000,"t":0.0007168,"dropped":2,"run":"01234567-89ab-4cde-8f01-23456789abcd"})");
+        R"("burst":3,"burst_sample":168,"epoch":2,"fs":10000000,"t":0.0007168,"dropped":2,"run":"01234567-89ab-4cde-8f01-23456789abcd"})");
 }
 
 TEST(EncodeHeader, NumbersSurviveTheRoundTripBitForBit) {
@@ -67,6 +68,7 @@ TEST(EncodeHeader, NumbersSurviveTheRoundTripBitForBit) {
         header.sample = random() >> (1 + random() % 63);
         header.burst = random() >> (1 + random() % 63);
         header.burst_sample = header.sample >> (random() % 64);
+        header.epoch = random() >> (1 + random() % 63);
         header.seq = random() >> (1 + random() % 63);
         header.dropped = random() >> (1 + random() % 63);
         header.n = 1 + random() % 5000;
@@ -82,7 +84,7 @@ TEST(EncodeHeader, NumbersSurviveTheRoundTripBitForBit) {
 TEST(EncodeHeader, AllocatesNothingOnceTheBufferHasGrown) {
     FrameHeader header = example();
     std::string json;
-    header.sample = header.seq = header.dropped = header.burst = header.burst_sample =
+    header.sample = header.seq = header.dropped = header.burst = header.burst_sample = header.epoch =
         std::numeric_limits<std::int64_t>::max();
     encode_header(header, json);
     const std::size_t before = test::allocations();
@@ -97,7 +99,7 @@ TEST(EncodeHeader, AllocatesNothingOnceTheBufferHasGrown) {
 
 TEST(DecodeHeader, AcceptsAnyOrderBlanksAndUnknownKeys) {
     const std::string json =
-        R"( { "run":"r", "dropped":0, "t":0, "fs":1e7, "sample":0, "burst":0, "burst_sample":0, "seq":0, "new":[[{}]],
+        R"( { "run":"r", "dropped":0, "t":0, "fs":1e7, "sample":0, "burst":0, "burst_sample":0, "epoch":0, "seq":0, "new":[[{}]],
         "stream":"v_chain", "unit":"m/s", "shape":[ 3 , 6 ], "dtype":"<f4" } )";
     const auto header = decode_header(json, 72);
     ASSERT_TRUE(header) << header.error();
@@ -109,7 +111,7 @@ TEST(DecodeHeader, AcceptsAnyOrderBlanksAndUnknownKeys) {
 
 TEST(DecodeHeader, NamesTheKeyThatIsMissing) {
     for (const char* key : {"dtype", "shape", "unit", "stream", "seq", "sample", "burst", "burst_sample",
-                            "fs", "t", "dropped", "run"}) {
+                            "epoch", "fs", "t", "dropped", "run"}) {
         const auto header =
             decode_header(with(key, nlohmann::json(nlohmann::json::value_t::discarded)), 4096);
         ASSERT_FALSE(header) << key;
@@ -122,6 +124,7 @@ TEST(DecodeHeader, NamesTheKeyOfAWrongValue) {
     const std::vector<std::pair<const char*, json>> wrong = {
         {"dtype", "<f8"},
         {"burst", -1},
+        {"epoch", -1},
         {"burst_sample", 7169},
         {"dtype", 4},
         {"shape", 1024},

@@ -24,7 +24,8 @@
 /// What HDF5's names of types and classes stand for: known once the library is open.
 #define HERTZLINE_HDF5_NUMBERS(X) \
     X(H5P_CLS_DATASET_CREATE_ID_g) X(H5P_CLS_FILE_ACCESS_ID_g) X(H5T_C_S1_g) X(H5T_IEEE_F32LE_g) \
-    X(H5T_IEEE_F64LE_g) X(H5T_NATIVE_DOUBLE_g) X(H5T_NATIVE_INT64_g) X(H5T_STD_I64LE_g)
+    X(H5T_IEEE_F64LE_g) X(H5T_NATIVE_DOUBLE_g) X(H5T_NATIVE_INT64_g) X(H5T_NATIVE_UCHAR_g) X(H5T_STD_I64LE_g) \
+    X(H5T_STD_U8LE_g)
 // clang-format on
 
 namespace hertzline::stream {

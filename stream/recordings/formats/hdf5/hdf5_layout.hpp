@@ -15,6 +15,9 @@ namespace hertzline::stream {
 /// The dataset that lists where the recording begins and goes on after gaps.
 inline constexpr const char* hdf5_captures = "captures";
 
+/// The dataset that lists changes of the scene, if there are any: bytes, JSON on a line each.
+inline constexpr const char* hdf5_changes = "changes";
+
 /// A dataset and the columns that it holds, in order.
 struct Hdf5Quantity {
     std::string name;

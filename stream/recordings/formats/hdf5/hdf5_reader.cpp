@@ -2,7 +2,9 @@
 #include <array>
 #include <cstddef>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -24,6 +26,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr hsize_t max_chunk_bytes = 16 << 20;
+constexpr hsize_t max_change_bytes = 64 << 20;
 constexpr std::size_t read_bytes = std::size_t{1} << 20;
 
 std::string read_text(hid_t object, const char* name) {
@@ -159,6 +162,27 @@ private:
             head_.numbers = its_numbers;
         }
         rows_ = CaptureCursor(captures(), static_cast<std::int64_t>(rows));
+        take_changes();
+    }
+
+    void take_changes() {
+        H5L_info_t link{};
+        if (std::ranges::find(quantities_, hdf5_changes, &Hdf5Quantity::name) != quantities_.end() ||
+            H5Lget_info(file_.id(), hdf5_changes, &link, H5P_DEFAULT) < 0) {
+            return;  // there are none
+        }
+        hsize_t bytes = 0;
+        const Hdf5Object dataset = open_dataset(file_.id(), hdf5_changes, 1, 1, bytes);
+        if (bytes > max_change_bytes) {
+            throw std::runtime_error(fmt::format("dataset {}: {} bytes, allowed: at most {}", hdf5_changes,
+                                                 bytes, max_change_bytes));
+        }
+        std::string text(bytes, '\0');
+        hdf5(H5Dread(dataset.id(), H5T_NATIVE_UCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()));
+        std::istringstream lines(text);
+        for (std::string line; std::getline(lines, line);) {
+            head_.provenance["changes"].push_back(json_from_outside(line));
+        }
     }
 
     NumberType number_type(const Hdf5Quantity& quantity) const {

@@ -26,6 +26,7 @@ constexpr auto flush_period = std::chrono::milliseconds(500);
 
 constexpr std::size_t chunk_bytes = 128 << 10;
 constexpr hsize_t capture_chunk = 1024;
+constexpr hsize_t change_chunk = 4096;
 
 /// Rows and columns of a chunk: whole rows as long as those are not much larger than a chunk is meant to be.
 std::array<hsize_t, 2> chunk_of(std::size_t columns, NumberType numbers) {
@@ -101,6 +102,19 @@ private:
         });
     }
 
+    void changed(const Json& change) override {
+        const std::string line = text_of(change) + '\n';
+        inside_the_library([&] {
+            if (change_bytes_ == 0) {
+                changes_ =
+                    hdf5_create_dataset(file_.id(), hdf5_changes, H5T_STD_U8LE, 1, 1, {change_chunk, 1});
+            }
+            hdf5_append_rows(changes_.id(), H5T_NATIVE_UCHAR, change_bytes_, std::ssize(line), 1,
+                             line.data());
+            change_bytes_ += std::ssize(line);
+        });
+    }
+
     void append(std::int64_t, std::span<const double> values) override {
         const std::size_t columns = head().columns.size();
         inside_the_library([&] {
@@ -135,6 +149,7 @@ private:
         inside_the_library([&] {
             hdf5(H5Fflush(file_.id(), H5F_SCOPE_GLOBAL));
             captures_.close();
+            changes_.close();
             for (Hdf5Quantity& quantity : quantities_) {
                 quantity.dataset.close();
             }
@@ -176,6 +191,7 @@ private:
     void give_up(int reason) noexcept {
         failure_.reason = reason;
         captures_ = {};
+        changes_ = {};
         quantities_.clear();
         file_ = {};
     }
@@ -184,6 +200,8 @@ private:
     StagedFile staged_;
     Hdf5Object file_;
     Hdf5Object captures_;
+    Hdf5Object changes_;  // once there are any
+    std::int64_t change_bytes_ = 0;
     std::vector<Hdf5Quantity> quantities_;
     std::int64_t captures_written_ = 0;
     std::int64_t flushed_rows_ = 0;

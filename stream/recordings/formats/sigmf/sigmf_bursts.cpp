@@ -25,14 +25,18 @@ struct Stretch {
 };
 
 /// @param last what to do with a burst that goes on where the stretch ends
-void annotate(const Bursts& bursts, const Stretch& stretch, LastBurst last, Json& annotations) {
-    const std::int64_t end = stretch.sample + stretch.rows;
-    BurstPlace place = bursts.at(stretch.sample);
-    for (std::int64_t from = stretch.sample; from < end && annotations.size() < max_burst_annotations;) {
+void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last, Json& annotations) {
+    const Epoch& epoch = all.epoch_of(stretch.sample);
+    const Bursts bursts(all.sample_rate_hz, epoch.repetition_hz);
+    const std::int64_t begin = stretch.sample - epoch.first_sample;
+    const std::int64_t end = begin + stretch.rows;
+    BurstPlace place = bursts.at(begin);
+    for (std::int64_t from = begin; from < end && annotations.size() < max_burst_annotations;) {
         const bool goes_on = !bursts.repeat() || bursts.first_sample(place.burst + 1) > end;
         const std::int64_t to = goes_on ? end : bursts.first_sample(place.burst + 1);
         if (!goes_on || last == LastBurst::included) {
-            annotations.push_back(annotation(place.burst, stretch.row + from - stretch.sample, to - from));
+            annotations.push_back(
+                annotation(epoch.first_burst + place.burst, stretch.row + from - begin, to - from));
         }
         from = to;
         place = bursts.at(to);
@@ -41,7 +45,15 @@ void annotate(const Bursts& bursts, const Stretch& stretch, LastBurst last, Json
 
 }  // namespace
 
-Json burst_annotations(const Bursts& bursts, const Json& captures, std::int64_t rows, LastBurst last) {
+const Epoch& EpochBursts::epoch_of(std::int64_t sample) const noexcept {
+    const Epoch* found = &epochs.front();
+    for (const Epoch& epoch : epochs) {
+        found = epoch.first_sample <= sample ? &epoch : found;
+    }
+    return *found;
+}
+
+Json burst_annotations(const EpochBursts& bursts, const Json& captures, std::int64_t rows, LastBurst last) {
     Json annotations = Json::array();
     for (std::size_t i = 0; i < captures.size(); ++i) {
         const auto row = captures[i]["core:sample_start"].get<std::int64_t>();

@@ -2,6 +2,7 @@
 // The bursts of a run as annotations of its SigMF recording, so that viewers mark them.
 
 #include <cstdint>
+#include <span>
 
 #include <nlohmann/json.hpp>
 
@@ -14,10 +15,19 @@ inline constexpr std::size_t max_burst_annotations = 1000;
 
 enum class LastBurst { left_out, included };
 
+/// The bursts of a run whose scene may change.
+struct EpochBursts {
+    double sample_rate_hz;
+    std::span<const Epoch> epochs;  ///< in their order, at least one
+
+    /// That of a sample.
+    const Epoch& epoch_of(std::int64_t sample) const noexcept;
+};
+
 /// An annotation for each burst of which there are samples among the first `rows`, at most max_burst_annotations of them.
-/// Where samples are missing a burst has one in each capture. @param captures as SigMF has them
+/// Where samples are missing a burst has one in each capture. @param captures as SigMF has them; each lies in one epoch
 /// @param last the burst in which the rows end; while they grow it is not complete
-nlohmann::ordered_json burst_annotations(const Bursts& bursts, const nlohmann::ordered_json& captures,
+nlohmann::ordered_json burst_annotations(const EpochBursts& bursts, const nlohmann::ordered_json& captures,
                                          std::int64_t rows, LastBurst last);
 
 }  // namespace hertzline::stream

@@ -40,6 +40,9 @@ public:
     /// Says in the metadata, before they are saved, that the recording belongs to a collection of that name.
     void name_collection(const std::string& name) { global_["core:collection"] = name; }
 
+    /// The same of a change of the scene, the last of "changes".
+    void name_change(const nlohmann::ordered_json& change) { global_["hertzline:changes"].push_back(change); }
+
     /// Takes the place of what had the name. Old metadata go first and new ones come last: they never lie beside
     /// samples that are not theirs.
     void appear(const SigmfProgress& progress);

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <chrono>
 #include <deque>
+#include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -46,9 +48,7 @@ public:
         : CheckedWriter(path, {head.columns, head.sample_rate_hz, NumberType::float32, head.provenance}),
           appearance_(appearance),
           half_a_second_(static_cast<std::int64_t>(flush_every_s * head.sample_rate_hz)) {
-        if (const auto repetition_hz = repetition_of(head.provenance)) {
-            bursts_.emplace(head.sample_rate_hz, *repetition_hz);
-        }
+        epochs_ = epochs_of(head.provenance, head.sample_rate_hz);
         if (kind == Kind::collection) {
             require_possible(max_recordings, "a SigMF collection, which has files for each");
             begin_collection();
@@ -97,9 +97,32 @@ private:
         if (progress_.captures.size() == max_captures) {
             cannot_write(path(), fmt::format("found more than {} gaps", max_captures - 1));
         }
+        if (!progress_.captures.empty() && progress_.captures.back()["core:sample_start"] == capture.row) {
+            progress_.captures.erase(progress_.captures.size() -
+                                     1);  // that of an epoch whose first samples are missing
+        }
         progress_.captures.push_back({{"core:sample_start", capture.row},
                                       {"core:global_index", capture.sample},
                                       {"core:datetime", utc_text(std::chrono::system_clock::now())}});
+        meta_is_stale_ = true;
+    }
+
+    /// A capture and an annotation of its own.
+    void changed(const Json& change) override {
+        const auto sample = change.value("sample", std::int64_t{0});
+        epochs_ = epochs_of(head().provenance, head().sample_rate_hz);
+        for (SigmfFiles& recording : recordings_) {
+            recording.name_change(change);
+        }
+        if (rows() > 0 && sample == due()) {
+            begin_capture({rows(), sample});
+        }
+        changes_.push_back({{"core:sample_start", rows()},
+                            {"core:sample_count", 0},
+                            {"core:generator", "hertzline"},
+                            {"core:label", fmt::format("epoch {}", change.value("epoch", std::int64_t{0}))},
+                            {"hertzline:change", change}});
+        note_annotations();
         meta_is_stale_ = true;
     }
 
@@ -224,13 +247,22 @@ private:
 
     /// @param rows that the files have @returns whether there are more annotations than before
     bool annotate(LastBurst last, std::int64_t rows) {
-        Json& annotations = progress_.annotations;
-        const std::size_t before = annotations.size();
-        if (!bursts_ || (last == LastBurst::left_out && before == max_burst_annotations)) {
+        const std::size_t before = bursts_.size();
+        if (epochs_.empty() || (last == LastBurst::left_out && before == max_burst_annotations)) {
             return false;
         }
-        annotations = burst_annotations(*bursts_, progress_.captures, rows, last);
-        return annotations.size() > before;
+        bursts_ = burst_annotations({head().sample_rate_hz, epochs_}, progress_.captures, rows, last);
+        note_annotations();
+        return bursts_.size() > before;
+    }
+
+    /// Those of bursts and changes, in the order of their samples as SigMF wants it.
+    void note_annotations() {
+        const auto start = [](const Json& one) { return one["core:sample_start"].get<std::int64_t>(); };
+        Json all = Json::array();
+        std::merge(changes_.begin(), changes_.end(), bursts_.begin(), bursts_.end(), std::back_inserter(all),
+                   [&](const Json& a, const Json& b) { return start(a) < start(b); });
+        progress_.annotations = std::move(all);
     }
 
     void save_collection() const {
@@ -254,7 +286,9 @@ private:
     std::optional<fs::path> collection_;
     std::deque<SigmfFiles> recordings_;  // of a collection one for each column
     SigmfProgress progress_;
-    std::optional<Bursts> bursts_;  // unset: the scene is not known
+    std::vector<Epoch> epochs_;     // none: the scene is not known
+    Json bursts_ = Json::array();   // annotations
+    Json changes_ = Json::array();  // the same
     std::int64_t half_a_second_;    // in samples
     std::int64_t flushed_ = 0;      // samples
     steady_clock::time_point last_flush_ = steady_clock::now();

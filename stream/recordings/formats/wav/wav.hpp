@@ -16,6 +16,9 @@
 
 namespace hertzline::stream {
 
+/// Where the changes of a scene are that was streamed into a WAV, which is complete before they are known: JSON.
+std::filesystem::path wav_changes_path(std::filesystem::path wav);
+
 /// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. Throws
 /// std::runtime_error for what a WAV cannot say: rates that are no whole number, more than 1024 columns, more
 /// than 2^31 - 1 bytes a second, a description beyond 48 KiB. A comment has room for some 80 gaps: before one

@@ -18,6 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::uint64_t largest_changes = 64 << 20;
 constexpr std::size_t read_bytes = std::size_t{1} << 20;
 
 /// Refuses what is no WAV, since libsndfile would open many a format, and what is shorter than it says it is,
@@ -65,6 +66,7 @@ public:
         try {
             if (const std::string description = description_of(); !description.empty()) {
                 take(description, info, numbers);
+                take_changes();
             } else {
                 head_ = head_of_channels(static_cast<std::size_t>(info.channels), info.samplerate, numbers);
                 rows_ = CaptureCursor({{0, 0}}, info.frames);
@@ -161,6 +163,21 @@ private:
             rows_ = CaptureCursor(std::move(captures), info.frames);
         } catch (const Json::exception&) {
             throw std::runtime_error("damaged: the comment does not name rows and captures");
+        }
+    }
+
+    /// The changes of the scene, where they are those of this run.
+    void take_changes() {
+        const std::filesystem::path beside = wav_changes_path(path_);
+        if (!std::filesystem::is_regular_file(beside) || !head_.provenance.contains("run")) {
+            return;
+        }
+        InputFile file(beside);
+        const Json noted =
+            json_from_outside(file.text(std::min(file.size(), largest_changes), "the changes"));
+        if (noted.is_object() && noted.contains("changes") && noted.contains("run") &&
+            noted["run"] == head_.provenance["run"]) {
+            head_.provenance["changes"] = noted["changes"];
         }
     }
 

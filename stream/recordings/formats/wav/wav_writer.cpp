@@ -9,6 +9,7 @@
 
 #include "core/scene/text.hpp"
 #include "stream/files/errors.hpp"
+#include "stream/files/output_file.hpp"
 #include "stream/files/staged_file.hpp"
 #include "stream/files/write_all.hpp"
 #include "stream/recordings/checked_writer.hpp"
@@ -177,7 +178,22 @@ private:
     void finish() override {
         require_written();
         complete(rows());
+        save_changes();
         output_.file.commit();
+    }
+
+    /// A WAV has no room for what is known only when it is written.
+    void save_changes() {
+        const std::filesystem::path beside = wav_changes_path(path());
+        if (!head().provenance.contains("changes") || head().provenance["changes"].empty()) {
+            std::filesystem::remove(beside);  // another recording's
+            return;
+        }
+        OutputFile file(beside, StagedFile::Devices::refused);
+        file.write(text_of(nlohmann::ordered_json{{"run", head().provenance.value("run", "")},
+                                                  {"changes", head().provenance["changes"]}}) +
+                   '\n');
+        file.commit();
     }
 
     /// Writes what a WAV has after its samples, and closes it.
@@ -246,6 +262,10 @@ private:
 };
 
 }  // namespace
+
+std::filesystem::path wav_changes_path(std::filesystem::path wav) {
+    return wav += "-changes.json";
+}
 
 std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <spdlog/spdlog.h>
@@ -14,6 +15,7 @@
 #include "apps/command.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
+#include "apps/commands/stream/live_control.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
@@ -39,11 +41,13 @@ constexpr const char* examples =
     "  hertzline stream paper-stream\n"
     "  hertzline stream paper-stream --pace 0.1 --bind ipc:///tmp/hertzline\n"
     "  hertzline stream paper-stream --record out.h5 --columns v_out,v_horn\n"
+    "  hertzline stream paper-stream --control tcp://127.0.0.1:5574\n"
     "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --record wall.csv";
 
 struct StreamArguments {
     SceneRequest scene;
     PublishRequest publish;
+    ControlRequest control;
     std::vector<std::string> recordings;
     std::vector<std::string> columns;  ///< taps to be recorded; none: the usual ones
     std::optional<double> wav_scale;
@@ -95,13 +99,22 @@ Json estimate_of(const stream::EstimateWatch& watch) {
     return changed;
 }
 
+/// The scene whose samples are being sent, and the estimate of its error.
+struct SceneNow {
+    explicit SceneNow(ResolvedScene is) : resolved(std::move(is)), estimate(resolved) {}
+    ResolvedScene resolved;
+    stream::EstimateWatch estimate;
+};
+
 Exit stream(const StreamArguments& arguments) {
     Faults faults;
     std::optional<stream::CurveServer> curve;
+    std::optional<stream::CurveServer> control_curve;
     ResolvedScene resolved;
     TapSet recorded;
     faults.of([&] { refuse_wrong_files(arguments.recordings); });
     faults.of([&] { curve = checked_curve(arguments.publish); });
+    faults.of([&] { control_curve = checked_control(arguments.control, arguments.publish.curve); });
     faults.of([&] { refuse_wrong_columns(arguments); });
     faults.of([&] { refuse_wrong_wav_scale(arguments.wav_scale, arguments.recordings); });
     std::optional<End> end;  // unset: the scene has faults
@@ -142,13 +155,37 @@ Exit stream(const StreamArguments& arguments) {
         });
     stream::RowBuilder row_builder(recordings, recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
-    stream::EstimateWatch estimate(resolved);
+    auto now = std::make_unique<SceneNow>(resolved);
+    const auto warn = [&](const std::string& text) {
+        line.clear();
+        spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
+    };
     const auto told = [&](const stream::EstimateWatch::News& news) {
         if (!news.warning.empty()) {
-            line.clear();
-            spdlog::warn("{}: {}", printable(arguments.scene.scene), news.warning);
+            warn(news.warning);
         }
-        return news.estimated_again ? estimate_of(estimate) : Json::object();
+        return news.estimated_again ? estimate_of(now->estimate) : Json::object();
+    };
+    std::unique_ptr<LiveControl> control;
+    if (!arguments.control.endpoint.empty()) {
+        control = std::make_unique<LiveControl>(arguments.control, control_curve,
+                                                parsed_scene(arguments.scene).scene, scene, source);
+        spdlog::info("control {}", control->endpoint());
+    }
+    const auto epoch_begins = [&](const Epoch& epoch) {
+        for (stream::EpochOfChange& begun : control->begin(epoch)) {
+            recordings.note_change(stream::change_json(begun.change));
+            line.clear();
+            spdlog::info("{}", change_text(begun.change));
+            for (const std::string& text : begun.warnings) {
+                warn(text);
+            }
+            now = std::make_unique<SceneNow>(std::move(begun.resolved));
+        }
+        Json changed = about(now->resolved, options.run);
+        changed["start_time"] = options.about["start_time"];
+        control->add_to(changed);
+        return changed;
     };
     const auto add_to_summary = [&](Json& summary, const stream::StreamMeters& meters) {
         // Before subscribers receive the end, recordings are complete or known not to be.
@@ -157,22 +194,24 @@ Exit stream(const StreamArguments& arguments) {
             line.clear();
             spdlog::warn(text);
         }
-        told(estimate.finish(meters.motion));
+        told(now->estimate.finish(meters.motion));
+        const Scene& last = now->resolved.scene;
         summary["recordings"] = stream::recordings_json(recordings);
         summary["steps"] = meters.account.steps;
-        summary["step_s"] = *scene.numerics.step_s;
-        summary["integrator"] = word(*scene.numerics.integrator);
-        stream::add_estimate(summary, estimate.estimate());
-        summary["scene_hash"] = scene_hash(scene);
+        summary["step_s"] = *last.numerics.step_s;
+        summary["integrator"] = word(*last.numerics.integrator);
+        stream::add_estimate(summary, now->estimate.estimate());
+        summary["scene_hash"] = scene_hash(last);
         summary["version"] = stream::program_version();
     };
     std::function<Json(const MotionExtent&)>
         watch;  // unset where it could say nothing: looking costs a pass over the chain
-    if (estimate.watching()) {
-        watch = [&](const MotionExtent& now) { return told(estimate.look(now)); };
+    if (now->estimate.watching() || control) {
+        watch = [&](const MotionExtent& motion) { return told(now->estimate.look(motion)); };
     }
     try {
-        publish_to_the_end(pipeline, publisher, line, arguments.publish.format, {add_to_summary, watch});
+        publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
+                           {add_to_summary, watch, control ? EpochBegins(epoch_begins) : nullptr});
     } catch (...) {
         recordings.commit();  // what was streamed until then is whole
         throw;
@@ -193,6 +232,7 @@ Run stream_command(CLI::App& app) {
     add_columns_option(app, arguments->columns, streamed_taps);
     add_wav_scale_option(app, arguments->wav_scale);
     add_publish_options(app, arguments->publish);
+    add_control_options(app, arguments->control);
     app.footer(examples);
     return [arguments] { return stream(*arguments); };
 }

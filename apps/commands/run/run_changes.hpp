@@ -1,0 +1,31 @@
+#pragma once
+// `run --changes` and `run RECORDING`: a live session again.
+
+#include <string>
+#include <vector>
+
+#include "apps/arguments/scene_argument.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/measures/run_record.hpp"
+#include "stream/sources/control/scene_change.hpp"
+
+namespace hertzline::app {
+
+/// A scene and the changes that it went through.
+struct Session {
+    ResolvedScene resolved;  ///< the first scene
+    std::vector<stream::SceneChange> changes;
+    std::vector<stream::SceneStep> steps;  ///< the scenes of the changes
+};
+
+/// Whether SCENE names a recording: an ending of one, and a file that is there.
+bool is_recording(const std::string& scene);
+
+/// The session that a recording holds, from sample 0 to its last one. @throws WrongUse where it does not say what it is of
+Session session_of_recording(const SceneRequest& request);
+
+/// A scene with the changes of a file: a JSON list as recordings have it, or an object with "changes".
+/// @param file empty: none @throws WrongUse with what is wrong
+Session session_of_scene(const SceneRequest& request, const std::string& file);
+
+}  // namespace hertzline::app

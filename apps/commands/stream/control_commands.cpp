@@ -1,0 +1,175 @@
+// hertzline set and hertzline get: change the scene of a running stream, and look at it.
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/curve_arguments.hpp"
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "stream/sources/control/control_client.hpp"
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* set_examples =
+    "The stream has to be started with --control. A change takes effect at the next burst's start, or at the "
+    "next "
+    "frame where bursts do not repeat. Keys of [drive] but its material let the motion go on; all others "
+    "begin anew "
+    "at static equilibrium.\n"
+    "Examples:\n"
+    "  hertzline set drive.amplitude_m=2e-6\n"
+    "  hertzline set chain.preload_n=0.2 chain.damping_kg_per_s=0.3\n"
+    "  hertzline set --undo";
+
+constexpr const char* get_examples =
+    "Examples:\n"
+    "  hertzline get\n"
+    "  hertzline get drive.amplitude_m chain.preload_n --json";
+
+struct ControlArguments {
+    std::string endpoint = stream::usual_control_endpoint;
+    CurveClientRequest curve;
+    double timeout_s = 10;
+    std::vector<std::string> words;  ///< KEY=VALUE, or KEY
+    bool undo = false;
+    Format format = Format::text;
+};
+
+void add_connection_options(CLI::App& app, ControlArguments& arguments) {
+    app.add_option("--connect", arguments.endpoint, "where the stream is controlled")
+        ->type_name("ENDPOINT")
+        ->capture_default_str();
+    add_curve_options(app, arguments.curve);
+    app.add_option("--timeout", arguments.timeout_s, "give up when there is no reply for S seconds")
+        ->type_name("S")
+        ->capture_default_str();
+    add_format_option(app, arguments.format, "print the reply as one JSON object");
+}
+
+stream::ControlConnection checked(const ControlArguments& arguments) {
+    constexpr double longest_s = 86400;
+    Faults faults;
+    stream::ControlConnection connection{.endpoint = arguments.endpoint};
+    faults.of([&] {
+        if (const auto fault = stream::endpoint_fault(arguments.endpoint, stream::EndpointUse::connect)) {
+            throw WrongUse("--connect: " + *fault);
+        }
+    });
+    faults.of([&] { require_positive("--timeout", arguments.timeout_s); });
+    faults.of([&] { connection.curve = curve_of(arguments.curve); });
+    faults.refuse();
+    connection.timeout =
+        std::chrono::milliseconds(std::llround(std::ceil(1000 * std::min(longest_s, arguments.timeout_s))));
+    return connection;
+}
+
+/// A number, null, or a text.
+Json value_of(const std::string& text) {
+    double number = 0;
+    const char* const end = text.data() + text.size();
+    if (const auto [stopped, error] = std::from_chars(text.data(), end, number);
+        error == std::errc{} && stopped == end && std::isfinite(number)) {
+        return number;
+    }
+    const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+    return json.is_string() || json.is_null() ? json : Json(text);
+}
+
+Json request_of(const ControlArguments& arguments) {
+    if (arguments.undo != arguments.words.empty()) {
+        throw WrongUse(
+            "found " +
+            std::string(arguments.undo ? "both KEY=VALUE and --undo" : "neither KEY=VALUE nor --undo") +
+            ", allowed: one of them");
+    }
+    if (arguments.undo) {
+        return {{"undo", true}};
+    }
+    Json set = Json::object();
+    for (const std::string& word : arguments.words) {
+        const std::size_t equals = word.find('=');
+        if (equals == std::string::npos || equals == 0) {
+            throw WrongUse(
+                fmt::format("found {}, allowed: KEY=VALUE, as drive.amplitude_m=2e-6", quoted_briefly(word)));
+        }
+        set[word.substr(0, equals)] = value_of(word.substr(equals + 1));
+    }
+    return {{"set", set}};
+}
+
+/// Asks; says what is wrong. @returns whether nothing is
+bool ask(const ControlArguments& arguments, const Json& request, Json& reply) {
+    const stream::ControlConnection connection = checked(arguments);
+    reply = stream::ask_control(connection, request, stop_asked());
+    if (!reply.contains("faults") || !reply["faults"].is_array()) {
+        return true;
+    }
+    for (const Json& fault : reply["faults"]) {
+        const auto message = fault.is_object() ? fault.value("message", Json("refused")) : Json("refused");
+        spdlog::error("{}", printable(message.is_string() ? message.get<std::string>() : message.dump()));
+    }
+    return false;
+}
+
+Exit set(const ControlArguments& arguments) {
+    const Json request = request_of(arguments);
+    Json reply;
+    if (!ask(arguments, request, reply)) {
+        return Exit::wrong_use;
+    }
+    print_summary(reply, arguments.format);
+    return Exit::done;
+}
+
+Exit get(const ControlArguments& arguments) {
+    Json reply;
+    if (!ask(arguments, {{"get", arguments.words}}, reply)) {
+        return Exit::wrong_use;
+    }
+    if (arguments.format == Format::json) {
+        print_summary(reply, Format::json);
+        return Exit::done;
+    }
+    Json flat = Json::object();
+    for (const auto& [key, entry] : reply.value("values", Json::object()).items()) {
+        flat[printable(key)] = entry.value("value", Json(nullptr));
+    }
+    flat["epoch"] = reply.value("epoch", Json(nullptr));
+    flat["scene_hash"] = reply.value("scene_hash", Json(nullptr));
+    print_summary(flat, Format::text);
+    return Exit::done;
+}
+
+}  // namespace
+
+Run set_command(CLI::App& app) {
+    auto arguments = std::make_shared<ControlArguments>();
+    app.add_option("KEY=VALUE", arguments->words, "keys of the scene and their new values")->type_name("");
+    app.add_flag("--undo", arguments->undo, "take the last change back instead");
+    add_connection_options(app, *arguments);
+    app.footer(set_examples);
+    return [arguments] { return set(*arguments); };
+}
+
+Run get_command(CLI::App& app) {
+    auto arguments = std::make_shared<ControlArguments>();
+    app.add_option("KEY", arguments->words, "keys of the scene (default: all)")->type_name("");
+    add_connection_options(app, *arguments);
+    app.footer(get_examples);
+    return [arguments] { return get(*arguments); };
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,58 @@
+#pragma once
+// `stream --control`: the options, and what the sending thread does when the scene changes.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "apps/commands/publish_session.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/sources/control/control_server.hpp"
+#include "stream/sources/control/scene_control.hpp"
+
+namespace hertzline::app {
+
+struct ControlRequest {
+    std::string endpoint;                  ///< empty: nobody controls
+    std::vector<std::string> controllers;  ///< certificates, or folders of them
+};
+
+/// Adds --control and --allow-controllers. `request` must outlive the parsing.
+void add_control_options(CLI::App& app, ControlRequest& request);
+
+/// Checks the request, and reads the keys; unset when controllers need none. @param stream has the secret key
+/// @throws WrongUse with every fault
+std::optional<stream::CurveServer> checked_control(const ControlRequest& request,
+                                                   const CurveServerRequest& stream);
+
+/// The changes of a stream that is controlled. All but the constructor is for the sending thread.
+class LiveControl {
+public:
+    /// @param requested the scene as the user gave it @param resolved what the source began with
+    /// @throws std::runtime_error when the endpoint cannot be bound
+    LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
+                const Scene& requested, const Scene& resolved, stream::SimulationSource& source);
+
+    const std::string& endpoint() const noexcept { return server_.endpoint(); }
+
+    /// What has changed up to the epoch, in order.
+    std::vector<stream::EpochOfChange> begin(const Epoch& epoch);
+
+    /// Adds the latest changes so far to what meta says.
+    void add_to(Json& meta) const;
+
+private:
+    stream::SceneControl control_;
+    stream::ControlServer server_;
+    Json changes_ = Json::array();
+    std::uint64_t left_out_ = 0;
+};
+
+/// A change for the log: "epoch 3 from sample 20000 on: drive.amplitude_m = 2e-06".
+std::string change_text(const stream::SceneChange& change);
+
+}  // namespace hertzline::app

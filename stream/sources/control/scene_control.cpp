@@ -1,0 +1,260 @@
+#include "stream/sources/control/scene_control.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <pthread.h>
+#include <sys/resource.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "stream/measures/scene_report.hpp"
+#include "stream/resources.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json fault_json(std::string key, std::string found, std::string allowed) {
+    return faults_json({{std::move(key), std::move(found), std::move(allowed)}});
+}
+
+/// Behind the threads that keep step with the clock. On Linux a priority is the calling thread's.
+void step_back() noexcept {
+    constexpr int low_priority = 10;
+    setpriority(PRIO_PROCESS, 0, low_priority);
+}
+
+bool format_stays(const StreamFormat& a, const StreamFormat& b) noexcept {
+    return a.taps == b.taps && a.spheres == b.spheres && a.sample_rate_hz == b.sample_rate_hz &&
+           a.frame_samples == b.frame_samples;
+}
+
+}  // namespace
+
+SceneControl::SceneControl(Scene requested, Scene resolved, SimulationSource& source)
+    : requested_(std::move(requested)), resolved_(std::move(resolved)), source_(source) {}
+
+SceneControl::~SceneControl() {
+    if (job_ && job_->thread.joinable()) {
+        job_->thread.join();
+    }
+}
+
+void SceneControl::take(const Json& request, Reply reply) {
+    const bool one = request.is_object() && request.size() == 1;
+    if (one && request.contains("get") && request["get"].is_array()) {
+        get(request["get"], reply);
+        return;
+    }
+    const bool undo = one && request.contains("undo") && request["undo"] == true;
+    const bool set = one && request.contains("set") && request["set"].is_object() && !request["set"].empty();
+    if (!undo && !set) {
+        reply(fault_json("", "no request",
+                         R"(one of {"set": {KEY: VALUE, ...}}, {"get": [KEY, ...]}, {"undo": true})"));
+    } else if (waiting_.size() == most_waiting) {
+        reply(fault_json("", "more requests than are kept waiting",
+                         "another try when changes have taken effect"));
+    } else {
+        waiting_.push_back({undo ? Json(nullptr) : request["set"], std::move(reply)});
+    }
+}
+
+void SceneControl::get(const Json& keys, const Reply& reply) const {
+    std::vector<std::string> names;
+    for (const Json& key : keys) {
+        if (!key.is_string()) {
+            reply(fault_json("", "a key that is no text", "names of keys, as \"drive.amplitude_m\""));
+            return;
+        }
+        names.push_back(key.get<std::string>());
+    }
+    auto values = described_values(resolved_, names);
+    if (!values) {
+        reply(faults_json(values.error()));
+        return;
+    }
+    reply({{"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}, {"values", *std::move(values)}});
+}
+
+void SceneControl::turn() {
+    source_.hand_over().idle();  // what was replaced is freed
+    if (job_) {
+        go_on();
+    }
+    while (!job_ && !waiting_.empty()) {
+        begin();
+    }
+}
+
+/// Values that wait one after another become one change. @returns them; nothing when all of them were wrong
+std::optional<Json> SceneControl::merge(Scene& scene, std::vector<Reply>& replies) {
+    Json asked = Json::object();
+    while (!waiting_.empty() && !waiting_.front().set.is_null()) {
+        const Request request = std::move(waiting_.front());
+        waiting_.pop_front();
+        auto changed = with_values(scene, request.set);
+        std::vector<Fault> faults = changed ? validate(*changed) : std::move(changed).error();
+        if (faults.empty()) {
+            faults = frame_faults(requested_, *changed);
+        }
+        if (!faults.empty()) {
+            request.reply(faults_json(faults));
+            continue;
+        }
+        scene = *std::move(changed);
+        asked.update(request.set);
+        replies.push_back(request.reply);
+    }
+    return replies.empty() ? std::nullopt : std::optional(std::move(asked));
+}
+
+void SceneControl::begin() {
+    Scene scene = requested_;
+    std::vector<Reply> replies;
+    if (auto asked = merge(scene, replies)) {
+        start(std::move(scene), *std::move(asked), false, std::move(replies));
+        return;
+    }
+    if (waiting_.empty()) {
+        return;
+    }
+    const Request undo = std::move(waiting_.front());
+    waiting_.pop_front();
+    if (history_.empty()) {
+        undo.reply(fault_json("", "nothing to undo", "undo after a change"));
+        return;
+    }
+    start(history_.back().requested, history_.back().values, true, {undo.reply});
+}
+
+void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Reply> replies) {
+    job_ = std::make_unique<Job>();
+    job_->from = resolved_;
+    job_->requested = std::move(requested);
+    job_->asked = std::move(asked);
+    job_->undo = undo;
+    job_->replies = std::move(replies);
+    job_->thread = std::thread([this, &job = *job_] {
+        pthread_setname_np(pthread_self(), preparing_thread_name);
+        step_back();
+        prepare_or_explain(job);
+        job.ready.store(true, std::memory_order_release);
+    });
+}
+
+/// In the preparing thread.
+void SceneControl::prepare_or_explain(Job& job) const noexcept {
+    try {
+        prepare(job);
+    } catch (const std::exception& error) {
+        job.faults.push_back({"", error.what(), "a scene that can be simulated here"});
+    }
+}
+
+void SceneControl::prepare(Job& job) const {
+    const double bytes = SimulationSource::memory_bytes(job.requested);
+    if (const auto shortage = memory_shortage("simulating the changed scene", bytes)) {
+        job.faults.push_back({"", *shortage, "less"});
+        return;
+    }
+    job.resolved = resolve(job.requested, std::nullopt);
+    job.faults = job.resolved.faults;
+    if (!job.faults.empty()) {
+        return;
+    }
+    const Scene& scene = job.resolved.scene;
+    const bool goes_on = motion_goes_on(job.from, scene);
+    auto next = std::make_unique<NextSimulation>(scene, source_.options(), goes_on);
+    if (!format_stays(source_.format(), SimulationSource::format_of(scene))) {
+        job.faults.push_back({"end", "other streams", "the streams that there are"});
+    } else if (goes_on &&
+               !(next->simulation.can_hand_over() && Simulation(job.from, {.taps = {}}).can_hand_over())) {
+        job.faults.push_back({"numerics.integrator", "a grid whose motion cannot be handed over",
+                              "for other drives: a series, or steps that divide the sample period without a "
+                              "modal plate"});
+    }
+    job.warnings = contact_warnings(scene, peak_overlaps(scene, first_burst_s(scene)));
+    job.next = std::move(next);
+}
+
+void SceneControl::go_on() {
+    if (!job_->ready.load(std::memory_order_acquire)) {
+        return;
+    }
+    if (job_->thread.joinable()) {
+        job_->thread.join();
+    }
+    if (!job_->faults.empty()) {
+        for (const Reply& reply : job_->replies) {
+            reply(faults_json(job_->faults));
+        }
+        job_.reset();
+        return;
+    }
+    if (!job_->offered && source_.hand_over().idle()) {
+        offer();
+    }
+    if (job_->offered) {
+        if (const std::int64_t sample = source_.hand_over().applies_at(); sample >= 0) {
+            conclude(sample);
+        }
+    }
+}
+
+/// Whoever sends the epoch's frames must find it before they come.
+void SceneControl::offer() {
+    SceneChange change{.epoch = epoch_ + 1,
+                       .set = values_of_change(job_->resolved.scene, job_->asked),
+                       .was = values_of_change(job_->from, job_->asked),
+                       .goes_on = job_->next->goes_on,
+                       .scene_hash = scene_hash(job_->resolved.scene)};
+    {
+        const std::scoped_lock lock(mutex_);
+        epochs_.push_back({std::move(change), job_->resolved, job_->warnings});
+    }
+    source_.hand_over().offer(std::move(job_->next));
+    job_->offered = true;
+}
+
+void SceneControl::conclude(std::int64_t sample) {
+    ++epoch_;
+    {
+        const std::scoped_lock lock(mutex_);
+        for (EpochOfChange& epoch : epochs_) {
+            epoch.change.sample = epoch.change.epoch == epoch_ ? sample : epoch.change.sample;
+        }
+    }
+    if (job_->undo) {
+        history_.pop_back();
+    } else {
+        history_.push_back({requested_, values_before(requested_, job_->asked)});
+        if (history_.size() > most_undone) {
+            history_.erase(history_.begin());
+        }
+    }
+    requested_ = std::move(job_->requested);
+    resolved_ = job_->resolved.scene;
+    const Json reply{{"applies_at_sample", sample}, {"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}};
+    for (const Reply& to : job_->replies) {
+        to(reply);
+    }
+    job_.reset();
+}
+
+std::vector<EpochOfChange> SceneControl::take_epochs(const Epoch& until) {
+    const std::scoped_lock lock(mutex_);
+    std::vector<EpochOfChange> taken;
+    while (!epochs_.empty() && epochs_.front().change.epoch <= until.number) {
+        taken.push_back(std::move(epochs_.front()));
+        epochs_.pop_front();
+    }
+    if (!taken.empty() && taken.back().change.epoch == until.number) {
+        taken.back().change.sample = until.first_sample;
+    }
+    return taken;
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,209 @@
+// hertzline set and hertzline get against a running stream, and its session again.
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <random>
+#include <regex>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stream/recordings/recording_formats.hpp"
+#include "stream/sources/control/control_client.hpp"
+#include "tests/apps/program.hpp"
+#include "tests/support/sanitized.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+
+const std::string any_port = "tcp://127.0.0.1:*";
+
+/// A stream of 1 MS/s that is controlled.
+class LiveStream {
+public:
+    explicit LiveStream(const Words& more = {})
+        : program(with({"stream", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json", "--bind",
+                        any_port, "--control", any_port},
+                       more)) {
+        const std::regex said("control (tcp://\\S+)");
+        const std::string messages = program.messages_with(said);
+        std::smatch found;
+        std::regex_search(messages, found, said);
+        control = found[1];
+    }
+    Json ask(const Json& request) const {
+        return ask_control({.endpoint = control, .timeout = std::chrono::seconds(100)}, request, never);
+    }
+
+    Program program;
+    std::string control;
+    std::atomic<bool> never{false};
+};
+
+/// All numbers of a recording, in order.
+std::vector<double> numbers_in(const std::string& file) {
+    const auto reader = open_reader(file);
+    std::vector<double> all;
+    for (RecordedRows rows; reader->read(rows, 4096);) {
+        all.insert(all.end(), rows.values.begin(), rows.values.end());
+    }
+    return all;
+}
+
+Json changes_in_file(const std::string& file) {
+    return open_reader(file)->head().provenance.value("changes", Json::array());
+}
+
+/// Any change, as a controller may want it.
+Json random_change(std::mt19937& random) {
+    const auto from_to = [&](double from, double to) {
+        return std::uniform_real_distribution(from, to)(random);
+    };
+    switch (std::uniform_int_distribution(0, 5)(random)) {
+        case 0:
+            return {{"set", {{"drive.amplitude_m", from_to(1e-7, 4e-6)}}}};
+        case 1:
+            return {{"set", {{"drive.frequency_hz", from_to(5e4, 9e4)}, {"drive.cycles", from_to(3, 30)}}}};
+        case 2:
+            return {{"set", {{"drive.repetition_hz", from_to(700, 1300)}, {"drive.envelope", "tukey"}}}};
+        case 3:
+            return {{"set", {{"chain.preload_n", from_to(0.05, 0.5)}}}};
+        case 4:
+            return {{"set", {{"end.thickness_m", from_to(3e-4, 8e-4)}}}};
+        default:
+            return {{"undo", true}};
+    }
+}
+
+TEST(Control, SetsGetsAndUndoes) {
+    LiveStream stream;
+    const auto at = [&](Words words) {
+        return hertzline(with(std::move(words), {"--connect", stream.control, "--json"}));
+    };
+    const Json before = Json::parse(at({"get"}).out);
+    EXPECT_EQ(before["epoch"], 0);
+    const Outcome set = at({"set", "drive.amplitude_m=2e-6", "drive.envelope=tukey"});
+    ASSERT_EQ(set.status, 0) << set.err;
+    EXPECT_EQ(set.json()["epoch"], 1);
+    const Json got = Json::parse(at({"get", "drive.amplitude_m"}).out);
+    EXPECT_EQ(got["values"]["drive.amplitude_m"]["value"], 2e-6);
+    EXPECT_EQ(got["scene_hash"], set.json()["scene_hash"]);
+
+    const Outcome wrong = at({"set", "drive.amplitude_m=-1", "chain.spheres=5"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("drive.amplitude_m: found -1, allowed: a number from 0 to 1 m"));
+    EXPECT_EQ(at({"set", "--undo"}).json()["scene_hash"], before["scene_hash"]);
+
+    stream.program.messages_with("epoch 2 from sample");
+    stream.program.send(SIGINT);
+    const Outcome ended = stream.program.wait();
+    EXPECT_EQ(ended.status, 0);
+    EXPECT_EQ(ended.json()["scene_hash"], before["scene_hash"]);
+    EXPECT_THAT(ended.err, HasSubstr("drive.amplitude_m = 2e-06"));
+}
+
+TEST(Control, SaysWhatIsWrongWithItsArguments) {
+    EXPECT_EQ(hertzline({"set"}).status, 2);
+    EXPECT_EQ(hertzline({"set", "drive.cycles"}).status, 2);
+    EXPECT_EQ(hertzline({"set", "drive.cycles=3", "--undo"}).status, 2);
+    const Outcome nobody = hertzline({"get", "--connect", "tcp://127.0.0.1:9", "--timeout", "0.2"});
+    EXPECT_EQ(nobody.status, 1);
+    EXPECT_THAT(nobody.err, HasSubstr("no reply from tcp://127.0.0.1:9"));
+    const Outcome exposed =
+        hertzline({"stream", "paper-stream", "--control", "tcp://0.0.0.0:*", "--insecure"});
+    EXPECT_EQ(exposed.status, 2);
+    EXPECT_THAT(exposed.err, HasSubstr("--allow-controllers"));
+    EXPECT_EQ(hertzline({"stream", "paper-stream", "--allow-controllers", "x.key"}).status, 2);
+}
+
+TEST(Control, ASessionOfRandomChangesIsSimulatedAgainBitForBit) {
+    const TemporaryFolder folder;
+    std::atomic<bool> done{false};
+    std::vector<std::thread> load;  // the stream does not get the machine for itself
+    for (int i = 0; i < 2; ++i) {
+        load.emplace_back([&] {
+            while (!done) {
+            }
+        });
+    }
+    const std::vector<std::string> files{folder.file("a.sigmf-meta"), folder.file("a.h5"),
+                                         folder.file("a.npy"), folder.file("a.wav"), folder.file("a.csv")};
+    Words words{"--columns", "v_out"};
+    for (const std::string& file : files) {
+        words = with(words, {"--record", file});
+    }
+    LiveStream stream(words);
+    Program listener(
+        {"listen", "--connect", stream.program.endpoint(), "-o", folder.file("heard.h5"), "--json"});
+    std::mt19937 random(14);
+    const int wanted = sanitized ? 10 : 50;
+    for (int done_changes = 0; done_changes < wanted;) {
+        const Json reply = stream.ask(random_change(random));
+        done_changes += reply.contains("epoch") ? 1 : 0;
+    }
+    done = true;
+    for (std::thread& thread : load) {
+        thread.join();
+    }
+    stream.program.messages_with("epoch " + std::to_string(wanted) + " from sample");
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stream.program.send(SIGINT);
+    const Outcome ended = stream.program.wait();
+    ASSERT_EQ(ended.status, 0) << ended.err;
+    const Outcome heard = listener.wait();
+    ASSERT_EQ(heard.status, 0) << heard.err;
+
+    const Json changes = changes_in_file(files[0]);
+    EXPECT_EQ(changes.size(), static_cast<std::size_t>(wanted));
+    for (const std::string& file : files) {
+        EXPECT_EQ(changes_in_file(file), changes) << file;
+    }
+    const auto again = [&](const std::string& file, const std::string& as) {
+        const Outcome run = hertzline({"run", file, "--columns", "v_out", "-o", as});
+        EXPECT_EQ(run.status, 0) << run.err;
+        return numbers_in(as);
+    };
+    const std::vector<double> recorded = numbers_in(files[1]);
+    EXPECT_TRUE(recorded == again(files[1], folder.file("again.h5")));
+    EXPECT_EQ(changes_in_file(folder.file("again.h5")), changes);
+    EXPECT_TRUE(numbers_in(files[0]) == again(files[0], folder.file("again.sigmf-meta")));
+    const std::vector<double> caught = numbers_in(folder.file("heard.h5"));
+    const auto joined = heard.json()["first_sample"].get<std::ptrdiff_t>();
+    const std::vector<double> all = again(folder.file("heard.h5"), folder.file("reheard.sigmf-meta"));
+    EXPECT_TRUE(std::equal(caught.begin(), caught.end(), all.begin() + joined, all.end()));
+}
+
+TEST(Control, ChangesOfAFileAreMadeInARun) {
+    const TemporaryFolder folder;
+    write_text(
+        folder.file("changes.json"),
+        R"([{"sample": 1000, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 2000, "set": {"chain.preload_n": 0.2}}])");
+    const Words words{"run",   "paper-stream",          "--set", "output.sample_rate_hz=1e6",
+                      "--set", "output.duration_s=3e-3"};
+    const auto v_out = [&](const Words& more, const std::string& file) {
+        const Outcome run = hertzline(with(with(words, more), {"-o", file}));
+        EXPECT_EQ(run.status, 0) << run.err;
+        return csv_of(file).at("v_out_m_per_s");
+    };
+    const auto plain = v_out({}, folder.file("plain.csv"));
+    const auto changed = v_out({"--changes", folder.file("changes.json")}, folder.file("changed.csv"));
+    const auto anew =
+        v_out({"--set", "chain.preload_n=0.2", "--set", "drive.amplitude_m=1e-6"}, folder.file("anew.csv"));
+    ASSERT_EQ(changed.size(), plain.size());
+    EXPECT_TRUE(std::equal(plain.begin(), plain.begin() + 1000, changed.begin()));
+    EXPECT_FALSE(std::equal(plain.begin() + 1000, plain.begin() + 2000, changed.begin() + 1000));
+    EXPECT_TRUE(std::equal(anew.begin(), anew.begin() + 1000, changed.begin() + 2000));
+    const Outcome wrong = hertzline(with(words, {"--changes", folder.file("plain.csv")}));
+    EXPECT_EQ(wrong.status, 2);
+}
+
+}  // namespace
+}  // namespace hertzline::test
