@@ -46,7 +46,8 @@ ROOMS = {
         ["console"],
         ["arguments"],
         ["commands"],
-        ["hertzline", "allocator"],
+        ["program"],
+        ["hertzline", "allocator", "mpi"],
     ],
 }
 

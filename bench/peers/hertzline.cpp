@@ -68,6 +68,12 @@ private:
 
 }  // namespace
 
+Contender hertzline_contender(const Scene& scene) {
+    return {Kind::ours, "hertzline " + std::string(word(*scene.numerics.integrator)),
+            setting_text(scene.numerics),
+            [run = std::make_shared<Run>(scene)](Trace& trace) { (*run)(trace); }};
+}
+
 std::vector<Contender> hertzline_contenders(const Scene& scene) {
     std::vector<Contender> list;
     for (const auto& integrator : Words<Integrator>::all) {
@@ -76,9 +82,8 @@ std::vector<Contender> hertzline_contenders(const Scene& scene) {
             asked.numerics = numerics;
             const ResolvedScene settled = resolve(asked);
             if (settled.faults.empty()) {  // else the step is beyond the stability limit
-                list.push_back(
-                    {Kind::ours, "hertzline " + std::string(integrator.text), setting_text(numerics),
-                     [run = std::make_shared<Run>(settled.scene)](Trace& trace) { (*run)(trace); }});
+                list.push_back(hertzline_contender(settled.scene));
+                list.back().setting = setting_text(numerics);
             }
         }
     }

@@ -62,6 +62,13 @@ Contender controlled(const Problem& problem, const char* name, double tolerance,
             }};
 }
 
+template <std::size_t Lanes>
+Contender dopri5(const Problem& problem, double tolerance) {
+    return dense<Lanes>(
+        problem, "odeint dopri5", tolerance,
+        odeint::make_dense_output(tolerance, tolerance, odeint::runge_kutta_dopri5<State<Lanes>>()));
+}
+
 std::string step_text(const Problem& problem, int steps_per_sample) {
     char text[32];
     std::snprintf(text, sizeof text, "step %.4g ns", problem.sample_period * 1e3 / steps_per_sample);
@@ -118,8 +125,7 @@ std::vector<Contender> contenders(const Problem& problem) {
     using S = State<Lanes>;
     std::vector<Contender> list;
     for (const double tolerance : tolerances(1e-2)) {
-        const auto dopri5 = odeint::make_dense_output(tolerance, tolerance, odeint::runge_kutta_dopri5<S>());
-        list.push_back(dense<Lanes>(problem, "odeint dopri5", tolerance, dopri5));
+        list.push_back(dopri5<Lanes>(problem, tolerance));
         const auto fehlberg =
             odeint::make_controlled(tolerance, tolerance, odeint::runge_kutta_fehlberg78<S>());
         list.push_back(controlled<Lanes>(problem, "odeint runge_kutta_fehlberg78", tolerance, fehlberg));
@@ -136,6 +142,10 @@ std::vector<Contender> contenders(const Problem& problem) {
 }
 
 }  // namespace
+
+Contender odeint_dopri5(const Problem& problem, double tolerance) {
+    return with_lanes(problem, [&](auto lanes) { return dopri5<lanes()>(problem, tolerance); });
+}
 
 std::vector<Contender> odeint_contenders(const Problem& problem) {
     return with_lanes(problem, [&](auto lanes) { return contenders<lanes()>(problem); });

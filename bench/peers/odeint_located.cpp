@@ -115,13 +115,17 @@ private:
 
 }  // namespace
 
+Contender odeint_dopri5_located(const Problem& problem, double tolerance) {
+    return {Kind::located, "odeint dopri5, located", tolerance_text(tolerance),
+            with_lanes(problem, [&](auto lanes) -> std::function<void(Trace&)> {
+                return LocatedDopri5<lanes()>(problem, tolerance);
+            })};
+}
+
 std::vector<Contender> odeint_located_contenders(const Problem& problem) {
     std::vector<Contender> list;
     for (const double tolerance : tolerances(1e-2)) {
-        list.push_back({Kind::located, "odeint dopri5, located", tolerance_text(tolerance),
-                        with_lanes(problem, [&](auto lanes) -> std::function<void(Trace&)> {
-                            return LocatedDopri5<lanes()>(problem, tolerance);
-                        })});
+        list.push_back(odeint_dopri5_located(problem, tolerance));
     }
     return list;
 }

@@ -60,6 +60,11 @@ struct Contender {
 };
 
 std::vector<Contender> hertzline_contenders(const Scene& scene);
+/// hertzline at one setting. @param scene resolved
+Contender hertzline_contender(const Scene& scene);
+/// dopri5 at one setting, either as it comes or located.
+Contender odeint_dopri5(const Problem& problem, double tolerance);
+Contender odeint_dopri5_located(const Problem& problem, double tolerance);
 std::vector<Contender> odeint_contenders(const Problem& problem);
 std::vector<Contender> odeint_located_contenders(const Problem& problem);
 std::vector<Contender> cvode_contenders(const Problem& problem);

@@ -320,17 +320,19 @@ void Journal::remove() noexcept {
     std::filesystem::remove(path_, gone);
 }
 
-void Journal::replace_by(const std::filesystem::path& file) {
-    const int written = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    const bool there = written >= 0 && ::fsync(written) == 0;
-    const int reason = errno;
-    if (written >= 0) {
-        ::close(written);
-    }
-    if (!there) {
-        throw std::system_error(
-            reason, std::generic_category(),
-            fmt::format("cannot write {} to the disk, so {} is kept", file.string(), path_.string()));
+void Journal::replace_by(std::span<const std::string> files) {
+    for (const std::string& file : files) {
+        const int written = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+        const bool there = written >= 0 && ::fsync(written) == 0;
+        const int reason = errno;
+        if (written >= 0) {
+            ::close(written);
+        }
+        if (!there) {
+            throw std::system_error(
+                reason, std::generic_category(),
+                fmt::format("cannot write {} to the disk, so {} is kept", file, path_.string()));
+        }
     }
     remove();
 }

@@ -68,8 +68,8 @@ public:
 
     /// Removes the file.
     void remove() noexcept;
-    /// The same once the disk has the file that was written from it. @throws std::runtime_error when it has not; the journal stays
-    void replace_by(const std::filesystem::path& file);
+    /// The same once the disk has the files that were written from it. @throws std::runtime_error when it has not; the journal stays
+    void replace_by(std::span<const std::string> files);
 
     /// Bytes of a journal with so many rows, without its text.
     static double bytes(double rows, std::size_t payload_bytes) noexcept;

@@ -102,6 +102,18 @@ Json maker_json() {
             {"simd_target", kernels::kernel_target()}};
 }
 
+Json maker_of_journal(const std::string& text) {
+    const Json json = json_from_outside(text);
+    Json maker = maker_json();
+    for (const auto& [key, value] : maker.items()) {
+        if (!json.is_object() || !json.contains(key) || !json[key].is_string()) {
+            throw std::runtime_error("it does not tell what made it");
+        }
+        value = json[key];
+    }
+    return maker;
+}
+
 std::string journal_text(const Sweep& sweep) {
     return sweep_json(sweep).dump(-1, ' ', true, Json::error_handler_t::replace);
 }
@@ -126,9 +138,12 @@ Sweep sweep_of_journal(const std::string& text) {
             sweep.demand.waveform = tap_of(json.at("waveform"));
         }
         sweep.demand.waveform_samples = json.at("waveform_samples").get<std::size_t>();
+        if (static_cast<double>(sweep.demand.waveform_samples) > max_run_rows) {
+            throw std::runtime_error("its waveforms are longer than any can be");
+        }
         sweep.shard = {json.at("shard").at(0).get<std::int64_t>(),
                        json.at("shard").at(1).get<std::int64_t>()};
-        if (sweep.shard.part < 1 || sweep.shard.part > sweep.shard.parts) {
+        if (sweep.shard.part < 1 || sweep.shard.part > sweep.shard.parts || sweep.shard.parts > max_points) {
             throw std::runtime_error("it is of no part of a sweep");
         }
         return sweep;

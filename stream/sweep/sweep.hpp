@@ -34,6 +34,9 @@ struct Sweep {
 /// What made the numbers: program, version, git_hash, compiler, simd_target. With another one of these they may have other bits.
 nlohmann::ordered_json maker_json();
 
+/// What a journal's text says of what made its rows, the same keys. @throws std::runtime_error when it does not
+nlohmann::ordered_json maker_of_journal(const std::string& text);
+
 /// The sweep as the text of its journal.
 std::string journal_text(const Sweep& sweep);
 

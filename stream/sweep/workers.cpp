@@ -1,15 +1,14 @@
 #include "stream/sweep/workers.hpp"
 
+#include <algorithm>
 #include <chrono>
-#include <condition_variable>
-#include <exception>
 #include <mutex>
 #include <numeric>
 #include <optional>
-#include <thread>
-#include <vector>
 
 #include <fmt/format.h>
+
+#include "stream/sweep/workers/point_workers.hpp"
 
 namespace hertzline::stream {
 
@@ -20,35 +19,21 @@ using std::chrono::steady_clock;
 constexpr auto between_news = std::chrono::milliseconds(200);
 constexpr auto between_syncs = std::chrono::seconds(1);
 
-/// What the threads share.
-class Work {
+/// Points in their order, rows into a journal.
+class JournalExchange : public PointExchange {
 public:
-    Work(const Sweep& sweep, Journal& journal, std::span<const std::int64_t> points,
-         const std::atomic<bool>& stop)
-        : sweep_(sweep), journal_(journal), points_(points), stop_(stop) {}
+    JournalExchange(Journal& journal, std::span<const std::int64_t> points)
+        : journal_(journal), points_(points) {}
 
-    /// What each thread does. @throws nothing: what it cannot do is kept for rethrow()
-    void work() noexcept {
-        try {
-            run_points();
-        } catch (...) {
-            give_up(std::current_exception());
-        }
-        const std::scoped_lock lock(mutex_);
-        ++ended_;
-        changed_.notify_all();
+    std::optional<std::int64_t> take() override {
+        const std::size_t next = next_.fetch_add(1, std::memory_order_relaxed);
+        return next < points_.size() ? std::optional(points_[next]) : std::nullopt;
     }
 
-    void give_up(std::exception_ptr failure) noexcept {
+    void put(std::int64_t point, PointStatus status, std::span<const std::byte> payload) override {
         const std::scoped_lock lock(mutex_);
-        failure_ = failure_ ? failure_ : std::move(failure);
-        failed_.store(true, std::memory_order_relaxed);
-    }
-
-    /// Waits for so many threads to end, or for a while. @returns whether they have
-    bool wait_for(std::size_t threads) {
-        std::unique_lock lock(mutex_);
-        return changed_.wait_for(lock, between_news, [&] { return ended_ == threads; });
+        journal_.append(point, status, payload);
+        ++counts_[status];
     }
 
     PointCounts counts() {
@@ -56,50 +41,23 @@ public:
         return counts_;
     }
 
-    void rethrow() {
-        if (failure_) {
-            std::rethrow_exception(failure_);
-        }
-    }
-
 private:
-    void run_points() {
-        PointRunner runner(sweep_.demand, stop_);
-        std::vector<std::byte> payload(payload_bytes(sweep_.demand));
-        while (!stop_.load(std::memory_order_relaxed) && !failed_.load(std::memory_order_relaxed)) {
-            const std::size_t next = next_.fetch_add(1, std::memory_order_relaxed);
-            if (next >= points_.size()) {
-                return;
-            }
-            const std::int64_t point = points_[next];
-            const std::optional<PointResult> result = runner.run(point, sweep_.plan.scene(point));
-            if (!result) {
-                return;
-            }
-            encode(*result, payload);
-            const std::scoped_lock lock(mutex_);
-            journal_.append(point, result->status, payload);
-            ++counts_[result->status];
-        }
-    }
-
-    const Sweep& sweep_;
     Journal& journal_;
     std::span<const std::int64_t> points_;
-    const std::atomic<bool>& stop_;
     std::atomic<std::size_t> next_{0};
-    std::atomic<bool> failed_{false};
-    std::mutex mutex_;  // of what follows, and of the journal
-    std::condition_variable changed_;
+    std::mutex mutex_;  // of the journal, and of what follows
     PointCounts counts_;
-    std::size_t ended_ = 0;
-    std::exception_ptr failure_;
 };
 
 }  // namespace
 
 std::int64_t PointCounts::all() const noexcept {
     return std::accumulate(of_status.begin(), of_status.end(), std::int64_t{0});
+}
+
+PointCounts& PointCounts::operator+=(const PointCounts& more) noexcept {
+    std::ranges::transform(of_status, more.of_status, of_status.begin(), std::plus());
+    return *this;
 }
 
 std::string PointCounts::faults() const {
@@ -114,35 +72,24 @@ std::string PointCounts::faults() const {
 
 PointCounts run_points(const Sweep& sweep, Journal& journal, std::span<const std::int64_t> points, int jobs,
                        const std::atomic<bool>& stop, const std::function<void(const PointCounts&)>& news) {
-    Work work(sweep, journal, points, stop);
-    std::vector<std::jthread> threads;
-    const auto wanted = std::min(static_cast<std::size_t>(jobs), points.size());
-    try {
-        while (threads.size() < wanted) {
-            threads.emplace_back([&work] { work.work(); });
-        }
-    } catch (const std::system_error&) {
-        if (threads.empty()) {
-            throw;
-        }  // the others do the work
-    }
+    JournalExchange exchange(journal, points);
+    PointWorkers workers(sweep, exchange, std::min(static_cast<std::size_t>(jobs), points.size()), stop);
     auto synced = steady_clock::now();
-    while (!work.wait_for(threads.size())) {
-        news(work.counts());
+    while (!workers.wait_for(between_news)) {
+        news(exchange.counts());
         if (steady_clock::now() - synced >= between_syncs) {
             try {
                 journal.sync();
             } catch (...) {
-                work.give_up(std::current_exception());
+                workers.give_up(std::current_exception());
             }
             synced = steady_clock::now();
         }
     }
-    threads.clear();
-    work.rethrow();
+    workers.finish();
     journal.sync();
-    news(work.counts());
-    return work.counts();
+    news(exchange.counts());
+    return exchange.counts();
 }
 
 }  // namespace hertzline::stream

@@ -18,6 +18,7 @@ struct PointCounts {
 
     std::int64_t& operator[](PointStatus status) { return of_status[static_cast<std::size_t>(status)]; }
     std::int64_t operator[](PointStatus status) const { return of_status[static_cast<std::size_t>(status)]; }
+    PointCounts& operator+=(const PointCounts& more) noexcept;
     std::int64_t all() const noexcept;
     /// "3 refused, 1 unstable": those that are not ok; empty when all are.
     std::string faults() const;

@@ -18,12 +18,13 @@ import time
 LONG_ENOUGH_S = 100
 ENDPOINT = ("127.0.0.1", 5573)  # the program's own
 PROGRAMS = re.compile(r"(\./)?(build/\w+|scripts|bench/\w+|apps/clients|tests)/[\w.]+$|/usr/bin/\w+$|"
-                      r"(hertzline|cmake|ctest|ninja|npm|node|octave-cli|python3?|sh|git|sudo|export|c\+\+|pkg-config)$")
+                      r"(hertzline|mpirun|sbatch|cmake|ctest|ninja|npm|node|octave-cli|python3?|sh|git|sudo|export|c\+\+|pkg-config)$")
 
 BUILDS = "builds the project"
 MINUTES = "takes minutes, or measures what a loaded machine cannot show"
 INSTALL = "the tests install/ do it"
 CLANG = "needs clang, and minutes"
+SLURM = "needs a Slurm; scripts/cluster.sh starts one"
 
 NOT_RUN = {
     "README.md": {
@@ -37,6 +38,11 @@ NOT_RUN = {
         "./scripts/test.sh": "runs this",
         "cmake --workflow --preset release": BUILDS,
         "ninja -C build/release test_core && ctest --preset release -R '^core/'": BUILDS,
+    },
+    "apps/README.md": {
+        "mpirun -n 4 hertzline-mpi sweep paper-wall --vary chain.preload_n=0.01..2:log:400 -o m.h5": "the tests mpi/ do it",
+        'sbatch --array=1-8 --wrap "hertzline sweep my-scene.toml --points p.csv -o s.h5 --shard slurm --resume"': SLURM,
+        'sbatch --ntasks=64 --wrap "srun --mpi=pmix hertzline-mpi sweep my-scene.toml --points p.csv -o s.h5 --resume"': SLURM,
     },
     "apps/clients/README.md": {
         "node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 10000 heard.f32": "the tests clients/node do it",

@@ -1,10 +1,12 @@
 // hertzline optimise: the best point of ranges, under bounds.
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -19,7 +21,6 @@
 #include "apps/console/signals.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/resources.hpp"
-#include "stream/sweep/sweep_files.hpp"
 
 namespace hertzline::app {
 
@@ -40,7 +41,7 @@ stream::Sweep rows_of(const SearchRequest& request) {
 }
 
 Journal open_journal(const SweepOptions& options, const SearchRequest& request) {
-    Journal journal(options.output + journal_ending,
+    Journal journal(options.files.front() + journal_ending,
                     options.resume ? Journal::Use::resume : Journal::Use::begin);
     const std::string text = stream::journal_text(request);
     if (journal.is_new()) {
@@ -71,8 +72,9 @@ void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
     const double row = Journal::bytes(1, stream::payload_bytes(request.demand));
-    const double disk = 2 * points * row;  // the journal, and the file beside it
-    if (const auto shortage = stream::disk_shortage(options.output, disk)) {
+    const auto tables = static_cast<double>(options.files.size());
+    const double disk = (1 + tables) * points * row;  // the journal, and the tables beside it
+    if (const auto shortage = stream::disk_shortage(options.files.front(), disk)) {
         throw std::runtime_error(*shortage);
     }
     spdlog::info("{} evaluations at most, on {} {}; about {} of disk and {} of memory", request.evaluations,
@@ -107,7 +109,7 @@ Exit report(const SearchJob& job, const SweepOptions& options) {
     for (const std::string& warning : search_warnings(job)) {
         spdlog::warn(warning);
     }
-    print_summary(search_summary(job, options.output), options.format);
+    print_summary(search_summary(job, names_json(options.files)), options.format);
     if (job.result().best.centre == stream::Evaluations::none) {
         spdlog::error(no_feasible_text(job));
         return Exit::failed;
@@ -117,8 +119,8 @@ Exit report(const SearchJob& job, const SweepOptions& options) {
 
 Exit optimise(const OptimiseOptions& options) {
     const SoundSearch search = sound_search(options);
-    const std::string& file = options.sweep.output;
-    stream::require_writable(file);
+    const std::vector<std::string>& files = options.sweep.files;
+    std::ranges::for_each(files, stream::require_writable);
     if (search.survey.refused > 0) {
         spdlog::warn("{} of {} points all over the ranges cannot be simulated; {}", search.survey.refused,
                      search.request.evaluations, search.survey.first_refused);
@@ -134,11 +136,11 @@ Exit optimise(const OptimiseOptions& options) {
     if (job.evaluations().stopped()) {
         return stopped(journal, job.evaluations().size());
     }
-    if (!stream::write_sweep(file, stream::SweepTable(job.sweep(), {&journal}), stop_asked())) {
+    if (!write_tables(files, stream::SweepTable(job.sweep(), {&journal}))) {
         return stopped(journal, job.evaluations().size());
     }
     const Exit exit = report(job, options.sweep);
-    journal.replace_by(file);
+    journal.replace_by(files);
     return exit;
 }
 

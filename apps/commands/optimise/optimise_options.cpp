@@ -32,7 +32,7 @@ constexpr std::int64_t most_evaluations = 1'000'000;
 
 /// As sweeps have it, where they may do without.
 void refuse_no_file(const OptimiseOptions& options) {
-    if (options.sweep.output.empty()) {
+    if (options.sweep.files.empty()) {
         throw WrongUse("-o: found no file, allowed: a file that ends in .h5 or .csv");
     }
 }
@@ -79,7 +79,7 @@ SoundSweep sound_sample(const OptimiseOptions& options) {
     }
     SweepOptions sample = options.sweep;
     sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
-    if (sample.output.empty()) {  // refuse_no_file() says so
+    if (sample.files.empty()) {  // refuse_no_file() says so
         sample.format = Format::json;
         sample.resume = false;
     }

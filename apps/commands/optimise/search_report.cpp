@@ -133,7 +133,7 @@ Json starts_json(const SearchJob& job) {
     return json;
 }
 
-Json evaluations_json(const SearchJob& job, const std::string& file) {
+Json evaluations_json(const SearchJob& job, const Json& files) {
     const auto& all = job.evaluations().all();
     Json json{{"evaluations", job.evaluations().size()},
               {"feasible",
@@ -142,7 +142,7 @@ Json evaluations_json(const SearchJob& job, const std::string& file) {
         json[std::string(stream::point_status_words[i])] = job.counts().of_status[i];
     }
     json["seed"] = job.request().seed;
-    json["file"] = file;
+    json["file"] = files;
     return json;
 }
 
@@ -153,14 +153,14 @@ std::string fall_text(double fall) {
 
 }  // namespace
 
-std::vector<stream::SummaryGroup> search_summary(const SearchJob& job, const std::string& file) {
+std::vector<stream::SummaryGroup> search_summary(const SearchJob& job, const Json& files) {
     std::vector<stream::SummaryGroup> groups;
     if (const Surroundings& best = job.result().best; best.centre != Evaluations::none) {
         groups.push_back({"best", point_json(job, best.centre), "best"});
         groups.push_back({"around it", around_json(job, best), "around"});
         groups.push_back({"how sure", starts_json(job), "starts"});
     }
-    groups.push_back({"search", evaluations_json(job, file), ""});
+    groups.push_back({"search", evaluations_json(job, files), ""});
     return groups;
 }
 

@@ -9,8 +9,9 @@
 
 namespace hertzline::app {
 
-/// The summary. @param file that has the rows
-std::vector<stream::SummaryGroup> search_summary(const stream::SearchJob& job, const std::string& file);
+/// The summary. @param files one or several that have the rows
+std::vector<stream::SummaryGroup> search_summary(const stream::SearchJob& job,
+                                                 const nlohmann::ordered_json& files);
 
 /// What is to be warned of: a best point on an edge, or that one local search alone came to.
 stream::Warnings search_warnings(const stream::SearchJob& job);

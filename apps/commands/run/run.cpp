@@ -12,6 +12,7 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
+#include "apps/arguments/target_option.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/plot/picture.hpp"
 #include "apps/commands/preflight.hpp"
@@ -254,6 +255,7 @@ Run run_command(CLI::App& app) {
     app.add_option("--band-from", options->band_from_hz,
                    "bands are looked for from here upward (default: half the drive's frequency)")
         ->type_name("HZ");
+    add_target_option(app);
     add_format_option(app, options->format, "print the summary as one JSON object");
     app.footer(examples);
     return [options] { return run(*options); };

@@ -1,5 +1,6 @@
-// hertzline sweep: many scenes, a row each.
+#include "apps/commands/sweep/sweep.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
+#include "apps/commands/sweep/sweep_crew.hpp"
 #include "apps/commands/sweep/sweep_merge.hpp"
 #include "apps/commands/sweep/sweep_options.hpp"
 #include "apps/commands/sweep/sweep_progress.hpp"
@@ -21,11 +23,11 @@
 #include "apps/commands/sweep/unused_journal.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
+#include "core/integrators/kernels.hpp"
 #include "core/scene/text.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/resources.hpp"
 #include "stream/sweep/journal.hpp"
-#include "stream/sweep/sweep_files.hpp"
 #include "stream/sweep/workers.hpp"
 
 namespace hertzline::app {
@@ -43,16 +45,29 @@ constexpr const char* journal_ending = ".journal";
 
 /// Beside the file: FILE.journal, or FILE.1-of-4.journal.
 fs::path journal_path(const SweepOptions& options, const stream::Shard& shard) {
-    return options.output +
+    return options.files.front() +
            (shard.parts > 1 ? fmt::format(".{}-of-{}", shard.part, shard.parts) : std::string()) +
            journal_ending;
 }
 
 Journal open_journal(const SweepOptions& options, const Sweep& sweep) {
-    if (options.output.empty()) {
+    if (options.files.empty()) {
         return Journal::passing();
     }
     return {journal_path(options, sweep.shard), options.resume ? Journal::Use::resume : Journal::Use::begin};
+}
+
+/// What helps where a journal's rows were made with other instructions.
+std::string target_advice(const std::string& journal) {
+    std::string target;
+    try {
+        target = stream::maker_of_journal(journal).at("simd_target").get<std::string>();
+    } catch (const std::runtime_error&) {
+        return {};  // of another format
+    }
+    return target == kernels::kernel_target()
+               ? std::string()
+               : fmt::format("; --target {} goes on with it, where the processor has it", printable(target));
 }
 
 /// Gives it its beginning, or finds out that it has the right one.
@@ -65,8 +80,8 @@ void prepare(Journal& journal, const Sweep& sweep, bool resume) {
         journal.begin(text, stream::payload_bytes(sweep.demand));
     } else if (const auto difference = stream::journal_difference(journal.text(), text)) {
         throw WrongUse(
-            fmt::format("{}: found {}, allowed: the journal of the same sweep, made by the same program",
-                        journal.path().string(), *difference));
+            fmt::format("{}: found {}, allowed: the journal of the same sweep, made by the same program{}",
+                        journal.path().string(), *difference, target_advice(journal.text())));
     }
     require_rows_of(sweep, journal);
     journal.load(sweep.plan.size());
@@ -88,24 +103,24 @@ std::vector<std::int64_t> missing_points(const Sweep& sweep, const Journal& jour
     return missing;
 }
 
-void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std::size_t missing, int jobs) {
+void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std::size_t missing,
+                      const SweepCrew& crew) {
     const Sweep& sweep = sound.sweep;
     const double points_bytes = 16 * static_cast<double>(sweep.plan.size());  // the journal's index
-    const double memory = jobs * sound.survey.memory_bytes + points_bytes;
-    if (const auto shortage = stream::memory_shortage(fmt::format("a sweep with {} jobs", jobs), memory)) {
+    const double memory = crew.threads_here() * sound.survey.memory_bytes + points_bytes;
+    if (const auto shortage =
+            stream::memory_shortage(fmt::format("a sweep with {} jobs", crew.threads_here()), memory)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
     const double journal = Journal::bytes(static_cast<double>(missing), stream::payload_bytes(sweep.demand));
-    const double file =
-        options.output.empty() || sweep.shard.parts > 1 ? 0 : stream::sweep_file_bytes(options.output, sweep);
-    const fs::path path =
-        options.output.empty() ? fs::temp_directory_path() / "hertzline-sweep" : fs::path(options.output);
-    if (const auto shortage = stream::disk_shortage(path, journal + file)) {
+    const double tables = sweep.shard.parts > 1 ? 0 : table_bytes(options.files, sweep);
+    const fs::path path = options.files.empty() ? fs::temp_directory_path() / "hertzline-sweep"
+                                                : fs::path(options.files.front());
+    if (const auto shortage = stream::disk_shortage(path, journal + tables)) {
         throw std::runtime_error(*shortage);
     }
-    spdlog::info("{}; {} to run, on {} {}; about {} of disk and {} of memory", sweep.plan.text(), missing,
-                 jobs, jobs == 1 ? "thread" : "threads", stream::human_bytes(journal + file),
-                 stream::human_bytes(memory));
+    spdlog::info("{}; {} to run, on {}; about {} of disk and {} of memory", sweep.plan.text(), missing,
+                 crew.text(), stream::human_bytes(journal + tables), stream::human_bytes(memory));
 }
 
 void tell_of_refused(const stream::SweepSurvey& survey, std::int64_t points) {
@@ -116,34 +131,28 @@ void tell_of_refused(const stream::SweepSurvey& survey, std::int64_t points) {
 
 /// The first point alone tells how long the others will take, roughly.
 PointCounts run_missing(const Sweep& sweep, Journal& journal, const std::vector<std::int64_t>& missing,
-                        int jobs, PointCounts there) {
+                        SweepCrew& crew) {
     const std::atomic<bool>& stop = stop_asked();
     SweepProgress progress(static_cast<std::int64_t>(missing.size()));
-    const auto add = [](PointCounts sum, const PointCounts& more) {
-        for (std::size_t i = 0; i < sum.of_status.size(); ++i) {
-            sum.of_status[i] += more.of_status[i];
-        }
-        return sum;
-    };
     PointCounts first;
     if (!missing.empty()) {
         first = stream::run_points(sweep, journal, std::span(missing).first(1), 1, stop,
                                    [](const PointCounts&) {});
-        const double left = progress.elapsed_s() * static_cast<double>(missing.size() - 1) / jobs;
+        const double left = progress.elapsed_s() * static_cast<double>(missing.size() - 1) / crew.threads();
         spdlog::info("the first point took {}: about {} for all", time_text(progress.elapsed_s()),
                      time_text(progress.elapsed_s() + left));
     }
-    const PointCounts others =
-        missing.size() < 2
-            ? PointCounts{}
-            : stream::run_points(sweep, journal, std::span(missing).subspan(1), jobs, stop,
-                                 [&](const PointCounts& done) { progress.tell(add(first, done)); });
-    return add(add(there, first), others);
+    PointCounts others;
+    if (missing.size() > 1) {
+        others = crew.run(sweep, journal, std::span(missing).subspan(1),
+                          [&](PointCounts done) { progress.tell(done += first); });
+    }
+    return others += first;
 }
 
 Exit stopped(const SweepOptions& options, const Journal& journal, const PointCounts& counts,
              std::int64_t all) {
-    if (options.output.empty() || !journal.has_rows()) {
+    if (options.files.empty() || !journal.has_rows()) {
         spdlog::error("stopped after {} of {} points; nothing was saved", counts.all(), all);
     } else {
         spdlog::error(
@@ -155,11 +164,11 @@ Exit stopped(const SweepOptions& options, const Journal& journal, const PointCou
 
 /// What is missing, and what to do next when that cannot be gone on with.
 PointCounts run_or_tell(const SweepOptions& options, const Sweep& sweep, Journal& journal,
-                        const std::vector<std::int64_t>& missing, const PointCounts& there) {
+                        const std::vector<std::int64_t>& missing, SweepCrew& crew) {
     try {
-        return run_missing(sweep, journal, missing, jobs_of(options), there);
+        return run_missing(sweep, journal, missing, crew);
     } catch (const std::runtime_error& error) {
-        if (options.output.empty() || !journal.has_rows()) {
+        if (options.files.empty() || !journal.has_rows()) {
             throw;
         }
         throw std::runtime_error(
@@ -168,31 +177,32 @@ PointCounts run_or_tell(const SweepOptions& options, const Sweep& sweep, Journal
     }
 }
 
-/// Writes the file from a journal that has all rows. @returns whether all is written
+/// Writes the files from a journal that has all rows. @returns whether all is written
 bool finish(const SweepOptions& options, const Sweep& sweep, Journal& journal, std::int64_t failed) {
     if (!write_result(options, stream::SweepTable(sweep, {&journal}))) {
         return false;
     }
-    if (options.output.empty()) {
+    if (options.files.empty()) {
         return true;
     }
     if (failed > 0) {
         spdlog::error("{} points failed for want of means; --resume tries them again from {}", failed,
                       journal.path().string());
     } else {
-        journal.replace_by(options.output);
+        journal.replace_by(options.files);
     }
     return true;
 }
 
-Exit run_sweep(const SweepOptions& options) {
+Exit run_sweep(const SweepOptions& options, SweepCrew& crew) {
     const SoundSweep sound = sound_sweep(options);
     const Sweep& sweep = sound.sweep;
     const bool whole = sweep.shard.parts == 1;
-    if (!options.output.empty() && whole) {
-        stream::require_writable(options.output);
+    if (whole) {
+        std::ranges::for_each(options.files, stream::require_writable);
     }
     tell_of_refused(sound.survey, sweep.plan.size());
+    crew.muster(options, sweep);
     Journal journal = open_journal(options, sweep);
     prepare(journal, sweep, options.resume);
     stop_asked();  // from here on there are rows to be saved
@@ -203,8 +213,9 @@ Exit run_sweep(const SweepOptions& options) {
         spdlog::info("{} of {} points are in {}", there.all(), all, journal.path().string());
     }
     const UnusedJournal unused(journal, !missing.empty());
-    refuse_shortages(options, sound, missing.size(), jobs_of(options));
-    const PointCounts counts = run_or_tell(options, sweep, journal, missing, there);
+    refuse_shortages(options, sound, missing.size(), crew);
+    PointCounts counts = run_or_tell(options, sweep, journal, missing, crew);
+    counts += there;
     if (counts.all() < all) {
         return stopped(options, journal, counts, all);
     }
@@ -216,24 +227,29 @@ Exit run_sweep(const SweepOptions& options) {
     if (whole && !finish(options, sweep, journal, failed)) {
         return stopped(options, journal, counts, all);
     }
-    print_counts(options, counts, whole ? options.output : journal.path().string());
+    print_counts(options, counts, whole ? options.files : std::vector{journal.path().string()});
     return failed > 0 ? Exit::failed : Exit::done;
 }
 
 }  // namespace
 
-Run sweep_command(CLI::App& app) {
+Run add_sweep(CLI::App& app, SweepCrew& crew) {
     auto options = std::make_shared<SweepOptions>();
     add_sweep_options(app, *options);
-    return [options] {
+    return [options, &crew] {
         if (!options->parts.empty()) {
             return merge_parts(*options);
         }
         if (options->scene.scene.empty()) {
             throw WrongUse("SCENE: found none, allowed: a scene file, or the name of a shipped scene");
         }
-        return run_sweep(*options);
+        return run_sweep(*options, crew);
     };
+}
+
+Run sweep_command(CLI::App& app) {
+    static ThreadCrew threads;
+    return add_sweep(app, threads);
 }
 
 }  // namespace hertzline::app

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
-#include <optional>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -19,7 +19,6 @@
 #include "core/scene/text.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/sweep/journal.hpp"
-#include "stream/sweep/sweep_files.hpp"
 
 namespace hertzline::app {
 
@@ -43,7 +42,7 @@ void refuse_repeated(const std::vector<std::string>& names) {
 /// The journals of all parts, in their order.
 std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep) {
     refuse_repeated(options.parts);
-    std::vector<std::optional<Journal>> parts(static_cast<std::size_t>(sweep.shard.parts));
+    std::map<std::int64_t, Journal> parts;  // a journal may say that there are millions
     const std::string text = stream::journal_text(sweep);
     for (const std::string& name : options.parts) {
         Journal journal(name, Journal::Use::read);
@@ -52,23 +51,24 @@ std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep)
                 fmt::format("{}: found {}, allowed: parts of one sweep", printable(name), *difference));
         }
         const stream::Shard shard = stream::sweep_of_journal(journal.text()).shard;
-        auto& part = parts.at(static_cast<std::size_t>(shard.part - 1));
-        if (shard.parts != sweep.shard.parts || part) {
+        const bool again = parts.contains(shard.part);
+        if (shard.parts != sweep.shard.parts || again) {
             throw WrongUse(fmt::format("{}: found part {}/{}{}, allowed: each of {} parts once",
-                                       printable(name), shard.part, shard.parts, part ? " again" : "",
+                                       printable(name), shard.part, shard.parts, again ? " again" : "",
                                        sweep.shard.parts));
         }
         require_rows_of(sweep, journal);
         journal.load(sweep.plan.size());
-        part.emplace(std::move(journal));
+        parts.emplace(shard.part, std::move(journal));
     }
     std::vector<Journal> all;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (!parts[i]) {
-            throw WrongUse(fmt::format("--merge: found no journal of part {}/{}, allowed: all parts", i + 1,
-                                       parts.size()));
+    for (std::int64_t part = 1; part <= sweep.shard.parts; ++part) {
+        const auto there = parts.find(part);
+        if (there == parts.end()) {
+            throw WrongUse(fmt::format("--merge: found no journal of part {}/{}, allowed: all parts", part,
+                                       sweep.shard.parts));
         }
-        all.push_back(*std::move(parts[i]));
+        all.push_back(std::move(there->second));
     }
     return all;
 }
@@ -97,11 +97,7 @@ Sweep first_sweep(const std::string& name) {
 Exit merge_parts(const SweepOptions& options) {
     refuse_options_beside_merge(options);
     const Sweep sweep = first_sweep(options.parts.front());
-    if (!options.output.empty()) {
-        if (const auto fault = stream::sweep_file_fault(options.output, sweep.demand.waveform.has_value())) {
-            throw WrongUse(*fault);
-        }
-    }
+    refuse_wrong_tables(options.files, sweep.demand.waveform.has_value());
     const std::vector<Journal> parts = open_parts(options, sweep);
     std::vector<const Journal*> journals;
     std::ranges::transform(parts, std::back_inserter(journals), [](const Journal& part) { return &part; });
@@ -120,7 +116,7 @@ Exit merge_parts(const SweepOptions& options) {
     for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
         ++counts[parts[static_cast<std::size_t>(point % sweep.shard.parts)].status(point)];
     }
-    print_counts(options, counts, options.output);
+    print_counts(options, counts, options.files);
     return Exit::done;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
+#include "apps/arguments/target_option.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
 #include "core/scene/text.hpp"
@@ -89,10 +91,46 @@ stream::SweepPlan plan_of(const SweepOptions& options) {
     return *std::move(plan);
 }
 
+/// A number that Slurm has put into the environment; nothing where there is none.
+std::optional<std::int64_t> slurm_number(const char* name) {
+    const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before there are threads
+    if (text == nullptr) {
+        return std::nullopt;
+    }
+    const std::string_view digits(text);
+    std::int64_t number = 0;
+    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    const bool whole = read.ec == std::errc{} && read.ptr == digits.data() + digits.size();
+    return whole ? std::optional(number) : std::nullopt;
+}
+
+/// The task of an array of jobs: --array=1-8 has parts 1/8 to 8/8.
+stream::Shard shard_of_slurm_task() {
+    const auto task = slurm_number("SLURM_ARRAY_TASK_ID");
+    const auto tasks = slurm_number("SLURM_ARRAY_TASK_COUNT");
+    const auto first = slurm_number("SLURM_ARRAY_TASK_MIN");
+    const auto last = slurm_number("SLURM_ARRAY_TASK_MAX");
+    if (!task || !tasks || !first || !last) {
+        throw WrongUse(
+            "--shard slurm: found no SLURM_ARRAY_TASK_ID with its COUNT, MIN and MAX, allowed: in a job of "
+            "sbatch --array=1-N");
+    }
+    if (*last - *first + 1 != *tasks || *task < *first || *task > *last || *tasks > stream::max_points) {
+        throw WrongUse(fmt::format(
+            "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps, as 1-8; "
+            "--shard I/N names a part of it",
+            *task, *tasks, *first, *last));
+    }
+    return {*task - *first + 1, *tasks};
+}
+
 stream::Shard shard_of(const std::string& text) {
     stream::Shard shard;
     if (text.empty()) {
         return shard;
+    }
+    if (text == "slurm") {
+        return shard_of_slurm_task();
     }
     const char* const end = text.data() + text.size();
     const auto part = std::from_chars(text.data(), end, shard.part);
@@ -100,7 +138,7 @@ stream::Shard shard_of(const std::string& text) {
     const auto parts = divided ? std::from_chars(part.ptr + 1, end, shard.parts) : part;
     if (!divided || parts.ec != std::errc{} || parts.ptr != end || shard.part < 1 ||
         shard.part > shard.parts || shard.parts > stream::max_points) {
-        throw WrongUse(fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4",
+        throw WrongUse(fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm",
                                    quoted_briefly(text)));
     }
     return shard;
@@ -127,18 +165,14 @@ void refuse_wrong_band(std::optional<double> from_hz) {
 
 void refuse_wrong_output(const SweepOptions& options) {
     refuse_no_output(options);
-    if (options.output.empty() && (options.resume || !options.shard.empty())) {
+    if (options.files.empty() && (options.resume || !options.shard.empty())) {
         throw WrongUse(fmt::format("{}: found no -o FILE, allowed: together with it",
                                    options.resume ? "--resume" : "--shard"));
     }
-    if (options.output.empty() && !options.waveform.empty()) {
+    if (options.files.empty() && !options.waveform.empty()) {
         throw WrongUse("--waveforms: found no -o FILE, allowed: together with one that ends in .h5");
     }
-    if (!options.output.empty()) {
-        if (const auto fault = stream::sweep_file_fault(options.output, !options.waveform.empty())) {
-            throw WrongUse(*fault);
-        }
-    }
+    refuse_wrong_tables(options.files, !options.waveform.empty());
 }
 
 }  // namespace
@@ -184,7 +218,7 @@ SoundSweep sound_sweep(const SweepOptions& options) {
 }
 
 void add_point_options(CLI::App& app, SweepOptions& options) {
-    app.add_option("-o,--output", options.output, "the table: .h5 or .csv")
+    add_repeatable_option(app, "-o,--output", options.files, "the table: .h5 or .csv; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
     add_repeatable_option(app, "--measure", options.measures,
@@ -195,6 +229,7 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
                    "bands are looked for from here upward (default: half the drive's frequency)")
         ->type_name("HZ");
     app.add_option("--jobs", options.jobs, "threads (default: one for each processor)")->type_name("N");
+    add_target_option(app);
 }
 
 void add_sweep_options(CLI::App& app, SweepOptions& options) {
@@ -218,9 +253,10 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
         ->check(missing_name)
         ->type_name("NAME");
     app.add_flag("--resume", options.resume, "go on where a sweep was ended, or begin");
-    app.add_option("--shard", options.shard, "run only the I-th of N parts; --merge joins them")
+    app.add_option("--shard", options.shard,
+                   "run only the I-th of N parts, or that of this task of a Slurm array; --merge joins them")
         ->check(missing_name)
-        ->type_name("I/N");
+        ->type_name("I/N|slurm");
     app.add_option("--merge", options.parts, "write FILE from the journals of all parts")
         ->expected(1, -1)
         ->type_name("JOURNAL");

@@ -20,19 +20,19 @@ struct SweepOptions {
     std::vector<std::string> vary;
     std::string points;  ///< a file; empty: none
     std::optional<std::int64_t> sobol;
-    std::string output;                   ///< a file; empty: none
-    std::vector<std::string> measures;    ///< taps to be measured beside v_out
+    std::vector<std::string> files;     ///< tables; none: rows go to stdout. The first one names the journal
+    std::vector<std::string> measures;  ///< taps to be measured beside v_out
     std::vector<std::string> quantities;  ///< what is kept; none: all
     std::optional<double> band_from_hz;
     std::string waveform;     ///< a tap; empty: none
     std::optional<int> jobs;  ///< unset: as many as there are processors
     bool resume = false;
-    std::string shard;               ///< "I/N"; empty: all
+    std::string shard;               ///< "I/N" or "slurm"; empty: all
     std::vector<std::string> parts;  ///< journals to be merged; none: a sweep is run
     Format format = Format::text;
 };
 
-/// What is measured of points, on how many threads, and where it goes. @param options must outlive the parsing
+/// What is measured of points, by which instructions, on how many threads, and where it goes. @param options must outlive the parsing
 void add_point_options(CLI::App& app, SweepOptions& options);
 /// All of a sweep. @param options must outlive the parsing
 void add_sweep_options(CLI::App& app, SweepOptions& options);

@@ -1,12 +1,22 @@
 #include "apps/commands/sweep/sweep_result.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <numeric>
+#include <optional>
+#include <set>
 
+#include <fmt/format.h>
+
+#include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
 #include "stream/files/errors.hpp"
+#include "stream/recordings/recording_formats.hpp"
 #include "stream/sweep/sweep_files.hpp"
 
 namespace hertzline::app {
@@ -29,9 +39,26 @@ void print_rows(const stream::SweepTable& table) {
 }  // namespace
 
 void refuse_no_output(const SweepOptions& options) {
-    if (options.output.empty() && options.format == Format::text) {
+    if (options.files.empty() && options.format == Format::text) {
         throw WrongUse("-o: found no file, allowed: a file that ends in .h5 or .csv, or --json");
     }
+}
+
+void refuse_wrong_tables(std::span<const std::string> files, bool with_waveforms) {
+    Faults faults;
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : files) {
+        faults.of([&] {
+            if (const auto fault = stream::sweep_file_fault(file, with_waveforms)) {
+                throw WrongUse(*fault);
+            }
+            if (!names.insert(stream::recording_name(file)).second) {
+                throw WrongUse(
+                    fmt::format("{}: found a second time, allowed: each file once", printable(file)));
+            }
+        });
+    }
+    faults.refuse();
 }
 
 void require_rows_of(const stream::Sweep& sweep, const stream::Journal& journal) {
@@ -40,8 +67,19 @@ void require_rows_of(const stream::Sweep& sweep, const stream::Journal& journal)
     }
 }
 
+double table_bytes(std::span<const std::string> files, const stream::Sweep& sweep) {
+    return std::accumulate(files.begin(), files.end(), 0.0, [&](double bytes, const std::string& file) {
+        return bytes + stream::sweep_file_bytes(file, sweep);
+    });
+}
+
+bool write_tables(std::span<const std::string> files, const stream::SweepTable& table) {
+    return std::ranges::all_of(
+        files, [&](const std::string& file) { return stream::write_sweep(file, table, stop_asked()); });
+}
+
 bool write_result(const SweepOptions& options, const stream::SweepTable& table) {
-    if (!options.output.empty() && !stream::write_sweep(options.output, table, stop_asked())) {
+    if (!write_tables(options.files, table)) {
         return false;
     }
     if (options.format == Format::json) {
@@ -50,7 +88,12 @@ bool write_result(const SweepOptions& options, const stream::SweepTable& table) 
     return true;
 }
 
-void print_counts(const SweepOptions& options, const stream::PointCounts& counts, const std::string& file) {
+Json names_json(const std::vector<std::string>& files) {
+    return files.size() == 1 ? Json(files.front()) : Json(files);
+}
+
+void print_counts(const SweepOptions& options, const stream::PointCounts& counts,
+                  const std::vector<std::string>& files) {
     if (options.format == Format::json) {
         return;
     }
@@ -58,7 +101,7 @@ void print_counts(const SweepOptions& options, const stream::PointCounts& counts
     for (std::size_t i = 0; i < counts.of_status.size(); ++i) {
         summary[std::string(stream::point_status_words[i])] = counts.of_status[i];
     }
-    summary["file"] = file;
+    summary["file"] = names_json(files);
     print_summary(summary, Format::text);
 }
 

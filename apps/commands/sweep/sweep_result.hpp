@@ -1,7 +1,9 @@
 #pragma once
 // What a sweep gives when its points are done: the file, the rows on stdout, and the counts.
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "apps/commands/sweep/sweep_options.hpp"
 #include "stream/sweep/sweep_table.hpp"
@@ -12,13 +14,26 @@ namespace hertzline::app {
 /// @throws WrongUse when there is neither a file nor --json
 void refuse_no_output(const SweepOptions& options);
 
+/// @throws WrongUse that names every file that cannot be a sweep's table, or is named twice. @param with_waveforms only HDF5 holds them
+void refuse_wrong_tables(std::span<const std::string> files, bool with_waveforms);
+
 /// @throws std::runtime_error when the journal's rows are not as long as those of the sweep
 void require_rows_of(const stream::Sweep& sweep, const stream::Journal& journal);
 
-/// Writes the file, and prints the rows where --json asks for them. @returns whether all is written: false once the user stops it
+/// Bytes of all the files, from above.
+double table_bytes(std::span<const std::string> files, const stream::Sweep& sweep);
+
+/// Writes the tables. @returns whether all are written: false once the user stops it
+bool write_tables(std::span<const std::string> files, const stream::SweepTable& table);
+
+/// The same, and prints the rows where --json asks for them.
 bool write_result(const SweepOptions& options, const stream::SweepTable& table);
 
+/// As summaries name them: a text, or several.
+Json names_json(const std::vector<std::string>& files);
+
 /// The summary, unless stdout has the rows.
-void print_counts(const SweepOptions& options, const stream::PointCounts& counts, const std::string& file);
+void print_counts(const SweepOptions& options, const stream::PointCounts& counts,
+                  const std::vector<std::string>& files);
 
 }  // namespace hertzline::app

@@ -1,0 +1,277 @@
+// The points of a sweep beside the same points with Boost.odeint's dopri5, each in threads that take one point after another: what does a
+// point cost at the same error?
+//
+//     bench_sweep_points [--json FILE] [POINTS [THREADS]]
+//
+// The points are the paper's device of vitreous carbon at other preloads. Errors are those of v_last over 500 us, relative L2 norm,
+// against taylor12 with short pieces. A peer gets the loosest tolerance whose median error is at most the sweep's.
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "bench/peers/problem.hpp"
+#include "bench/support/arguments.hpp"
+#include <nlohmann/json.hpp>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/sweep/workers.hpp"
+
+namespace {
+
+using namespace hertzline;
+using bench::Contender;
+using bench::Problem;
+using bench::Trace;
+using Json = nlohmann::ordered_json;
+
+constexpr int rounds = 5;
+constexpr std::int64_t judged_points = 50;
+
+/// Runs the points of a part, one after another.
+using RunPoint = std::function<void(std::int64_t point)>;
+
+double processor_s() {
+    std::timespec time{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+struct Cost {
+    double wall_s = 0;
+    double processor_s = 0;
+};
+
+Cost cost_of(const std::function<void()>& work) {
+    const auto begin = std::chrono::steady_clock::now();
+    const double before = processor_s();
+    work();
+    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(),
+            processor_s() - before};
+}
+
+void in_threads(std::int64_t points, int threads, const RunPoint& run) {
+    std::atomic<std::int64_t> next{0};
+    std::vector<std::jthread> pool;
+    for (int i = 0; i < threads; ++i) {
+        pool.emplace_back([&] {
+            for (std::int64_t point = next++; point < points; point = next++) {
+                run(point);
+            }
+        });
+    }
+}
+
+/// The sweep, and what is known of its points.
+class Subject {
+public:
+    explicit Subject(std::int64_t points) : sweep_{plan_of(points), {}, {}} {
+        sweep_.demand.columns = stream::number_columns({}, false);
+    }
+
+    const stream::Sweep& sweep() const { return sweep_; }
+    std::int64_t points() const { return sweep_.plan.size(); }
+    static std::size_t samples(const Scene& scene) {
+        return static_cast<std::size_t>(std::lround(scene.output.duration_s * scene.output.sample_rate_hz)) +
+               1;
+    }
+    std::int64_t judged(std::int64_t i) const { return i * points() / std::min(judged_points, points()); }
+
+    void run(int threads) const {
+        stream::Journal journal = stream::Journal::passing();
+        journal.begin(stream::journal_text(sweep_), stream::payload_bytes(sweep_.demand));
+        journal.load(points());
+        std::vector<std::int64_t> all(static_cast<std::size_t>(points()));
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            all[i] = static_cast<std::int64_t>(i);
+        }
+        static const std::atomic<bool> never{false};
+        stream::run_points(sweep_, journal, all, threads, never, [](const stream::PointCounts&) {});
+    }
+
+    /// The point's scene with the integrator and the step that the sweep takes.
+    Scene settled(std::int64_t point) const {
+        static const std::atomic<bool> never{false};
+        stream::PointDemand demand;
+        demand.columns = {stream::number_column("step_s")};
+        Scene scene = sweep_.plan.scene(point);
+        const auto row = stream::PointRunner(demand, never).run(point, scene);
+        scene.numerics = {
+            .integrator = Integrator::taylor8, .step_s = row->numbers[0], .accuracy = {}, .poles = {}};
+        return resolve(scene).scene;
+    }
+
+private:
+    static stream::SweepPlan plan_of(std::int64_t points) {
+        const Scene base = parse_scene(find_shipped_scene("paper-vitreous-carbon")->text, "the scene")->scene;
+        return *stream::SweepPlan::make(
+            base, {{"chain.preload_n=0.01..2:log:" + std::to_string(points)}, "", "", std::nullopt});
+    }
+
+    stream::Sweep sweep_;
+};
+
+double error_of(const Trace& trace, const Trace& truth) {
+    double difference = 0;
+    double norm = 0;
+    for (std::size_t i = 0; i < truth.v_last.size(); ++i) {
+        difference += std::pow(trace.v_last[i] - truth.v_last[i], 2);
+        norm += std::pow(truth.v_last[i], 2);
+    }
+    return std::sqrt(difference / norm);
+}
+
+double quantile(std::vector<double> values, double share) {
+    std::ranges::sort(values);
+    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+}
+
+/// Points with their truth, by which contenders are judged.
+class Bench {
+public:
+    explicit Bench(const Subject& subject) : subject_(subject) {
+        for (std::int64_t i = 0; i < std::min(judged_points, subject.points()); ++i) {
+            Scene scene = subject.sweep().plan.scene(subject.judged(i));
+            scene.numerics = {
+                .integrator = Integrator::taylor12, .step_s = 100e-9, .accuracy = {}, .poles = {}};
+            truths_.push_back(trace_of(bench::hertzline_contender(resolve(scene).scene), scene));
+        }
+    }
+
+    /// What a contender that is made of a scene and its problem misses, point by point.
+    std::vector<double> errors(const std::function<Contender(const Scene&, const Problem&)>& make,
+                               bool settled) const {
+        std::vector<double> errors;
+        for (std::size_t i = 0; i < truths_.size(); ++i) {
+            const std::int64_t point = subject_.judged(static_cast<std::int64_t>(i));
+            const Scene scene = settled ? subject_.settled(point) : subject_.sweep().plan.scene(point);
+            const Problem problem = bench::problem(scene, Subject::samples(scene));
+            errors.push_back(error_of(trace_of(make(scene, problem), scene), truths_[i]));
+        }
+        return errors;
+    }
+
+private:
+    static Trace trace_of(const Contender& contender, const Scene& scene) {
+        Trace trace(bench::problem(scene, Subject::samples(scene)));
+        contender.run(trace);
+        return trace;
+    }
+
+    const Subject& subject_;
+    std::vector<Trace> truths_;
+};
+
+struct Row {
+    std::string name;
+    std::string setting;
+    std::vector<double> errors;
+    std::function<void(int threads)> run;
+    std::vector<Cost> costs;
+};
+
+using MakePeer = Contender (*)(const Problem&, double tolerance);
+
+/// A peer at the loosest tolerance with that median error.
+Row peer(const Subject& subject, const Bench& bench, const char* name, MakePeer make, double median) {
+    for (double tolerance = 1e-2; tolerance > 1e-12; tolerance /= std::sqrt(10.0)) {
+        const std::vector<double> errors = bench.errors(
+            [&](const Scene&, const Problem& problem) { return make(problem, tolerance); }, false);
+        if (quantile(errors, 0.5) > median) {
+            continue;
+        }
+        const auto run_point = [&subject, make, tolerance](std::int64_t point) {
+            const Scene scene = subject.sweep().plan.scene(point);
+            const Problem problem = bench::problem(scene, Subject::samples(scene));
+            Trace trace(problem);
+            make(problem, tolerance).run(trace);
+        };
+        char setting[32];
+        std::snprintf(setting, sizeof setting, "tolerance %.1e", tolerance);
+        return {name,
+                setting,
+                errors,
+                [&subject, run_point](int threads) { in_threads(subject.points(), threads, run_point); },
+                {}};
+    }
+    std::fprintf(stderr, "%s never meets the error\n", name);
+    std::exit(1);
+}
+
+void print(const Row& row, double points, Json& results) {
+    const auto median_of = [&](double Cost::*member) {
+        std::vector<double> values;
+        std::ranges::transform(row.costs, std::back_inserter(values), std::mem_fn(member));
+        return quantile(values, 0.5);
+    };
+    const double per_s = points / median_of(&Cost::wall_s);
+    const double processor_us = 1e6 * median_of(&Cost::processor_s) / points;
+    std::printf("%-36s %-18s %9.1e %9.1e %12.0f %14.0f\n", row.name.c_str(), row.setting.c_str(),
+                quantile(row.errors, 0.5), quantile(row.errors, 0.95), per_s, processor_us);
+    results.push_back({{"name", row.name},
+                       {"setting", row.setting},
+                       {"median_error", quantile(row.errors, 0.5)},
+                       {"error_of_95_percent", quantile(row.errors, 0.95)},
+                       {"points_per_s", per_s},
+                       {"processor_us_per_point", processor_us}});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const bench::Arguments arguments(argc, argv);
+    const std::int64_t points = arguments.words.empty() ? 500 : std::stoll(arguments.words[0]);
+    const int threads = arguments.words.size() < 2 ? 1 : std::stoi(arguments.words[1]);
+    const Subject subject(points);
+    const Bench bench(subject);
+    const auto ours = [](const Scene& scene, const Problem&) { return bench::hertzline_contender(scene); };
+    const std::vector<double> errors = bench.errors(ours, true);
+    const double median = quantile(errors, 0.5);
+    std::vector<Scene> settled;
+    for (std::int64_t point = 0; point < points; ++point) {
+        settled.push_back(subject.settled(point));
+    }
+    const auto simulate = [&](std::int64_t point) {
+        const Scene& scene = settled[static_cast<std::size_t>(point)];
+        Trace trace(bench::problem(scene, Subject::samples(scene)));
+        bench::hertzline_contender(scene).run(trace);
+    };
+    std::vector<Row> rows;
+    rows.push_back({"hertzline sweep, with all measures",
+                    "default accuracy",
+                    errors,
+                    [&](int count) { subject.run(count); },
+                    {}});
+    rows.push_back({"hertzline taylor8, samples alone",
+                    "the sweep's step",
+                    errors,
+                    [&](int count) { in_threads(points, count, simulate); },
+                    {}});
+    rows.push_back(
+        peer(subject, bench, "odeint dopri5, contacts located", bench::odeint_dopri5_located, median));
+    rows.push_back(peer(subject, bench, "odeint dopri5, as it comes", bench::odeint_dopri5, median));
+    for (int round = 0; round < rounds; ++round) {
+        for (Row& row : rows) {
+            row.costs.push_back(cost_of([&] { row.run(threads); }));
+        }
+    }
+    std::printf("%lld points in %d thread%s\n%-36s %-18s %9s %9s %12s %14s\n", static_cast<long long>(points),
+                threads, threads == 1 ? "" : "s", "", "setting", "median", "95 %", "points/s",
+                "processor us");
+    Json results = Json::array();
+    for (const Row& row : rows) {
+        print(row, static_cast<double>(points), results);
+    }
+    arguments.save({{"points", points}, {"threads", threads}, {"rows", results}});
+    return 0;
+}
