@@ -104,11 +104,11 @@ submit() { # NAME OPTION... COMMAND: waits for the job
 
 echo "one process ..."
 # shellcheck disable=SC2086  # a list of words
-"$build/hertzline" sweep $sweep -o "$folder/alone.csv"
+"$build/hertzline" sweep $sweep -o "$folder/alone.csv" >"$folder/alone.log" 2>&1
 
 echo "an array of 4 jobs ..."
 submit array --array=1-4 --ntasks=1 "exec '$build/hertzline' sweep $sweep --shard slurm -o array.csv"
-"$build/hertzline" sweep --merge "$folder"/array.csv.*-of-4.journal -o "$folder/array.csv"
+"$build/hertzline" sweep --merge "$folder"/array.csv.*-of-4.journal -o "$folder/array.csv" >"$folder/merge.log" 2>&1
 cmp "$folder/alone.csv" "$folder/array.csv"
 
 echo "2 MPI ranks on 2 nodes ..."

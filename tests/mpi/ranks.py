@@ -145,7 +145,9 @@ def a_lost_rank_0_leaves_what_was_done_to_be_resumed_with_mpi(programs, folder):
 
 
 def ctrl_c_saves_what_is_done(programs, folder):
-    process = programs.start_ranks(2, *LONG, "-o", folder / "s.csv")
+    # mpirun passes no more messages on once it was interrupted
+    process = start(["mpirun", "-n", "2", "sh", "-c", f'exec "$0" "$@" 2>{folder}/messages.$OMPI_COMM_WORLD_RANK',
+                     programs.mpi_program, "sweep", *LONG, "-o", folder / "s.csv"])
     journal = folder / "s.csv.journal"
     end = time.monotonic() + LONG_ENOUGH_S
     while not (journal.exists() and journal.stat().st_size > 40_000):
@@ -154,8 +156,9 @@ def ctrl_c_saves_what_is_done(programs, folder):
     os.kill(process.pid, signal.SIGINT)
     outcome = finished(process)
     assert outcome.status != 0
-    assert "stopped after" in outcome.err and "--resume goes on" in outcome.err, outcome.err
-    assert outcome.err.count("stopped after") == 1, outcome.err
+    messages = (folder / "messages.0").read_text()
+    assert f"of 4000 points, which are in {journal}: the same command with --resume goes on" in messages, messages
+    expect((folder / "messages.1").read_text(), "", "messages of rank 1")
     done(programs.alone(*LONG, "-o", folder / "s.csv", "--resume"))
     expect((folder / "s.csv").read_bytes() == undisturbed(programs, folder), True, "resumed: same")
 
@@ -163,14 +166,14 @@ def ctrl_c_saves_what_is_done(programs, folder):
 def faults_are_told_once_and_the_exit_status_is_that_of_a_sweep(programs, folder):
     wrong = programs.ranks(3, "paper-wall", "--vary", "chain.sphere=3,4", "-o", folder / "a.csv")
     expect(wrong.status, 2, "exit status of a wrong plan")
-    expect(wrong.err.count("chain.sphere"), 1, "messages")
+    expect(wrong.err.count('found "chain.sphere"'), 1, "messages")
     expect(programs.alone("paper-wall", "--vary", "chain.sphere=3,4", "-o", folder / "a.csv").status, 2, "alone")
     unknown = programs.ranks(2, *FEW, "--nonsense")
     expect(unknown.status, 2, "exit status of an unknown option")
     expect(unknown.err.count("hertzline-mpi sweep --help says what is allowed"), 1, "messages")
     unwritable = programs.ranks(2, *FEW, "-o", folder / "none" / "a.csv")
     expect(unwritable.status, 1, "exit status where nothing can be written")
-    expect(unwritable.err.count(f"{folder}/none"), 1, "messages")
+    expect(unwritable.err.count("error: "), 1, "messages")
     expect(list(folder.iterdir()), [], "files left behind")
     assert "SCENE" in done(programs.ranks(2, "--help")).out
 

@@ -228,7 +228,9 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
     app.add_option("--band-from", options.band_from_hz,
                    "bands are looked for from here upward (default: half the drive's frequency)")
         ->type_name("HZ");
-    app.add_option("--jobs", options.jobs, "threads (default: one for each processor)")->type_name("N");
+    app.add_option("--jobs", options.jobs,
+                   "threads (default: one for each processor; of hertzline-mpi one for each rank)")
+        ->type_name("N");
     add_target_option(app);
 }
 
