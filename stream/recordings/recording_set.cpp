@@ -78,7 +78,7 @@ void RecordingSet::write(std::int64_t first, std::vector<double> values) {
 }
 
 void RecordingSet::note_change(const nlohmann::ordered_json& change) {
-    const auto note = std::make_shared<const RecordedRows>(RecordedRows{.change = change});
+    const auto note = std::make_shared<const RecordedRows>(RecordedRows{.values = {}, .change = change});
     for (std::size_t i = 0; i < threads_.size(); ++i) {
         if (threads_[i] != nullptr && !threads_[i]->try_write(note) && threads_[i]->over()) {
             conclude(i);
