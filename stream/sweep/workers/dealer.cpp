@@ -8,7 +8,7 @@ Dealer::Dealer(std::span<const std::int64_t> points, std::size_t processes, std:
     : points_(points), threads_(threads), out_(processes, 0) {}
 
 std::span<const std::int64_t> Dealer::deal(std::size_t process) {
-    constexpr std::size_t share = 4;  // of what is left a thread gets at most a quarter of its part
+    constexpr std::size_t share = 8;  // of what is left a thread gets at most an eighth of its part
     const std::size_t left = points_.size() - dealt_;
     const std::size_t ahead =
         threads_ * std::clamp<std::size_t>(left / (share * threads_ * out_.size()), 1, most_ahead);
