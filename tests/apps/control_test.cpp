@@ -97,6 +97,9 @@ TEST(Control, SetsGetsAndUndoes) {
     EXPECT_EQ(got["values"]["drive.amplitude_m"]["value"], 2e-6);
     EXPECT_EQ(got["scene_hash"], set.json()["scene_hash"]);
 
+    const Outcome as_text = hertzline({"get", "drive.envelope", "--connect", stream.control});
+    EXPECT_THAT(as_text.out, testing::ContainsRegex("drive.envelope +tukey\nepoch +1\n")) << as_text.err;
+
     const Outcome wrong = at({"set", "drive.amplitude_m=-1", "chain.spheres=5"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr("drive.amplitude_m: found -1, allowed: a number from 0 to 1 m"));
