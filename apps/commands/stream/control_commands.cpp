@@ -144,8 +144,9 @@ Exit get(const ControlArguments& arguments) {
         return Exit::done;
     }
     Json flat = Json::object();
-    for (const auto& [key, entry] : reply.value("values", Json::object()).items()) {
-        flat[printable(key)] = entry.value("value", Json(nullptr));
+    const Json values = reply.value("values", Json::object());
+    for (const auto& [key, entry] : values.items()) {
+        flat[printable(key)] = entry.is_object() ? entry.value("value", Json(nullptr)) : Json(nullptr);
     }
     flat["epoch"] = reply.value("epoch", Json(nullptr));
     flat["scene_hash"] = reply.value("scene_hash", Json(nullptr));

@@ -23,7 +23,7 @@ Json fault_json(std::string key, std::string found, std::string allowed) {
 
 /// Behind the threads that keep step with the clock. On Linux a priority is the calling thread's.
 void step_back() noexcept {
-    constexpr int low_priority = 10;
+    constexpr int low_priority = 5;
     setpriority(PRIO_PROCESS, 0, low_priority);
 }
 

@@ -162,7 +162,9 @@ TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
     Controlled stream;
     Publisher publisher("tcp://127.0.0.1:*");
     const std::string address = publisher.endpoint();
-    Pipeline pipeline({.about = {{"version", "test"}}, .start = StreamStart::with_first_subscriber},
+    Pipeline pipeline({.about = {{"version", "test"}},
+                       .start = StreamStart::with_first_subscriber,
+                       .on_overrun = OnOverrun::wait},
                       stream.source, publisher, nullptr);
     ControlServer server("tcp://127.0.0.1:*", std::nullopt, stream.control);
     std::atomic<bool> stop{false};
