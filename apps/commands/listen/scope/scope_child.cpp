@@ -1,0 +1,59 @@
+#include "apps/commands/listen/scope/scope_child.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <iterator>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace hertzline::app {
+
+namespace {
+
+/// Between fork and exec, where other threads' locks stay taken: system calls alone.
+[[noreturn]] void become_the_scope(char* const* arguments, pid_t parent) noexcept {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    const int nothing = ::open("/dev/null", O_RDWR);
+    ::dup2(nothing, STDIN_FILENO);
+    ::dup2(nothing, STDOUT_FILENO);  // its summary is none of the stream's
+    if (::getppid() == parent) {
+        ::execv("/proc/self/exe", arguments);
+    }
+    ::_exit(1);
+}
+
+}  // namespace
+
+void add_scope_child_options(CLI::App& app, ScopeChildRequest& request) {
+    app.add_flag("--scope", request.wanted, "show the stream in a browser: hertzline scope beside it");
+    app.add_option("--scope-http", request.http, "the same, with the page at this address")
+        ->type_name("ADDRESS:PORT");
+}
+
+ScopeChild::ScopeChild(std::vector<std::string> words) : process_(-1) {
+    words.insert(words.begin(), {"hertzline", "scope"});
+    std::vector<char*> arguments;
+    std::ranges::transform(words, std::back_inserter(arguments),
+                           [](std::string& word) { return word.data(); });
+    arguments.push_back(nullptr);
+    const pid_t parent = ::getpid();
+    process_ = ::fork();
+    if (process_ == 0) {
+        become_the_scope(arguments.data(), parent);
+    }
+    if (process_ < 0) {
+        throw std::system_error(errno, std::generic_category(), "hertzline scope");
+    }
+}
+
+ScopeChild::~ScopeChild() {
+    ::kill(process_, SIGTERM);
+    ::waitpid(process_, nullptr, 0);
+}
+
+}  // namespace hertzline::app
