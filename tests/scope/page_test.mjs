@@ -30,7 +30,7 @@ function start(word, ...words) {
   process_.said.catch(() => {});
   return process_;
 }
-const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05');
+const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05', '--control', control);
 
 /** What `run` gives, as float32. */
 function samplesOfRun(count) {
@@ -59,7 +59,7 @@ function check(picture) {
   }
 }
 
-const scope = start('scope', 'scope', '--connect', endpoint, '--http', '127.0.0.1:0', '--record-to', folder);
+const scope = start('scope', 'scope', '--connect', endpoint, '--http', '127.0.0.1:0', '--record-to', folder, '--control', control);
 const url = await scope.said;
 const chromium = await browser();
 
@@ -145,9 +145,24 @@ const promises = {
     await until(this.page, () => window.hertzline.chain.picture?.rows === 6);
     await this.page.click('#chain-panel summary');
   },
-  async 'shows the knobs, which are off without control'() {
-    assert.ok(await this.page.isDisabled('[id="knob-drive.amplitude_m"]'));
-    assert.match(await this.page.textContent('#knob-text'), /--control/);
+  async 'turns a knob, and sees it from the sample on that the answer named'() {
+    const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
+    await until(this.page, () => !document.getElementById('knob-drive.amplitude_m').disabled);
+    const peak = () => this.page.evaluate(() => Math.max(...window.hertzline.waveform.picture.high));
+    const before = await peak();
+    await knob.fill('-1');
+    await knob.press('Enter');
+    await until(this.page, () => document.getElementById('knob-answer').classList.contains('bad'));
+    await knob.fill('1.5e-6');
+    await knob.press('Enter');
+    await until(this.page, () => window.hertzline.answer?.answer.applies_at_sample);
+    const {answer} = await this.page.evaluate(() => window.hertzline.answer);
+    await until(this.page, (sample) => window.hertzline.waveform.picture.trigger >= sample, answer.applies_at_sample);
+    assert.equal((await pictureIn(this.page)).epoch, answer.epoch);
+    assert.ok(await peak() < 0.8 * before, `${await peak()} after ${before}`);
+    await this.page.click('#undo');
+    await until(this.page, (epoch) => window.hertzline.waveform.picture.epoch > epoch, answer.epoch);
+    assert.ok(Math.abs(await peak() - before) < 0.1 * before);
   },
   async 'saves scene and pictures'() {
     for (const [button, beginning] of [['#save-scene', '# The scene'], ['#save-png', '\x89PNG'], ['#save-svg', '<svg']]) {

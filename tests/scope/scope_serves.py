@@ -68,11 +68,11 @@ class Stand:
         scope.url = scope.said("scope")
         return scope
 
-    def samples(self, count, column="v_out", scene="paper-stream"):
+    def samples(self, count, column="v_out", scene="paper-stream", *words):
         """What `run` gives, as the stream has it."""
         file = self.folder / "run.npy"
         subprocess.run([self.program, "run", scene, "--set", f"output.duration_s={(count - 1) / RATE_HZ}", "--columns", column,
-                        "-o", file], check=True, stdout=subprocess.DEVNULL, timeout=LONG_ENOUGH_S)
+                        "-o", file, *words], check=True, stdout=subprocess.DEVNULL, timeout=LONG_ENOUGH_S)
         return _columns_of(file)[:count, 0]
 
     def check(self, picture, samples=None):
@@ -338,6 +338,42 @@ def knobs_ask_the_stream(stand):
         assert "--control" in page.text(lambda m: "knobs" in m)["knobs"]["text"]
         page.say({"undo": True})
         assert page.text(lambda m: "replies" in m)["replies"][0]["answer"]["faults"]
+
+
+def a_turned_knob_is_seen_from_its_sample_on(stand):
+    with stand.stream("--control", f"ipc://{stand.folder}/knobs", pace=0.2), \
+            stand.scope("--control", f"ipc://{stand.folder}/knobs") as scope, PageSocket(scope.url) as page:
+        knob = page.knows(lambda m: m["knobs"]["there"])["knobs"]["values"]["drive.amplitude_m"]
+        assert (knob["value"], knob["unit"], knob["kind"]) == (3e-6, "m", "number")
+        page.say({"set": {"drive.amplitude_m": -1}})
+        assert page.text(lambda m: "replies" in m)["replies"][0]["answer"]["faults"][0]["key"] == "drive.amplitude_m"
+        page.say({"set": {"drive.amplitude_m": 1.5e-6}})
+        answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
+        picture = page.picture(condition=lambda p: p.trigger >= answer["applies_at_sample"])
+        assert picture.epoch == answer["epoch"] == 1
+        change = {"sample": answer["applies_at_sample"], "set": {"drive.amplitude_m": 1.5e-6}}
+        (stand.folder / "changes.json").write_text(json.dumps([change]))
+        end = picture.first + picture.samples
+        stand.check(picture, stand.samples(end, "v_out", "paper-stream", "--changes", stand.folder / "changes.json"))
+        page.knows(lambda m: m["knobs"]["values"]["drive.amplitude_m"]["value"] == 1.5e-6)
+        page.knows(lambda m: m["scene"]["scene"]["drive"]["amplitude_m"] == 1.5e-6)
+        page.say({"undo": True})
+        answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
+        assert page.picture(condition=lambda p: p.trigger >= answer["applies_at_sample"]).epoch == 2
+
+
+def a_stream_brings_its_scope_along(stand):
+    stream = stand.stream("--scope-http", "127.0.0.1:0", "--control", f"ipc://{stand.folder}/knobs")
+    with stream, PageSocket(url := stream.said("scope")) as page:
+        page.picture()
+        page.knows(lambda m: m["knobs"]["there"])
+        stream.interrupt()
+        assert stream.process.stdout.read().count("endpoint") == 1, "the summary, and nothing else"
+    try:
+        PageSocket(url)
+    except ConnectionError:
+        return
+    raise AssertionError("the scope goes on")
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ public:
         refused,  ///< the other side does not talk to us, and never will
     };
     /// Takes each frame of the streams that are wanted.
-    using TakeFrame = std::function<void(const ReceivedRun&, const ReceivedFrame&)>;
+    using TakeFrame = std::function<void(ReceivedRun&, const ReceivedFrame&)>;
 
     /// Connects. @throws std::runtime_error as Subscriber does
     Hearing(std::string endpoint, const SubscriberOptions& options, TakeFrame take);

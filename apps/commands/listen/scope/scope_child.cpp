@@ -5,11 +5,15 @@
 #include <csignal>
 #include <iterator>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "apps/command.hpp"
+#include "apps/commands/listen/scope/page_rules.hpp"
 
 namespace hertzline::app {
 
@@ -33,6 +37,40 @@ void add_scope_child_options(CLI::App& app, ScopeChildRequest& request) {
     app.add_flag("--scope", request.wanted, "show the stream in a browser: hertzline scope beside it");
     app.add_option("--scope-http", request.http, "the same, with the page at this address")
         ->type_name("ADDRESS:PORT");
+}
+
+void refuse_wrong_scope(const ScopeChildRequest& request, const CurveServerRequest& stream) {
+    const bool wanted = request.wanted || !request.http.empty();
+    if (wanted && !stream.key.empty()) {
+        throw WrongUse(
+            "--scope: found an encrypted stream, whose listeners need keys of their own, allowed: a stream "
+            "without --curve-key; or start hertzline scope with --curve-key and --server-key beside it");
+    }
+    if (request.http.empty()) {
+        return;
+    }
+    const auto address = page_address(request.http);
+    if (!address || !address->loopback) {
+        throw WrongUse("--scope-http: " +
+                       (address ? "found an address that other machines reach, allowed: one of this "
+                                  "machine alone; or start hertzline scope beside the stream"
+                                : address.error()));
+    }
+}
+
+std::unique_ptr<ScopeChild> scope_beside(const ScopeChildRequest& request, const std::string& stream,
+                                         const std::string& control) {
+    if (!request.wanted && request.http.empty()) {
+        return nullptr;
+    }
+    std::vector<std::string> words{"--connect", stream};
+    if (!control.empty()) {
+        words.insert(words.end(), {"--control", control});
+    }
+    if (!request.http.empty()) {
+        words.insert(words.end(), {"--http", request.http});
+    }
+    return std::make_unique<ScopeChild>(std::move(words));
 }
 
 ScopeChild::ScopeChild(std::vector<std::string> words) : process_(-1) {

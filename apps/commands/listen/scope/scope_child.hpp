@@ -1,11 +1,14 @@
 #pragma once
 // `stream --scope`: a scope in a process of its own beside the stream.
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <sys/types.h>
+
+#include "apps/arguments/curve_arguments.hpp"
 
 namespace hertzline::app {
 
@@ -17,6 +20,9 @@ struct ScopeChildRequest {
 
 /// Adds --scope and --scope-http.
 void add_scope_child_options(CLI::App& app, ScopeChildRequest& request);
+
+/// @throws WrongUse when a scope is wanted of a stream whose keys it would have to know, or at no address
+void refuse_wrong_scope(const ScopeChildRequest& request, const CurveServerRequest& stream);
 
 /// Runs as long as the object lives, and ends with this process however that ends.
 class ScopeChild {
@@ -31,5 +37,9 @@ public:
 private:
     pid_t process_;
 };
+
+/// Starts the scope that is wanted; null: none is. @param control empty: the stream takes no changes
+std::unique_ptr<ScopeChild> scope_beside(const ScopeChildRequest& request, const std::string& stream,
+                                         const std::string& control);
 
 }  // namespace hertzline::app

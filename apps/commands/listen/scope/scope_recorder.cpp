@@ -5,11 +5,13 @@
 #include <chrono>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "apps/console/signals.hpp"
+#include "stream/provenance.hpp"
 #include "stream/recordings/columns.hpp"
 
 namespace hertzline::app {
@@ -71,7 +73,8 @@ void ScopeRecorder::end() {
     tap_.reset();
 }
 
-void ScopeRecorder::take(const stream::ReceivedRun& run, const stream::ReceivedFrame& frame) {
+void ScopeRecorder::take(stream::ReceivedRun& run, const stream::ReceivedFrame& frame, const Json& meta) {
+    const std::vector<Json> changes = run.take_changes();
     if (run.tap() != tap_) {
         return;
     }
@@ -84,7 +87,7 @@ void ScopeRecorder::take(const stream::ReceivedRun& run, const stream::ReceivedF
         const stream::RecordingHead head{.columns = stream::recorded_columns(*tap_, frame.header.channels),
                                          .sample_rate_hz = frame.header.fs,
                                          .numbers = stream::NumberType::float32,
-                                         .provenance = run.provenance()};
+                                         .provenance = stream::provenance_of_meta(meta)};
         try {
             set_ = std::make_unique<stream::RecordingSet>(std::array{file_}, head,
                                                           stream::RecordingPatience::none(stop_asked()),
@@ -97,6 +100,9 @@ void ScopeRecorder::take(const stream::ReceivedRun& run, const stream::ReceivedF
         text_ = "recording";
     } else {
         missing_ += frame.missing;
+        for (const Json& change : changes) {
+            set_->note_change(change);
+        }
     }
     set_->write(static_cast<std::int64_t>(frame.header.sample), {frame.values.begin(), frame.values.end()});
     samples_ += static_cast<std::int64_t>(frame.header.n);

@@ -32,7 +32,8 @@ public:
     bool is_on() const noexcept { return tap_.has_value(); }
     std::optional<Tap> tap() const noexcept { return tap_; }
 
-    void take(const stream::ReceivedRun& run, const stream::ReceivedFrame& frame);
+    /// @param meta the last one: it says what the scene has become until now
+    void take(stream::ReceivedRun& run, const stream::ReceivedFrame& frame, const Json& meta);
 
     /// file, samples, missing and what happened, for the pages.
     Json state() const;

@@ -59,10 +59,9 @@ Json parsed(const std::string& text) {
 ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server)
     : targets_(std::move(targets)),
       server_(server),
-      hearing_(targets_.stream, {.curve = targets_.curve},
-               [this](const stream::ReceivedRun& run, const stream::ReceivedFrame& frame) {
-                   take_frame(run, frame);
-               }),
+      hearing_(
+          targets_.stream, {.curve = targets_.curve},
+          [this](stream::ReceivedRun& run, const stream::ReceivedFrame& frame) { take_frame(run, frame); }),
       recorder_(targets_.recordings) {
     if (targets_.control) {
         control_.emplace(*targets_.control, targets_.curve);
@@ -73,7 +72,7 @@ ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server)
     shared_.knobs_number = 1;
 }
 
-void ScopeSession::take_frame(const stream::ReceivedRun& run, const stream::ReceivedFrame& frame) {
+void ScopeSession::take_frame(stream::ReceivedRun& run, const stream::ReceivedFrame& frame) {
     if (run.tap() == Tap::v_chain) {
         if (chain_) {
             chain_->take(frame, now_s_);
@@ -84,7 +83,7 @@ void ScopeSession::take_frame(const stream::ReceivedRun& run, const stream::Rece
         stream->second.heard.epoch = hearing_.epoch();
         stream->second.heard.take(frame, hearing_.repetition_hz(), now_s_);
     }
-    recorder_.take(run, frame);
+    recorder_.take(run, frame, hearing_.meta());
 }
 
 void ScopeSession::advance() {

@@ -42,7 +42,7 @@ private:
         double wanted_at_s = 0;
     };
 
-    void take_frame(const stream::ReceivedRun& run, const stream::ReceivedFrame& frame);
+    void take_frame(stream::ReceivedRun& run, const stream::ReceivedFrame& frame);
     void take(const PageEvent& event);
     void take_wish(PageId id, ScopePage& page, const std::string& text);
     void take_wish_of_recording(ScopePage& page, const Json& wish);
