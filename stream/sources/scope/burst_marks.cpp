@@ -12,6 +12,12 @@ constexpr auto sample_of = [](const BurstMark& mark) { return mark.sample; };
 
 }  // namespace
 
+bool countable(std::uint64_t burst, double fs, double repetition_hz) noexcept {
+    constexpr double whole = 9e15;
+    const double last = static_cast<double>(burst) + 2;
+    return repetition_hz > 0 && last < whole && last / repetition_hz * fs < whole;
+}
+
 void BurstMarks::take(const FrameHeader& header, double repetition_hz) {
     const BurstMark now{header.burst, header.sample - std::min(header.burst_sample, header.sample)};
     if (marks_.empty()) {
@@ -21,13 +27,13 @@ void BurstMarks::take(const FrameHeader& header, double repetition_hz) {
     const BurstMark last = marks_.back();
     if (now.burst < last.burst || now.sample < last.sample) {
         clear();  // another run
-    } else if (now.burst > last.burst + 1 && now.burst - last.burst <= most) {
+    } else if (now.burst > last.burst + 1 && now.burst - last.burst <= most &&
+               countable(now.burst, header.fs, repetition_hz)) {
         const Bursts bursts(header.fs, repetition_hz);
         const auto start = [&](std::uint64_t burst) {
             return static_cast<std::uint64_t>(bursts.first_sample(static_cast<std::int64_t>(burst)));
         };
-        const bool placed =
-            bursts.repeat() && start(last.burst) == last.sample && start(now.burst) == now.sample;
+        const bool placed = start(last.burst) == last.sample && start(now.burst) == now.sample;
         for (std::uint64_t burst = last.burst + 1; placed && burst < now.burst; ++burst) {
             add({burst, start(burst)});
         }

@@ -17,6 +17,10 @@ struct BurstMark {
     bool operator==(const BurstMark&) const = default;
 };
 
+/// Whether the starts of bursts up to this one are whole numbers that a double holds: what a header or meta says may be anything.
+/// @param repetition_hz 0: they do not repeat, and are not to be counted
+bool countable(std::uint64_t burst, double fs, double repetition_hz) noexcept;
+
 /// The starts of the last bursts. A header tells in which burst its first sample lies; a burst that begins within a frame is
 /// known with the next one.
 class BurstMarks {

@@ -111,7 +111,7 @@ void SpectrumAverage::take(const BurstSpectrum& spectrum, unsigned over) {
 }
 
 std::string SpectrumAverage::picture(const BurstSpectrum& latest, double to_hz, std::size_t columns) const {
-    const double bins = static_cast<double>(power_.size());
+    const auto bins = static_cast<double>(power_.size());
     const double to_bin = latest.bin_hz > 0 ? std::min(to_hz / latest.bin_hz, bins) : bins;
     columns = std::clamp<std::size_t>(columns, 1, std::max<std::size_t>(power_.size(), 1));
     const double largest = power_.empty() ? 0 : *std::ranges::max_element(power_);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/model/bursts.hpp"
+#include "stream/sources/scope/burst_marks.hpp"
 #include "stream/sources/scope/picture.hpp"
 
 namespace hertzline::stream {
@@ -21,7 +22,8 @@ ChainCapture::ChainCapture(double from_s, double span_s, double repetition_hz)
 void ChainCapture::begin(const FrameHeader& header) {
     trigger_ = header.sample;
     burst_ = header.burst;
-    if (const Bursts bursts(header.fs, repetition_hz_); bursts.repeat()) {
+    if (countable(header.burst, header.fs, repetition_hz_)) {
+        const Bursts bursts(header.fs, repetition_hz_);
         const auto next = static_cast<std::int64_t>(header.burst) + 1;
         const std::int64_t period = bursts.first_sample(next) - bursts.first_sample(next - 1);
         trigger_ = header.sample - header.burst_sample + static_cast<std::uint64_t>(period);

@@ -60,7 +60,7 @@ Hearing::Hearing(std::string endpoint, const SubscriberOptions& options, TakeFra
 }
 
 ReceivedRun Hearing::new_run(Tap tap) {
-    return ReceivedRun(tap, [](const std::string& /*text*/) {});  // the account says it in numbers
+    return {tap, [](const std::string& /*text*/) {}};  // the account says it in numbers
 }
 
 void Hearing::want(TapSet taps) {

@@ -49,8 +49,9 @@ std::optional<View::Trigger> View::found_trigger(const HeardSamples& heard, std:
             }
             return std::nullopt;
         case TriggerKind::level:
-            level_.ask({request_.level, request_.slope,
-                        static_cast<std::uint64_t>(std::round(request_.hold_off_s * heard.fs))});
+            level_.ask(
+                {request_.level, request_.slope,
+                 static_cast<std::uint64_t>(std::min(std::round(request_.hold_off_s * heard.fs), 1e15))});
             level_.look_at(heard.history);
             if (const auto sample = level_.latest_by(latest); sample && *sample >= heard.history.begin()) {
                 return Trigger{*sample, 0, false};

@@ -37,7 +37,7 @@ public:
 
     template <class Whole>
     void whole(const char* key, double low, double high, Whole& value) {
-        double read = static_cast<double>(value);
+        auto read = static_cast<double>(value);
         number(key, low, high, read);
         value = static_cast<Whole>(read);
     }

@@ -25,7 +25,7 @@ Json fault_answer(const std::string& message) {
 }
 
 ControlLink::ControlLink(std::string endpoint, std::optional<stream::CurveClient> curve)
-    : endpoint_(std::move(endpoint)), curve_(std::move(curve)) {
+    : endpoint_(std::move(endpoint)), curve_(curve) {
     connect();
 }
 
@@ -60,7 +60,7 @@ std::optional<Json> ControlLink::received() {
     zmq::message_t part;
     std::optional<Json> answer;
     while (socket_.recv(part, zmq::recv_flags::dontwait)) {
-        if (part.size() == 0) {
+        if (part.empty()) {
             continue;  // a delimiter
         }
         try {

@@ -21,8 +21,9 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Open the address that it prints in a browser. The address has a word that others do not know; only\n"
-    "this machine reaches it, unless --http-to-others. Ctrl-C ends it.\n"
+    "Open the address that it prints in a browser. It ends in a word that others do\n"
+    "not know, and only this machine reaches it, unless --http-to-others. Ctrl-C\n"
+    "ends it.\n"
     "Examples:\n"
     "  hertzline scope\n"
     "  hertzline scope --connect ipc:///tmp/hertzline --http 127.0.0.1:0\n"

@@ -73,7 +73,7 @@ std::unique_ptr<ScopeChild> scope_beside(const ScopeChildRequest& request, const
     return std::make_unique<ScopeChild>(std::move(words));
 }
 
-ScopeChild::ScopeChild(std::vector<std::string> words) : process_(-1) {
+ScopeChild::ScopeChild(std::vector<std::string> words) {
     words.insert(words.begin(), {"hertzline", "scope"});
     std::vector<char*> arguments;
     std::ranges::transform(words, std::back_inserter(arguments),

@@ -35,7 +35,7 @@ public:
     ScopeChild& operator=(const ScopeChild&) = delete;
 
 private:
-    pid_t process_;
+    pid_t process_ = -1;
 };
 
 /// Starts the scope that is wanted; null: none is. @param control empty: the stream takes no changes
