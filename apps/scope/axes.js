@@ -7,8 +7,8 @@ export function withUnit(value, unit, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) {
     return '\u2013';
   }
-  if (value === 0) {
-    return `0 ${unit}`;
+  if (value === 0 || unit === '') {
+    return `${Number(value.toPrecision(digits))} ${unit}`.trim();
   }
   const [factor, prefix] = PREFIXES.find(([size]) => Math.abs(value) >= 0.9999995 * size) ?? PREFIXES.at(-1);
   return `${Number((value / factor).toPrecision(digits))} ${prefix}${unit}`;

@@ -32,9 +32,9 @@ export class Knobs {
   show(knobs, scene) {
     this.there = knobs?.there === true;
     const values = this.there ? knobs.values : shownOnly(scene);
-    const names = Object.keys(values).join();
-    if (names !== this.names) {
-      this.names = names;
+    const kinds = Object.entries(values).map(([key, {kind}]) => `${key} ${kind}`).join();
+    if (kinds !== this.kinds) {
+      this.kinds = kinds;
       this.build(values);
     }
     for (const [key, knob] of Object.entries(values)) {

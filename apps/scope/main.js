@@ -329,7 +329,7 @@ setInterval(() => {
   const sorted = [...own.delays].sort((a, b) => a - b);
   own.delay_ms = sorted[Math.floor(sorted.length / 2)];
   if (state.state) {
-    showMeters($('meters'), state, view.stream, own);
+    showMeters($('meters'), state, view.stream, scene?.pace, own);
   }
 }, 500);
 

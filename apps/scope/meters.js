@@ -14,14 +14,14 @@ function entry(name, value, bad = false, title = '') {
 
 const number = (value, digits = 3) => (Number.isFinite(value) ? String(Number(value.toPrecision(digits))) : '\u2013');
 
-export function showMeters(place, text, stream, own) {
+export function showMeters(place, text, stream, pace, own) {
   const meters = text.meters ?? {};
   const account = text.accounts?.[stream] ?? {};
   const lost = (account.frames_lost_on_the_way ?? 0);
   const dropped = (meters.dropped ?? 0);
   place.replaceChildren(
     entry('load', `${number(100 * meters.load)} %`, meters.load > 1, 'simulating, share of the time'),
-    entry('real time \u00d7', number(meters.real_time_factor), meters.real_time_factor < 0.99, 'simulated time over elapsed time'),
+    entry('real time \u00d7', number(meters.real_time_factor), meters.real_time_factor < 0.99 * pace, 'simulated time over elapsed time'),
     entry('late', number(meters.late_frames, 6), meters.late_frames > 0, 'frames that the stream sent late'),
     entry('dropped', number(dropped, 6), dropped > 0, 'frames that the stream discarded'),
     entry('lost', number(lost, 6), lost > 0, 'frames that did not reach this scope'),

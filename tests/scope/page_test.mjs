@@ -30,7 +30,8 @@ function start(word, ...words) {
   process_.said.catch(() => {});
   return process_;
 }
-const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05', '--control', control);
+const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05', '--control', control,
+  '--on-overrun', 'wait');  // a loaded machine's stream falls behind, and drops nothing
 
 /** What `run` gives, as float32. */
 function samplesOfRun(count) {
@@ -148,6 +149,7 @@ const promises = {
   async 'turns a knob, and sees it from the sample on that the answer named'() {
     const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
     await until(this.page, () => !document.getElementById('knob-drive.amplitude_m').disabled);
+    assert.equal(await this.page.locator('[id="knob-drive.envelope"] option').count(), 3);
     const peak = () => this.page.evaluate(() => Math.max(...window.hertzline.waveform.picture.high));
     const before = await peak();
     await knob.fill('-1');

@@ -61,7 +61,8 @@ class Stand:
         self.endpoint = f"ipc://{folder}/stream"
 
     def stream(self, *words, scene="paper-stream", pace=0.05):
-        return Process(self.program, "stream", scene, "--bind", self.endpoint, "--pace", pace, *words)
+        # The stream of a loaded machine falls behind, and drops nothing.
+        return Process(self.program, "stream", scene, "--bind", self.endpoint, "--pace", pace, "--on-overrun", "wait", *words)
 
     def scope(self, *words):
         scope = Process(self.program, "scope", "--connect", self.endpoint, "--http", "127.0.0.1:0", "--record-to", self.folder, *words)

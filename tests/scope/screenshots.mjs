@@ -1,4 +1,4 @@
-// Pictures of the page for the documents: screenshots.mjs PROGRAM FOLDER. See scripts/scope_pictures.sh.
+// Pictures of the page for the documents: screenshots.mjs PROGRAM FOLDER [--pace X]. See scripts/scope_pictures.sh.
 import {spawn} from 'node:child_process';
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
@@ -6,9 +6,10 @@ import {join} from 'node:path';
 
 import {browser, open} from './browser.mjs';
 
-const [program, out] = process.argv.slice(2);
+const [program, out, ...paceOf] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'hertzline-scope-'));
 const endpoint = `ipc://${folder}/stream`;
+const control = `ipc://${folder}/control`;
 
 function start(...words) {
   const process_ = spawn(program, words, {stdio: ['ignore', 'ignore', 'pipe']});
@@ -25,8 +26,8 @@ function start(...words) {
   return process_;
 }
 
-const stream = start('stream', 'paper-stream', '--bind', endpoint);
-const scope = start('scope', '--connect', endpoint, '--http', '127.0.0.1:0');
+const stream = start('stream', 'paper-stream', '--bind', endpoint, '--control', control, ...paceOf);
+const scope = start('scope', '--connect', endpoint, '--http', '127.0.0.1:0', '--control', control);
 const chromium = await browser();
 try {
   const url = await scope.said;
@@ -34,8 +35,10 @@ try {
     const page = await open(chromium, url, options);
     await page.waitForFunction(() => window.hertzline.own.drawn > 20 && window.hertzline.spectrum.picture);
     await page.waitForTimeout(6000);
-    await page.click('#hold');
-    await page.waitForTimeout(1000);
+    await page.click('#chain-panel summary');
+    await page.waitForFunction(() => window.hertzline.chain.picture);
+    await page.evaluate(() => { window.hertzline.act.cursor('A', 0.2693); window.hertzline.act.cursor('B', 0.4307); });
+    await page.waitForTimeout(2000);
     await page.screenshot({path: join(out, `${name}.png`), fullPage: name === 'scope'});
     await page.context().close();
   }
