@@ -144,7 +144,9 @@ Exit get(const ControlArguments& arguments) {
         return Exit::done;
     }
     Json flat = Json::object();
-    for (const auto& [key, entry] : reply.value("values", Json::object()).items()) {
+    const Json values =
+        reply.value("values", Json::object());  // items() looks into it for as long as the loop goes on
+    for (const auto& [key, entry] : values.items()) {
         flat[printable(key)] = entry.value("value", Json(nullptr));
     }
     flat["epoch"] = reply.value("epoch", Json(nullptr));

@@ -23,13 +23,11 @@ bool ScopePage::is_due(double now_s) noexcept {
     if (now_s < next_at_s_) {
         return false;
     }
-    const double period_s = 1 / view_.request().pictures_per_s;
-    if (!ready_) {
+    if (!ready_ && now_s >= left_out_at_s_) {
         left_out_ += next_at_s_ > 0 ? 1 : 0;
-        next_at_s_ = now_s + period_s;
-        return false;
+        left_out_at_s_ = now_s + 1 / view_.request().pictures_per_s;
     }
-    return true;
+    return ready_;
 }
 
 void ScopePage::add_spectrum(const stream::BurstSpectra& spectra, PageTurn& turn, Json& text) {
@@ -97,6 +95,7 @@ PageTurn ScopePage::turn(const stream::HeardSamples* heard, const stream::BurstS
     ready_ = false;
     const double period_s = 1 / view_.request().pictures_per_s;
     next_at_s_ = std::max(next_at_s_ + period_s, now_s + period_s / 2);
+    left_out_at_s_ = next_at_s_ + period_s;
     turn.push_back({PagePart::Kind::text, json_text(text)});
     return turn;
 }

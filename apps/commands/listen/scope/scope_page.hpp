@@ -49,6 +49,7 @@ private:
     std::vector<Json> replies_;
     bool ready_ = false;
     double next_at_s_ = 0;
+    double left_out_at_s_ = 0;  // then the next one is, unless the page is ready
     double state_at_s_ = 0;
     std::uint64_t turns_ = 0;
     std::uint64_t pictures_ = 0;
