@@ -32,6 +32,7 @@ AddCommand replay_command;
 AddCommand listen_command;
 AddCommand set_command;
 AddCommand get_command;
+AddCommand scope_command;
 AddCommand plot_command;
 AddCommand scenes_command;
 AddCommand materials_command;

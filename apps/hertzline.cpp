@@ -32,6 +32,7 @@ std::vector<Subcommand> subcommands() {
         {"listen", "receive a stream, check that nothing is missing, save it", listen_command},
         {"set", "change keys of a scene while it is streamed", set_command},
         {"get", "look at the scene of a running stream", get_command},
+        {"scope", "show a stream in a browser", scope_command},
         {"plot", "draw waveforms and spectra of a recording", plot_command},
         {"scenes", "list the shipped scenes, or print one with every default resolved", scenes_command},
         {"materials", "list the built-in materials, their numbers and sources", materials_command},

@@ -43,15 +43,6 @@ int most_clients() {
     return static_cast<int>(std::clamp<rlim_t>(descriptors.rlim_cur, others + 1, 1 << 20) - others);
 }
 
-/// Where a listener on this machine connects; on others the host's name takes the place of 127.0.0.1.
-std::string local_endpoint(std::string endpoint) {
-    constexpr std::string_view every_interface = "//0.0.0.0:";
-    if (const std::size_t at = endpoint.find(every_interface); at != std::string::npos) {
-        endpoint.replace(at, every_interface.size(), "//127.0.0.1:");
-    }
-    return endpoint;
-}
-
 void announce(const stream::Publisher& publisher, const stream::Pipeline& pipeline) {
     spdlog::info("endpoint {}", publisher.endpoint());
     spdlog::info("streams {}, float32 at {:g} Hz; meta, meters, end",
@@ -89,6 +80,14 @@ Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipe
 }
 
 }  // namespace
+
+std::string local_endpoint(std::string endpoint) {
+    constexpr std::string_view every_interface = "//0.0.0.0:";
+    if (const std::size_t at = endpoint.find(every_interface); at != std::string::npos) {
+        endpoint.replace(at, every_interface.size(), "//127.0.0.1:");
+    }
+    return endpoint;
+}
 
 void add_publish_options(CLI::App& app, PublishRequest& request) {
     app.add_option("--bind", request.endpoint, "where to publish: tcp://HOST:PORT or ipc://PATH")

@@ -43,6 +43,9 @@ stream::StreamOptions stream_options(const PublishRequest& request, double sampl
 stream::PublisherOptions publisher_options(const PublishRequest& request, const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve);
 
+/// Where a listener on this machine connects; on others the host's name takes the place of 127.0.0.1.
+std::string local_endpoint(std::string endpoint);
+
 /// Ring and queues, at most [bytes].
 double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
                     const stream::PublisherOptions& options) noexcept;

@@ -19,8 +19,8 @@ using Words = std::vector<std::string>;
 TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
     const Outcome program = hertzline({"--help"});
     EXPECT_EQ(program.status, 0);
-    for (const char* command :
-         {"run", "sweep", "optimise", "stream", "listen", "set", "get", "plot", "scenes", "check", "keys"}) {
+    for (const char* command : {"run", "sweep", "optimise", "stream", "listen", "set", "get", "scope", "plot",
+                                "scenes", "check", "keys"}) {
         const Outcome help = hertzline({command, "--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));
@@ -32,7 +32,7 @@ TEST(Help, FitsEightyColumns) {
     const Outcome program = hertzline({"--help"});
     std::vector<Words> helps{{"--help"}};
     for (const char* command : {"run", "sweep", "optimise", "stream", "replay", "listen", "set", "get",
-                                "plot", "scenes", "materials", "check", "keys"}) {
+                                "scope", "plot", "scenes", "materials", "check", "keys"}) {
         EXPECT_THAT(program.out, HasSubstr(command));
         helps.push_back({command, "--help"});
     }

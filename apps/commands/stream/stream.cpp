@@ -13,6 +13,7 @@
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
+#include "apps/commands/listen/scope/scope_child.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/commands/stream/live_control.hpp"
@@ -41,13 +42,14 @@ constexpr const char* examples =
     "  hertzline stream paper-stream\n"
     "  hertzline stream paper-stream --pace 0.1 --bind ipc:///tmp/hertzline\n"
     "  hertzline stream paper-stream --record out.h5 --columns v_out,v_horn\n"
-    "  hertzline stream paper-stream --control tcp://127.0.0.1:5574\n"
+    "  hertzline stream paper-stream --control tcp://127.0.0.1:5574 --scope\n"
     "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --record wall.csv";
 
 struct StreamArguments {
     SceneRequest scene;
     PublishRequest publish;
     ControlRequest control;
+    ScopeChildRequest scope;
     std::vector<std::string> recordings;
     std::vector<std::string> columns;  ///< taps to be recorded; none: the usual ones
     std::optional<double> wav_scale;
@@ -114,6 +116,7 @@ Exit stream(const StreamArguments& arguments) {
     TapSet recorded;
     faults.of([&] { refuse_wrong_files(arguments.recordings); });
     faults.of([&] { curve = checked_curve(arguments.publish); });
+    faults.of([&] { refuse_wrong_scope(arguments.scope, arguments.publish.curve); });
     faults.of([&] { control_curve = checked_control(arguments.control, arguments.publish.curve); });
     faults.of([&] { refuse_wrong_columns(arguments); });
     faults.of([&] { refuse_wrong_wav_scale(arguments.wav_scale, arguments.recordings); });
@@ -172,6 +175,9 @@ Exit stream(const StreamArguments& arguments) {
                                                 parsed_scene(arguments.scene).scene, scene, source);
         spdlog::info("control {}", control->endpoint());
     }
+    const std::unique_ptr<ScopeChild> scope =
+        scope_beside(arguments.scope, local_endpoint(publisher.endpoint()),
+                     control ? local_endpoint(control->endpoint()) : std::string());
     const auto epoch_begins = [&](const Epoch& epoch) {
         for (stream::EpochOfChange& begun : control->begin(epoch)) {
             recordings.note_change(stream::change_json(begun.change));
@@ -233,6 +239,7 @@ Run stream_command(CLI::App& app) {
     add_wav_scale_option(app, arguments->wav_scale);
     add_publish_options(app, arguments->publish);
     add_control_options(app, arguments->control);
+    add_scope_child_options(app, arguments->scope);
     app.footer(examples);
     return [arguments] { return stream(*arguments); };
 }

@@ -1,0 +1,95 @@
+#include "apps/commands/listen/scope/control_link.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "stream/files/json_from_outside.hpp"
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t most_questions = 32;
+constexpr std::chrono::seconds patience{15};  // a change may have to be tried in pilot runs first
+constexpr std::int64_t largest_answer = std::int64_t{1} << 20;
+
+}  // namespace
+
+Json fault_answer(const std::string& message) {
+    return {{"faults", Json::array({{{"message", message}}})}};
+}
+
+ControlLink::ControlLink(std::string endpoint, std::optional<stream::CurveClient> curve)
+    : endpoint_(std::move(endpoint)), curve_(curve) {
+    connect();
+}
+
+void ControlLink::connect() {
+    socket_ = zmq::socket_t(context_, zmq::socket_type::dealer);
+    socket_.set(zmq::sockopt::linger, 0);
+    socket_.set(zmq::sockopt::maxmsgsize, largest_answer);
+    socket_.set(zmq::sockopt::ipv6, stream::is_ipv6(endpoint_));
+    if (curve_) {
+        stream::encrypt_as_client(socket_, *curve_);
+    }
+    socket_.connect(endpoint_);
+}
+
+void ControlLink::ask(Json question, std::uint64_t asker) {
+    if (waiting_.size() >= most_questions) {
+        return;
+    }
+    waiting_.push_back({std::move(question), asker});
+    if (waiting_.size() == 1) {
+        send();
+    }
+}
+
+void ControlLink::send() {
+    const std::string text = waiting_.front().json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    socket_.send(zmq::buffer(text), zmq::send_flags::dontwait);
+    sent_at_ = Clock::now();
+}
+
+std::optional<Json> ControlLink::received() {
+    zmq::message_t part;
+    std::optional<Json> answer;
+    while (socket_.recv(part, zmq::recv_flags::dontwait)) {
+        if (part.empty()) {
+            continue;  // a delimiter
+        }
+        try {
+            answer = stream::json_from_outside(part.to_string_view());
+        } catch (const std::runtime_error&) {
+            answer = fault_answer("the answer of " + endpoint_ + " is not JSON");
+        }
+    }
+    return answer;
+}
+
+std::vector<ControlLink::Answer> ControlLink::answers() {
+    std::vector<Answer> answers;
+    if (waiting_.empty()) {
+        return answers;
+    }
+    std::optional<Json> answer = received();
+    if (!answer && Clock::now() - sent_at_ > patience) {
+        connect();  // so that a late answer is not taken for another question's
+        answer = fault_answer(fmt::format("{} does not answer", endpoint_));
+    }
+    if (answer) {
+        answers.push_back({std::move(waiting_.front().json), *std::move(answer), waiting_.front().asker});
+        waiting_.pop_front();
+        if (!waiting_.empty()) {
+            send();
+        }
+    }
+    return answers;
+}
+
+}  // namespace hertzline::app

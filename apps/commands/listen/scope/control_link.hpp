@@ -1,0 +1,61 @@
+#pragma once
+// The knobs' line to a stream that takes changes (stream --control): asks one thing at a time and never waits.
+
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <zmq.hpp>
+
+#include "stream/wire/security/curve.hpp"
+
+namespace hertzline::app {
+
+/// For one thread.
+class ControlLink {
+public:
+    /// @param curve keys, for a stream that takes changes from those it knows
+    ControlLink(std::string endpoint, std::optional<stream::CurveClient> curve);
+
+    /// An answer, or what is wrong ({"faults": [{"message": ...}]}).
+    struct Answer {
+        nlohmann::ordered_json question;
+        nlohmann::ordered_json answer;
+        std::uint64_t asker = 0;
+    };
+
+    /// Asks as soon as the questions before are answered. @param asker comes back with the answer
+    void ask(nlohmann::ordered_json question, std::uint64_t asker);
+
+    /// The answers that have come since this was asked before.
+    std::vector<Answer> answers();
+
+    bool idle() const noexcept { return waiting_.empty(); }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Question {
+        nlohmann::ordered_json json;
+        std::uint64_t asker;
+    };
+
+    void connect();
+    void send();
+    std::optional<nlohmann::ordered_json> received();
+
+    std::string endpoint_;
+    std::optional<stream::CurveClient> curve_;
+    zmq::context_t context_;
+    zmq::socket_t socket_;
+    std::deque<Question> waiting_;  // the first one has been sent
+    Clock::time_point sent_at_;
+};
+
+/// One fault in the words of an answer.
+nlohmann::ordered_json fault_answer(const std::string& message);
+
+}  // namespace hertzline::app

@@ -1,0 +1,45 @@
+#pragma once
+// `stream --scope`: a scope in a process of its own beside the stream.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <sys/types.h>
+
+#include "apps/arguments/curve_arguments.hpp"
+
+namespace hertzline::app {
+
+/// What `stream` is asked about a scope.
+struct ScopeChildRequest {
+    bool wanted = false;
+    std::string http;  ///< as --http of scope; empty: the scope's own
+};
+
+/// Adds --scope and --scope-http.
+void add_scope_child_options(CLI::App& app, ScopeChildRequest& request);
+
+/// @throws WrongUse when a scope is wanted of a stream whose keys it would have to know, or at no address
+void refuse_wrong_scope(const ScopeChildRequest& request, const CurveServerRequest& stream);
+
+/// Runs as long as the object lives, and ends with this process however that ends.
+class ScopeChild {
+public:
+    /// Starts `hertzline scope` with these words. It prints the page's address, and what is wrong when it cannot run.
+    /// @throws std::runtime_error when there is no process to be had
+    explicit ScopeChild(std::vector<std::string> words);
+    ~ScopeChild();
+    ScopeChild(const ScopeChild&) = delete;
+    ScopeChild& operator=(const ScopeChild&) = delete;
+
+private:
+    pid_t process_ = -1;
+};
+
+/// Starts the scope that is wanted; null: none is. @param control empty: the stream takes no changes
+std::unique_ptr<ScopeChild> scope_beside(const ScopeChildRequest& request, const std::string& stream,
+                                         const std::string& control);
+
+}  // namespace hertzline::app

@@ -1,0 +1,74 @@
+#pragma once
+// The scope at work: hears a stream, makes turns for the pages that are open, and passes their wishes on.
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "apps/commands/listen/scope/control_link.hpp"
+#include "apps/commands/listen/scope/page_server.hpp"
+#include "apps/commands/listen/scope/scope_page.hpp"
+#include "apps/commands/listen/scope/scope_recorder.hpp"
+#include "stream/sources/scope/chain_capture.hpp"
+#include "stream/sources/scope/hearing.hpp"
+
+namespace hertzline::app {
+
+/// What a scope connects to.
+struct ScopeTargets {
+    std::string stream;                               ///< endpoint
+    std::optional<std::string> control;               ///< endpoint; unset: knobs are for show
+    std::optional<stream::CurveClient> curve;         ///< keys for both
+    std::optional<std::filesystem::path> recordings;  ///< folder; unset: nothing is recorded
+};
+
+/// For one thread: the one that listens.
+class ScopeSession {
+public:
+    /// @throws std::runtime_error as Subscriber does
+    ScopeSession(ScopeTargets targets, PageServer& server);
+
+    /// Listens for some milliseconds, and does what is due.
+    void advance();
+
+    /// So often a picture was sent, pages were opened and dropped: for the summary.
+    Json summary() const;
+
+private:
+    struct Stream {
+        stream::HeardSamples heard;
+        stream::BurstSpectra spectra;
+        double wanted_at_s = 0;
+    };
+
+    void take_frame(stream::ReceivedRun& run, const stream::ReceivedFrame& frame);
+    void take(const PageEvent& event);
+    void take_wish(PageId id, ScopePage& page, const std::string& text);
+    void take_wish_of_recording(ScopePage& page, const Json& wish);
+    void take_answers(double now_s);
+    void listen_to_what_is_wanted(double now_s);
+    void advance_chain(double now_s);
+    void update_shared(double now_s);
+    void update_scene();
+    Json state() const;
+    void deliver(double now_s);
+
+    ScopeTargets targets_;
+    PageServer& server_;
+    stream::Hearing hearing_;
+    std::optional<ControlLink> control_;
+    ScopeRecorder recorder_;
+    std::map<Tap, Stream> streams_;
+    std::map<PageId, ScopePage> pages_;
+    std::optional<stream::ChainCapture> chain_;
+    std::optional<std::string> chain_picture_;
+    double chain_at_s_ = 0;
+    double knobs_at_s_ = 0;
+    double shared_at_s_ = 0;
+    double now_s_ = 0;
+    SharedState shared_;
+    std::uint64_t opened_ = 0;
+};
+
+}  // namespace hertzline::app

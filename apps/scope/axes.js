@@ -1,0 +1,100 @@
+// Numbers, units, ticks and colours, which all pictures share.
+
+const PREFIXES = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, '\u00b5'], [1e-9, 'n'], [1e-12, 'p']];
+
+/** 3.4e-4 s: "340 µs". */
+export function withUnit(value, unit, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) {
+    return '\u2013';
+  }
+  if (value === 0 || unit === '') {
+    return `${Number(value.toPrecision(digits))} ${unit}`.trim();
+  }
+  const [factor, prefix] = PREFIXES.find(([size]) => Math.abs(value) >= 0.9999995 * size) ?? PREFIXES.at(-1);
+  return `${Number((value / factor).toPrecision(digits))} ${prefix}${unit}`;
+}
+
+/** About `count` round numbers in [low, high]. */
+export function ticks(low, high, count) {
+  const rough = (high - low) / Math.max(count, 1);
+  if (!(rough > 0) || !Number.isFinite(rough)) {
+    return [];
+  }
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].find((factor) => factor * power >= rough) * power;
+  const found = [];
+  for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; ++k) {
+    found.push(Math.abs(k * step) < 1e-9 * step ? 0 : k * step);
+  }
+  return found;
+}
+
+export function colours() {
+  const style = getComputedStyle(document.documentElement);
+  const of = (name) => style.getPropertyValue(`--${name}`).trim();
+  return {paper: of('paper'), ink: of('ink'), faint: of('faint'), line: of('line'), trace: of('trace'),
+    second: of('second'), third: of('third'), shade: of('shade')};
+}
+
+/** Gives the canvas as many pixels as the screen has there. @returns {width, height, scale} in those pixels */
+export function fit(canvas) {
+  const scale = Math.min(window.devicePixelRatio || 1, 2);
+  const width = Math.max(Math.round(canvas.clientWidth * scale), 1);
+  const height = Math.max(Math.round(canvas.clientHeight * scale), 1);
+  if (canvas.width !== width || canvas.height !== height) {
+    canvas.width = width;
+    canvas.height = height;
+  }
+  return {width, height, scale};
+}
+
+/** What draws on a canvas, for a picture that is saved as SVG. */
+export class SvgPen {
+  constructor(width, height) {
+    this.width = width;
+    this.height = height;
+    this.parts = [];
+  }
+  rect(x, y, width, height, fill) {
+    this.parts.push(`<rect x="${x}" y="${y}" width="${width}" height="${height}" fill="${fill}"/>`);
+  }
+  line(points, stroke, width = 1, dash = '') {
+    const path = points.map(([x, y]) => `${x.toFixed(2)},${y.toFixed(2)}`).join(' ');
+    this.parts.push(`<polyline points="${path}" fill="none" stroke="${stroke}" stroke-width="${width}"${dash && ` stroke-dasharray="${dash}"`}/>`);
+  }
+  text(x, y, words, fill, anchor = 'start') {
+    const safe = String(words).replaceAll('&', '&amp;').replaceAll('<', '&lt;');
+    this.parts.push(`<text x="${x}" y="${y}" fill="${fill}" font-size="12" font-family="sans-serif" text-anchor="${anchor}">${safe}</text>`);
+  }
+  toString() {
+    return `<svg xmlns="http://www.w3.org/2000/svg" width="${this.width}" height="${this.height}" viewBox="0 0 ${this.width} ${this.height}">${this.parts.join('')}</svg>`;
+  }
+}
+
+/** The same on a canvas. */
+export class CanvasPen {
+  constructor(context, scale) {
+    this.context = context;
+    this.scale = scale;
+  }
+  rect(x, y, width, height, fill) {
+    this.context.fillStyle = fill;
+    this.context.fillRect(x, y, width, height);
+  }
+  line(points, stroke, width = 1, dash = '') {
+    const {context} = this;
+    context.strokeStyle = stroke;
+    context.lineWidth = width * this.scale;
+    context.setLineDash(dash ? dash.split(' ').map((length) => Number(length) * this.scale) : []);
+    context.beginPath();
+    points.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
+    context.stroke();
+  }
+  text(x, y, words, fill, anchor = 'start') {
+    const {context} = this;
+    context.fillStyle = fill;
+    context.font = `${12 * this.scale}px system-ui, sans-serif`;
+    context.textAlign = anchor === 'middle' ? 'center' : anchor;
+    context.fillText(words, x, y);
+  }
+}

@@ -1,0 +1,339 @@
+// The page: what is asked for, what came, and when it is drawn.
+import {colours, withUnit} from './axes.js';
+import {Chain} from './chain.js';
+import {Knobs} from './knobs.js';
+import {Link} from './link.js';
+import {showMeasures, showMeters} from './meters.js';
+import {listen} from './pointer.js';
+import {download, pngOf} from './save.js';
+import {Spectrum} from './spectrum.js';
+import {Waveform} from './waveform.js';
+
+const $ = (id) => document.getElementById(id);
+const LONGEST_SAMPLES = 0.9 * 2 ** 21;  // that the scope holds
+
+const waveform = new Waveform($('waveform'));
+const spectrum = new Spectrum($('spectrum'), $('waterfall'));
+const chain = new Chain($('chain'), $('chain-text'));
+
+const view = {stream: 'v_out', trigger: 'burst', level: 0.1, slope: 'rising', hold_off_s: 5e-4, from_s: 0, span_s: 1e-3,
+  mode: 'run', shot: 0, spectrum: true, spectrum_to_hz: 8e5, average: 1, chain: false, columns: 1000, pictures_per_s: 60};
+const own = {drawn: 0, replaced: 0, rate: 0, delay_ms: 0, delays: [], drawnAtSecond: 0};
+let scene = null;
+let knobsText = null;
+let state = {};
+let touched = false;  // the window was chosen by hand
+let dirty = true;
+let undrawn = false;
+
+const link = new Link({
+  picture(picture) {
+    if (picture.kind === 'waveform') {
+      own.replaced += undrawn && !document.hidden ? 1 : 0;
+      undrawn = true;
+      waveform.take(picture);
+    } else if (picture.kind === 'spectrum') {
+      spectrum.take(picture);
+    } else {
+      chain.take(picture);
+    }
+    dirty = true;
+  },
+  text: take,
+  open() { ask(); },
+  closed() {
+    showState('gone', 'The scope itself does not answer: hertzline scope was ended, or cannot be reached. '
+      + 'This page goes on when it is back at this address; a scope that was started anew has another address.');
+  },
+});
+
+// ---- what is asked for
+
+let asking = null;
+function ask() {
+  dirty = true;
+  asking ??= setTimeout(() => {
+    asking = null;
+    view.columns = waveform.columns();
+    view.chain = $('chain-panel').open;
+    view.spectrum = $('spectrum-panel').open;
+    link.say({view});
+  }, 15);
+}
+
+function setWindow(from, span) {
+  const rate = scene?.fs ?? 1e7;
+  view.span_s = Math.min(Math.max(span, 8 / rate), LONGEST_SAMPLES / rate);
+  view.from_s = Math.min(Math.max(from, -LONGEST_SAMPLES / rate), 100);
+  Object.assign(waveform.view, {from_s: view.from_s, span_s: view.span_s});
+  $('from').value = Number((view.from_s * 1e6).toPrecision(7));
+  $('span').value = Number((view.span_s * 1e6).toPrecision(7));
+  ask();
+}
+
+/** The burst, and half of its length more, within its period. */
+function home() {
+  const drive = scene?.scene?.drive ?? {};
+  const burst = drive.frequency_hz > 0 ? 1.5 * drive.cycles / drive.frequency_hz : 1e-3;
+  const period = scene?.repetition_hz > 0 ? 1 / scene.repetition_hz : Infinity;
+  touched = false;
+  waveform.level = {low: null, high: null};
+  $('low').value = $('high').value = '';
+  setWindow(0, Math.min(burst, period));
+}
+
+function setMode(mode) {
+  view.mode = mode;
+  view.shot += 1;
+  for (const name of ['run', 'hold', 'single']) {
+    $(name).setAttribute('aria-pressed', String(name === mode));
+  }
+  ask();
+}
+
+const act = {
+  move(share) { touched = true; setWindow(view.from_s + share * view.span_s, view.span_s); },
+  zoom(factor, share) {
+    touched = true;
+    const fixed = view.from_s + share * view.span_s;
+    const before = view.span_s;
+    setWindow(view.from_s, factor * view.span_s);
+    setWindow(fixed - share * view.span_s, view.span_s);
+    dirty = dirty || before !== view.span_s;
+  },
+  zoomLevel(factor, share) {
+    const {low, high} = waveform.shown;
+    const fixed = high - share * (high - low);
+    waveform.level = {low: fixed + (low - fixed) * factor, high: fixed + (high - fixed) * factor};
+    $('low').value = Number(waveform.level.low.toPrecision(5));
+    $('high').value = Number(waveform.level.high.toPrecision(5));
+    dirty = true;
+  },
+  home,
+  cursor(name, share) { waveform.cursors[name] = view.from_s + share * view.span_s; dirty = true; },
+  nudge(name, pixels) {
+    if (waveform.cursors[name] !== null) {
+      waveform.cursors[name] += pixels / $('waveform').clientWidth * view.span_s;
+      dirty = true;
+    }
+  },
+  run() { setMode('run'); }, hold() { setMode(view.mode === 'hold' ? 'run' : 'hold'); }, single() { setMode('single'); },
+};
+listen($('waveform'), act);
+
+$('run').onclick = act.run;
+$('hold').onclick = () => setMode('hold');
+$('single').onclick = act.single;
+$('left').onclick = () => act.move(-0.25);
+$('right').onclick = () => act.move(0.25);
+$('zoom-in').onclick = () => act.zoom(0.5, 0.5);
+$('zoom-out').onclick = () => act.zoom(2, 0.5);
+$('home').onclick = home;
+$('from').onchange = () => { touched = true; setWindow(Number($('from').value) / 1e6, view.span_s); };
+$('span').onchange = () => { touched = true; setWindow(view.from_s, Number($('span').value) / 1e6 || view.span_s); };
+for (const edge of ['low', 'high']) {
+  $(edge).onchange = () => { waveform.level[edge] = $(edge).value === '' ? null : Number($(edge).value); dirty = true; };
+}
+$('persistence').onchange = () => { waveform.persistence = Number($('persistence').value); dirty = true; };
+$('stream').onchange = () => {
+  view.stream = $('stream').value;
+  waveform.forget();
+  spectrum.forget();
+  setMode('run');
+  showUnit();
+};
+$('trigger').onchange = () => { waveform.trigger = view.trigger = $('trigger').value; $('level-trigger').hidden = view.trigger !== 'level'; ask(); };
+$('level').onchange = () => { view.level = Number($('level').value); ask(); };
+$('slope').onchange = () => { view.slope = $('slope').value; ask(); };
+$('hold-off').onchange = () => { view.hold_off_s = Math.max(Number($('hold-off').value), 0) / 1e6; ask(); };
+$('average').onchange = () => { view.average = Math.min(Math.max(Math.round(Number($('average').value)) || 1, 1), 1000); ask(); };
+$('to-hz').onchange = () => { view.spectrum_to_hz = Math.max(Number($('to-hz').value) * 1e3, 1) || 8e5; ask(); };
+$('floor-db').onchange = () => { spectrum.floor = Math.min(Number($('floor-db').value), -20) || -80; dirty = true; };
+$('chain-panel').ontoggle = ask;
+$('spectrum-panel').ontoggle = ask;
+new ResizeObserver(ask).observe($('waveform'));
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { dirty = true; });
+
+// ---- knobs: one change is on its way at a time, the newest value of a key waits
+
+const waiting = new Map();
+let changing = false;
+function change() {
+  if (!changing && waiting.size > 0) {
+    changing = true;
+    link.say({set: Object.fromEntries(waiting)});
+    waiting.clear();
+  }
+}
+const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); });
+$('undo').onclick = () => { changing = true; link.say({undo: true}); };
+
+function showAnswer({to, answer}) {
+  changing = false;
+  const faults = answer?.faults;
+  const what = to.undo ? 'undone' : Object.entries(to.set ?? {}).map(([key, value]) => `${key} = ${value}`).join(', ');
+  $('knob-answer').classList.toggle('bad', Boolean(faults));
+  $('knob-answer').textContent = faults
+    ? faults.map((fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`).join(' ')
+    : `${what}: from sample ${answer.applies_at_sample} on (epoch ${answer.epoch}).`;
+  page.answer = {to, answer};
+  change();
+}
+
+// ---- saving
+
+$('save-scene').onclick = () => link.say({scene: 'toml'});
+$('save-png').onclick = async () => {
+  download('hertzline-scope.png', 'image/png', await pngOf([$('waveform'), $('spectrum'), $('waterfall')], colours().paper));
+};
+$('save-svg').onclick = () => download('hertzline-scope.svg', 'image/svg+xml', waveform.svg(1200, 500));
+$('record').onclick = () => link.say(state.recording?.on
+  ? {record: null} : {record: {stream: view.stream, ending: $('record-ending').value}});
+
+function showRecording(recording) {
+  $('record').setAttribute('aria-pressed', String(recording.on));
+  $('record').textContent = recording.on ? 'Stop recording' : 'Record';
+  $('record').disabled = !recording.allowed;
+  const missing = recording.missing_samples > 0 ? `, ${recording.missing_samples} missing, marked as a gap` : '';
+  $('record-text').textContent = recording.file === '' ? 'Saved by the scope, in the folder where it was started.'
+    : `${recording.file}: ${recording.samples} samples${missing}; ${recording.text}.`;
+}
+
+// ---- what came
+
+function showUnit() {
+  waveform.unit = scene?.streams?.find(({name}) => name === view.stream)?.unit ?? '';
+  for (const place of document.querySelectorAll('.stream-unit')) {
+    place.textContent = waveform.unit;
+  }
+}
+
+function showScene() {
+  const one = (scene.streams ?? []).filter(({channels}) => channels === 1).map(({name}) => name);
+  if ([...$('stream').options].map((option) => option.value).join() !== one.join()) {
+    $('stream').replaceChildren(...one.map((name) => new Option(name, name)));
+  }
+  if (one.length > 0 && !one.includes(view.stream)) {
+    [view.stream] = one;
+  }
+  $('stream').value = view.stream;
+  spectrum.fundamental = scene.fundamental_hz;
+  showUnit();
+  if (!touched) {
+    home();
+  } else {
+    setWindow(view.from_s, view.span_s);
+  }
+}
+
+function showState(name, text) {
+  const words = {running: 'running', waiting: 'waiting for a stream', ended: 'the stream has ended', silent: 'the stream is gone',
+    refused: 'refused', gone: 'the scope is gone'};
+  if ($('state').dataset.state !== name) {
+    $('state').dataset.state = name;
+    $('state').textContent = words[name];
+  }
+  $('trouble').hidden = text === '';
+  if ($('trouble').textContent !== text) {
+    $('trouble').textContent = text;
+  }
+}
+
+function take(text) {
+  if (text.scene) {
+    const another = scene?.run !== text.scene.run;
+    ({scene} = text);
+    if (another) {
+      spectrum.forget();
+      waveform.older = [];
+    }
+    showScene();
+  }
+  if (text.knobs) {
+    knobsText = text.knobs;
+    $('knob-text').textContent = knobsText.text;
+    $('undo').disabled = !knobsText.there;
+  }
+  if (text.knobs || text.scene) {
+    knobs.show(knobsText, scene);
+  }
+  if (text.measures) {
+    spectrum.measures = text.measures;
+    page.measures = {...text.measures, ...text.measures_of};
+    showMeasures($('measures'), text.measures, text.measures_of, waveform.unit);
+  }
+  for (const reply of text.replies ?? []) {
+    if (reply.scene_toml) {
+      download('scene.toml', 'application/toml', reply.scene_toml);
+    } else if (reply.to) {
+      showAnswer(reply);
+    } else if (reply.error) {
+      $('record-text').textContent = reply.error;
+    }
+  }
+  if (text.state) {
+    state = text;
+    showState(text.state, text.state_text);
+    showRecording(text.recording);
+  }
+}
+
+// ---- drawing
+
+function showCursors() {
+  const rows = Object.entries(waveform.cursors).filter(([, time]) => time !== null);
+  $('cursors').hidden = rows.length === 0;
+  const body = $('cursors').tBodies[0];
+  const values = rows.map(([name, time]) => [name, time, waveform.at(time)]);
+  const cells = values.map(([name, time, at]) => [name, withUnit(time, 's', 6), withUnit(at?.low, waveform.unit), withUnit(at?.high, waveform.unit)]);
+  if (values.length === 2) {
+    const [[, a, atA], [, b, atB]] = values;
+    cells.push([`B \u2212 A`, `${withUnit(b - a, 's', 6)} (${withUnit(1 / Math.abs(b - a), 'Hz')})`,
+      withUnit(atB && atA ? atB.low - atA.low : NaN, waveform.unit), withUnit(atB && atA ? atB.high - atA.high : NaN, waveform.unit)]);
+  }
+  body.replaceChildren(...cells.map((texts) => {
+    const row = document.createElement('tr');
+    row.append(...texts.map((text, i) => Object.assign(document.createElement(i === 0 ? 'th' : 'td'), {textContent: text})));
+    return row;
+  }));
+}
+
+function draw() {
+  requestAnimationFrame(draw);
+  if (!dirty) {
+    return;
+  }
+  dirty = false;
+  waveform.draw();
+  showCursors();
+  if ($('spectrum-panel').open) {
+    spectrum.draw();
+  }
+  if ($('chain-panel').open) {
+    chain.draw();
+  }
+  if (undrawn) {
+    undrawn = false;
+    own.drawn += 1;
+    if (waveform.picture) {
+      own.delays.push(Date.now() - 1e3 * waveform.picture.heardAt);
+    }
+    own.delays = own.delays.slice(-200);
+  }
+}
+requestAnimationFrame(draw);
+
+setInterval(() => {
+  own.rate = 2 * (own.drawn - own.drawnAtSecond);
+  own.drawnAtSecond = own.drawn;
+  const sorted = [...own.delays].sort((a, b) => a - b);
+  own.delay_ms = sorted[Math.floor(sorted.length / 2)];
+  if (state.state) {
+    showMeters($('meters'), state, view.stream, scene?.pace, own);
+  }
+}, 500);
+
+/** For scripts and tests: what is on the page, as numbers. */
+const page = {waveform, spectrum, chain, view, own, act, knobs, measures: null, answer: null,
+  get scene() { return scene; }, get state() { return state; }};
+window.hertzline = page;

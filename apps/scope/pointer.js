@@ -1,0 +1,71 @@
+// Mouse, fingers and keys on the waveform.
+
+const CLICK_PIXELS = 4;
+
+/** @param act {move(share), zoom(factor, share), zoomLevel(factor, share), home(), cursor(name, share), nudge(name, pixels), run(), hold(), single()} */
+export function listen(canvas, act) {
+  const share = (event) => event.offsetX / canvas.clientWidth;
+  const fingers = new Map();
+  let travelled = 0;
+
+  canvas.addEventListener('pointerdown', (event) => {
+    fingers.set(event.pointerId, {x: event.offsetX});
+    travelled = 0;
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    const finger = fingers.get(event.pointerId);
+    if (!finger) {
+      return;
+    }
+    const by = event.offsetX - finger.x;
+    if (fingers.size === 2) {
+      const [other] = [...fingers.entries()].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
+      const before = Math.abs(finger.x - other.x);
+      const now = Math.abs(event.offsetX - other.x);
+      if (before > 20 && now > 20) {
+        act.zoom(before / now, (event.offsetX + other.x) / 2 / canvas.clientWidth);
+      }
+      travelled = Infinity;
+    } else {
+      travelled += Math.abs(by);
+      if (travelled > CLICK_PIXELS) {
+        act.move(-by / canvas.clientWidth);
+      }
+    }
+    finger.x = event.offsetX;
+  });
+  const release = (event) => {
+    if (fingers.delete(event.pointerId) && event.type === 'pointerup' && travelled <= CLICK_PIXELS) {
+      act.cursor(event.shiftKey ? 'B' : 'A', share(event));
+    }
+  };
+  canvas.addEventListener('pointerup', release);
+  canvas.addEventListener('pointercancel', release);
+  canvas.addEventListener('dblclick', () => act.home());
+  canvas.addEventListener('wheel', (event) => {
+    event.preventDefault();
+    const factor = 1.2 ** Math.sign(event.deltaY || event.deltaX);
+    if (event.shiftKey) {
+      act.zoomLevel(factor, event.offsetY / canvas.clientHeight);
+    } else {
+      act.zoom(factor, share(event));
+    }
+  }, {passive: false});
+
+  let last = 'A';
+  canvas.addEventListener('keydown', (event) => {
+    const keys = {
+      ArrowLeft: () => act.move(-0.1), ArrowRight: () => act.move(0.1),
+      '+': () => act.zoom(0.7, 0.5), '=': () => act.zoom(0.7, 0.5), '-': () => act.zoom(1 / 0.7, 0.5),
+      0: () => act.home(), Home: () => act.home(),
+      a: () => { last = 'A'; act.cursor('A', 0.4); }, b: () => { last = 'B'; act.cursor('B', 0.6); },
+      ',': () => act.nudge(last, -1), '.': () => act.nudge(last, 1), '<': () => act.nudge(last, -20), '>': () => act.nudge(last, 20),
+      r: () => act.run(), s: () => act.single(), ' ': () => act.hold(),
+    };
+    if (!event.ctrlKey && !event.metaKey && !event.altKey && keys[event.key]) {
+      event.preventDefault();
+      keys[event.key]();
+    }
+  });
+}

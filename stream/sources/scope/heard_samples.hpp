@@ -1,0 +1,34 @@
+#pragma once
+// One stream as pictures are made of it: its last samples, its bursts, and when it was last heard.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "stream/sources/received_run.hpp"
+#include "stream/sources/scope/burst_marks.hpp"
+#include "stream/sources/scope/history.hpp"
+
+namespace hertzline::stream {
+
+/// Samples of a stream that are held for pictures: 8 MiB, 0.2 s at 10 MHz.
+inline constexpr std::size_t held_samples = std::size_t{1} << 21;
+
+struct HeardSamples {
+    History history{held_samples};
+    BurstMarks bursts;
+    double fs = 0;             ///< [Hz]; 0: nothing was heard
+    double repetition_hz = 0;  ///< of the bursts; 0: there is one
+    std::uint32_t epoch = 0;   ///< of the scene, when the last frame came
+    double heard_at_s = 0;     ///< when the last frame came [s since 1970]
+
+    /// Takes the next frame of one channel.
+    void take(const ReceivedFrame& frame, double bursts_hz, double now_s) {
+        history.append(frame.header.sample, frame.values);
+        bursts.take(frame.header, bursts_hz);
+        repetition_hz = bursts_hz;
+        fs = frame.header.fs;
+        heard_at_s = now_s;
+    }
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,240 @@
+// The page in a real browser: page_test.mjs PROGRAM FOLDER. Ends with a line for each promise that holds.
+import assert from 'node:assert/strict';
+import {execFileSync, spawn} from 'node:child_process';
+import {readFileSync} from 'node:fs';
+
+import {browser, open} from './browser.mjs';
+
+const [program, folder] = process.argv.slice(2);
+const endpoint = `ipc://${folder}/stream`;
+const control = `ipc://${folder}/control`;
+const PERIOD = 10000;
+const RATE = 1e7;
+
+const running = new Set();
+function start(word, ...words) {
+  const process_ = spawn(program, words, {stdio: ['ignore', 'ignore', 'pipe']});
+  running.add(process_);
+  process_.on('exit', () => running.delete(process_));
+  process_.said = new Promise((resolve, reject) => {
+    let text = '';
+    process_.stderr.on('data', (data) => {
+      text += data;
+      const line = text.split('\n').slice(0, -1).find((one) => one.includes(`${word} `));
+      if (line) {
+        resolve(line.trim().split(' ').at(-1));
+      }
+    });
+    process_.on('exit', () => reject(new Error(text)));
+  });
+  process_.said.catch(() => {});
+  return process_;
+}
+const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05', '--control', control,
+  '--on-overrun', 'wait');  // a loaded machine's stream falls behind, and drops nothing
+
+/** What `run` gives, as float32. */
+function samplesOfRun(count) {
+  const file = `${folder}/run.npy`;
+  execFileSync(program, ['run', 'paper-stream', '--columns', 'v_out', '-o', file, '--set', `output.duration_s=${(count - 1) / RATE}`],
+    {stdio: 'ignore'});
+  const bytes = readFileSync(file);
+  const data = bytes.subarray(10 + bytes.readUInt16LE(8));
+  const rows = new Float64Array(data.buffer.slice(data.byteOffset, data.byteOffset + 16 * count));  // time, v_out
+  return Float32Array.from({length: count}, (_, i) => rows[2 * i + 1]);
+}
+
+const pictureIn = (page) => page.evaluate(() => {
+  const {picture} = window.hertzline.waveform;
+  return picture && {...picture, low: [...picture.low], high: [...picture.high]};
+});
+const until = (page, condition, argument) => page.waitForFunction(condition, argument, {polling: 50});
+
+function check(picture) {
+  const samples = samplesOfRun(picture.first + picture.samples);
+  for (let column = 0; column < picture.columns; ++column) {
+    const edge = (k) => picture.first + Math.floor(k * picture.samples / picture.columns);
+    const window = samples.subarray(edge(column), edge(column + 1));
+    assert.equal(picture.low[column], window.reduce((a, b) => Math.min(a, b)));
+    assert.equal(picture.high[column], window.reduce((a, b) => Math.max(a, b)));
+  }
+}
+
+const scope = start('scope', 'scope', '--connect', endpoint, '--http', '127.0.0.1:0', '--record-to', folder, '--control', control);
+const url = await scope.said;
+const chromium = await browser();
+
+const promises = {
+  async 'says that there is no stream, and finds it when it begins'() {
+    this.page = await open(chromium, url);
+    await until(this.page, () => document.getElementById('trouble').textContent.includes('hertzline stream'));
+    this.stream = startStream();
+    await until(this.page, () => document.getElementById('state').dataset.state === 'running' && window.hertzline.own.drawn > 5);
+    assert.equal(await this.page.isHidden('#trouble'), true);
+  },
+  async 'shows every pixel\u2019s smallest and largest sample'() {
+    await this.page.click('#hold');
+    await until(this.page, () => window.hertzline.waveform.picture.held);
+    const picture = await pictureIn(this.page);
+    assert.equal(picture.trigger % PERIOD, 0);
+    assert.ok(picture.columns > 500 && picture.samples > 2 * picture.columns, 'an envelope');
+    check(picture);
+    // A column of pixels on the canvas reaches from its largest sample to its smallest.
+    const painted = await this.page.evaluate(() => {
+      const {waveform} = window.hertzline;
+      const {canvas, context, shown} = waveform;
+      const [column] = [...waveform.picture.high.keys()].sort((a, b) =>
+        (waveform.picture.high[b] - waveform.picture.low[b]) - (waveform.picture.high[a] - waveform.picture.low[a]));
+      const height = canvas.height - 18 * Math.min(window.devicePixelRatio, 2);
+      const pixels = context.getImageData(Math.floor((column + 0.5) * canvas.width / waveform.picture.columns), 0, 1, height).data;
+      const blue = [...Array(height).keys()].filter((y) => pixels[4 * y + 2] > pixels[4 * y] + 60);
+      const y = (value) => (shown.high - value) / (shown.high - shown.low) * height;
+      return {top: blue[0], bottom: blue.at(-1), high: y(waveform.picture.high[column]), low: y(waveform.picture.low[column])};
+    });
+    assert.ok(painted.top <= painted.high + 1 && painted.bottom >= painted.low - 1, JSON.stringify(painted));
+  },
+  async 'zooms into what is held, down to single samples'() {
+    const before = await pictureIn(this.page);
+    const box = await this.page.locator('#waveform').boundingBox();
+    await this.page.mouse.move(box.x + box.width / 3, box.y + box.height / 2);
+    for (let turn = 0; turn < 20; ++turn) {
+      await this.page.mouse.wheel(0, -100);
+    }
+    await until(this.page, () => window.hertzline.waveform.picture.eachSample);
+    const close = await pictureIn(this.page);
+    assert.equal(close.trigger, before.trigger);
+    const samples = samplesOfRun(close.first + close.samples);
+    assert.deepEqual(close.low, [...samples.subarray(close.first, close.first + close.samples)]);
+  },
+  async 'has cursors with differences, by mouse and by keys'() {
+    await this.page.click('#home');
+    await this.page.click('#waveform', {position: {x: 200, y: 100}});
+    await this.page.click('#waveform', {position: {x: 400, y: 100}, modifiers: ['Shift']});
+    await until(this.page, () => document.querySelectorAll('#cursors tbody tr').length === 3);
+    const {a, b} = await this.page.evaluate(() => ({a: window.hertzline.waveform.cursors.A, b: window.hertzline.waveform.cursors.B}));
+    await this.page.focus('#waveform');
+    await this.page.keyboard.press('b');
+    await this.page.keyboard.press('.');
+    const moved = await this.page.evaluate(() => window.hertzline.waveform.cursors.B);
+    assert.ok(b > a && moved > a && moved !== b);
+  },
+  async 'triggers on a level'() {
+    await this.page.click('#run');
+    await this.page.selectOption('#trigger', 'level');
+    await this.page.fill('#level', '0.2');
+    await this.page.keyboard.press('Enter');
+    const drawn = await this.page.evaluate(() => window.hertzline.own.drawn);
+    await until(this.page, (before) => window.hertzline.own.drawn > before + 10 && !window.hertzline.waveform.picture.held, drawn);
+    const picture = await pictureIn(this.page);
+    const samples = samplesOfRun(picture.first + picture.samples);
+    assert.ok(samples[picture.trigger] >= Math.fround(0.2) && samples[picture.trigger - 1] < Math.fround(0.2), JSON.stringify(
+      {...picture, low: samples[picture.trigger - 1], high: samples[picture.trigger]}));
+    await this.page.selectOption('#trigger', 'burst');
+  },
+  async 'shows the measures of run, a spectrum and a waterfall'() {
+    await until(this.page, () => window.hertzline.measures && window.hertzline.spectrum.picture);
+    const said = JSON.parse(execFileSync(program, ['run', 'paper-stream', '--json', '--set', `output.duration_s=${(PERIOD - 1) / RATE}`],
+      {stdio: ['ignore', 'pipe', 'ignore']}));
+    const measures = await this.page.evaluate(() => window.hertzline.measures);
+    for (const [k, db] of said.harmonics_db.entries()) {  // a later burst begins with what the one before has left
+      assert.ok(Math.abs(measures.harmonics_db[k] - db) < 0.3, `harmonic ${k + 1}: ${measures.harmonics_db[k]}, run has ${db}`);
+    }
+    assert.match(await this.page.textContent('#measures'), /harmonics/);
+  },
+  async 'shows the chain'() {
+    await this.page.click('#chain-panel summary');
+    await until(this.page, () => window.hertzline.chain.picture?.rows === 6);
+    await this.page.click('#chain-panel summary');
+  },
+  async 'turns a knob, and sees it from the sample on that the answer named'() {
+    const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
+    await until(this.page, () => !document.getElementById('knob-drive.amplitude_m').disabled);
+    assert.equal(await this.page.locator('[id="knob-drive.envelope"] option').count(), 3);
+    const peak = () => this.page.evaluate(() => Math.max(...window.hertzline.waveform.picture.high));
+    const before = await peak();
+    await knob.fill('-1');
+    await knob.press('Enter');
+    await until(this.page, () => document.getElementById('knob-answer').classList.contains('bad'));
+    await knob.fill('1.5e-6');
+    await knob.press('Enter');
+    await until(this.page, () => window.hertzline.answer?.answer.applies_at_sample);
+    const {answer} = await this.page.evaluate(() => window.hertzline.answer);
+    await until(this.page, (sample) => window.hertzline.waveform.picture.trigger >= sample, answer.applies_at_sample);
+    assert.equal((await pictureIn(this.page)).epoch, answer.epoch);
+    assert.ok(await peak() < 0.8 * before, `${await peak()} after ${before}`);
+    await this.page.click('#undo');
+    await until(this.page, (epoch) => window.hertzline.waveform.picture.epoch > epoch, answer.epoch);
+    assert.ok(Math.abs(await peak() - before) < 0.1 * before);
+  },
+  async 'saves scene and pictures'() {
+    for (const [button, beginning] of [['#save-scene', '# The scene'], ['#save-png', '\x89PNG'], ['#save-svg', '<svg']]) {
+      const [download] = await Promise.all([this.page.waitForEvent('download'), this.page.click(button)]);
+      const file = `${folder}/${download.suggestedFilename()}`;
+      await download.saveAs(file);
+      assert.equal(readFileSync(file, 'latin1').slice(0, beginning.length), beginning);
+    }
+  },
+  async 'loses the stream and finds it again'() {
+    this.stream.kill('SIGKILL');
+    await until(this.page, () => document.getElementById('state').dataset.state === 'silent');
+    const run = await this.page.evaluate(() => window.hertzline.scene.run);
+    this.stream = startStream();
+    await until(this.page, (before) => document.getElementById('state').dataset.state === 'running' && window.hertzline.scene.run !== before, run);
+    await until(this.page, () => window.hertzline.waveform.picture.trigger < 2e6);
+    check(await pictureIn(this.page));
+  },
+  async 'serves eight pages at once, each with its own view, and the listener loses nothing'() {
+    const pages = await Promise.all([...Array(8).keys()].map(() => open(chromium, url)));
+    for (const [k, page] of pages.entries()) {
+      await page.evaluate((to) => { window.hertzline.act.zoom(to, 0); }, 0.5 + 0.05 * k);
+    }
+    for (const page of pages) {
+      await until(page, () => window.hertzline.own.drawn > 10 && window.hertzline.state.pages === 9);
+    }
+    const account = await this.page.evaluate(() => window.hertzline.state.accounts.v_out);
+    assert.equal(account.frames_lost_on_the_way, 0, JSON.stringify(account));
+    check(await pictureIn(pages[7]));
+    await Promise.all(pages.map((page) => page.context().close()));
+  },
+  async 'fits a phone, and a dark room'() {
+    const page = await open(chromium, url, {viewport: {width: 390, height: 800}, colorScheme: 'dark', hasTouch: true});
+    await until(page, () => window.hertzline.own.drawn > 3);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), 'wider than the phone');
+    assert.notEqual(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), 'rgb(253, 253, 251)');
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  },
+  async 'refuses a page of another origin'() {
+    const page = await open(chromium, url);
+    await page.setContent('<p>elsewhere</p>');
+    await page.goto('about:blank');
+    const refused = await page.evaluate((socket) => new Promise((resolve) => {
+      const line = new WebSocket(socket);
+      line.onopen = () => resolve(false);
+      line.onerror = () => resolve(true);
+    }), `${url.replace('http', 'ws')}socket`);
+    assert.equal(refused, true);
+    await page.context().close();
+  },
+  async 'nothing went wrong in the page meanwhile'() {
+    assert.deepEqual(this.page.faults, []);
+  },
+};
+
+let failed = 0;
+const shared = {};
+for (const [name, promise] of Object.entries(promises)) {
+  const begun = Date.now();
+  try {
+    await promise.call(shared);
+    console.log(`ok   ${name} (${Date.now() - begun} ms)`);
+  } catch (error) {
+    failed += 1;
+    console.log(`FAIL ${name}: ${error.stack}`);
+  }
+}
+await chromium.close();
+for (const process_ of running) {
+  process_.kill('SIGINT');
+}
+process.exitCode = failed > 0 ? 1 : 0;

@@ -1,0 +1,383 @@
+#!/usr/bin/python3
+"""What hertzline scope promises its pages, without a browser: scope_serves.py PROMISE PROGRAM"""
+import json
+import pathlib
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+import numpy as np
+import zmq
+
+from page_socket import CHAIN, EACH_SAMPLE, HELD, SPECTRUM, UNTRIGGERED, PageSocket, Refused
+
+RATE_HZ, PERIOD = 10_000_000, 10_000
+LONG_ENOUGH_S = 100
+
+
+def _columns_of(file):
+    """What a recording in NumPy's format holds beside the time, as a stream has it: [sample][column]."""
+    rows = np.load(file)
+    return np.column_stack([rows[name] for name in rows.dtype.names if name != "t_s"]).astype("<f4")
+
+
+class Process:
+    """The program in the background, ended with the block at the latest."""
+
+    def __init__(self, program, *words):
+        self.process = subprocess.Popen([program, *map(str, words)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def said(self, word):
+        lines = []
+        for line in self.process.stderr:
+            lines.append(line)
+            if f"{word} " in line:
+                threading.Thread(target=self.process.stderr.read, daemon=True).start()
+                return line.split()[-1]
+        raise AssertionError("".join(lines))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+
+    def interrupt(self):
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(LONG_ENOUGH_S)
+
+
+class Stand:
+    def __init__(self, program, folder):
+        self.program, self.folder = program, pathlib.Path(folder)
+        self.endpoint = f"ipc://{folder}/stream"
+
+    def stream(self, *words, scene="paper-stream", pace=0.05):
+        # The stream of a loaded machine falls behind, and drops nothing.
+        return Process(self.program, "stream", scene, "--bind", self.endpoint, "--pace", pace, "--on-overrun", "wait", *words)
+
+    def scope(self, *words):
+        scope = Process(self.program, "scope", "--connect", self.endpoint, "--http", "127.0.0.1:0", "--record-to", self.folder, *words)
+        scope.url = scope.said("scope")
+        return scope
+
+    def samples(self, count, column="v_out", scene="paper-stream", *words):
+        """What `run` gives, as the stream has it."""
+        file = self.folder / "run.npy"
+        subprocess.run([self.program, "run", scene, "--set", f"output.duration_s={(count - 1) / RATE_HZ}", "--columns", column,
+                        "-o", file, *words], check=True, stdout=subprocess.DEVNULL, timeout=LONG_ENOUGH_S)
+        return _columns_of(file)[:count, 0]
+
+    def check(self, picture, samples=None):
+        """Each column's smallest and largest sample are those of the run, to the last bit."""
+        end = picture.first + picture.samples
+        samples = self.samples(end) if samples is None else samples
+        window = samples[picture.first:end]
+        assert len(window) == picture.samples, (len(window), picture)
+        if picture.flags & EACH_SAMPLE:
+            assert np.array_equal(window, picture.numbers), "samples differ"
+            return
+        edges = np.arange(picture.columns + 1) * picture.samples // picture.columns
+        low = np.array([window[a:b].min() for a, b in zip(edges, edges[1:])])
+        high = np.array([window[a:b].max() for a, b in zip(edges, edges[1:])])
+        assert np.array_equal(low, picture.numbers[:picture.columns]), "smallest differ"
+        assert np.array_equal(high, picture.numbers[picture.columns:]), "largest differ"
+
+
+def pictures_hold_every_sample(stand):
+    with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
+        page.say({"view": {"span_s": 1e-3, "columns": 777}})
+        picture = page.picture(condition=lambda p: p.columns == 777)
+        assert picture.trigger == picture.first == picture.burst * PERIOD and picture.flags == 0, picture
+        stand.check(picture)
+        page.say({"view": {"from_s": 1.234e-4, "span_s": 2.5e-3, "columns": 1000}})  # over several bursts
+        picture = page.picture(condition=lambda p: p.samples == 25_000)
+        assert picture.first == picture.trigger + 1234
+        stand.check(picture)
+        page.say({"view": {"from_s": 1e-4, "span_s": 3e-5, "columns": 500}})  # a column would hold less than a sample
+        picture = page.picture(condition=lambda p: p.flags & EACH_SAMPLE)
+        assert picture.columns == picture.samples == 301
+        stand.check(picture)
+
+
+def triggers_are_where_they_say(stand):
+    with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
+        wish = {"trigger": "level", "level": 0.2, "hold_off_s": 5e-4, "span_s": 4e-4, "from_s": -1e-5}
+        page.say({"view": wish})
+        page.picture(condition=lambda p: p.samples == 4000 and not p.flags & UNTRIGGERED)
+        for _ in range(5):  # the first may lie within a burst; from then on the first crossing of each
+            picture = page.picture()
+        samples = stand.samples(picture.first + picture.samples)
+        assert samples[picture.trigger] >= np.float32(0.2) > samples[picture.trigger - 1]
+        burst = picture.trigger // PERIOD * PERIOD
+        assert not (samples[burst:picture.trigger] >= np.float32(0.2)).any(), "not the burst's first crossing"
+        stand.check(picture, samples)
+        page.say({"view": wish | {"slope": "falling", "level": -0.1}})
+        picture = page.picture(condition=lambda p: p.trigger > picture.trigger + 10 * PERIOD)
+        samples = stand.samples(picture.first + picture.samples)
+        assert samples[picture.trigger] <= np.float32(-0.1) < samples[picture.trigger - 1]
+        page.say({"view": wish | {"level": 1e6}})  # never
+        page.picture(condition=lambda p: p.flags & UNTRIGGERED)
+
+
+def what_is_held_can_be_looked_at_closely(stand):
+    with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
+        page.say({"view": {"mode": "single", "shot": 1, "span_s": 1e-3}})
+        first = page.picture(condition=lambda p: p.flags & HELD)
+        stand.check(first)
+        time.sleep(0.5)
+        page.say({"view": {"mode": "single", "shot": 1, "span_s": 2e-5, "from_s": 1e-4}})
+        close = page.picture()
+        assert close.flags & HELD and close.trigger == first.trigger and close.samples == 201
+        stand.check(close)
+        page.say({"view": {"mode": "single", "shot": 2, "span_s": 1e-3}})
+        assert page.picture(condition=lambda p: p.flags & HELD and p.samples == 10_000).trigger > first.trigger
+
+
+def spectra_have_the_measures_of_run(stand):
+    with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
+        page.say({"view": {"spectrum": True, "spectrum_to_hz": 8e5, "columns": 800}})
+        spectrum = page.picture(SPECTRUM)
+        text = page.text(lambda m: "measures" in m)
+        of = text["measures_of"]
+        record = stand.samples(of["first_sample"] + of["samples"])[of["first_sample"]:]
+        assert of["samples"] == PERIOD and of["first_sample"] == of["burst"] * PERIOD == spectrum.trigger
+        assert text["measures"]["peak"] == np.abs(record).max()
+        said = subprocess.run([stand.program, "run", "paper-stream", "--set", f"output.duration_s={(PERIOD - 1) / RATE_HZ}", "--json"],
+                              check=True, capture_output=True, timeout=LONG_ENOUGH_S).stdout
+        run = json.loads(said)
+        for key in ("harmonics_db", "thd_r", "strongest_hz", "band_20db_low_hz", "band_20db_high_hz"):
+            assert np.allclose(text["measures"][key], run[key], rtol=0.01, atol=0.02), (key, text["measures"][key], run[key])
+        assert abs(np.nanmax(spectrum.numbers)) < 1e-6 and abs(spectrum.rate_hz * spectrum.columns - 8e5) < 1
+
+
+def the_chain_is_that_of_run(stand):
+    with stand.stream(pace=0.01), stand.scope() as scope, PageSocket(scope.url) as page:
+        page.say({"view": {"chain": True}})
+        picture = page.picture(CHAIN)
+        assert (picture.rows, picture.columns, picture.trigger) == (6, 512, picture.burst * PERIOD)
+        end = picture.first + picture.samples
+        subprocess.run([stand.program, "run", "paper-stream", "--columns", "v_chain", "-o", stand.folder / "chain.npy",
+                        "--set", f"output.duration_s={(end - 1) / RATE_HZ}"], check=True, stdout=subprocess.DEVNULL)
+        window = _columns_of(stand.folder / "chain.npy")[picture.first:end]
+        edges = -(-np.arange(513) * picture.samples // 512)  # sample s lies in column s * 512 // samples
+        cells = picture.numbers.reshape(6, 512)
+        for column in range(512):
+            part = window[edges[column]:edges[column + 1]]
+            assert np.array_equal(np.abs(part).max(axis=0), np.abs(cells[:, column])), column
+
+
+def strangers_are_refused(stand):
+    def status(path, method="GET", **headers):
+        request = urllib.request.Request(path, method=method, headers=headers)
+        try:
+            with urllib.request.urlopen(request, timeout=LONG_ENOUGH_S) as answer:
+                return answer.status, answer.headers, answer.read()
+        except urllib.error.HTTPError as error:
+            return error.code, error.headers, error.read()
+
+    def refused(**how):
+        try:
+            PageSocket(scope.url, **how)
+        except Refused as refusal:
+            return str(refusal).split()[1]
+        raise AssertionError(f"not refused: {how}")
+
+    with stand.scope() as scope:
+        root = scope.url[:scope.url.rstrip("/").rindex("/") + 1]
+        code, headers, page = status(scope.url)
+        assert code == 200 and b"<title>hertzline scope" in page
+        policy = headers["Content-Security-Policy"]
+        assert "default-src 'none'" in policy and "script-src 'self'" in policy and "unsafe" not in policy, policy
+        assert status(scope.url + "main.js")[1]["Content-Type"].startswith("text/javascript")
+        assert status(scope.url, "HEAD")[0] == 200
+        for path in (root, root + "0" * 32 + "/", root + "main.js"):
+            assert status(path)[0] == 403, path
+        for name in ("nothing.js", "../scope.cpp", "..%2f..%2fetc/passwd", "/etc/passwd", "index.html%00"):
+            assert status(scope.url + name)[0] == 404, name
+        assert status(scope.url, "POST")[0] == 405
+        assert status(scope.url, Host="evil.example")[0] == 421
+        assert status(scope.url, Origin="http://evil.example")[0] == 403
+        assert refused(origin="http://evil.example") == refused(origin=None) == refused(origin="null") == "403"
+        assert refused(host="evil.example", origin="http://evil.example") == "421"
+        assert refused(path="other") == "404"
+        port = urllib.parse.urlsplit(scope.url).port
+        with PageSocket(scope.url, host=f"localhost:{port}", origin=f"http://localhost:{port}"):
+            pass
+        with PageSocket(scope.url) as page:
+            page.text(lambda m: "state" in m)
+            page.say({"view": {"columns": 1e9}})
+            page.text(lambda m: any("columns" in reply.get("error", "") for reply in m.get("replies", [])))
+            page.send_frame(1, b"[" * 10_000)
+            page.text(lambda m: any("error" in reply for reply in m.get("replies", [])))
+            page.send_frame(1, b" " * 20_000)  # more than a page says
+            try:
+                page.until(lambda m: False)
+            except (EOFError, ConnectionError):
+                pass
+    for http in ("0.0.0.0:0", "192.0.2.1:8573", "example.org:8573", "127.0.0.1:99999", "[::1:1"):
+        done = subprocess.run([stand.program, "scope", "--http", http], capture_output=True, text=True, timeout=LONG_ENOUGH_S)
+        assert done.returncode == 2 and "--http" in done.stderr, (http, done)
+
+
+def who_does_not_read_is_dropped(stand):
+    with stand.stream(pace=0.2) as stream, stand.scope("--json") as scope:
+        with PageSocket(scope.url) as good, PageSocket(scope.url) as bad:
+            for page in (good, bad):
+                page.say({"view": {"columns": 4096, "pictures_per_s": 60}})
+            good.text(lambda m: m.get("dropped_pages") == 0 and m.get("pages") == 2)
+            last = good.text(lambda m: m.get("dropped_pages") == 1)
+            assert last["pages"] == 1 or good.text(lambda m: m.get("pages") == 1)
+            account = last["accounts"]["v_out"]
+            assert account["frames"] > 1000 and account["missing_samples"] == account["messages_malformed"] == 0, account
+            picture = good.picture()
+            bad.socket.settimeout(LONG_ENOUGH_S)
+            try:
+                while bad.socket.recv(1 << 16):
+                    good.receive()
+            except ConnectionError:
+                pass
+        scope.interrupt()
+        summary = json.loads(scope.process.stdout.read())
+        assert summary["pages_opened"] == 2 and summary["pages_dropped"] == 1, summary
+        stream.interrupt()
+    stand.check(picture)
+
+
+def a_stream_is_lost_and_found_again(stand):
+    with stand.scope() as scope, PageSocket(scope.url) as page:
+        text = page.text(lambda m: m.get("state") == "waiting")
+        assert "hertzline stream" in text["state_text"]
+        with stand.stream() as stream:
+            run = page.text(lambda m: "scene" in m and "run" in m["scene"])["scene"]["run"]
+            stand.check(page.picture())
+            stream.process.kill()
+            text = page.text(lambda m: m.get("state") == "silent")
+            assert "shown again" in text["state_text"]
+        with stand.stream() as stream:
+            assert page.text(lambda m: "scene" in m)["scene"]["run"] != run
+            page.text(lambda m: m.get("state") == "running")
+            stand.check(page.picture())
+            stream.interrupt()
+            assert page.text(lambda m: m.get("state") == "ended")["state_text"]
+
+
+def the_scene_and_what_is_heard_are_saved(stand):
+    with stand.stream("--set", "drive.amplitude_m=2.5e-6"), stand.scope() as scope, PageSocket(scope.url) as page:
+        scene_hash = page.text(lambda m: "scene_hash" in m.get("scene", {}))["scene"]["scene_hash"]
+        page.say({"scene": "toml"})
+        toml = page.text(lambda m: any("scene_toml" in r for r in m.get("replies", [])))["replies"][0]["scene_toml"]
+        (stand.folder / "saved.toml").write_text(toml)
+        run = subprocess.run([stand.program, "run", stand.folder / "saved.toml", "--json"], check=True, capture_output=True)
+        assert json.loads(run.stdout)["scene_hash"] == scene_hash
+    with stand.stream(), PageSocket((scope := stand.scope()).url) as page, scope:
+        page.say({"record": {"stream": "v_last", "ending": "sigmf-meta"}})
+        page.text(lambda m: "recording" in m and m["recording"]["samples"] > 50_000)
+        page.say({"record": None})
+        state = page.text(lambda m: "recording" in m and not m["recording"]["on"])["recording"]
+        assert state["text"] == "saved" and state["missing_samples"] == 0, state
+        data = np.fromfile(state["file"].replace(".sigmf-meta", ".sigmf-data"), "<f4")
+        meta = json.loads(pathlib.Path(state["file"]).read_text())
+        first = meta["captures"][0].get("core:global_index", 0)
+        assert np.array_equal(data, stand.samples(first + len(data), "v_last")[first:])
+        page.say({"record": {"stream": "v_last", "ending": "../../x"}})
+        page.text(lambda m: any("record" in r.get("error", "") for r in m.get("replies", [])))
+
+
+def knobs_ask_the_stream(stand):
+    """With a control of our own in the stream's place: what goes over the line."""
+    asked = []
+    values = {"drive.amplitude_m": {"value": 3e-6, "unit": "m", "minimum": 0, "maximum": 1, "kind": "number"}}
+
+    def answer(question):
+        if "get" in question:
+            return {"epoch": 0, "scene_hash": "x", "values": values}
+        asked.append(question)
+        if question.get("set", {}).get("drive.amplitude_m", 0) > 1:
+            return {"faults": [{"key": "drive.amplitude_m", "found": "2", "allowed": "0 to 1", "message": "too large"}]}
+        if "set" in question:
+            values["drive.amplitude_m"]["value"] = question["set"]["drive.amplitude_m"]
+        return {"applies_at_sample": 40_000, "epoch": 1, "scene_hash": "y"}
+
+    router = zmq.Context.instance().socket(zmq.ROUTER)
+    router.bind(f"ipc://{stand.folder}/control")
+    over = threading.Event()
+
+    def serve():
+        while not over.is_set():
+            if router.poll(50):
+                who, *_, text = router.recv_multipart()
+                router.send_multipart([who, json.dumps(answer(json.loads(text))).encode()])
+
+    server = threading.Thread(target=serve)
+    server.start()
+    try:
+        with stand.stream(), stand.scope("--control", f"ipc://{stand.folder}/control") as scope, PageSocket(scope.url) as page:
+            assert page.text(lambda m: m.get("knobs", {}).get("there"))["knobs"]["values"]["drive.amplitude_m"]["value"] == 3e-6
+            page.say({"set": {"drive.amplitude_m": 2e-6}})
+            reply = page.text(lambda m: "replies" in m)["replies"][0]
+            assert reply["answer"]["applies_at_sample"] == 40_000
+            page.knows(lambda m: m["knobs"]["values"]["drive.amplitude_m"]["value"] == 2e-6)
+            page.say({"set": {"drive.amplitude_m": 2}})
+            assert page.text(lambda m: "replies" in m)["replies"][0]["answer"]["faults"][0]["message"] == "too large"
+            page.say({"undo": True})
+            assert page.text(lambda m: "replies" in m)["replies"][0]["to"] == {"undo": True}
+            assert asked == [{"set": {"drive.amplitude_m": 2e-6}}, {"set": {"drive.amplitude_m": 2}}, {"undo": True}]
+    finally:
+        over.set()
+        server.join()
+        router.close(0)
+    with stand.scope() as scope, PageSocket(scope.url) as page:
+        assert "--control" in page.text(lambda m: "knobs" in m)["knobs"]["text"]
+        page.say({"undo": True})
+        assert page.text(lambda m: "replies" in m)["replies"][0]["answer"]["faults"]
+
+
+def a_turned_knob_is_seen_from_its_sample_on(stand):
+    with stand.stream("--control", f"ipc://{stand.folder}/knobs", pace=0.2), \
+            stand.scope("--control", f"ipc://{stand.folder}/knobs") as scope, PageSocket(scope.url) as page:
+        knob = page.knows(lambda m: m["knobs"]["there"])["knobs"]["values"]["drive.amplitude_m"]
+        assert (knob["value"], knob["unit"], knob["kind"]) == (3e-6, "m", "number")
+        page.say({"set": {"drive.amplitude_m": -1}})
+        assert page.text(lambda m: "replies" in m)["replies"][0]["answer"]["faults"][0]["key"] == "drive.amplitude_m"
+        page.say({"set": {"drive.amplitude_m": 1.5e-6}})
+        answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
+        picture = page.picture(condition=lambda p: p.trigger >= answer["applies_at_sample"])
+        assert picture.epoch == answer["epoch"] == 1
+        change = {"sample": answer["applies_at_sample"], "set": {"drive.amplitude_m": 1.5e-6}}
+        (stand.folder / "changes.json").write_text(json.dumps([change]))
+        end = picture.first + picture.samples
+        stand.check(picture, stand.samples(end, "v_out", "paper-stream", "--changes", stand.folder / "changes.json"))
+        page.knows(lambda m: m["knobs"]["values"]["drive.amplitude_m"]["value"] == 1.5e-6)
+        page.knows(lambda m: m["scene"]["scene"]["drive"]["amplitude_m"] == 1.5e-6)
+        page.say({"undo": True})
+        answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
+        assert page.picture(condition=lambda p: p.trigger >= answer["applies_at_sample"]).epoch == 2
+
+
+def a_stream_brings_its_scope_along(stand):
+    stream = stand.stream("--scope-http", "127.0.0.1:0", "--control", f"ipc://{stand.folder}/knobs")
+    with stream, PageSocket(url := stream.said("scope")) as page:
+        page.picture()
+        page.knows(lambda m: m["knobs"]["there"])
+        stream.interrupt()
+        assert stream.process.stdout.read().count("endpoint") == 1, "the summary, and nothing else"
+    try:
+        PageSocket(url)
+    except ConnectionError:
+        return
+    raise AssertionError("the scope goes on")
+
+
+if __name__ == "__main__":
+    promise, program = sys.argv[1:]
+    with tempfile.TemporaryDirectory() as folder:
+        globals()[promise](Stand(program, folder))
