@@ -60,7 +60,9 @@ struct Controlled {
         return reply.value_or(Json());
     }
 
-    void advance(std::int64_t most) { source.skip(std::min(most, source.samples_to_change())); }
+    void advance(std::int64_t most) {
+        ASSERT_TRUE(source.skip(std::min(most, source.samples_to_change()))) << source.failure();
+    }
     void advance_to(std::int64_t sample) {
         while (source.next_sample() < sample) {
             advance(sample - source.next_sample());
@@ -88,6 +90,22 @@ TEST(SceneControl, ChangesTakeEffectAtTheNextBurst) {
     EXPECT_EQ(now["values"]["drive.amplitude_m"]["value"], 1e-6);
     EXPECT_EQ(now["epoch"], 1);
     EXPECT_EQ(now["scene_hash"], reply["scene_hash"]);
+}
+
+TEST(SceneControl, ChangesTakeEffectAtOnceWhereBurstsDoNotRepeat) {
+    Scene scene = small_scene();
+    scene.drive.repetition_hz = 0;
+    Controlled stream{scene};
+    std::int64_t last = 0;
+    for (int change = 1; change <= 20; ++change) {  // some where a piece of the motion ends, some within one
+        stream.advance(37);
+        const Json reply = stream.ask({{"set", {{"drive.amplitude_m", 1e-6 + 1e-9 * change}}}});
+        ASSERT_EQ(reply["epoch"], change) << reply;
+        const auto sample = reply["applies_at_sample"].get<std::int64_t>();
+        EXPECT_GT(sample, last);
+        EXPECT_LE(sample, stream.source.next_sample() + 2);
+        last = sample;
+    }
 }
 
 TEST(SceneControl, WhatIsNoDriveBeginsAnewAtStaticEquilibrium) {
