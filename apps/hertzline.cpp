@@ -6,6 +6,7 @@
 #include "apps/console/messages.hpp"
 #include "apps/program.hpp"
 #include "stream/recordings/recording_thread.hpp"
+#include "stream/sources/control/scene_control.hpp"
 
 namespace hertzline::app {
 
@@ -53,7 +54,7 @@ int main(int argc, char** argv) {
                           app::examples, app::subcommands()},
                          argc, argv));
     app::finish_messages();
-    if (stream::RecordingThread::any_abandoned()) {
+    if (stream::RecordingThread::any_abandoned() || stream::SceneControl::any_abandoned()) {
         std::_Exit(status);  // it still uses what the ordinary end would destroy
     }
     return status;

@@ -1,6 +1,7 @@
 #include "stream/sources/control/scene_control.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <utility>
 
@@ -27,6 +28,12 @@ void step_back() noexcept {
     setpriority(PRIO_PROCESS, 0, low_priority);
 }
 
+// How long the end of a stream waits for pilots.
+constexpr std::chrono::milliseconds between_glances{10};
+constexpr int most_glances = 30;
+
+std::atomic<bool> abandoned{false};
+
 bool format_stays(const StreamFormat& a, const StreamFormat& b) noexcept {
     return a.taps == b.taps && a.spheres == b.spheres && a.sample_rate_hz == b.sample_rate_hz &&
            a.frame_samples == b.frame_samples;
@@ -38,9 +45,22 @@ SceneControl::SceneControl(Scene requested, Scene resolved, SimulationSource& so
     : requested_(std::move(requested)), resolved_(std::move(resolved)), source_(source) {}
 
 SceneControl::~SceneControl() {
-    if (job_ && job_->thread.joinable()) {
-        job_->thread.join();
+    if (!job_ || !job_->thread.joinable()) {
+        return;
     }
+    for (int glance = 0; glance < most_glances && !job_->ready.load(std::memory_order_acquire); ++glance) {
+        std::this_thread::sleep_for(between_glances);
+    }
+    if (job_->ready.load(std::memory_order_acquire)) {
+        job_->thread.join();
+    } else {
+        abandoned.store(true, std::memory_order_relaxed);
+        job_->thread.detach();
+    }
+}
+
+bool SceneControl::any_abandoned() noexcept {
+    return abandoned.load(std::memory_order_relaxed);
 }
 
 void SceneControl::take(const Json& request, Reply reply) {
@@ -131,22 +151,24 @@ void SceneControl::begin() {
 }
 
 void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Reply> replies) {
-    job_ = std::make_unique<Job>();
+    job_ = std::make_shared<Job>();
+    job_->format = source_.format();
+    job_->options = source_.options();
     job_->from = resolved_;
     job_->requested = std::move(requested);
     job_->asked = std::move(asked);
     job_->undo = undo;
     job_->replies = std::move(replies);
-    job_->thread = std::thread([this, &job = *job_] {
+    job_->thread = std::thread([job = job_] {
         pthread_setname_np(pthread_self(), preparing_thread_name);
         step_back();
-        prepare_or_explain(job);
-        job.ready.store(true, std::memory_order_release);
+        prepare_or_explain(*job);
+        job->ready.store(true, std::memory_order_release);
     });
 }
 
 /// In the preparing thread.
-void SceneControl::prepare_or_explain(Job& job) const noexcept {
+void SceneControl::prepare_or_explain(Job& job) noexcept {
     try {
         prepare(job);
     } catch (const std::exception& error) {
@@ -154,7 +176,7 @@ void SceneControl::prepare_or_explain(Job& job) const noexcept {
     }
 }
 
-void SceneControl::prepare(Job& job) const {
+void SceneControl::prepare(Job& job) {
     const double bytes = SimulationSource::memory_bytes(job.requested);
     if (const auto shortage = memory_shortage("simulating the changed scene", bytes)) {
         job.faults.push_back({"", *shortage, "less"});
@@ -167,8 +189,8 @@ void SceneControl::prepare(Job& job) const {
     }
     const Scene& scene = job.resolved.scene;
     const bool goes_on = motion_goes_on(job.from, scene);
-    auto next = std::make_unique<NextSimulation>(scene, source_.options(), goes_on);
-    if (!format_stays(source_.format(), SimulationSource::format_of(scene))) {
+    auto next = std::make_unique<NextSimulation>(scene, job.options, goes_on);
+    if (!format_stays(job.format, SimulationSource::format_of(scene))) {
         job.faults.push_back({"end", "other streams", "the streams that there are"});
     } else if (goes_on &&
                !(next->simulation.can_hand_over() && Simulation(job.from, {.taps = {}}).can_hand_over())) {

@@ -45,7 +45,7 @@ public:
     /// @param requested the scene as the user gave it @param resolved what the source began with
     /// @param source outlives this
     SceneControl(Scene requested, Scene resolved, SimulationSource& source);
-    /// Waits for the pilots of a change that is being prepared.
+    /// Waits a little for a change that is being prepared. Pilots that take longer are left behind.
     ~SceneControl();
     SceneControl(const SceneControl&) = delete;
     SceneControl& operator=(const SceneControl&) = delete;
@@ -57,6 +57,9 @@ public:
     void turn();
     /// Something is being prepared, or waits.
     bool busy() const noexcept { return job_ != nullptr || !waiting_.empty(); }
+
+    /// Pilots of some change were left behind, so the program cannot end in the ordinary way: std::_Exit.
+    static bool any_abandoned() noexcept;
 
     /// The epochs that changes began up to this one, and that were not taken yet; from any thread.
     std::vector<EpochOfChange> take_epochs(const Epoch& until);
@@ -70,8 +73,10 @@ private:
         Scene requested;  ///< before
         Json values;      ///< before
     };
-    /// A change on its way. The thread's until ready.
+    /// A change on its way. The thread's until ready; lives as long as the thread or its owner.
     struct Job {
+        StreamFormat format;
+        SimulationOptions options;
         Scene from;       ///< resolved
         Scene requested;  ///< changed
         Json asked;
@@ -91,8 +96,8 @@ private:
     void begin();
     std::optional<Json> merge(Scene& scene, std::vector<Reply>& replies);
     void start(Scene requested, Json asked, bool undo, std::vector<Reply> replies);
-    void prepare(Job& job) const;
-    void prepare_or_explain(Job& job) const noexcept;
+    static void prepare(Job& job);
+    static void prepare_or_explain(Job& job) noexcept;
     void go_on();
     void offer();
     void conclude(std::int64_t sample);
@@ -103,7 +108,7 @@ private:
     SimulationSource& source_;
     std::deque<Request> waiting_;
     std::vector<Step> history_;
-    std::unique_ptr<Job> job_;
+    std::shared_ptr<Job> job_;
     std::mutex mutex_;  // of the epochs
     std::deque<EpochOfChange> epochs_;
 };

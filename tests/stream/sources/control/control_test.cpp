@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -106,6 +107,15 @@ TEST(SceneControl, ChangesTakeEffectAtOnceWhereBurstsDoNotRepeat) {
         EXPECT_LE(sample, stream.source.next_sample() + 2);
         last = sample;
     }
+}
+
+TEST(SceneControl, EndsWhileAChangeIsPrepared) {  // the pilots of this one may go on for a while
+    auto stream = std::make_unique<Controlled>();
+    stream->control.take({{"set", {{"numerics.integrator", "leapfrog"}, {"numerics.accuracy", 1e-9}}}},
+                         [](const Json& reply) { FAIL() << reply; });
+    stream->control.turn();
+    ASSERT_TRUE(stream->control.busy());
+    stream.reset();
 }
 
 TEST(SceneControl, WhatIsNoDriveBeginsAnewAtStaticEquilibrium) {
