@@ -1,7 +1,5 @@
 // hertzline stream: simulates a scene in step with the clock and publishes it.
 
-#include <chrono>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,16 +15,13 @@
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/commands/stream/live_control.hpp"
+#include "apps/commands/stream/stream_session.hpp"
 #include "apps/console/signals.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 #include "stream/measures/scene_report.hpp"
-#include "stream/provenance.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/row_builder.hpp"
 #include "stream/resources.hpp"
-#include "stream/sources/estimate_watch.hpp"
 #include "stream/sources/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -88,65 +83,72 @@ void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
     }
 }
 
-/// What meta and recordings say of the samples.
-Json about(const ResolvedScene& resolved, const std::string& run) {
-    return stream::provenance_json(
-        {resolved.scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), run});
-}
-
-/// What meta says once the error has been estimated again.
-Json estimate_of(const stream::EstimateWatch& watch) {
-    Json changed = Json::object();
-    stream::add_estimate(changed, watch.estimate());
-    return changed;
-}
-
-/// The scene whose samples are being sent, and the estimate of its error.
-struct SceneNow {
-    explicit SceneNow(ResolvedScene is) : resolved(std::move(is)), estimate(resolved) {}
-    ResolvedScene resolved;
-    stream::EstimateWatch estimate;
-};
-
-Exit stream(const StreamArguments& arguments) {
-    Faults faults;
+/// What the arguments ask for.
+struct CheckedArguments {
     std::optional<stream::CurveServer> curve;
     std::optional<stream::CurveServer> control_curve;
     ResolvedScene resolved;
     TapSet recorded;
+};
+
+/// @throws WrongUse with every fault
+CheckedArguments checked(const StreamArguments& arguments) {
+    Faults faults;
+    CheckedArguments result;
     faults.of([&] { refuse_wrong_files(arguments.recordings); });
-    faults.of([&] { curve = checked_curve(arguments.publish); });
+    faults.of([&] { result.curve = checked_curve(arguments.publish); });
     faults.of([&] { refuse_wrong_scope(arguments.scope, arguments.publish.curve); });
-    faults.of([&] { control_curve = checked_control(arguments.control, arguments.publish.curve); });
+    faults.of([&] { result.control_curve = checked_control(arguments.control, arguments.publish.curve); });
     faults.of([&] { refuse_wrong_columns(arguments); });
     faults.of([&] { refuse_wrong_wav_scale(arguments.wav_scale, arguments.recordings); });
     std::optional<End> end;  // unset: the scene has faults
     faults.of([&] {
-        resolved = resolved_scene(arguments.scene, Lasting::endless);
-        end = resolved.scene.end;
+        result.resolved = resolved_scene(arguments.scene, Lasting::endless);
+        end = result.resolved.scene.end;
     });
-    faults.of([&] { recorded = taps_to_record(arguments, end ? &*end : nullptr); });
+    faults.of([&] { result.recorded = taps_to_record(arguments, end ? &*end : nullptr); });
     faults.refuse();
-    const Scene& scene = resolved.scene;
+    return result;
+}
+
+void warn_of_contacts(const StreamArguments& arguments, const Scene& scene) {
     for (const std::string& text :
          stream::contact_warnings(scene, stream::peak_overlaps(scene, stream::first_burst_s(scene)))) {
         spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
     }
+}
+
+std::unique_ptr<LiveControl> control_of(const StreamArguments& arguments, const CheckedArguments& checked,
+                                        stream::SimulationSource& source) {
+    if (arguments.control.endpoint.empty()) {
+        return nullptr;
+    }
+    auto control =
+        std::make_unique<LiveControl>(arguments.control, checked.control_curve,
+                                      parsed_scene(arguments.scene).scene, checked.resolved.scene, source);
+    spdlog::info("control {}", control->endpoint());
+    return control;
+}
+
+Exit stream(const StreamArguments& arguments) {
+    const CheckedArguments asked = checked(arguments);
+    const Scene& scene = asked.resolved.scene;
+    warn_of_contacts(arguments, scene);
     const double rate = scene.output.sample_rate_hz;
     stream::StreamOptions options =
         stream_options(arguments.publish, rate,
                        arguments.recordings.empty() ? stream::OnOverrun::drop : stream::OnOverrun::wait);
-    options.about = about(resolved, options.run);
+    options.about = provenance_of_stream(asked.resolved, options.run);
     const stream::PublisherOptions publishing =
-        publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), curve);
-    refuse_shortages(arguments, scene, options, publishing, recorded);
+        publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), asked.curve);
+    refuse_shortages(arguments, scene, options, publishing, asked.recorded);
     stop_asked();  // from here on there are files to be cleaned up
-    stream::SimulationSource source(scene, recorded);
+    stream::SimulationSource source(scene, asked.recorded);
     stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
     stream::RecordingSet recordings(
         arguments.recordings,
-        {.columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
+        {.columns = stream::recorded_columns(asked.recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
          .provenance = options.about,
          .full_scale = arguments.wav_scale.value_or(1)},
@@ -156,68 +158,16 @@ Exit stream(const StreamArguments& arguments) {
             line.clear();
             spdlog::error("{}; the stream continues", text);
         });
-    stream::RowBuilder row_builder(recordings, recorded);
+    stream::RowBuilder row_builder(recordings, asked.recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
-    auto now = std::make_unique<SceneNow>(resolved);
-    const auto warn = [&](const std::string& text) {
-        line.clear();
-        spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
-    };
-    const auto told = [&](const stream::EstimateWatch::News& news) {
-        if (!news.warning.empty()) {
-            warn(news.warning);
-        }
-        return news.estimated_again ? estimate_of(now->estimate) : Json::object();
-    };
-    std::unique_ptr<LiveControl> control;
-    if (!arguments.control.endpoint.empty()) {
-        control = std::make_unique<LiveControl>(arguments.control, control_curve,
-                                                parsed_scene(arguments.scene).scene, scene, source);
-        spdlog::info("control {}", control->endpoint());
-    }
+    const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source);
     const std::unique_ptr<ScopeChild> scope =
         scope_beside(arguments.scope, local_endpoint(publisher.endpoint()),
                      control ? local_endpoint(control->endpoint()) : std::string());
-    const auto epoch_begins = [&](const Epoch& epoch) {
-        for (stream::EpochOfChange& begun : control->begin(epoch)) {
-            recordings.note_change(stream::change_json(begun.change));
-            line.clear();
-            spdlog::info("{}", change_text(begun.change));
-            for (const std::string& text : begun.warnings) {
-                warn(text);
-            }
-            now = std::make_unique<SceneNow>(std::move(begun.resolved));
-        }
-        Json changed = about(now->resolved, options.run);
-        changed["start_time"] = options.about["start_time"];
-        control->add_to(changed);
-        return changed;
-    };
-    const auto add_to_summary = [&](Json& summary, const stream::StreamMeters& meters) {
-        // Before subscribers receive the end, recordings are complete or known not to be.
-        recordings.commit();
-        for (const std::string& text : recordings.warnings()) {
-            line.clear();
-            spdlog::warn(text);
-        }
-        told(now->estimate.finish(meters.motion));
-        const Scene& last = now->resolved.scene;
-        summary["recordings"] = stream::recordings_json(recordings);
-        summary["steps"] = meters.account.steps;
-        summary["step_s"] = *last.numerics.step_s;
-        summary["integrator"] = word(*last.numerics.integrator);
-        stream::add_estimate(summary, now->estimate.estimate());
-        summary["scene_hash"] = scene_hash(last);
-        summary["version"] = stream::program_version();
-    };
-    std::function<Json(const MotionExtent&)>
-        watch;  // unset where it could say nothing: looking costs a pass over the chain
-    if (now->estimate.watching() || control) {
-        watch = [&](const MotionExtent& motion) { return told(now->estimate.look(motion)); };
-    }
+    StreamSession session(arguments.scene.scene, asked.resolved, options.about, recordings, line,
+                          control.get());
     try {
-        publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
-                           {add_to_summary, watch, control ? EpochBegins(epoch_begins) : nullptr});
+        publish_to_the_end(pipeline, publisher, line, arguments.publish.format, session.callbacks());
     } catch (...) {
         recordings.commit();  // what was streamed until then is whole
         throw;

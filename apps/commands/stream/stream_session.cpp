@@ -1,0 +1,96 @@
+#include "apps/commands/stream/stream_session.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
+#include "stream/provenance.hpp"
+
+namespace hertzline::app {
+
+Json provenance_of_stream(const ResolvedScene& resolved, const std::string& run) {
+    return stream::provenance_json(
+        {resolved.scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), run});
+}
+
+StreamSession::StreamSession(const std::string& name, ResolvedScene resolved, Json about,
+                             stream::RecordingSet& recordings, ProgressLine& line, LiveControl* control)
+    : name_(printable(name)),
+      now_(std::make_unique<SceneNow>(std::move(resolved))),
+      about_(std::move(about)),
+      recordings_(recordings),
+      line_(line),
+      control_(control) {}
+
+void StreamSession::warn(const std::string& text) {
+    line_.clear();
+    spdlog::warn("{}: {}", name_, text);
+}
+
+/// What meta says once the error has been estimated again.
+Json StreamSession::told(const stream::EstimateWatch::News& news) {
+    if (!news.warning.empty()) {
+        warn(news.warning);
+    }
+    Json changed = Json::object();
+    if (news.estimated_again) {
+        stream::add_estimate(changed, now_->estimate.estimate());
+    }
+    return changed;
+}
+
+/// What meta says of a changed scene.
+Json StreamSession::begin(const Epoch& epoch) {
+    for (stream::EpochOfChange& begun : control_->begin(epoch)) {
+        recordings_.note_change(stream::change_json(begun.change));
+        line_.clear();
+        spdlog::info("{}", change_text(begun.change));
+        for (const std::string& text : begun.warnings) {
+            warn(text);
+        }
+        now_ = std::make_unique<SceneNow>(std::move(begun.resolved));
+    }
+    Json changed = provenance_of_stream(now_->resolved, about_["run"]);
+    changed["start_time"] = about_["start_time"];
+    control_->add_to(changed);
+    return changed;
+}
+
+void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
+    // Before subscribers receive the end, recordings are complete or known not to be.
+    recordings_.commit();
+    for (const std::string& text : recordings_.warnings()) {
+        line_.clear();
+        spdlog::warn(text);
+    }
+    told(now_->estimate.finish(meters.motion));
+    const Scene& last = now_->resolved.scene;
+    summary["recordings"] = stream::recordings_json(recordings_);
+    summary["steps"] = meters.account.steps;
+    summary["step_s"] = *last.numerics.step_s;
+    summary["integrator"] = word(*last.numerics.integrator);
+    stream::add_estimate(summary, now_->estimate.estimate());
+    summary["scene_hash"] = scene_hash(last);
+    summary["version"] = stream::program_version();
+}
+
+PublishedSource StreamSession::callbacks() {
+    PublishedSource source;
+    source.add_to_summary = [this](Json& summary, const stream::StreamMeters& meters) {
+        add_to(summary, meters);
+    };
+    // unset where it could say nothing: looking costs a pass over the chain
+    if (now_->estimate.watching() || control_ != nullptr) {
+        source.watch = [this](const MotionExtent& motion) { return told(now_->estimate.look(motion)); };
+    }
+    if (control_ != nullptr) {
+        source.epoch_begins = [this](const Epoch& epoch) { return begin(epoch); };
+    }
+    return source;
+}
+
+}  // namespace hertzline::app

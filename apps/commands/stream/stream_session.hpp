@@ -1,0 +1,51 @@
+#pragma once
+// What a stream says while it runs: of its scene, how far to trust the samples, and what has changed.
+
+#include <memory>
+#include <string>
+
+#include "apps/commands/publish_session.hpp"
+#include "apps/commands/stream/live_control.hpp"
+#include "apps/console/progress.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/recordings/recording_set.hpp"
+#include "stream/sources/estimate_watch.hpp"
+
+namespace hertzline::app {
+
+/// Provenance of a run that begins now.
+Json provenance_of_stream(const ResolvedScene& resolved, const std::string& run);
+
+/// For the sending thread. What it is made of outlives it.
+class StreamSession {
+public:
+    /// @param name the scene's, as the user gave it @param about provenance_of_stream() of the first scene
+    /// @param control null: nobody controls
+    StreamSession(const std::string& name, ResolvedScene resolved, Json about,
+                  stream::RecordingSet& recordings, ProgressLine& line, LiveControl* control);
+
+    /// Sees to all of it.
+    PublishedSource callbacks();
+
+private:
+    /// The scene whose samples are being sent, and the estimate of its error.
+    struct SceneNow {
+        explicit SceneNow(ResolvedScene is) : resolved(std::move(is)), estimate(resolved) {}
+        ResolvedScene resolved;
+        stream::EstimateWatch estimate;
+    };
+
+    void warn(const std::string& text);
+    Json told(const stream::EstimateWatch::News& news);
+    Json begin(const Epoch& epoch);
+    void add_to(Json& summary, const stream::StreamMeters& meters);
+
+    std::string name_;
+    std::unique_ptr<SceneNow> now_;
+    Json about_;
+    stream::RecordingSet& recordings_;
+    ProgressLine& line_;
+    LiveControl* control_;
+};
+
+}  // namespace hertzline::app
