@@ -82,7 +82,8 @@ std::int64_t SimulationSource::samples_to_change() noexcept {
     if (!next_) {
         take_up();
     }
-    if (next_ && next_sample() == change_at_) {  // at once, where the motion has not gone beyond the next sample
+    if (next_ &&
+        next_sample() == change_at_) {  // at once, where the motion has not gone beyond the next sample
         change();
     }
     return next_ ? std::max<std::int64_t>(1, change_at_ - next_sample())
