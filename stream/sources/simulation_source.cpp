@@ -55,7 +55,7 @@ void SimulationSource::take_up() noexcept {
     next_.reset(hand_over_.accept());
     if (next_) {
         // not at sample 0, so that every run has a beginning that its first scene describes
-        const std::int64_t first = std::max<std::int64_t>({1, next_sample(), now().first_open_sample()});
+        const auto first = std::max<std::int64_t>({1, next_sample(), now().first_open_sample()});
         change_at_ = change_at(epoch_, format_.sample_rate_hz, first);
         if (next_->goes_on) {
             current_->simulation.end_at(change_at_);
