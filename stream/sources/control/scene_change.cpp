@@ -217,7 +217,7 @@ Json change_json(const SceneChange& change) {
 tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list) {
     if (!list.is_array()) {
         return tl::unexpected(
-            std::string("found no list, allowed: [{\"sample\": 20000, \"set\": {...}}, ...]"));
+            std::string(R"(found no list, allowed: [{"sample": 20000, "set": {...}}, ...])"));
     }
     std::vector<SceneChange> changes;
     for (const Json& entry : list) {
@@ -225,7 +225,7 @@ tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list)
             return tl::unexpected(fmt::format("change {}: {}", changes.size() + 1, what));
         };
         if (!entry.is_object()) {
-            return wrong("found no object, allowed: {\"sample\": 20000, \"set\": {...}}");
+            return wrong(R"(found no object, allowed: {"sample": 20000, "set": {...}})");
         }
         SceneChange change;
         change.sample = whole_in(entry, "sample");

@@ -116,7 +116,7 @@ std::optional<Json> SceneControl::merge(Scene& scene, std::vector<Reply>& replie
         const Request request = std::move(waiting_.front());
         waiting_.pop_front();
         auto changed = with_values(scene, request.set);
-        std::vector<Fault> faults = changed ? validate(*changed) : std::move(changed).error();
+        std::vector<Fault> faults = changed ? validate(*changed) : changed.error();
         if (faults.empty()) {
             faults = frame_faults(requested_, *changed);
         }
