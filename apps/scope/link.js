@@ -1,4 +1,4 @@
-// The line to the scope: pictures and states come, wishes go. Comes back by itself.
+// The line to the scope: pictures and states come, requests go. Comes back by itself.
 
 const HEAD = 64;
 const KINDS = {1: 'waveform', 2: 'spectrum', 3: 'chain'};
@@ -57,9 +57,9 @@ export class Link {
     this.events.text(text);
   }
 
-  say(wish) {
+  say(request) {
     if (this.socket.readyState === WebSocket.OPEN) {
-      this.socket.send(JSON.stringify(wish));
+      this.socket.send(JSON.stringify(request));
     }
   }
 }

@@ -16,12 +16,8 @@ void SeriesSolver::end_at(std::int64_t sample) noexcept {
 
 Status SeriesSolver::reach_last_moment() noexcept {
     while (difference(last_moment_, end_) >= sliver) {
-        if (options_.stop_asked()) {
-            return Status::stopped;
-        }
-        next_piece();
-        if (!(piece_.largest < 1e300) || stands_still()) {
-            return Status::unstable;
+        if (const Status status = take_piece(); status != Status::running) {
+            return status;
         }
     }
     plate_outputs_.leave_piece({begin_, end_});

@@ -257,6 +257,15 @@ bool SeriesSolver::stands_still() noexcept {
     return still;
 }
 
+/// The next piece, unless a stop is asked for. @returns what has become of the motion
+Status SeriesSolver::take_piece() noexcept {
+    if (options_.stop_asked()) {
+        return Status::stopped;
+    }
+    next_piece();
+    return !(piece_.largest < 1e300) || stands_still() ? Status::unstable : Status::running;
+}
+
 double SeriesSolver::energy_above_rest() noexcept {
     const ChainState& now = state();
     return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start +
@@ -301,13 +310,8 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
             next_sample_ += writer ? samples_.put(*writer, kernels_.samples, plate_outputs_, {begin_, end_},
                                                   next_sample_, available)
                                    : available;
-        } else if (options_.stop_asked()) {
-            return Status::stopped;
-        } else {
-            next_piece();
-            if (!(piece_.largest < 1e300) || stands_still()) {
-                return Status::unstable;
-            }
+        } else if (const Status status = take_piece(); status != Status::running) {
+            return status;
         }
     }
     return finite() ? Status::running : Status::unstable;

@@ -47,6 +47,7 @@ private:
     void lay_out(Eigen::Index active) noexcept;
     void follow_the_wave() noexcept;
     void next_piece() noexcept;
+    Status take_piece() noexcept;
     Status reach_last_moment() noexcept;
     void set_horn(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;

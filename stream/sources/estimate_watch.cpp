@@ -3,8 +3,8 @@
 #include <exception>
 
 #include <fmt/format.h>
-#include <pthread.h>
-#include <sys/resource.h>
+
+#include "stream/sources/background_thread.hpp"
 
 namespace hertzline::stream {
 
@@ -13,11 +13,7 @@ namespace {
 // The motion goes on while the error is estimated; reaching further at once also keeps the number of estimates small.
 constexpr double ahead = 2;
 
-/// Behind all that is in step with a clock. On Linux a priority is the calling thread's.
-void step_back() noexcept {
-    constexpr int least_priority = 19;
-    setpriority(PRIO_PROCESS, 0, least_priority);
-}
+constexpr int least_priority = 19;
 
 }  // namespace
 
@@ -40,8 +36,7 @@ void EstimateWatch::estimate_to(double time_s) {
     }
     ready_.store(false, std::memory_order_relaxed);
     thread_ = std::thread([this, time_s] {
-        pthread_setname_np(pthread_self(), estimating_thread_name);
-        step_back();
+        begin_background_thread(estimating_thread_name, least_priority);
         reached_ = longer_->reach(time_s);
         ready_.store(true, std::memory_order_release);
     });

@@ -1,32 +1,16 @@
 // How the page does beside a stream in real time: measure.mjs PROGRAM SECONDS. Prints one JSON object.
-import {spawn} from 'node:child_process';
 import {mkdtempSync, readFileSync, readdirSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
 import {browser, open} from './browser.mjs';
+import {startProgram} from './program.mjs';
 
 const [program, seconds] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'hertzline-scope-'));
 const TICKS = 100;  // a second, of the system's clock for processes
 
-function start(word, ...words) {
-  const process_ = spawn(program, words, {stdio: ['ignore', 'pipe', 'pipe']});
-  process_.out = '';
-  process_.stdout.on('data', (data) => { process_.out += data; });
-  process_.said = new Promise((resolve) => {
-    let text = '';
-    process_.stderr.on('data', (data) => {
-      text += data;
-      const line = text.split('\n').slice(0, -1).find((one) => one.includes(`${word} `));
-      if (line) {
-        resolve(line.trim().split(' ').at(-1));
-      }
-    });
-  });
-  process_.over = new Promise((resolve) => { process_.on('exit', resolve); });
-  return process_;
-}
+const start = (word, ...words) => startProgram(program, word, ...words);
 
 const fieldsOf = (pid) => { const text = readFileSync(`/proc/${pid}/stat`, 'utf8'); return text.slice(text.lastIndexOf(')') + 2).split(' '); };
 

@@ -68,8 +68,8 @@ class PageSocket:
         mask = os.urandom(4)
         self.socket.sendall(bytes([128 | opcode]) + length + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(payload)))
 
-    def say(self, wish):
-        self.send_frame(1, json.dumps(wish).encode())
+    def say(self, request):
+        self.send_frame(1, json.dumps(request).encode())
 
     def receive(self):
         """A picture, or the object of a text. Answers turns and pings."""

@@ -1,9 +1,10 @@
 // The page in a real browser: page_test.mjs PROGRAM FOLDER. Ends with a line for each promise that holds.
 import assert from 'node:assert/strict';
-import {execFileSync, spawn} from 'node:child_process';
+import {execFileSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
 
 import {browser, open} from './browser.mjs';
+import {startProgram} from './program.mjs';
 
 const [program, folder] = process.argv.slice(2);
 const endpoint = `ipc://${folder}/stream`;
@@ -13,21 +14,9 @@ const RATE = 1e7;
 
 const running = new Set();
 function start(word, ...words) {
-  const process_ = spawn(program, words, {stdio: ['ignore', 'ignore', 'pipe']});
+  const process_ = startProgram(program, word, ...words);
   running.add(process_);
   process_.on('exit', () => running.delete(process_));
-  process_.said = new Promise((resolve, reject) => {
-    let text = '';
-    process_.stderr.on('data', (data) => {
-      text += data;
-      const line = text.split('\n').slice(0, -1).find((one) => one.includes(`${word} `));
-      if (line) {
-        resolve(line.trim().split(' ').at(-1));
-      }
-    });
-    process_.on('exit', () => reject(new Error(text)));
-  });
-  process_.said.catch(() => {});
   return process_;
 }
 const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05', '--control', control,

@@ -110,8 +110,8 @@ def pictures_hold_every_sample(stand):
 
 def triggers_are_where_they_say(stand):
     with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
-        wish = {"trigger": "level", "level": 0.2, "hold_off_s": 5e-4, "span_s": 4e-4, "from_s": -1e-5}
-        page.say({"view": wish})
+        view = {"trigger": "level", "level": 0.2, "hold_off_s": 5e-4, "span_s": 4e-4, "from_s": -1e-5}
+        page.say({"view": view})
         page.picture(condition=lambda p: p.samples == 4000 and not p.flags & UNTRIGGERED)
         for _ in range(5):  # the first may lie within a burst; from then on the first crossing of each
             picture = page.picture()
@@ -120,11 +120,11 @@ def triggers_are_where_they_say(stand):
         burst = picture.trigger // PERIOD * PERIOD
         assert not (samples[burst:picture.trigger] >= np.float32(0.2)).any(), "not the burst's first crossing"
         stand.check(picture, samples)
-        page.say({"view": wish | {"slope": "falling", "level": -0.1}})
+        page.say({"view": view | {"slope": "falling", "level": -0.1}})
         picture = page.picture(condition=lambda p: p.trigger > picture.trigger + 10 * PERIOD)
         samples = stand.samples(picture.first + picture.samples)
         assert samples[picture.trigger] <= np.float32(-0.1) < samples[picture.trigger - 1]
-        page.say({"view": wish | {"level": 1e6}})  # never
+        page.say({"view": view | {"level": 1e6}})  # never
         page.picture(condition=lambda p: p.flags & UNTRIGGERED)
 
 

@@ -1,33 +1,18 @@
 // Pictures of the page for the documents: screenshots.mjs PROGRAM FOLDER [--pace X]. See scripts/scope_pictures.sh.
-import {spawn} from 'node:child_process';
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
 
 import {browser, open} from './browser.mjs';
+import {startProgram} from './program.mjs';
 
 const [program, out, ...paceOf] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), 'hertzline-scope-'));
 const endpoint = `ipc://${folder}/stream`;
 const control = `ipc://${folder}/control`;
 
-function start(...words) {
-  const process_ = spawn(program, words, {stdio: ['ignore', 'ignore', 'pipe']});
-  process_.said = new Promise((resolve) => {
-    let text = '';
-    process_.stderr.on('data', (data) => {
-      text += data;
-      const line = text.split('\n').find((one) => one.includes('http://') && one.endsWith('/'));
-      if (line) {
-        resolve(line.trim().split(' ').at(-1));
-      }
-    });
-  });
-  return process_;
-}
-
-const stream = start('stream', 'paper-stream', '--bind', endpoint, '--control', control, ...paceOf);
-const scope = start('scope', '--connect', endpoint, '--http', '127.0.0.1:0', '--control', control);
+const stream = startProgram(program, 'endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--control', control, ...paceOf);
+const scope = startProgram(program, 'scope', 'scope', '--connect', endpoint, '--http', '127.0.0.1:0', '--control', control);
 const chromium = await browser();
 try {
   const url = await scope.said;

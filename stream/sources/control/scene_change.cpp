@@ -125,12 +125,12 @@ tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& val
     return scene;
 }
 
-Json values_before(const Scene& scene, const Json& values) {
-    Json before = Json::object();
+Json values_of_keys(const Scene& scene, const Json& values) {
+    Json found = Json::object();
     for (const auto& entry : values.items()) {
-        before[entry.key()] = json_of(value_of(scene, entry.key()));
+        found[entry.key()] = json_of(value_of(scene, entry.key()));
     }
-    return before;
+    return found;
 }
 
 tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
@@ -195,7 +195,7 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
 }
 
 Json values_of_change(const Scene& to, const Json& asked) {
-    Json set = values_before(to, asked);
+    Json set = values_of_keys(to, asked);
     for (const char* key : {"numerics.integrator", "numerics.step_s", "numerics.accuracy"}) {
         set[key] = json_of(value_of(to, key));
     }

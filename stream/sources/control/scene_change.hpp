@@ -20,8 +20,8 @@ namespace hertzline::stream {
 /// @param values an object: keys, "drive.amplitude_m", and their values as numbers and texts; null takes an optional value back
 tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const nlohmann::ordered_json& values);
 
-/// The present values of the keys in `values`; null where the scene has none.
-nlohmann::ordered_json values_before(const Scene& scene, const nlohmann::ordered_json& values);
+/// A scene's values of the keys in `values`; null where it has none.
+nlohmann::ordered_json values_of_keys(const Scene& scene, const nlohmann::ordered_json& values);
 
 /// What there is to know of keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has
 tl::expected<nlohmann::ordered_json, std::vector<Fault>> described_values(

@@ -5,12 +5,10 @@
 #include <exception>
 #include <utility>
 
-#include <pthread.h>
-#include <sys/resource.h>
-
 #include "core/scene/scene_toml.hpp"
 #include "stream/measures/scene_report.hpp"
 #include "stream/resources.hpp"
+#include "stream/sources/background_thread.hpp"
 
 namespace hertzline::stream {
 
@@ -22,11 +20,7 @@ Json fault_json(std::string key, std::string found, std::string allowed) {
     return faults_json({{std::move(key), std::move(found), std::move(allowed)}});
 }
 
-/// Behind the threads that keep step with the clock. On Linux a priority is the calling thread's.
-void step_back() noexcept {
-    constexpr int low_priority = 5;
-    setpriority(PRIO_PROCESS, 0, low_priority);
-}
+constexpr int low_priority = 5;
 
 // How long the end of a stream waits for pilots.
 constexpr std::chrono::milliseconds between_glances{10};
@@ -160,8 +154,7 @@ void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Rep
     job_->undo = undo;
     job_->replies = std::move(replies);
     job_->thread = std::thread([job = job_] {
-        pthread_setname_np(pthread_self(), preparing_thread_name);
-        step_back();
+        begin_background_thread(preparing_thread_name, low_priority);
         prepare_or_explain(*job);
         job->ready.store(true, std::memory_order_release);
     });
@@ -252,7 +245,7 @@ void SceneControl::conclude(std::int64_t sample) {
     if (job_->undo) {
         history_.pop_back();
     } else {
-        history_.push_back({requested_, values_before(requested_, job_->asked)});
+        history_.push_back({requested_, values_of_keys(requested_, job_->asked)});
         if (history_.size() > most_undone) {
             history_.erase(history_.begin());
         }

@@ -114,47 +114,48 @@ void ScopeSession::take(const PageEvent& event) {
     if (event.kind == PageEvent::Kind::ready) {
         page->second.note_ready();
     } else if (event.kind == PageEvent::Kind::said) {
-        take_wish(event.page, page->second, event.text);
+        take_request(event.page, page->second, event.text);
     }
 }
 
-void ScopeSession::take_wish(PageId id, ScopePage& page, const std::string& text) {
-    const Json wish = parsed(text);
-    if (!wish.is_object()) {
+void ScopeSession::take_request(PageId id, ScopePage& page, const std::string& text) {
+    const Json request = parsed(text);
+    if (!request.is_object()) {
         page.reply({{"error", "not a JSON object"}});
         return;
     }
-    if (wish.contains("view")) {
-        if (const auto request = stream::view_request(wish["view"])) {
-            page.ask(*request);
+    if (request.contains("view")) {
+        if (const auto view = stream::view_request(request["view"])) {
+            page.ask(*view);
         } else {
-            page.reply({{"error", request.error()}});
+            page.reply({{"error", view.error()}});
         }
-    } else if (wish.contains("set") || wish.contains("undo")) {
+    } else if (request.contains("set") || request.contains("undo")) {
         if (control_) {
-            const char* what = wish.contains("set") ? "set" : "undo";
-            control_->ask({{what, wish[what]}}, id);
+            const char* what = request.contains("set") ? "set" : "undo";
+            control_->ask({{what, request[what]}}, id);
         } else {
-            page.reply({{"to", wish}, {"answer", fault_answer("this scope was started without --control")}});
+            page.reply(
+                {{"to", request}, {"answer", fault_answer("this scope was started without --control")}});
         }
-    } else if (wish.contains("scene")) {
+    } else if (request.contains("scene")) {
         const auto scene = scene_text(hearing_.meta());
         page.reply({{"scene_toml", scene ? Json(*scene) : Json(nullptr)}});
-    } else if (wish.contains("record")) {
-        take_wish_of_recording(page, wish["record"]);
+    } else if (request.contains("record")) {
+        take_recording_request(page, request["record"]);
     } else {
         page.reply({{"error", "allowed: view, set, undo, scene, record"}});
     }
 }
 
-void ScopeSession::take_wish_of_recording(ScopePage& page, const Json& wish) {
-    if (wish.is_null()) {
+void ScopeSession::take_recording_request(ScopePage& page, const Json& request) {
+    if (request.is_null()) {
         recorder_.end();
         return;
     }
     const auto text = [&](const char* key) {
-        const bool there = wish.is_object() && wish.contains(key) && wish[key].is_string();
-        return there ? wish[key].get<std::string>() : std::string();
+        const bool there = request.is_object() && request.contains(key) && request[key].is_string();
+        return there ? request[key].get<std::string>() : std::string();
     };
     const auto tap = stream::find_tap(text("stream"), streamed_taps & stream::measurable_taps);
     const std::string fault = tap ? recorder_.begin(*tap, text("ending")) : "stream: " + tap.error();

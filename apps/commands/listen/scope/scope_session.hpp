@@ -1,5 +1,5 @@
 #pragma once
-// The scope at work: hears a stream, makes turns for the pages that are open, and passes their wishes on.
+// The scope at work: hears a stream, makes turns for the pages that are open, and passes their requests on.
 
 #include <filesystem>
 #include <map>
@@ -44,8 +44,8 @@ private:
 
     void take_frame(stream::ReceivedRun& run, const stream::ReceivedFrame& frame);
     void take(const PageEvent& event);
-    void take_wish(PageId id, ScopePage& page, const std::string& text);
-    void take_wish_of_recording(ScopePage& page, const Json& wish);
+    void take_request(PageId id, ScopePage& page, const std::string& text);
+    void take_recording_request(ScopePage& page, const Json& request);
     void take_answers(double now_s);
     void listen_to_what_is_wanted(double now_s);
     void advance_chain(double now_s);
