@@ -69,7 +69,7 @@ def main():
     for program in arguments.programs:
         cycles, symbols = loader(program)
         shares = objects([program, "--version"])
-        parts = {"loader": "ld-linux", "libhwy": "libhwy", "libstdc++": "libstdc++", "hertzline": "hertzline"}
+        parts = {"loader": "ld-linux", "libstdc++": "libstdc++", "hertzline": "hertzline"}
         split = {part: sum(s for name, s in shares.items() if name.startswith(prefix)) for part, prefix in parts.items()}
         print(f"{program}: {libraries(program)} libraries, {symbols} symbols looked up, {cycles / 1e6:.1f} million cycles in the loader")
         print("  --version: " + ", ".join(f"{part} {share:.0%}" for part, share in split.items()))

@@ -12,6 +12,7 @@
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/leapfrog/leapfrog-inl.hpp"
 #include "core/integrators/leapfrog/leapfrog_sweep-inl.hpp"
+#include "core/integrators/simd/dispatch.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -78,25 +79,25 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace hertzline::kernels {
 
-HWY_EXPORT(pick);
-HWY_EXPORT(pick_with_plate);
-HWY_EXPORT(vector_lanes);
-HWY_EXPORT(target);
+HERTZLINE_EXPORT(pick);
+HERTZLINE_EXPORT(pick_with_plate);
+HERTZLINE_EXPORT(vector_lanes);
+HERTZLINE_EXPORT(target);
 
 Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
-    return HWY_DYNAMIC_DISPATCH(pick)(integrator, rows);
+    return HERTZLINE_DISPATCH(pick)(integrator, rows);
 }
 
 Kernel plate_kernel(Integrator integrator) noexcept {
-    return HWY_DYNAMIC_DISPATCH(pick_with_plate)(integrator);
+    return HERTZLINE_DISPATCH(pick_with_plate)(integrator);
 }
 
 std::size_t kernel_lanes() noexcept {
-    return HWY_DYNAMIC_DISPATCH(vector_lanes)();
+    return HERTZLINE_DISPATCH(vector_lanes)();
 }
 
 const char* kernel_target() noexcept {
-    return HWY_DYNAMIC_DISPATCH(target)();
+    return HERTZLINE_DISPATCH(target)();
 }
 
 }  // namespace hertzline::kernels

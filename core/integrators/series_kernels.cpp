@@ -8,6 +8,7 @@
 // after foreach_target
 #include <hwy/highway.h>
 
+#include "core/integrators/simd/dispatch.hpp"
 #include "core/integrators/taylor/taylor-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -73,6 +74,54 @@ void sample_body(const SeriesPiece& piece, std::size_t slot, bool velocities, Sa
     }
 }
 
+/// Values of the polynomials of a vector of slots, times a factor: at each sample a vector, `stride` behind the one before.
+template <std::size_t Terms>
+HWY_INLINE void sample_vector(const std::array<Vec, Terms>& terms, double factor, const SampleTimes& times,
+                              std::size_t count, double* out, std::size_t stride) {
+    const Doubles d;
+    constexpr std::size_t together =
+        hn::MaxLanes(d) >= 8 ? 8 : 4;  // hide each other's latency; registers hold them
+    for (std::size_t i = 0; i < count; i += together) {
+        std::array<Vec, together> z;
+        std::array<Vec, together> sums;
+        for (std::size_t j = 0; j < together; ++j) {
+            const double number = times.first_after_base + static_cast<double>(i + j);
+            z[j] = hn::Set(d, (number - times.fraction) * times.per_sample);
+            sums[j] = terms[Terms - 1];
+        }
+        for (std::size_t n = Terms - 1; n-- > 0;) {
+            for (std::size_t j = 0; j < together; ++j) {
+                sums[j] = hn::MulAdd(sums[j], z[j], terms[n]);
+            }
+        }
+        for (std::size_t j = 0; j < std::min(together, count - i); ++j) {
+            hn::StoreU(hn::Mul(hn::Set(d, factor), sums[j]), d, out + (i + j) * stride);
+        }
+    }
+}
+
+/// The same bits as sample_body(), of all slots.
+template <int Degree>
+void sample_slots(const SeriesPiece& piece, std::size_t slots, bool velocities, SampleTimes times,
+                  std::size_t count, double* out) {
+    const Doubles d;
+    for (std::size_t slot = 0; slot < slots; slot += hn::Lanes(d)) {
+        if (velocities) {
+            std::array<Vec, Degree> slope;
+            for (int n = 1; n <= Degree; ++n) {
+                slope[n - 1] = hn::Mul(hn::Set(d, n), hn::Load(d, piece.displacement(n) + slot));
+            }
+            sample_vector(slope, piece.per_unit, times, count, out + slot, slots);
+        } else {
+            std::array<Vec, Degree + 1> terms;
+            for (int n = 0; n <= Degree; ++n) {
+                terms[n] = hn::Load(d, piece.displacement(n) + slot);
+            }
+            sample_vector(terms, 1, times, count, out + slot, slots);
+        }
+    }
+}
+
 /// A polynomial of no more terms than a body's velocity has.
 template <int Degree>
 void sample_velocity(const std::array<double, most_series_terms>& terms, SampleTimes times, std::size_t count,
@@ -87,7 +136,8 @@ SeriesKernels for_rows(std::size_t rows) {
     const auto piece = rows == 1   ? take_piece<1, Degree, Kind>
                        : rows == 2 ? take_piece<2, Degree, Kind>
                                    : take_piece<0, Degree, Kind>;
-    return {piece, sample_body<Degree>, sample_velocity<Degree>, add_moments, sum_of_products};
+    return {piece,       sample_body<Degree>, sample_slots<Degree>, sample_velocity<Degree>,
+            add_moments, sum_of_products};
 }
 
 /// Every series in the table of integrators has its kernels.
@@ -118,10 +168,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace hertzline::kernels {
 
-HWY_EXPORT(pick_series);
+HERTZLINE_EXPORT(pick_series);
 
 SeriesKernels series_kernels(Integrator integrator, std::size_t rows, DampingLaw law) noexcept {
-    return HWY_DYNAMIC_DISPATCH(pick_series)(integrator, rows, damping_of(law));
+    return HERTZLINE_DISPATCH(pick_series)(integrator, rows, damping_of(law));
 }
 
 }  // namespace hertzline::kernels

@@ -157,6 +157,10 @@ struct SampleTimes {
 using SampleKernel = void (*)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
                               std::size_t count, double* out, std::size_t stride);
 
+/// The same of all slots, [sample][slot].
+using SlotsKernel = void (*)(const SeriesPiece& piece, std::size_t slots, bool velocities, SampleTimes times,
+                             std::size_t count, double* out);
+
 /// A part of an interval over which the velocities of a plate's modes are integrated, in z of the present piece.
 struct PlateInterval {
     double from, to;
@@ -169,6 +173,7 @@ struct SeriesKernels {
     /// Expands the motion about the chain's state, chooses the piece's length, moves state and horn to its end.
     void (*piece)(SimdChain& chain, SeriesPiece& piece);
     SampleKernel samples;
+    SlotsKernel samples_of_slots;
     /// A polynomial, lowest term first, at `count` samples.
     void (*polynomial)(const std::array<double, most_series_terms>& terms, SampleTimes times,
                        std::size_t count, double* out);

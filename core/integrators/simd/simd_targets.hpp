@@ -5,3 +5,8 @@
 // (SVE, RVV) cannot be kept in arrays of registers, and have no operators.
 #define HWY_DISABLED_TARGETS \
     (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+
+// Highway's assertions would call libhwy, which is not linked (dispatch.hpp).
+#ifndef HWY_IS_DEBUG_BUILD
+#define HWY_IS_DEBUG_BUILD 0
+#endif

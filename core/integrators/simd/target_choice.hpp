@@ -1,11 +1,15 @@
 #pragma once
 // Which instruction sets kernels can use here, and which they do.
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace hertzline::kernels {
+
+/// Highway's bit of the target that kernels use.
+std::int64_t chosen_target() noexcept;
 
 /// The names that kernel_target() can have on this processor, the widest first.
 const std::vector<std::string>& kernel_targets();

@@ -5,12 +5,11 @@
 #include <array>
 #include <cmath>
 #include <random>
-#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
+#include "core/integrators/simd/target_choice.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
@@ -28,28 +27,11 @@ constexpr std::array<std::int64_t, 18> lengths{1,  2,  5,  6,  7,  13, 14, 15,  
 /// While it lives, only this target's kernels are used.
 class OnlyTarget {
 public:
-    explicit OnlyTarget(std::int64_t target) { hwy::SetSupportedTargetsForTest(target); }
-    ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
+    explicit OnlyTarget(const std::string& target) { kernels::pin_kernel_target(target); }
+    ~OnlyTarget() { kernels::pin_kernel_target(kernels::kernel_targets().front()); }
     OnlyTarget(const OnlyTarget&) = delete;
     OnlyTarget& operator=(const OnlyTarget&) = delete;
 };
-
-/// The targets for which there are kernels and which this machine can run.
-std::vector<std::int64_t> targets() {
-    const std::int64_t supported = hwy::SupportedTargets();
-    std::vector<std::int64_t> found;
-    std::set<std::string> names;
-    for (int bit = 0; bit < 63; ++bit) {
-        const std::int64_t target = std::int64_t{1} << bit;
-        if ((supported & target) != 0) {
-            const OnlyTarget only(target);  // those without kernels of their own use the baseline's
-            if (names.insert(kernels::kernel_target()).second) {
-                found.push_back(target);
-            }
-        }
-    }
-    return found;
-}
 
 Scene short_burst(Integrator integrator, std::int64_t spheres) {
     Scene scene = with_step(Scene{}, integrator, step_s);
@@ -104,7 +86,7 @@ TEST(Kernels, LeapfrogDoesWhatTheTextbookSaysOnEveryTargetForEveryLayout) {
     for (const std::int64_t spheres : lengths) {
         for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
             const std::vector<double> expected = textbook_velocities(scene);
-            for (const std::int64_t target : targets()) {
+            for (const std::string& target : kernels::kernel_targets()) {
                 const OnlyTarget only(target);
                 EXPECT_LE(difference(recorded(scene, steps + 1).chain_v, expected), 5e-14)
                     << kernels::kernel_target() << ", " << spheres << " spheres, " << variant;
@@ -125,7 +107,7 @@ TEST_P(LocatingKernels, DoTheSameOnEveryTargetForEveryLayout) {
             const std::vector<double> expected = recorded(scene, steps + 1).chain_v;
             // without preload all contacts ahead of the wave just touch, and which of them rounding opens differs
             const double bound = variant == "no preload" ? 5e-8 : 5e-14;
-            for (const std::int64_t target : targets()) {
+            for (const std::string& target : kernels::kernel_targets()) {
                 const OnlyTarget only(target);
                 EXPECT_LE(difference(recorded(scene, steps + 1).chain_v, expected), bound)
                     << kernels::kernel_target() << ", " << spheres << " spheres, " << variant;
@@ -193,7 +175,7 @@ TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
 
 TEST(Kernels, AMovingChainOfManyTilesComesToTheSameBitsHoweverItsStepsAreGrouped) {
     const Scene scene = short_burst(Integrator::leapfrog, 3000);
-    for (const std::int64_t target : targets()) {
+    for (const std::string& target : kernels::kernel_targets()) {
         const OnlyTarget only(target);
         BareChain together(scene);
         std::mt19937 random(1);
@@ -217,7 +199,7 @@ TEST(Kernels, AMovingChainOfManyTilesComesToTheSameBitsHoweverItsStepsAreGrouped
 TEST(Kernels, SkippingSpheresAtRestChangesNoBitOnAnyTarget) {
     for (const std::int64_t spheres : {16, 33, 64, 700}) {
         for (const auto& [variant, scene] : variants(Integrator::leapfrog, spheres)) {
-            for (const std::int64_t target : targets()) {
+            for (const std::string& target : kernels::kernel_targets()) {
                 const OnlyTarget only(target);
                 Simulation skipping(scene, {.taps = everything, .tracking = WavefrontTracking::on});
                 Simulation working(scene, {.taps = everything, .tracking = WavefrontTracking::off});

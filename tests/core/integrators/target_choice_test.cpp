@@ -1,7 +1,13 @@
 #include "core/integrators/simd/target_choice.hpp"
 
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include "core/integrators/kernels.hpp"
 
@@ -28,6 +34,20 @@ TEST(TargetChoice, IsTheWidestUntilAnotherIsPinned) {
     EXPECT_TRUE(pin_kernel_target(before.front()));
     EXPECT_EQ(kernel_target(), before.front());
 }
+
+#if HWY_ARCH_X86
+// The program does without Highway's library, which finds out the same.
+TEST(TargetChoice, IsAmongThoseThatHighwayFindsHere) {
+    void* const library = ::dlopen("libhwy.so.1", RTLD_NOW | RTLD_LOCAL);
+    ASSERT_NE(library, nullptr);
+    const auto supported =
+        reinterpret_cast<std::int64_t (*)()>(::dlsym(library, "_ZN3hwy16SupportedTargetsEv"));
+    ASSERT_NE(supported, nullptr);
+    for (const auto& [target, name] : {std::pair(HWY_AVX2, "AVX2"), std::pair(HWY_AVX3, "AVX3")}) {
+        EXPECT_EQ((supported() & target) != 0, std::ranges::count(kernel_targets(), name) == 1) << name;
+    }
+}
+#endif
 
 TEST(TargetChoice, KnowsNoOtherNames) {
     const std::string before = kernel_target();

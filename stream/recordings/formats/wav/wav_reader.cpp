@@ -57,6 +57,7 @@ class WavReader final : public RecordingReader {
 public:
     explicit WavReader(std::filesystem::path path) : path_(std::move(path)) {
         require_whole_wav(path_);
+        load_sndfile();
         SF_INFO info{};
         sound_.reset(sf_open(path_.c_str(), SFM_READ, &info));
         if (sound_ == nullptr) {

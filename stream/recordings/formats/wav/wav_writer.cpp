@@ -56,6 +56,7 @@ public:
     WavWriter(const std::filesystem::path& path, const RecordingHead& head)
         : CheckedWriter(path, as_float32(head)), output_{{path, StagedFile::Devices::refused}} {
         require_possible();
+        load_sndfile();
         SF_INFO info{};
         info.samplerate = static_cast<int>(head.sample_rate_hz);
         info.channels = static_cast<int>(head.columns.size());
