@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/solvers/sampler.hpp"
+#include "core/solvers/sampling/sampler.hpp"
 #include "core/step_choice/resolve.hpp"
 
 namespace hertzline {
@@ -55,6 +55,12 @@ void Simulation::reset() noexcept {
     solver_->reset();
     first_sample_ = 0;
     status_ = Status::running;
+}
+
+bool Simulation::can_hand_over(const Scene& scene) noexcept {
+    const bool modal = provides(scene.end, Requires::modal_plate);
+    return is_series(*scene.numerics.integrator) ||
+           (!modal && steps_per_sample(*scene.numerics.step_s, scene.output.sample_rate_hz) > 0);
 }
 
 Status Simulation::continue_from(Simulation& before, std::int64_t first) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
 // Taps: the outputs of a simulation. One row says all that the rest of the program must know of one: its name, unit, channels,
-// columns in files, and whether it is streamed. How it is computed stands in core/solvers/end_taps.cpp.
+// columns in files, and whether it is streamed. How it is computed stands in core/solvers/sampling/.
 
 #include <array>
 #include <bit>
@@ -24,10 +24,11 @@ enum class Tap : unsigned {
     v_centre,  ///< of a modal plate under the contact [m/s]
     v_face,    ///< of a modal plate's face, its mean [m/s]
     p_axis,    ///< pressure at the hydrophone on the axis of a modal plate [Pa]
+    f_chain,  ///< forces of all contacts, positive when they push [N], row-major [sample][contact], horn side first
 };
 
 /// How many channels a tap has.
-enum class Extent { one, per_sphere };
+enum class Extent { one, per_sphere, per_contact };
 
 /// What a scene must have for a tap to exist.
 enum class Requires { nothing, last_contact, lumped_plate, modal_plate };
@@ -128,6 +129,14 @@ inline constexpr std::array tap_rows{
            .recorded = Recorded::on_request,
            .streamed = true,
            .column = "f_last_n"},
+    TapRow{.tap = Tap::f_chain,
+           .name = "f_chain",
+           .unit = "N",
+           .extent = Extent::per_contact,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "f#_n"},
 };
 inline constexpr std::size_t tap_count = tap_rows.size();
 
@@ -150,9 +159,23 @@ constexpr std::optional<Tap> tap_named(std::string_view name) noexcept {
     return std::nullopt;
 }
 
-/// Numbers in one sample of the tap.
-constexpr std::size_t channels_of(Tap tap, std::size_t spheres) noexcept {
-    return row_of(tap).extent == Extent::per_sphere ? spheres : 1;
+/// Numbers in one sample of the tap. A chain has a contact before each sphere, and one with its end.
+template <class Number>
+constexpr Number channels_of(Tap tap, Number spheres) noexcept {
+    switch (row_of(tap).extent) {
+        case Extent::one:
+            return 1;
+        case Extent::per_sphere:
+            return spheres;
+        case Extent::per_contact:
+            return spheres + 1;
+    }
+    return 1;
+}
+
+/// The other way round: how many spheres a chain has whose tap has so many channels, at least 1.
+constexpr std::size_t spheres_of(Tap tap, std::size_t channels) noexcept {
+    return row_of(tap).extent == Extent::per_contact ? channels - 1 : channels;
 }
 
 /// A set of taps; a value of 32 bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of the enumeration.
@@ -199,7 +222,7 @@ static_assert(tap_count <= 32, "a TapSet has 32 bits");
 constexpr double channels_of(TapSet taps, double spheres) noexcept {
     double sum = 0;
     for (const Tap tap : taps) {
-        sum += row_of(tap).extent == Extent::per_sphere ? spheres : 1;
+        sum += channels_of(tap, spheres);
     }
     return sum;
 }
@@ -235,6 +258,9 @@ constexpr bool provides(const End& end, Requires required) noexcept {
 constexpr TapSet taps_of(const End& end) noexcept {
     return taps_where([&end](const TapRow& row) { return provides(end, row.required); });
 }
+
+/// Those that show the whole chain: a channel for each sphere or contact.
+inline constexpr TapSet chain_taps = taps_where([](const TapRow& row) { return row.extent != Extent::one; });
 
 /// The taps that can be streamed, of some scene.
 inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });

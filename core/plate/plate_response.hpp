@@ -13,7 +13,7 @@
 namespace hertzline {
 
 /// States y with y' = pole y + force, one of each conjugate pair. An output is 2 Re(sum of its residues times y). The pressure at the
-/// hydrophone follows from the modes' velocities (solvers/plate_outputs.hpp).
+/// hydrophone follows from the modes' velocities (solvers/sampling/plate_outputs.hpp).
 struct PlateResponse {
     PlateParameters parameters;
     std::vector<PlateMode> modes;

@@ -82,7 +82,8 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
                              : nullptr),
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
       plate_outputs_(chain, plate_.get(), piece_, integrator_, sample_period_s_, options.taps),
-      end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
+      end_taps_(chain, scene.drive, scene.output.sample_rate_hz),
+      contact_forces_(chain, end_taps_.horn()) {
     const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, overlaps);
     const double unit = *scene.numerics.step_s;
@@ -307,8 +308,8 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
         const std::int64_t beyond = std::min(end, end_.rounded_up());
         if (next_sample_ < beyond) {
             const std::int64_t available = beyond - next_sample_;
-            next_sample_ += writer ? samples_.put(*writer, kernels_.samples, plate_outputs_, {begin_, end_},
-                                                  next_sample_, available)
+            next_sample_ += writer ? samples_.put(*writer, kernels_, plate_outputs_, contact_forces_,
+                                                  {begin_, end_}, next_sample_, available)
                                    : available;
         } else if (const Status status = take_piece(); status != Status::running) {
             return status;

@@ -9,10 +9,10 @@
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
 #include "core/model/tone_burst.hpp"
-#include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
-#include "core/solvers/plate_outputs.hpp"
-#include "core/solvers/series_samples.hpp"
+#include "core/solvers/sampling/end_taps.hpp"
+#include "core/solvers/sampling/plate_outputs.hpp"
+#include "core/solvers/sampling/series_samples.hpp"
 #include "core/solvers/solver.hpp"
 
 namespace hertzline {
@@ -28,7 +28,6 @@ public:
         return asleep_ ? next_sample_ : end_.rounded_up();
     }
     void end_at(std::int64_t sample) noexcept override;
-    bool can_hand_over() const noexcept override { return true; }
     Status continue_from(Solver& before) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
@@ -82,6 +81,7 @@ private:
     SeriesSamples samples_;
     PlateOutputs plate_outputs_;
     EndTaps end_taps_;
+    ContactForces contact_forces_;
     std::int64_t next_sample_ = 0;
     Ledger ledger_;
 };

@@ -62,10 +62,8 @@ public:
     virtual std::int64_t first_open_sample() const noexcept = 0;
     /// No step or piece goes beyond the time of this sample, which is an open one. For continue_from().
     virtual void end_at(std::int64_t sample) noexcept = 0;
-    /// Whether continue_from() can take over the motion of a solver like this one.
-    virtual bool can_hand_over() const noexcept = 0;
     /// Its sample 0 becomes the moment at which another solver was to end, with the motion of that moment and the account of
-    /// energy. That solver is done with. Allocates nothing. @param before can_hand_over(), same integrator, equal chain, has given
+    /// energy. That solver is done with. Allocates nothing. @param before of a scene that Simulation::can_hand_over(), same integrator, equal chain, has given
     /// all samples before its end
     /// @returns what has become of the other one
     virtual Status continue_from(Solver& before) noexcept = 0;

@@ -9,8 +9,8 @@
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/tone_burst.hpp"
 #include "core/plate/plate_steps.hpp"
-#include "core/solvers/plate_samples.hpp"
-#include "core/solvers/sampler.hpp"
+#include "core/solvers/sampling/plate_samples.hpp"
+#include "core/solvers/sampling/sampler.hpp"
 #include "core/solvers/solver.hpp"
 
 namespace hertzline {
@@ -24,7 +24,6 @@ public:
     std::int64_t next_sample() const noexcept override { return sampler_.next_sample(); }
     std::int64_t first_open_sample() const noexcept override;
     void end_at(std::int64_t sample) noexcept override { last_sample_ = sample; }
-    bool can_hand_over() const noexcept override { return sampler_.grid() > 0 && plate_ == nullptr; }
     Status continue_from(Solver& before) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;

@@ -55,11 +55,13 @@ void Pilot::run_to(std::size_t samples) {
     while (stable_ && this->samples() < samples) {
         const std::size_t wanted = std::min(block_samples, samples - this->samples());
         stable_ = solver_->fill(block_, wanted, taps_) == Status::running;
+        const std::size_t before = velocities_.size();
+        velocities_.resize(before + block_.count * columns_);
+        auto out = velocities_.begin() + static_cast<std::ptrdiff_t>(before);
         for (std::size_t i = 0; i < block_.count; ++i) {
-            const auto row = block_[Tap::v_chain].subspan(i * spheres_, spheres_);
-            velocities_.insert(velocities_.end(), row.begin(), row.end());
+            out = std::ranges::copy(block_[Tap::v_chain].subspan(i * spheres_, spheres_), out).out;
             for (const PilotOutput& output : outputs_) {
-                velocities_.push_back(output.scale * block_[output.tap][i]);
+                *out++ = output.scale * block_[output.tap][i];
             }
         }
         event_rate_.note(static_cast<double>(solver_->next_sample()) / sample_rate_hz(),

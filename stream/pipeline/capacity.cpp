@@ -21,7 +21,7 @@ double block_bytes(const StreamFormat& format, TapSet taps) noexcept {
 }
 
 TapSet small_taps(const StreamFormat& format) noexcept {
-    return format.taps - format.chain_taps();
+    return format.taps - format.of_chain();
 }
 
 /// Not rounded to a whole number: the estimate of the memory is given in this.
@@ -37,7 +37,7 @@ double blocks_with(TapSet taps, const StreamFormat& format, Pace pace) noexcept 
 
 RingSize ring_size(const StreamFormat& format, Pace pace) noexcept {
     RingSize size{.blocks = static_cast<std::size_t>(blocks_with(small_taps(format), format, pace))};
-    if (!format.chain_taps().empty()) {
+    if (!format.of_chain().empty()) {
         size.chain_blocks = static_cast<std::size_t>(blocks_with(format.taps, format, pace));
     }
     if (!pace.is_flat_out()) {
@@ -57,7 +57,7 @@ std::uint64_t samples_per_release(const StreamFormat& format, Pace pace, std::si
 double ring_bytes(const StreamFormat& format, Pace pace) noexcept {
     const double small =
         blocks_with(small_taps(format), format, pace) * block_bytes(format, small_taps(format));
-    return format.chain_taps().empty()
+    return format.of_chain().empty()
                ? small
                : small + blocks_with(format.taps, format, pace) * block_bytes(format, format.taps);
 }

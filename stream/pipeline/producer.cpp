@@ -20,11 +20,11 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
       refill_(size.refill),
       ring_(
           size.blocks,
-          [&source, small = source.format().taps - source.format().chain_taps()] {
+          [&source, small = source.format().taps - source.format().of_chain()] {
               return Block{
                   .small = source.make_block(small), .demand = {}, .account = {}, .motion = {}, .epoch = {}};
           }),
-      chain_taps_(source.format().chain_taps()),
+      chain_taps_(source.format().of_chain()),
       discarded_to_(origin_) {
     for (std::size_t i = 0; i < size.chain_blocks; ++i) {
         chain_blocks_.push_back(source.make_block(source.format().taps));

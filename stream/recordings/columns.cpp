@@ -7,20 +7,20 @@ namespace hertzline::stream {
 
 namespace {
 
-/// The name of a tap's column in a file. @param sphere counted from 1; for a tap of one channel it does not matter
-std::string column_name(const TapRow& row, std::size_t sphere) {
+/// The name of a tap's column in a file. @param place_in_chain of sphere or contact, from 1; for a tap of one channel it does not matter
+std::string column_name(const TapRow& row, std::size_t place_in_chain) {
     std::string name(row.column);
     if (const std::size_t place = name.find('#'); place != std::string::npos) {
-        name.replace(place, 1, std::to_string(sphere));
+        name.replace(place, 1, std::to_string(place_in_chain));
     }
     return name;
 }
 
-Column column_of(const TapRow& row, std::size_t sphere) {
-    return {column_name(row, sphere), std::string(row.name), std::string(row.unit)};
+Column column_of(const TapRow& row, std::size_t place_in_chain) {
+    return {column_name(row, place_in_chain), std::string(row.name), std::string(row.unit)};
 }
 
-/// Whether `name` is a column of the tap: its name, with digits where the sphere's number stands.
+/// Whether `name` is a column of the tap: its name, with digits where the number of sphere or contact stands.
 bool is_column_of(const TapRow& row, std::string_view name) {
     const std::size_t place = row.column.find('#');
     if (place == std::string_view::npos) {
@@ -44,10 +44,11 @@ std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres) {
             columns.push_back(column_of(row, 0));
         }
     }
-    for (std::size_t sphere = 1; sphere <= spheres; ++sphere) {
+    for (std::size_t place = 1; place <= spheres + 1; ++place) {
         for (const TapRow& row : tap_rows) {
-            if (taps.contains(row.tap) && row.extent == Extent::per_sphere) {
-                columns.push_back(column_of(row, sphere));
+            const bool of_chain = taps.contains(row.tap) && row.extent != Extent::one;
+            if (of_chain && place <= channels_of(row.tap, spheres)) {
+                columns.push_back(column_of(row, place));
             }
         }
     }

@@ -18,7 +18,7 @@ namespace hertzline::stream {
 /// One number of each sample.
 struct Column {
     std::string name;      ///< with its unit, as in the CSV: "v_out_m_per_s", "x1_m"
-    std::string quantity;  ///< whose column it is: "v_out"; "v_chain" or "x_chain" for those of the spheres
+    std::string quantity;  ///< whose column it is: "v_out"; "v_chain" for those of the spheres
     std::string unit;      ///< "m/s"
     bool operator==(const Column&) const = default;
 };

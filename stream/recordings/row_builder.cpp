@@ -7,7 +7,7 @@ namespace hertzline::stream {
 RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {
     for (const TapRow& row : tap_rows) {
         if (taps.contains(row.tap)) {
-            (row.extent == Extent::one ? single_ : per_sphere_).push_back(row.tap);
+            (row.extent == Extent::one ? single_ : of_chain_).push_back(row.tap);
         }
     }
 }
@@ -16,16 +16,18 @@ void RowBuilder::write(const Samples& block) {
     if (!recordings_.any_left()) {
         return;
     }
-    const std::size_t spheres = per_sphere_.empty() ? 0 : block.spheres();
+    const std::size_t spheres = block.spheres();
     std::vector<double> rows;
-    rows.reserve(block.count * (single_.size() + spheres * per_sphere_.size()));
+    rows.reserve(block.count * static_cast<std::size_t>(channels_of(taps_, static_cast<double>(spheres))));
     for (std::size_t i = 0; i < block.count; ++i) {
         for (const Tap tap : single_) {
             rows.push_back(block[tap][i]);
         }
-        for (std::size_t s = 0; s < spheres; ++s) {
-            for (const Tap tap : per_sphere_) {
-                rows.push_back(block[tap][i * spheres + s]);
+        for (std::size_t place = 0; !of_chain_.empty() && place <= spheres; ++place) {
+            for (const Tap tap : of_chain_) {
+                if (const std::size_t channels = channels_of(tap, spheres); place < channels) {
+                    rows.push_back(block[tap][i * channels + place]);
+                }
             }
         }
     }

@@ -23,8 +23,8 @@ public:
 private:
     RecordingSet& recordings_;
     TapSet taps_;
-    std::vector<Tap> single_;      ///< taps of one channel
-    std::vector<Tap> per_sphere_;  ///< taps of a channel per sphere
+    std::vector<Tap> single_;    ///< taps of one channel
+    std::vector<Tap> of_chain_;  ///< taps of a channel per sphere or contact
 };
 
 }  // namespace hertzline::stream

@@ -265,9 +265,8 @@ ReceivedFrame* ReceivedRun::take_frame(const Message& message) {
 
 std::optional<std::string> ReceivedRun::samples_fault(const FrameHeader& header,
                                                       std::span<const std::byte> payload) {
-    const bool of_chain = row_of(tap_).extent == Extent::per_sphere;
     const std::size_t most =
-        announced_channels_.value_or(of_chain ? static_cast<std::size_t>(max_spheres) : 1);
+        announced_channels_.value_or(channels_of(tap_, static_cast<std::size_t>(max_spheres)));
     if (header.channels > most || (announced_channels_ && header.channels != most)) {
         return fmt::format("found {} channels, expected {}{}", header.channels,
                            announced_channels_ ? "" : "at most ", most);

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "stream/provenance.hpp"
 
 namespace hertzline::stream {
@@ -50,7 +52,18 @@ void ReplaySource::find_columns() {
         std::iota(all.begin(), all.end(), std::size_t{0});
         format_.taps = tap;
     }
-    format_.spheres = columns_[static_cast<std::size_t>(Tap::v_chain)].size();
+    count_spheres();
+}
+
+/// @throws std::runtime_error when the taps of the chain disagree
+void ReplaySource::count_spheres() {
+    const std::size_t velocities = columns_[static_cast<std::size_t>(Tap::v_chain)].size();
+    const std::size_t forces = columns_[static_cast<std::size_t>(Tap::f_chain)].size();
+    if (velocities > 0 && forces > 0 && forces != velocities + 1) {
+        throw std::runtime_error(fmt::format(
+            "found {} columns of f_chain, expected {}: one more than of v_chain", forces, velocities + 1));
+    }
+    format_.spheres = velocities > 0 || forces == 0 ? velocities : spheres_of(Tap::f_chain, forces);
 }
 
 /// Makes sure that there is a row to hand on. False at the end and after a failure.

@@ -33,6 +33,7 @@ public:
 
 private:
     void find_columns();
+    void count_spheres();
     bool refill() noexcept;
     std::int64_t rows_left() const noexcept;
     void pass(std::int64_t rows) noexcept;

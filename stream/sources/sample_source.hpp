@@ -22,16 +22,14 @@ struct SourceAccount {
 /// What a stream consists of.
 struct StreamFormat {
     TapSet taps;              ///< that there are
-    std::size_t spheres = 0;  ///< channels of the taps with one per sphere
+    std::size_t spheres = 0;  ///< of the chain: they say how many channels a tap has
     double sample_rate_hz = 0;
     std::int64_t frame_samples = 0;
     double repetition_hz = 0;  ///< bursts a second; 0: a single one, or it is not known
 
     std::size_t channels(Tap tap) const noexcept { return channels_of(tap, spheres); }
-    /// The taps with one channel per sphere.
-    TapSet chain_taps() const noexcept {
-        return taps & taps_where([](const TapRow& row) { return row.extent == Extent::per_sphere; });
-    }
+    /// The taps with a channel for each sphere or contact.
+    TapSet of_chain() const noexcept { return taps & chain_taps; }
 };
 
 /// Everything but the construction and interrupt() happens in the simulating thread.

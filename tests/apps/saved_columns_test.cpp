@@ -49,6 +49,28 @@ TEST(SavedColumns, ColumnsSayWhatARunSavesInEveryFormat) {
               column(folder.file("usual.npy"), "v_out_m_per_s"));
 }
 
+TEST(SavedColumns, ForcesOfAllContactsAreAmongTheSpheresWithTheEndsBehindThem) {
+    const TemporaryFolder folder;
+    Words words{"run",   "paper-vitreous-carbon", "--columns", "f_last,f_chain,v_chain",
+                "--set", "chain.spheres=2"};
+    const Words files{"a.csv", "a.npy", "a.h5", "a.sigmf-meta"};
+    for (const std::string& file : files) {
+        words.insert(words.end(), {"-o", folder.file(file)});
+    }
+    const Outcome run = hertzline(words);
+    ASSERT_EQ(run.status, 0) << run.err;
+    for (const std::string& file : files) {
+        EXPECT_THAT(
+            column_names(folder.file(file)),
+            testing::UnorderedElementsAre("f_last_n", "v1_m_per_s", "f1_n", "v2_m_per_s", "f2_n", "f3_n"))
+            << file;
+        EXPECT_EQ(column(folder.file(file), "f3_n"), column(folder.file(file), "f_last_n")) << file;
+    }
+    const Outcome replay =
+        hertzline({"replay", folder.file("a.npy"), "--pace", "flat-out", "--bind", any_port});
+    EXPECT_EQ(replay.status, 0) << replay.err;
+}
+
 TEST(SavedColumns, ColumnsSayWhatAStreamSavesAlsoOfAllSpheres) {
     const TemporaryFolder folder;
     const Outcome stream = hertzline({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",

@@ -140,7 +140,8 @@ TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
     for (const json& each : meta["streams"]) {
         names.push_back(each["name"]);
     }
-    EXPECT_EQ(names, (std::vector<std::string>{"v_out", "v_last", "v_plate", "v_chain", "v_horn", "f_last"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"v_out", "v_last", "v_plate", "v_chain", "v_horn", "f_last",
+                                               "f_chain"}));
     for (const char* name : {"scene_hash", "run", "fs", "units"}) {
         EXPECT_TRUE(meta.contains(name)) << name;
     }

@@ -23,8 +23,7 @@ TEST(Taps, EachHasARowOfItsOwn) {
         EXPECT_EQ(tap_named(row.name), tap);
         EXPECT_TRUE(names.insert(row.name).second) << row.name;
         EXPECT_TRUE(columns.insert(row.column).second) << row.column;
-        EXPECT_EQ(row.extent == Extent::per_sphere, row.column.find('#') != std::string_view::npos)
-            << row.name;
+        EXPECT_EQ(row.extent != Extent::one, row.column.find('#') != std::string_view::npos) << row.name;
     }
     EXPECT_EQ(all_taps.size(), tap_count);
 }
@@ -36,6 +35,7 @@ TEST(Taps, KeepTheirNamesUnitsAndColumns) {
     EXPECT_EQ(row_of(Tap::v_plate).column, "v_plate_m_per_s");
     EXPECT_EQ(row_of(Tap::v_chain).column, "v#_m_per_s");
     EXPECT_EQ(row_of(Tap::x_chain).column, "x#_m");
+    EXPECT_EQ(row_of(Tap::f_chain).column, "f#_n");
     EXPECT_EQ(row_of(Tap::v_out).unit, "m/s");
     EXPECT_EQ(row_of(Tap::x_chain).unit, "m");
 }
@@ -61,10 +61,13 @@ TEST(Taps, OnlyAPlateHasAPlateVelocity) {
     }
 }
 
-TEST(Taps, TheChainHasAChannelPerSphere) {
-    EXPECT_EQ(channels_of(Tap::v_chain, 17), 17u);
+TEST(Taps, TheChainHasAChannelPerSphereOrContact) {
+    EXPECT_EQ(channels_of(Tap::v_chain, 17), 17);
+    EXPECT_EQ(channels_of(Tap::f_chain, 17), 18) << "one of them is the end's";
+    EXPECT_EQ(spheres_of(Tap::f_chain, 18), 17U);
+    EXPECT_EQ(spheres_of(Tap::v_chain, 17), 17U);
     for (const Tap tap : {Tap::v_out, Tap::v_last, Tap::v_plate}) {
-        EXPECT_EQ(channels_of(tap, 17), 1u);
+        EXPECT_EQ(channels_of(tap, 17), 1);
     }
     EXPECT_EQ(channels_of(TapSet(Tap::v_chain) | Tap::x_chain | Tap::v_out, 1e18), 2e18 + 1);
 }

@@ -11,9 +11,9 @@ CLOCK = ("setup_s", "wall_s", "real_time_factor")
 
 class Runs(InAFolder):
     def test_have_the_bits_of_the_program(self):
-        program("run", *SHORT, "--all", "--tap", "f_last", "-o", self.folder / "run.npy")
+        program("run", *SHORT, "--all", "--tap", "f_last", "--tap", "f_chain", "-o", self.folder / "run.npy")
         table = np.load(self.folder / "run.npy")
-        r = short_scene().run(taps=["v_out", "v_last", "v_chain", "x_chain", "f_last"])
+        r = short_scene().run(taps=["v_out", "v_last", "v_chain", "x_chain", "f_last", "f_chain"])
         self.assertEqual(r["v_out"].tobytes(), table["v_out_m_per_s"].tobytes())
         self.assertEqual(r["f_last"].tobytes(), table["f_last_n"].tobytes())
         self.assertEqual(r.t.tobytes(), table["t_s"].tobytes())
@@ -21,6 +21,10 @@ class Runs(InAFolder):
         for sphere in range(6):
             self.assertTrue(np.array_equal(r["v_chain"][:, sphere], table[f"v{sphere + 1}_m_per_s"]))
             self.assertTrue(np.array_equal(r["x_chain"][:, sphere], table[f"x{sphere + 1}_m"]))
+        self.assertEqual(r["f_chain"].shape, (len(table), 7))
+        for contact in range(7):
+            self.assertTrue(np.array_equal(r["f_chain"][:, contact], table[f"f{contact + 1}_n"]))
+        self.assertTrue(np.array_equal(hertzline.load(self.folder / "run.npy")["f_chain"], r["f_chain"]))
         self.assertTrue(r["v_out"].any())
 
     def test_a_modal_plate_has_them_too(self):

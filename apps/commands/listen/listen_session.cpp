@@ -31,7 +31,8 @@ void ListenSession::begin() {
                                .provenance = received_.provenance(),
                                .full_scale = request_.full_scale};
     if (!request_.files.empty()) {
-        head.columns = stream::recorded_columns(received_.tap(), received_.channels());
+        head.columns =
+            stream::recorded_columns(received_.tap(), spheres_of(received_.tap(), received_.channels()));
     }
     recordings_.emplace(request_.files, head, stream::RecordingPatience::of_a_second(stop_asked()), notify_);
 }

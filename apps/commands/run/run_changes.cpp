@@ -75,7 +75,7 @@ void add_steps(Session& session, Scene scene, const std::string& origin) {
             refuse(where, faults);
         }
         const bool goes_on = stream::motion_goes_on(before, after);
-        if (goes_on && !Simulation(before, {.taps = {}}).can_hand_over()) {
+        if (goes_on && !Simulation::can_hand_over(before)) {
             throw WrongUse(
                 where +
                 ": the motion of this grid cannot be handed over; allowed: a series, or steps that "

@@ -30,7 +30,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Streams: v_out, v_last, v_plate, v_chain, v_horn, f_last, each as NAME/np and NAME/raw.\n"
+    "Streams: v_out, v_last, v_plate, v_chain, v_horn, f_last, f_chain, each as NAME/np and NAME/raw.\n"
     "Topics beside them: meta, meters, end.\n"
     "Ctrl-C ends the stream with recordings saved and a summary.\n"
     "Examples:\n"

@@ -51,7 +51,8 @@ class Samples:
         raise NotImplementedError
 
     def __getitem__(self, name: str) -> Floats:
-        """The samples in the unit of their tap: shape [sample], or [sample, sphere] of `v_chain` and `x_chain`.
+        """The samples in the unit of their tap: shape [sample], [sample, sphere] of `v_chain` and `x_chain`, or
+        [sample, contact] of `f_chain`.
 
         Nothing is copied: the array is a view that cannot be written to, and keeps alive what it looks at.
         Raises KeyError for a name that is not among `taps`.

@@ -11,6 +11,7 @@
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "core/taps.hpp"
 #include "stream/recordings/recording.hpp"
 #include "stream/recordings/recording_formats.hpp"
 
@@ -73,14 +74,14 @@ std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const
             static_cast<std::size_t>(std::ranges::count_if(columns, is_its))};
 }
 
-/// [sample], or [sample][sphere] of a tap of all spheres. @param name of a quantity or of a column
+/// [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain. @param name of a quantity or of a column
 py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
     const auto [first, count] = columns_of(*recording, name);
     const std::vector<stream::Column>& columns = recording->head.columns;
     if (count == 0) {
         throw py::key_error("found \"" + name + "\", which the recording does not hold");
     }
-    // of all spheres the columns take turns: x1, v1, x2, v2
+    // of all spheres and contacts the columns take turns: x1, v1, f1, x2, v2, f2, f3
     std::size_t apart = 1;
     while (count > 1 && columns[first + apart].quantity != columns[first].quantity) {
         ++apart;
@@ -90,8 +91,8 @@ py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, cons
     std::vector<py::ssize_t> shape{rows};
     std::vector<py::ssize_t> strides{width};
     if (count > 1 || columns[first].name != name) {
-        const bool of_spheres = columns[first].quantity == "v_chain" || columns[first].quantity == "x_chain";
-        if (of_spheres) {
+        const auto tap = tap_named(columns[first].quantity);
+        if (tap && row_of(*tap).extent != Extent::one) {
             shape.push_back(static_cast<py::ssize_t>(count));
             strides.push_back(static_cast<py::ssize_t>(apart));
         }

@@ -134,12 +134,12 @@ Tap held_tap(const RunResult& result, const std::string& name) {
     return *tap;
 }
 
-/// [sample], or [sample][sphere] of a tap of all spheres.
+/// [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
 py::array_t<double> samples_of(const std::shared_ptr<RunResult>& result, const std::string& name) {
     const Tap tap = held_tap(*result, name);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
-    if (row_of(tap).extent == Extent::per_sphere) {
-        shape.push_back(static_cast<py::ssize_t>(result->spheres));
+    if (row_of(tap).extent != Extent::one) {
+        shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->spheres)));
     }
     return view_of(result->column(tap).data(), shape, py::cast(result));
 }

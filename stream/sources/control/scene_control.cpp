@@ -185,8 +185,7 @@ void SceneControl::prepare(Job& job) {
     auto next = std::make_unique<NextSimulation>(scene, job.options, goes_on);
     if (!format_stays(job.format, SimulationSource::format_of(scene))) {
         job.faults.push_back({"end", "other streams", "the streams that there are"});
-    } else if (goes_on &&
-               !(next->simulation.can_hand_over() && Simulation(job.from, {.taps = {}}).can_hand_over())) {
+    } else if (goes_on && !(Simulation::can_hand_over(job.from) && Simulation::can_hand_over(scene))) {
         job.faults.push_back({"numerics.integrator", "a grid whose motion cannot be handed over",
                               "for other drives: a series, or steps that divide the sample period without a "
                               "modal plate"});

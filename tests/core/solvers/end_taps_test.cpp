@@ -1,6 +1,6 @@
 // The taps that follow from the motion at the chain's far end, against the equations of docs/model.md, for every integrator.
 
-#include "core/solvers/end_taps.hpp"
+#include "core/solvers/sampling/end_taps.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -132,6 +132,53 @@ TEST(EndTaps, TheLastContactsForceIsHertzsLawAndTheDashpot) {
             lowest = std::min(lowest, force);
         }
         EXPECT_LT(lowest, -1e-3) << "as printed, the law pulls before a contact opens";
+    }
+}
+
+// Newton's law for each sphere: the impulse of its two contacts is its momentum.
+TEST_P(EndTapsOf, TheForcesOfItsContactsMoveEachSphere) {
+    for (const EndKind kind : {EndKind::plate, EndKind::free}) {
+        Scene scene = with_end(kind);
+        scene.output.sample_rate_hz = 200e6;
+        scene = with_step(scene, GetParam(), 5e-9);
+        Simulation simulation(scene, {.taps = TapSet(Tap::f_chain) | Tap::v_chain});
+        const Chain& chain = simulation.chain();
+        const auto spheres = static_cast<std::size_t>(chain.spheres());
+        const std::size_t contacts = spheres + 1;
+        Samples samples = simulation.make_samples(20'000);
+        ASSERT_EQ(simulation.advance(samples, 20'000), Status::running);
+        const auto v = samples[Tap::v_chain];
+        const auto f = samples[Tap::f_chain];
+        ASSERT_EQ(f.size(), samples.count * contacts);
+        for (std::size_t s = 0; s < spheres; ++s) {
+            const double mass = 1 / chain.inv_mass[static_cast<Eigen::Index>(s)];
+            double impulse = 0;  // by the trapezoidal rule
+            double largest_error = 0;
+            double largest_momentum = 0;
+            const auto push = [&](std::size_t k) { return f[k * contacts + s] - f[k * contacts + s + 1]; };
+            for (std::size_t k = 1; k < samples.count; ++k) {
+                impulse += (push(k - 1) + push(k)) / 2 / scene.output.sample_rate_hz;
+                const double momentum = mass * v[k * spheres + s];
+                largest_error = std::max(largest_error, std::abs(momentum - impulse));
+                largest_momentum = std::max(largest_momentum, std::abs(momentum));
+            }
+            EXPECT_LT(largest_error, 2e-3 * largest_momentum) << "sphere " << s;
+        }
+    }
+}
+
+TEST_P(EndTapsOf, TheLastOfAllContactsIsThatOfTheEnd) {
+    const TapSet taps = TapSet(Tap::f_chain) | Tap::f_last;
+    for (const EndKind kind : {EndKind::plate, EndKind::wall, EndKind::free}) {
+        const Scene scene = with_step(with_end(kind), GetParam(), 10e-9);
+        Simulation simulation(scene, {.taps = taps & taps_of(scene.end)});
+        const auto contacts = static_cast<std::size_t>(simulation.chain().bodies());
+        Samples samples = simulation.make_samples(3000);
+        ASSERT_EQ(simulation.advance(samples, 3000), Status::running);
+        for (std::size_t k = 0; k < samples.count; ++k) {
+            const double expected = kind == EndKind::free ? 0 : samples[Tap::f_last][k];
+            ASSERT_EQ(samples[Tap::f_chain][(k + 1) * contacts - 1], expected) << k;
+        }
     }
 }
 

@@ -127,6 +127,20 @@ TEST(ReplaySource, TwoColumnsOfOneTapAreRefused) {
     }
 }
 
+TEST(ReplaySource, ForcesOfAllContactsAreOneMoreThanTheSpheres) {
+    const Column v1{"v1_m_per_s", "v_chain", "m/s"};
+    const Column f1{"f1_n", "f_chain", "N"};
+    const Column f2{"f2_n", "f_chain", "N"};
+    ReplaySource both = source({v1, f1, f2}, {counted(0, 25, 3)});
+    EXPECT_EQ(both.format().spheres, 1U);
+    Samples samples = both.make_block(both.format().taps);
+    ASSERT_TRUE(both.read(samples, 10, both.format().taps));
+    EXPECT_EQ(samples[Tap::f_chain][2 * 9], 9 + 0.1 * 1);
+    EXPECT_EQ(samples[Tap::f_chain][2 * 9 + 1], 9 + 0.1 * 2);
+    EXPECT_EQ(source({f1, f2}, {counted(0, 25, 2)}).format().spheres, 1U);
+    EXPECT_THROW(source({v1, f1}, {counted(0, 25, 2)}), std::runtime_error) << "the end's contact is missing";
+}
+
 TEST(ReplaySource, WhatIsNotStreamedIsPassedOver) {
     ReplaySource replay =
         source({{"x1_m", "x_chain", "m"}, {"v_last_m_per_s", "v_last", "m/s"}}, {counted(0, 25, 2)});

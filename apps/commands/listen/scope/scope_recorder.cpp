@@ -84,10 +84,11 @@ void ScopeRecorder::take(stream::ReceivedRun& run, const stream::ReceivedFrame& 
     }
     if (!set_) {
         run_ = run.run();
-        const stream::RecordingHead head{.columns = stream::recorded_columns(*tap_, frame.header.channels),
-                                         .sample_rate_hz = frame.header.fs,
-                                         .numbers = stream::NumberType::float32,
-                                         .provenance = stream::provenance_of_meta(meta)};
+        const stream::RecordingHead head{
+            .columns = stream::recorded_columns(*tap_, spheres_of(*tap_, frame.header.channels)),
+            .sample_rate_hz = frame.header.fs,
+            .numbers = stream::NumberType::float32,
+            .provenance = stream::provenance_of_meta(meta)};
         try {
             set_ = std::make_unique<stream::RecordingSet>(std::array{file_}, head,
                                                           stream::RecordingPatience::none(stop_asked()),

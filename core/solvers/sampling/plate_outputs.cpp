@@ -1,4 +1,4 @@
-#include "core/solvers/plate_outputs.hpp"
+#include "core/solvers/sampling/plate_outputs.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/solvers/sampler.hpp"
+#include "core/solvers/sampling/sampler.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ struct Exactly {
 
 /// Whether the taps show more of the chain than its far end.
 bool of_all_bodies(TapSet taps) noexcept {
-    return taps.contains(Tap::v_chain) || taps.contains(Tap::x_chain);
+    return !(taps & (TapSet(Tap::v_chain) | Tap::x_chain | Tap::f_chain)).empty();
 }
 
 }  // namespace
@@ -70,12 +70,14 @@ bool of_all_bodies(TapSet taps) noexcept {
 class Sampler::Writer {
 public:
     /// @param bodies in a row of the trace; the last is the end
-    Writer(Samples& samples, EndTaps& end_taps, const Chain& chain, const PlateSamples* plate,
-           std::size_t bodies) noexcept
+    Writer(Samples& samples, EndTaps& end_taps, ContactForces& contact_forces, const Chain& chain,
+           const PlateSamples* plate, std::size_t bodies) noexcept
         : end_taps_(end_taps, samples),
+          contact_forces_(contact_forces),
           plate_(plate),
           v_chain_(samples.holds.contains(Tap::v_chain) ? samples.room(Tap::v_chain).data() : nullptr),
           x_chain_(samples.holds.contains(Tap::x_chain) ? samples.room(Tap::x_chain).data() : nullptr),
+          f_chain_(samples.holds.contains(Tap::f_chain) ? samples.room(Tap::f_chain).data() : nullptr),
           spheres_(samples.spheres()),
           end_overlap_(chain.static_overlap[chain.spheres()]),
           end_(bodies - 1) {}
@@ -83,6 +85,9 @@ public:
     template <class Moment>
     void put(const Moment& moment) noexcept {
         put_chain(moment);
+        if (f_chain_ != nullptr) {
+            put_contacts(moment);
+        }
         if (end_taps_.shows_end()) {
             put_end(moment);
         }
@@ -98,6 +103,18 @@ private:
         }
         for (std::size_t s = 0; x_chain_ != nullptr && s < spheres_; ++s) {
             x_chain_[at + s] = moment.displacement(s);
+        }
+    }
+
+    template <class Moment>
+    void put_contacts(const Moment& moment) const noexcept {
+        const std::size_t contacts = spheres_ + 1;
+        double* const out = f_chain_ + end_taps_.next() * contacts;
+        contact_forces_.begin(end_taps_.samples().first + static_cast<std::int64_t>(end_taps_.next()), 1);
+        for (std::size_t c = 0; c < contacts; ++c) {
+            *contact_forces_.displacements() = moment.displacement(c);
+            *contact_forces_.velocities() = moment.velocity(c);
+            contact_forces_.put(out + c, contacts);
         }
     }
 
@@ -132,9 +149,11 @@ private:
     }
 
     EndTapsWriter end_taps_;
+    ContactForces& contact_forces_;
     const PlateSamples* plate_;
     double* v_chain_;
     double* x_chain_;
+    double* f_chain_;
     std::size_t spheres_;
     double end_overlap_;
     std::size_t end_;
@@ -162,7 +181,8 @@ Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet t
       grid_(steps_per_sample(step_s, scene.output.sample_rate_hz)),
       sample_period_(sample_period(step_s, scene.output.sample_rate_hz)),
       step_s_(step_s),
-      end_taps_(chain, scene.drive, scene.output.sample_rate_hz) {
+      end_taps_(chain, scene.drive, scene.output.sample_rate_hz),
+      contact_forces_(chain, end_taps_.horn()) {
     trace_.bodies = chain.bodies();
     trace_.first_body = of_all_bodies(taps) ? 0 : chain.spheres() - 1;
     trace_.between = grid_ == 0;
@@ -222,7 +242,7 @@ void Sampler::passed_over(std::int64_t end) noexcept {
 void Sampler::emit(Samples* samples, std::int64_t end) noexcept {
     std::optional<Writer> writer;
     if (samples != nullptr) {
-        writer.emplace(*samples, end_taps_, chain_, plate_, trace_.row_size() / 3);
+        writer.emplace(*samples, end_taps_, contact_forces_, chain_, plate_, trace_.row_size() / 3);
     }
     if (grid_ > 0) {
         emit_rows(writer ? &*writer : nullptr, end);

@@ -1,10 +1,8 @@
-#include "core/solvers/end_taps.hpp"
+#include "core/solvers/sampling/end_taps.hpp"
 
 #include <algorithm>
-#include <limits>
 
-#include "core/model/damping.hpp"
-#include "core/model/hertz.hpp"
+#include "core/solvers/sampling/contact_forces.hpp"
 
 namespace hertzline {
 
@@ -42,12 +40,8 @@ void last_contact_force(const Source& source, double* out) noexcept {
     const Chain& chain = source.chain;
     const Eigen::Index c = chain.spheres();
     const EndMotion& at = source.motion;
-    const double lowest = chain.tension == Tension::clamped ? 0 : -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < at.count; ++i) {
-        const double overlap = chain.static_overlap[c] + (at.x_last[i] - at.x_end[i]);
-        const double factor = overlap > 0 ? chain.damping[c] * damping_power(chain.damping_law, overlap) : 0;
-        const double loss = factor * (at.v_last[i] - at.v_end[i]);
-        out[i] = std::max(elastic_force(chain.stiffness[c], overlap) + loss, lowest);
+        out[i] = contact_force(chain, c, at.x_last[i] - at.x_end[i], at.v_last[i] - at.v_end[i]);
     }
 }
 

@@ -1,10 +1,10 @@
-#include "core/solvers/plate_samples.hpp"
+#include "core/solvers/sampling/plate_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/integrators/kernels.hpp"
-#include "core/solvers/sampler.hpp"
+#include "core/solvers/sampling/sampler.hpp"
 
 namespace hertzline {
 

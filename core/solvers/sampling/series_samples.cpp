@@ -1,19 +1,20 @@
-#include "core/solvers/series_samples.hpp"
+#include "core/solvers/sampling/series_samples.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace hertzline {
 
-std::int64_t SeriesSamples::put(EndTapsWriter& writer, kernels::SampleKernel kernel,
-                                PlateOutputs& plate_outputs, const Stretch& piece, std::int64_t sample,
-                                std::int64_t available) const noexcept {
+std::int64_t SeriesSamples::put(EndTapsWriter& writer, const kernels::SeriesKernels& functions,
+                                PlateOutputs& plate_outputs, ContactForces& contact_forces,
+                                const Stretch& piece, std::int64_t sample, std::int64_t available) noexcept {
     const FixedTime& begin = piece.begin;
-    const Moments moments{
-        .kernel = kernel,
+    Moments moments{
+        .functions = functions,
         .times = {static_cast<double>(sample - begin.whole), begin.fraction(),
                   sample_period_s_ / piece_.unit_s},
         .count = static_cast<std::size_t>(std::min(available, static_cast<std::int64_t>(writer.room())))};
+    work_out_all_slots(writer, moments);
     Samples& samples = writer.samples();
     const std::size_t spheres = samples.spheres();
     const auto put_chain = [&](Tap tap, Quantity quantity) {
@@ -27,12 +28,50 @@ std::int64_t SeriesSamples::put(EndTapsWriter& writer, kernels::SampleKernel ker
     };
     put_chain(Tap::v_chain, Quantity::velocity);
     put_chain(Tap::x_chain, Quantity::displacement);
+    if (samples.holds.contains(Tap::f_chain)) {
+        put_contacts(contact_forces, moments, sample,
+                     samples.room(Tap::f_chain).data() + writer.next() * (spheres + 1));
+    }
     if (writer.shows_end()) {
         put_end(writer.motion(), moments);
         plate_outputs.put(writer.motion(), moments.times, moments.count, piece, sample);
     }
     writer.advance(moments.count);
     return static_cast<std::int64_t>(moments.count);
+}
+
+/// Where the whole chain is shown: of its end alone, body by body is as fast. There may be fewer moments then.
+void SeriesSamples::work_out_all_slots(const EndTapsWriter& writer, Moments& moments) noexcept {
+    const TapSet holds = writer.samples().holds;
+    if (simd_chain_.rows() > most_rows || (holds & chain_taps).empty()) {
+        return;
+    }
+    moments.count = std::min(moments.count, most_together);
+    const bool forces = holds.contains(Tap::f_chain);
+    const std::size_t slots = simd_chain_.slots();
+    if (holds.contains(Tap::v_chain) || forces || writer.shows_end()) {
+        double* const velocities = of_slots_.data();
+        moments.functions.samples_of_slots(piece_, slots, true, moments.times, moments.count, velocities);
+        moments.velocities = velocities;
+    }
+    if (holds.contains(Tap::x_chain) || forces || (writer.shows_end() && writer.motion().x_last != nullptr)) {
+        double* const displacements = of_slots_.data() + of_slots_.size() / 2;
+        moments.functions.samples_of_slots(piece_, slots, false, moments.times, moments.count, displacements);
+        moments.displacements = displacements;
+    }
+}
+
+/// The forces of all contacts. @param first index of the first sample
+void SeriesSamples::put_contacts(ContactForces& forces, const Moments& moments, std::int64_t first,
+                                 double* out) const noexcept {
+    const auto contacts = static_cast<std::size_t>(chain_.bodies());
+    forces.begin(first, moments.count);
+    for (std::size_t c = 0; c < contacts; ++c) {
+        const auto body = static_cast<Eigen::Index>(c);
+        put_body(body, Quantity::displacement, moments, forces.displacements(), 1);
+        put_body(body, Quantity::velocity, moments, forces.velocities(), 1);
+        forces.put(out + c, contacts);
+    }
 }
 
 /// The motion of the chain's far end.
@@ -67,7 +106,14 @@ void SeriesSamples::put_body(Eigen::Index body, Quantity quantity, const Moments
         return;
     }
     const std::size_t slot = simd_chain_.slot(body);
-    moments.kernel(piece_, slot, quantity == Quantity::velocity, moments.times, moments.count, out, stride);
+    if (const double* const values = moments.of(quantity)) {
+        for (std::size_t i = 0; i < moments.count; ++i) {
+            out[i * stride] = values[i * simd_chain_.slots() + slot];
+        }
+    } else {
+        moments.functions.samples(piece_, slot, quantity == Quantity::velocity, moments.times, moments.count,
+                                  out, stride);
+    }
     if (piece_.onset) {
         add_onset(slot, quantity, moments, out, stride);
     }

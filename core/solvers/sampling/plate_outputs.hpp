@@ -14,8 +14,8 @@
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
 #include "core/model/chain.hpp"
-#include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
+#include "core/solvers/sampling/end_taps.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline {

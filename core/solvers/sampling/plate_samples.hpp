@@ -10,7 +10,7 @@
 #include "core/plate/plate_steps.hpp"
 #include "core/scene/scene.hpp"
 #include "core/solvers/fixed_time.hpp"
-#include "core/solvers/plate_outputs.hpp"
+#include "core/solvers/sampling/plate_outputs.hpp"
 
 namespace hertzline {
 

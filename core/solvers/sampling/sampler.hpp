@@ -8,9 +8,10 @@
 
 #include "core/integrators/trace.hpp"
 #include "core/samples.hpp"
-#include "core/solvers/end_taps.hpp"
 #include "core/solvers/fixed_time.hpp"
-#include "core/solvers/plate_samples.hpp"
+#include "core/solvers/sampling/contact_forces.hpp"
+#include "core/solvers/sampling/end_taps.hpp"
+#include "core/solvers/sampling/plate_samples.hpp"
 
 namespace hertzline {
 
@@ -64,6 +65,7 @@ private:
     double step_s_;
     const PlateSamples* plate_ = nullptr;  ///< null: not wanted
     EndTaps end_taps_;
+    ContactForces contact_forces_;
     std::vector<double> rows_, fractions_;
     std::vector<std::int64_t> steps_;
     kernels::Trace trace_;

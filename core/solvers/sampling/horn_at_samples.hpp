@@ -1,5 +1,5 @@
 #pragma once
-// The horn's velocity at the samples, for taps that show the drive.
+// The horn's motion at the samples, for taps that show the drive.
 
 #include <array>
 #include <cstdint>
@@ -14,11 +14,13 @@ public:
     HornAtSamples(const Drive& drive, double sample_rate_hz) : burst_(drive, 1 / sample_rate_hz) {}
 
     /// [m/s]; where the motion jumps, that of the piece which begins there. @param sample index since the start
-    double velocity(std::int64_t sample) noexcept {
+    double velocity(std::int64_t sample) noexcept { return at(sample).v; }
+    /// As velocity(), with displacement and acceleration.
+    const HornMotion& at(std::int64_t sample) noexcept {
         if (sample < first_ || sample >= first_ + ToneBurst::batch_steps) {
             work_out(sample - sample % ToneBurst::batch_steps);
         }
-        return velocity_[static_cast<std::size_t>(sample - first_)];
+        return motion_[static_cast<std::size_t>(sample - first_)];
     }
 
 private:
@@ -26,7 +28,7 @@ private:
 
     ToneBurst burst_;  ///< its steps are sample periods
     std::int64_t first_ = -ToneBurst::batch_steps;
-    std::array<double, ToneBurst::batch_steps> velocity_{};
+    std::array<HornMotion, ToneBurst::batch_steps> motion_{};
 };
 
 }  // namespace hertzline

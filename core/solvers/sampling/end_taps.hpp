@@ -7,7 +7,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/samples.hpp"
-#include "core/solvers/horn_at_samples.hpp"
+#include "core/solvers/sampling/horn_at_samples.hpp"
 
 namespace hertzline {
 
@@ -34,6 +34,8 @@ public:
 
     /// Whether any of these taps follows from the motion of the end.
     static bool any_of(TapSet taps) noexcept;
+
+    HornAtSamples& horn() noexcept { return horn_; }
 
 private:
     friend class EndTapsWriter;
