@@ -10,7 +10,7 @@ export function readPicture(buffer) {
   const columns = view.getUint32(4, true);
   const picture = {
     kind: KINDS[view.getUint8(0)], columns, rows: view.getUint32(8, true), epoch: view.getUint32(12, true),
-    eachSample: (flags & 1) !== 0, untriggered: (flags & 2) !== 0, held: (flags & 4) !== 0,
+    eachSample: (flags & 1) !== 0, untriggered: (flags & 2) !== 0, held: (flags & 4) !== 0, forces: (flags & 8) !== 0,
     trigger: Number(view.getBigInt64(16, true)), first: Number(view.getBigInt64(24, true)),
     samples: Number(view.getBigUint64(32, true)), burst: Number(view.getBigUint64(40, true)),
     rate: view.getFloat64(48, true), heardAt: view.getFloat64(56, true),

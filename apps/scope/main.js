@@ -17,13 +17,13 @@ const spectrum = new Spectrum($('spectrum'), $('waterfall'));
 const chain = new Chain($('chain'), $('chain-text'));
 
 const view = {stream: 'v_out', trigger: 'burst', level: 0.1, slope: 'rising', hold_off_s: 5e-4, from_s: 0, span_s: 1e-3,
-  mode: 'run', shot: 0, spectrum: true, spectrum_to_hz: 8e5, average: 1, chain: false, columns: 1000, pictures_per_s: 60};
+  mode: 'run', shot: 0, spectrum: true, spectrum_to_hz: 8e5, average: 1, columns: 1000, pictures_per_s: 60};
 const own = {drawn: 0, replaced: 0, rate: 0, delay_ms: 0, delays: [], drawnAtSecond: 0};
 let scene = null;
 let knobsText = null;
 let state = {};
 let touched = false;  // the window was chosen by hand
-let dirty = true;
+const stale = {waveform: true, spectrum: true, chain: true};  // pictures that do not show the latest
 let undrawn = false;
 
 const link = new Link({
@@ -37,7 +37,7 @@ const link = new Link({
     } else {
       chain.take(picture);
     }
-    dirty = true;
+    stale[picture.kind] = true;
   },
   text: take,
   open() { ask(); },
@@ -49,13 +49,17 @@ const link = new Link({
 
 // ---- what is asked for
 
+function redrawAll() {
+  Object.assign(stale, {waveform: true, spectrum: true, chain: true});
+}
+
 let asking = null;
 function ask() {
-  dirty = true;
+  redrawAll();
   asking ??= setTimeout(() => {
     asking = null;
     view.columns = waveform.columns();
-    view.chain = $('chain-panel').open;
+    view.chain = $('chain-panel').open ? $('chain-stream').value : undefined;  // left out: none
     view.spectrum = $('spectrum-panel').open;
     link.say({view});
   }, 15);
@@ -99,7 +103,7 @@ const act = {
     const before = view.span_s;
     setWindow(view.from_s, factor * view.span_s);
     setWindow(fixed - share * view.span_s, view.span_s);
-    dirty = dirty || before !== view.span_s;
+    stale.waveform ||= before !== view.span_s;
   },
   zoomLevel(factor, share) {
     const {low, high} = waveform.shown;
@@ -107,14 +111,14 @@ const act = {
     waveform.level = {low: fixed + (low - fixed) * factor, high: fixed + (high - fixed) * factor};
     $('low').value = Number(waveform.level.low.toPrecision(5));
     $('high').value = Number(waveform.level.high.toPrecision(5));
-    dirty = true;
+    stale.waveform = true;
   },
   home,
-  cursor(name, share) { waveform.cursors[name] = view.from_s + share * view.span_s; dirty = true; },
+  cursor(name, share) { waveform.cursors[name] = view.from_s + share * view.span_s; stale.waveform = true; },
   nudge(name, pixels) {
     if (waveform.cursors[name] !== null) {
       waveform.cursors[name] += pixels / $('waveform').clientWidth * view.span_s;
-      dirty = true;
+      stale.waveform = true;
     }
   },
   run() { setMode('run'); }, hold() { setMode(view.mode === 'hold' ? 'run' : 'hold'); }, single() { setMode('single'); },
@@ -132,9 +136,9 @@ $('home').onclick = home;
 $('from').onchange = () => { touched = true; setWindow(Number($('from').value) / 1e6, view.span_s); };
 $('span').onchange = () => { touched = true; setWindow(view.from_s, Number($('span').value) / 1e6 || view.span_s); };
 for (const edge of ['low', 'high']) {
-  $(edge).onchange = () => { waveform.level[edge] = $(edge).value === '' ? null : Number($(edge).value); dirty = true; };
+  $(edge).onchange = () => { waveform.level[edge] = $(edge).value === '' ? null : Number($(edge).value); stale.waveform = true; };
 }
-$('persistence').onchange = () => { waveform.persistence = Number($('persistence').value); dirty = true; };
+$('persistence').onchange = () => { waveform.persistence = Number($('persistence').value); stale.waveform = true; };
 $('stream').onchange = () => {
   view.stream = $('stream').value;
   waveform.forget();
@@ -148,11 +152,12 @@ $('slope').onchange = () => { view.slope = $('slope').value; ask(); };
 $('hold-off').onchange = () => { view.hold_off_s = Math.max(Number($('hold-off').value), 0) / 1e6; ask(); };
 $('average').onchange = () => { view.average = Math.min(Math.max(Math.round(Number($('average').value)) || 1, 1), 1000); ask(); };
 $('to-hz').onchange = () => { view.spectrum_to_hz = Math.max(Number($('to-hz').value) * 1e3, 1) || 8e5; ask(); };
-$('floor-db').onchange = () => { spectrum.floor = Math.min(Number($('floor-db').value), -20) || -80; dirty = true; };
+$('floor-db').onchange = () => { spectrum.floor = Math.min(Number($('floor-db').value), -20) || -80; stale.spectrum = true; };
 $('chain-panel').ontoggle = ask;
+$('chain-stream').onchange = ask;
 $('spectrum-panel').ontoggle = ask;
 new ResizeObserver(ask).observe($('waveform'));
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { dirty = true; });
+matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawAll);
 
 // ---- knobs: one change is on its way at a time, the newest value of a key waits
 
@@ -259,6 +264,7 @@ function take(text) {
   }
   if (text.measures) {
     spectrum.measures = text.measures;
+    stale.spectrum = true;  // shades the band
     page.measures = {...text.measures, ...text.measures_of};
     showMeasures($('measures'), text.measures, text.measures_of, waveform.unit);
   }
@@ -300,18 +306,17 @@ function showCursors() {
 
 function draw() {
   requestAnimationFrame(draw);
-  if (!dirty) {
-    return;
+  if (stale.waveform) {
+    waveform.draw();
+    showCursors();
   }
-  dirty = false;
-  waveform.draw();
-  showCursors();
-  if ($('spectrum-panel').open) {
+  if (stale.spectrum && $('spectrum-panel').open) {
     spectrum.draw();
   }
-  if ($('chain-panel').open) {
+  if (stale.chain && $('chain-panel').open) {
     chain.draw();
   }
+  Object.assign(stale, {waveform: false, spectrum: false, chain: false});
   if (undrawn) {
     undrawn = false;
     own.drawn += 1;

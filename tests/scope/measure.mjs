@@ -39,7 +39,18 @@ function use(pid) {
     cpu += (Number(fields[11]) + Number(fields[12])) / TICKS;
     bytes += Number(fields[21]) * 4096;
   }
-  return {cpu, MiB: Math.round(bytes / 2 ** 20)};
+  return {cpu, MiB: Number((bytes / 2 ** 20).toFixed(1))};
+}
+
+/** How fast memory grows in the last two thirds, with its standard error [MiB an hour]. @param points [hours, MiB] */
+function growth(points) {
+  const late = points.slice(Math.floor(points.length / 3));
+  const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;
+  const [x, y] = [mean(late.map(([t]) => t)), mean(late.map(([, m]) => m))];
+  const spread = late.reduce((sum, [t]) => sum + (t - x) ** 2, 0);
+  const slope = late.reduce((sum, [t, m]) => sum + (t - x) * (m - y), 0) / spread;
+  const rest = late.reduce((sum, [t, m]) => sum + (m - y - slope * (t - x)) ** 2, 0);
+  return {MiB_per_hour: Number(slope.toFixed(2)), error: Number(Math.sqrt(rest / (late.length - 2) / spread).toFixed(2))};
 }
 
 const stream = start('endpoint', 'stream', 'paper-stream', '--bind', `ipc://${folder}/stream`, '--json');
@@ -60,10 +71,15 @@ try {
   const before = at();
   const drawn = await page.evaluate(() => { return window.hertzline.own.drawn; });
   const delays = [];
+  const memory = {scope: [], browser: []};
   const begun = Date.now();
   while (Date.now() - begun < 1000 * seconds) {
     await page.waitForTimeout(Math.min(2000, 1000 * seconds));
     delays.push(...await page.evaluate(() => window.hertzline.own.delays.splice(0)));
+    const now = at();
+    for (const who of ['scope', 'browser']) {
+      memory[who].push([(Date.now() - begun) / 3.6e6, now[who]?.MiB]);
+    }
   }
   const elapsed = (Date.now() - begun) / 1000;
   const after = at();
@@ -76,6 +92,7 @@ try {
     delay_ms: {p50: delays[Math.floor(0.5 * delays.length)], p99: delays[Math.floor(0.99 * delays.length)], n: delays.length},
     load: {scope: share('scope'), browser: share('browser'), stream: share('stream')},
     MiB: {scope: [before.scope.MiB, after.scope.MiB], browser: [before.browser?.MiB, after.browser?.MiB]},
+    growth: seconds >= 60 ? {scope: growth(memory.scope), browser: growth(memory.browser)} : undefined,
     stream: {late_frames: end.state.meters.late_frames, dropped: end.state.meters.dropped, real_time_factor: end.state.meters.real_time_factor},
     heard: end.state.accounts.v_out,
   }, null, 2));

@@ -133,6 +133,12 @@ const promises = {
   async 'shows the chain'() {
     await this.page.click('#chain-panel summary');
     await until(this.page, () => window.hertzline.chain.picture?.rows === 6);
+    await this.page.selectOption('#chain-stream', 'f_chain');
+    await until(this.page, () => window.hertzline.chain.picture?.rows === 7);
+    assert.match(await this.page.textContent('#chain-text'), /up to .*N, blue an open contact/);
+    const colours = await this.page.evaluate(() => [0, 0.1].map((force) => window.hertzline.chain.colour(force)));
+    assert.ok(colours[0][2] > colours[0][0] && colours[1][0] > colours[1][2], 'an open contact is blue, a force is not');
+    await this.page.selectOption('#chain-stream', 'v_chain');
     await this.page.click('#chain-panel summary');
   },
   async 'turns a knob, and sees it from the sample on that the answer named'() {

@@ -15,7 +15,7 @@ import urllib.request
 import numpy as np
 import zmq
 
-from page_socket import CHAIN, EACH_SAMPLE, HELD, SPECTRUM, UNTRIGGERED, PageSocket, Refused
+from page_socket import CHAIN, EACH_SAMPLE, FORCES, HELD, SPECTRUM, UNTRIGGERED, PageSocket, Refused
 
 RATE_HZ, PERIOD = 10_000_000, 10_000
 LONG_ENOUGH_S = 100
@@ -161,18 +161,21 @@ def spectra_have_the_measures_of_run(stand):
 
 def the_chain_is_that_of_run(stand):
     with stand.stream(pace=0.01), stand.scope() as scope, PageSocket(scope.url) as page:
-        page.say({"view": {"chain": True}})
-        picture = page.picture(CHAIN)
-        assert (picture.rows, picture.columns, picture.trigger) == (6, 512, picture.burst * PERIOD)
-        end = picture.first + picture.samples
-        subprocess.run([stand.program, "run", "paper-stream", "--columns", "v_chain", "-o", stand.folder / "chain.npy",
-                        "--set", f"output.duration_s={(end - 1) / RATE_HZ}"], check=True, stdout=subprocess.DEVNULL)
-        window = _columns_of(stand.folder / "chain.npy")[picture.first:end]
-        edges = -(-np.arange(513) * picture.samples // 512)  # sample s lies in column s * 512 // samples
-        cells = picture.numbers.reshape(6, 512)
-        for column in range(512):
-            part = window[edges[column]:edges[column + 1]]
-            assert np.array_equal(np.abs(part).max(axis=0), np.abs(cells[:, column])), column
+        for name, rows, flags in (("v_chain", 6, 0), ("f_chain", 7, FORCES)):
+            page.say({"view": {"chain": name}})
+            picture = page.picture(CHAIN)
+            while picture.flags != flags:  # the last one of what was asked for before
+                picture = page.picture(CHAIN)
+            assert (picture.rows, picture.columns, picture.trigger) == (rows, 512, picture.burst * PERIOD)
+            end = picture.first + picture.samples
+            subprocess.run([stand.program, "run", "paper-stream", "--columns", name, "-o", stand.folder / "chain.npy",
+                            "--set", f"output.duration_s={(end - 1) / RATE_HZ}"], check=True, stdout=subprocess.DEVNULL)
+            window = _columns_of(stand.folder / "chain.npy")[picture.first:end]
+            edges = -(-np.arange(513) * picture.samples // 512)  # sample s lies in column s * 512 // samples
+            cells = picture.numbers.reshape(rows, 512)
+            for column in range(512):
+                part = window[edges[column]:edges[column + 1]]
+                assert np.array_equal(np.abs(part).max(axis=0), np.abs(cells[:, column])), (name, column)
 
 
 def strangers_are_refused(stand):

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <zmq.hpp>
 
 #include "stream/files/json_from_outside.hpp"
 #include "stream/wire/endpoint.hpp"
@@ -14,37 +13,34 @@
 
 namespace hertzline::stream {
 
-namespace {
-
 using Json = nlohmann::ordered_json;
 
-zmq::socket_t connected(zmq::context_t& context, const ControlConnection& connection) {
-    if (const auto fault = endpoint_fault(connection.endpoint, EndpointUse::connect)) {
+zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
+                             const std::optional<CurveClient>& curve) {
+    if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
         throw std::runtime_error(*fault);
     }
     zmq::socket_t socket(context, zmq::socket_type::dealer);
-    if (connection.curve) {
-        encrypt_as_client(socket, *connection.curve);
+    if (curve) {
+        encrypt_as_client(socket, *curve);
     }
     constexpr std::int64_t longest_reply = 16 << 20;
     socket.set(zmq::sockopt::linger, 0);
     socket.set(zmq::sockopt::maxmsgsize, longest_reply);
-    socket.set(zmq::sockopt::ipv6, is_ipv6(connection.endpoint));
+    socket.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
     try {
-        socket.connect(connection.endpoint);
+        socket.connect(endpoint);
     } catch (const zmq::error_t& error) {
-        throw std::runtime_error(fmt::format("endpoint \"{}\": {}", connection.endpoint, error.what()));
+        throw std::runtime_error(fmt::format("endpoint \"{}\": {}", endpoint, error.what()));
     }
     return socket;
 }
-
-}  // namespace
 
 Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop) {
     using Clock = std::chrono::steady_clock;
     constexpr long nap_ms = 50;
     zmq::context_t context;
-    zmq::socket_t socket = connected(context, connection);
+    zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve);
     const std::string text = request.dump(-1, ' ', true, Json::error_handler_t::replace);
     const std::array parts{std::as_bytes(std::span(text))};
     send_parts(socket, parts);

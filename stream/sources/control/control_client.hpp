@@ -7,6 +7,7 @@
 #include <string>
 
 #include <nlohmann/json.hpp>
+#include <zmq.hpp>
 
 #include "stream/wire/security/curve.hpp"
 
@@ -14,6 +15,10 @@ namespace hertzline::stream {
 
 /// Where a stream on this machine is controlled.
 inline constexpr const char* usual_control_endpoint = "tcp://127.0.0.1:5574";
+
+/// A socket of a controller, connected. @throws std::runtime_error that names the endpoint
+zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
+                             const std::optional<CurveClient>& curve);
 
 struct ControlConnection {
     std::string endpoint = usual_control_endpoint;

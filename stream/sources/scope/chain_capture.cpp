@@ -33,6 +33,7 @@ void ChainCapture::begin(const FrameHeader& header) {
     first_ = trigger_ + static_cast<std::uint64_t>(std::min(std::floor(from_s_ * fs), most_samples));
     samples_ = static_cast<std::uint64_t>(std::clamp(std::round(span_s_ * fs), 2.0, most_samples));
     channels_ = header.channels;
+    forces_ = header.stream == row_of(Tap::f_chain).name;
     rows_ = std::min(channels_, most_rows);
     columns_ = std::min<std::uint64_t>(samples_, most_columns);
     cells_.assign(rows_ * columns_, std::numeric_limits<float>::quiet_NaN());
@@ -68,6 +69,7 @@ void ChainCapture::take(const ReceivedFrame& frame, double now_s) {
     }
     PictureHead head;
     head.kind = PictureKind::chain;
+    head.flags = static_cast<std::uint16_t>(forces_ ? PictureFlag::forces : 0);
     head.columns = static_cast<std::uint32_t>(columns_);
     head.rows = static_cast<std::uint32_t>(rows_);
     head.trigger = static_cast<std::int64_t>(trigger_);

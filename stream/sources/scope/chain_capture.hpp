@@ -1,6 +1,6 @@
 #pragma once
-// The velocities of all spheres over one burst, as a picture: position down, time to the right. Frames are reduced as they come,
-// so that a long chain takes no more memory than its picture.
+// The velocities of all spheres or the forces of all contacts over one burst, as a picture: position down, time to the right.
+// Frames are reduced as they come, so that a long chain takes no more memory than its picture.
 
 #include <cstdint>
 #include <optional>
@@ -21,7 +21,7 @@ public:
     /// @param repetition_hz of the bursts; 0: the picture begins at once
     ChainCapture(double from_s, double span_s, double repetition_hz);
 
-    /// Takes the next frame of all spheres.
+    /// Takes the next frame of a stream of the whole chain.
     void take(const ReceivedFrame& frame, double now_s);
 
     /// The picture's bytes, once its window is full. Each cell holds the value that is largest in size there.
@@ -42,6 +42,7 @@ private:
     std::size_t rows_ = 0;
     std::size_t columns_ = 0;
     std::vector<float> cells_;
+    bool forces_ = false;
     std::optional<std::string> picture_;
 };
 

@@ -31,6 +31,7 @@ enum PictureFlag : std::uint16_t {
     each_sample = 1,  ///< a column is a sample
     untriggered = 2,  ///< no trigger came for half a second: the picture runs freely
     held = 4,         ///< taken from what is held
+    forces = 8,       ///< of a chain: the rows are contacts [N], not spheres [m/s]
 };
 
 struct PictureHead {

@@ -70,6 +70,19 @@ public:
         fail(key, "one of its words");
     }
 
+    /// Nothing when it is left out, or wrong.
+    std::optional<Tap> stream(const char* key, TapSet allowed, const char* what) {
+        const std::optional<std::string> name = text(key);
+        if (!name) {
+            return std::nullopt;
+        }
+        if (const auto tap = find_tap(*name, allowed)) {
+            return *tap;
+        }
+        fail(key, what);
+        return std::nullopt;
+    }
+
     /// Nothing when it is left out.
     std::optional<std::string> text(const char* key) {
         const auto found = object_.find(key);
@@ -109,13 +122,8 @@ tl::expected<ViewRequest, std::string> view_request(const Json& json) {
     constexpr double longest_s = 1000;
     ViewRequest request;
     Members members(json);
-    if (const auto name = members.text("stream")) {
-        if (const auto tap = find_tap(*name, streamed_taps & measurable_taps)) {
-            request.stream = *tap;
-        } else {
-            members.fail("stream", "a stream of one channel");
-        }
-    }
+    request.stream = members.stream("stream", streamed_taps & measurable_taps, "a stream of one channel")
+                         .value_or(request.stream);
     members.word("trigger", triggers, request.trigger);
     members.word("slope", slopes, request.slope);
     members.word("mode", modes, request.mode);
@@ -129,7 +137,7 @@ tl::expected<ViewRequest, std::string> view_request(const Json& json) {
     members.flag("spectrum", request.spectrum);
     members.number("spectrum_to_hz", 1e-3, 1e12, request.spectrum_to_hz);
     members.whole("average", 1, 1000, request.average);
-    members.flag("chain", request.chain);
+    request.chain = members.stream("chain", streamed_taps & chain_taps, "a stream of the whole chain");
     if (!members.fault().empty()) {
         return tl::unexpected("view." + members.fault());
     }

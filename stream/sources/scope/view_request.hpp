@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -36,8 +37,8 @@ struct ViewRequest {
     double pictures_per_s = 30;
     bool spectrum = false;
     double spectrum_to_hz = 1e6;
-    unsigned average = 1;  ///< spectra
-    bool chain = false;
+    unsigned average = 1;      ///< spectra
+    std::optional<Tap> chain;  ///< which of the streams of the whole chain is drawn
     bool operator==(const ViewRequest&) const = default;
 };
 

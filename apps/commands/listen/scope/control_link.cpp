@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "stream/files/json_from_outside.hpp"
-#include "stream/wire/endpoint.hpp"
+#include "stream/sources/control/control_client.hpp"
 
 namespace hertzline::app {
 
@@ -16,7 +16,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t most_questions = 32;
 constexpr std::chrono::seconds patience{15};  // a change may have to be tried in pilot runs first
-constexpr std::int64_t largest_answer = std::int64_t{1} << 20;
 
 }  // namespace
 
@@ -30,14 +29,7 @@ ControlLink::ControlLink(std::string endpoint, std::optional<stream::CurveClient
 }
 
 void ControlLink::connect() {
-    socket_ = zmq::socket_t(context_, zmq::socket_type::dealer);
-    socket_.set(zmq::sockopt::linger, 0);
-    socket_.set(zmq::sockopt::maxmsgsize, largest_answer);
-    socket_.set(zmq::sockopt::ipv6, stream::is_ipv6(endpoint_));
-    if (curve_) {
-        stream::encrypt_as_client(socket_, *curve_);
-    }
-    socket_.connect(endpoint_);
+    socket_ = stream::control_socket(context_, endpoint_, curve_);
 }
 
 void ControlLink::ask(Json question, std::uint64_t asker) {

@@ -205,6 +205,9 @@ private:
 };
 
 void PageServer::Work::receive(tcp::socket socket) {
+    // A turn's parts are written one after another: a part would wait until the page's system has confirmed the one before, 40 ms.
+    beast::error_code ignored;
+    socket.set_option(tcp::no_delay(true), ignored);
     if (events_->connections < PageLimits::connections) {
         std::make_shared<Visitor>(*this, std::move(socket))->read();
     }

@@ -46,6 +46,14 @@ void ScopePage::add_spectrum(const stream::BurstSpectra& spectra, PageTurn& turn
                            {"averaged", average_.count()}};
 }
 
+void ScopePage::add_chain(const SharedState& shared, PageTurn& turn) {
+    const auto chain = shared.chains.find(*view_.request().chain);
+    if (chain != shared.chains.end() && chain->second.number != chain_told_) {
+        chain_told_ = chain->second.number;
+        turn.push_back({PagePart::Kind::binary, chain->second.bytes});
+    }
+}
+
 void ScopePage::add_state(const SharedState& shared, Json& text) {
     text.update(shared.now);
     text["page"] = {{"pictures", pictures_}, {"left_out", left_out_}, {"held", view_.is_held()}};
@@ -78,10 +86,8 @@ PageTurn ScopePage::turn(const stream::HeardSamples* heard, const stream::BurstS
     if (spectra != nullptr && view_.request().spectrum && !view_.is_held()) {
         add_spectrum(*spectra, turn, text);
     }
-    if (shared.chain != nullptr && view_.request().chain && chain_told_ != shared.chain_number &&
-        !view_.is_held()) {
-        chain_told_ = shared.chain_number;
-        turn.push_back({PagePart::Kind::binary, *shared.chain});
+    if (view_.request().chain && !view_.is_held()) {
+        add_chain(shared, turn);
     }
     const bool tells_state = now_s - state_at_s_ >= state_every_s || !replies_.empty();
     if (turn.empty() && !tells_state) {

@@ -2,6 +2,7 @@
 // One page that is open: what it asks for, and the turns that are made for it.
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,12 @@
 
 namespace hertzline::app {
 
+/// The last one of a stream of the whole chain.
+struct ChainPicture {
+    std::string bytes;
+    std::uint64_t number = 0;  ///< another one for each picture of any such stream
+};
+
 /// What all pages see alike.
 struct SharedState {
     Json now;    ///< state, meters, recording: with each turn that tells the state
@@ -20,8 +27,7 @@ struct SharedState {
     std::uint64_t scene_number = 0;
     Json knobs;  ///< once, and when it has changed
     std::uint64_t knobs_number = 0;
-    const std::string* chain = nullptr;  ///< the last picture of a chain; null: none
-    std::uint64_t chain_number = 0;
+    std::map<Tap, ChainPicture> chains;
 };
 
 /// For one thread.
@@ -42,6 +48,7 @@ public:
 private:
     bool is_due(double now_s) noexcept;
     void add_spectrum(const stream::BurstSpectra& spectra, PageTurn& turn, Json& text);
+    void add_chain(const SharedState& shared, PageTurn& turn);
     void add_state(const SharedState& shared, Json& text);
 
     stream::View view_;

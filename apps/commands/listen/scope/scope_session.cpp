@@ -73,9 +73,9 @@ ScopeSession::ScopeSession(ScopeTargets targets, PageServer& server)
 }
 
 void ScopeSession::take_frame(stream::ReceivedRun& run, const stream::ReceivedFrame& frame) {
-    if (run.tap() == Tap::v_chain) {
-        if (chain_) {
-            chain_->take(frame, now_s_);
+    if (chain_taps.contains(run.tap())) {
+        if (Chain& chain = chains_[run.tap()]; chain.capture) {
+            chain.capture->take(frame, now_s_);
         }
         return;
     }
@@ -95,7 +95,7 @@ void ScopeSession::advance() {
     }
     take_answers(now_s);
     listen_to_what_is_wanted(now_s);
-    advance_chain(now_s);
+    advance_chains(now_s);
     update_shared(now_s);
     deliver(now_s);
 }
@@ -200,7 +200,10 @@ void ScopeSession::listen_to_what_is_wanted(double now_s) {
     if (const auto recorded = recorder_.tap()) {
         streams_[*recorded].wanted_at_s = now_s;
     }
-    TapSet wanted = chain_ ? TapSet(Tap::v_chain) : TapSet();
+    TapSet wanted;
+    for (const auto& [tap, chain] : chains_) {
+        wanted |= chain.capture ? TapSet(tap) : TapSet();
+    }
     std::erase_if(streams_, [&](const auto& stream) {
         const bool kept = now_s - stream.second.wanted_at_s < forgets_after_s;
         wanted |= kept ? TapSet(stream.first) : TapSet();
@@ -209,27 +212,31 @@ void ScopeSession::listen_to_what_is_wanted(double now_s) {
     hearing_.want(wanted);
 }
 
-void ScopeSession::advance_chain(double now_s) {
-    if (chain_) {
-        if (chain_->picture()) {
-            chain_picture_ = chain_->picture();
-            ++shared_.chain_number;
-            chain_.reset();
-            chain_at_s_ = now_s;
+stream::ChainCapture ScopeSession::new_capture() const {
+    const Json& meta = hearing_.meta();
+    const Json scene = meta.is_object() ? meta.value("scene", Json::object()) : Json::object();
+    const double frequency_hz = hearing_.fundamental_hz();
+    const double cycles = number_in(scene, "drive", "cycles");
+    const double burst_s = frequency_hz > 0 ? 1.5 * cycles / frequency_hz : chain_longest_s;
+    return {0, std::min(burst_s, chain_longest_s), hearing_.repetition_hz()};
+}
+
+void ScopeSession::advance_chains(double now_s) {
+    for (auto& [tap, chain] : chains_) {
+        if (chain.capture && chain.capture->picture()) {
+            shared_.chains[tap] = {*chain.capture->picture(), ++chain_pictures_};
+            chain.capture.reset();
+            chain.pictured_at_s = now_s;
         }
-        return;
     }
-    bool asked = false;
     for (const auto& [id, page] : pages_) {
-        asked = asked || (page.request().chain && page.request().mode == stream::ViewMode::run);
-    }
-    if (asked && now_s - chain_at_s_ > chain_every_s) {
-        const Json& meta = hearing_.meta();
-        const Json scene = meta.is_object() ? meta.value("scene", Json::object()) : Json::object();
-        const double frequency_hz = hearing_.fundamental_hz();
-        const double cycles = number_in(scene, "drive", "cycles");
-        const double burst_s = frequency_hz > 0 ? 1.5 * cycles / frequency_hz : chain_longest_s;
-        chain_.emplace(0, std::min(burst_s, chain_longest_s), hearing_.repetition_hz());
+        const stream::ViewRequest& request = page.request();
+        if (request.chain && request.mode == stream::ViewMode::run) {
+            if (Chain& chain = chains_[*request.chain];
+                !chain.capture && now_s - chain.pictured_at_s > chain_every_s) {
+                chain.capture = new_capture();
+            }
+        }
     }
 }
 
@@ -263,14 +270,13 @@ void ScopeSession::update_scene() {
     scene["repetition_hz"] = hearing_.repetition_hz();
     scene["fundamental_hz"] = hearing_.fundamental_hz();
     shared_.scene_number = hearing_.meta_number();
-    chain_.reset();  // may wait for a run that is over
+    chains_.clear();  // may wait for a run that is over
 }
 
 void ScopeSession::update_shared(double now_s) {
     if (shared_.scene_number != hearing_.meta_number()) {
         update_scene();
     }
-    shared_.chain = chain_picture_ ? &*chain_picture_ : nullptr;
     if (!pages_.empty() && now_s - shared_at_s_ > shared_every_s) {
         shared_at_s_ = now_s;
         shared_.now = state();

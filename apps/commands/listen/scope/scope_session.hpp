@@ -42,13 +42,20 @@ private:
         double wanted_at_s = 0;
     };
 
+    /// A stream of the whole chain.
+    struct Chain {
+        std::optional<stream::ChainCapture> capture;  ///< while it is listened to
+        double pictured_at_s = 0;
+    };
+
     void take_frame(stream::ReceivedRun& run, const stream::ReceivedFrame& frame);
     void take(const PageEvent& event);
     void take_request(PageId id, ScopePage& page, const std::string& text);
     void take_recording_request(ScopePage& page, const Json& request);
     void take_answers(double now_s);
     void listen_to_what_is_wanted(double now_s);
-    void advance_chain(double now_s);
+    void advance_chains(double now_s);
+    stream::ChainCapture new_capture() const;
     void update_shared(double now_s);
     void update_scene();
     Json state() const;
@@ -61,9 +68,8 @@ private:
     ScopeRecorder recorder_;
     std::map<Tap, Stream> streams_;
     std::map<PageId, ScopePage> pages_;
-    std::optional<stream::ChainCapture> chain_;
-    std::optional<std::string> chain_picture_;
-    double chain_at_s_ = 0;
+    std::map<Tap, Chain> chains_;
+    std::uint64_t chain_pictures_ = 0;
     double knobs_at_s_ = 0;
     double shared_at_s_ = 0;
     double now_s_ = 0;

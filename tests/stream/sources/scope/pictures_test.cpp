@@ -132,7 +132,8 @@ TEST(ViewRequest, RefusesWhatItDoesNotKnow) {
     EXPECT_EQ(*view_request(Json::object()), ViewRequest());
     for (const char* wrong :
          {R"({"stream": "v_chain"})", R"({"stream": 1})", R"({"span_s": -1})", R"({"span_s": "1"})",
-          R"({"columns": 1e9})", R"({"trigger": "edge"})", R"({"average": 0})", R"({"chain": 1})", "[]"}) {
+          R"({"columns": 1e9})", R"({"trigger": "edge"})", R"({"average": 0})", R"({"chain": 1})",
+          R"({"chain": "v_out"})", R"({"chain": "x_chain"})", "[]"}) {
         const auto request = view_request(Json::parse(wrong));
         ASSERT_FALSE(request) << wrong;
         EXPECT_THAT(request.error(), HasSubstr("allowed")) << wrong;
