@@ -34,7 +34,7 @@ class Publisher:
                 self.send("meta", {"streams": [{"name": "v_out", "channels": 1}], "version": "9"})
         for seq, sample, dropped, n in self.frames:
             header = {"dtype": "<f4", "shape": [n, 1], "unit": "m/s", "stream": "v_out", "seq": seq, "sample": sample,
-                      "fs": 1e6, "t": sample / 1e6, "dropped": dropped, "run": "r", "burst": 0, "burst_sample": sample, "epoch": 0}
+                      "fs": 1e6, "t": sample / 1e6, "dropped": dropped, "run": "r", "burst": 0, "burst_sample": sample, "epoch": seq // 2}
             samples = np.arange(sample, sample + n, dtype="<f4")
             self.socket.send_multipart([b"v_out/np", json.dumps(header).encode(), samples.tobytes()])
         self.send("end", {"run": "r", "samples": self.end, "dropped_frames": 0})
@@ -65,14 +65,16 @@ class Listening(InAFolder):
     def test_every_sample_arrives(self):
         self.check_every_sample("v_out")
 
-    def test_every_sample_of_all_spheres_arrives(self):
+    def test_every_sample_of_all_spheres_and_contacts_arrives(self):
         self.check_every_sample("v_chain")
+        self.check_every_sample("f_chain")
 
     def test_a_block_owns_its_samples(self):
         publisher = Publisher([(0, 0, 0, 100), (1, 100, 0, 100)], 200)
         with hertzline.listen(publisher.endpoint) as live:
             first, second = live
         self.assertEqual((first.samples[0], second.samples[0], len(second.t)), (0, 100, 100))
+        self.assertEqual((first.epoch, second.epoch), (0, 0))
         self.assertFalse(np.shares_memory(first.samples, second.samples))
 
     def test_gaps_raise(self):
@@ -88,8 +90,8 @@ class Listening(InAFolder):
     def test_gaps_are_marked(self):
         publisher = Publisher(GAP, 500)
         with hertzline.listen(publisher.endpoint, gaps="mark") as live:
-            found = [(block.sample, block.missing) for block in live]
-        self.assertEqual(found, [(0, 0), (100, 0), (400, 200), (450, 0)])
+            found = [(block.sample, block.missing, block.epoch) for block in live]
+        self.assertEqual(found, [(0, 0, 0), (100, 0, 0), (400, 200, 2), (450, 0, 2)])
         totals = live.totals
         self.assertEqual((totals["missing_samples"], totals["frames_dropped_by_sender"]), (200, 1))
         self.assertEqual((totals["frames_lost_on_the_way"], totals["gapless"]), (1, False))

@@ -28,7 +28,7 @@ class Block:
     """Consecutive samples of a stream."""
 
     samples: NDArray[np.float32]
-    """In `unit`: shape [sample], or [sample, sphere] of v_chain."""
+    """In `unit`: shape [sample], [sample, sphere] of v_chain, or [sample, contact] of f_chain."""
     sample: int
     """Index of the first of them since the run's start."""
     fs: float
@@ -41,6 +41,8 @@ class Block:
     """"m/s", "N" or "Pa"."""
     run: str
     """The run's id."""
+    epoch: int
+    """Counts the changes of the scene since the run's start; the same for all samples of a block."""
 
     @property
     def t(self) -> NDArray[np.float64]:

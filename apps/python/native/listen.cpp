@@ -14,6 +14,7 @@
 
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/text.hpp"
+#include "core/taps.hpp"
 #include "stream/measures/run_record.hpp"
 #include "stream/sources/received_run.hpp"
 #include "stream/wire/endpoint.hpp"
@@ -121,11 +122,11 @@ private:
     static py::object block_of(stream::ReceivedFrame& frame) {
         const stream::FrameHeader& header = frame.header;
         std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(header.n)};
-        if (header.stream == row_of(Tap::v_chain).name) {
+        if (const auto tap = tap_named(header.stream); tap && row_of(*tap).extent != Extent::one) {
             shape.push_back(static_cast<py::ssize_t>(header.channels));
         }
         return py::make_tuple(array_of(std::move(frame.values), std::move(shape)), header.sample, header.fs,
-                              header.seq, frame.missing, header.unit, header.run);
+                              header.seq, frame.missing, header.unit, header.run, header.epoch);
     }
 
     std::vector<std::string> notices_;
