@@ -1,0 +1,105 @@
+// What a controller sends to a stream, and the list of changes that a recording or a file holds.
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stream/files/json_from_outside.hpp"
+#include "stream/sources/control/scene_change.hpp"
+#include "tests/fuzz/claim.hpp"
+#include "tests/fuzz/scene_claims.hpp"
+
+namespace hertzline::fuzz {
+
+using namespace stream;
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::size_t longest_message = 2000;  // what is allowed may be a list of names
+
+void claim_faults(const std::vector<Fault>& faults) {
+    claim(!faults.empty(), "what is refused has a fault");
+    for (const Fault& fault : faults) {
+        claim_message(fault.message(), longest_message);
+    }
+    const std::string text = faults_json(faults).dump(-1, ' ', true);
+    claim(!text.empty(), "faults are a reply");
+}
+
+void claim_set(const Json& values) {
+    const Scene before;
+    const auto after = with_values(before, values);
+    if (!after) {
+        claim_faults(after.error());
+        return;
+    }
+    const Json found = values_of_keys(*after, values);
+    claim(found.size() == values.size(), "each key that was set has a value", found.dump());
+    for (const auto& [key, value] : values.items()) {
+        claim(!value.is_number() || found[key] == value, "a number that was set is the scene's", key);
+    }
+    const auto again = with_values(*after, found);
+    claim(again && *again == *after, "the values of a change make it again", found.dump());
+    const auto back = with_values(*after, values_of_keys(before, values));
+    claim(back && *back == before, "the values before a change undo it", values.dump());
+}
+
+void claim_get(const Json& keys) {
+    std::vector<std::string> names;
+    for (const Json& key : keys) {
+        if (key.is_string()) {
+            names.push_back(key.get<std::string>());
+        }
+    }
+    const auto described = described_values(Scene{}, names);
+    if (!described) {
+        claim_faults(described.error());
+    }
+}
+
+void claim_changes(const Json& list) {
+    const auto changes = changes_in(list);
+    if (!changes) {
+        claim_message(changes.error(), longest_message);
+        return;
+    }
+    std::int64_t sample = 0;
+    for (const SceneChange& change : *changes) {
+        claim(change.sample > sample, "changes follow one another");
+        sample = change.sample;
+        claim_set(change.set);
+    }
+    Json again = Json::array();
+    for (const SceneChange& change : *changes) {
+        again.push_back(change_json(change));
+    }
+    claim(changes_in(again).has_value(), "what is written reads back", again.dump(-1, ' ', true));
+}
+
+}  // namespace
+
+}  // namespace hertzline::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace hertzline::fuzz;
+    Json request;
+    try {
+        request = hertzline::stream::json_from_outside({reinterpret_cast<const char*>(data), size});
+    } catch (const std::runtime_error& error) {
+        claim_message(error.what(), longest_message);
+        return 0;
+    }
+    claim_changes(request);
+    if (request.is_object()) {
+        if (request.contains("set") && request["set"].is_object()) {
+            claim_set(request["set"]);
+        }
+        if (request.contains("get") && request["get"].is_array()) {
+            claim_get(request["get"]);
+        }
+    }
+    return 0;
+}

@@ -1,0 +1,93 @@
+// What a page asks to see, line by line, and the pictures that it gets of a short stretch of samples.
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "core/model/bursts.hpp"
+#include "stream/files/json_from_outside.hpp"
+#include "stream/sources/scope/view.hpp"
+#include "stream/wire/frame.hpp"
+#include "tests/fuzz/claim.hpp"
+
+namespace hertzline::fuzz {
+
+using namespace stream;
+
+namespace {
+
+constexpr std::size_t longest_message = 500;
+constexpr double fs = 1e6;
+constexpr double repetition_hz = 1000;
+
+/// Five bursts, a stretch of which is missing.
+HeardSamples some_samples() {
+    HeardSamples heard;
+    const Bursts bursts(fs, repetition_hz);
+    for (std::uint64_t frame_number = 0; frame_number < 50; ++frame_number) {
+        if (frame_number == 23) {
+            continue;
+        }
+        ReceivedFrame frame;
+        frame.header.sample = 100 * frame_number;
+        frame.header.n = 100;
+        frame.header.channels = 1;
+        frame.header.fs = fs;
+        frame.header.burst = frame_number / 10;
+        frame.header.burst_sample = 100 * (frame_number % 10);
+        for (int i = 0; i < 100; ++i) {
+            frame.values.push_back(static_cast<float>(std::sin(0.1 * (100.0 * static_cast<double>(frame_number) + i))));
+        }
+        heard.take(frame, repetition_hz, 0.01 * static_cast<double>(frame_number));
+    }
+    return heard;
+}
+
+void claim_picture(const std::string& bytes, const ViewRequest& request) {
+    constexpr std::size_t head = 64;
+    claim(bytes.size() >= head, "a picture has a head");
+    std::uint16_t flags = 0;
+    std::uint32_t columns = 0;
+    std::memcpy(&flags, bytes.data() + 2, sizeof(flags));
+    std::memcpy(&columns, bytes.data() + 4, sizeof(columns));
+    const bool each = (flags & PictureFlag::each_sample) != 0;
+    claim(columns >= 1 && columns <= 2 * request.columns + 1, "a picture is no wider than was asked for");
+    claim(bytes.size() == head + std::size_t{columns} * (each ? 4 : 8), "a picture's columns fill it");
+}
+
+}  // namespace
+
+}  // namespace hertzline::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace hertzline::stream;
+    namespace fuzz = hertzline::fuzz;
+    static const HeardSamples heard = fuzz::some_samples();
+    constexpr int most = 8;
+    View view;
+    std::string_view rest(reinterpret_cast<const char*>(data), size);
+    double now_s = 0.5;
+    for (int i = 0; i < most && !rest.empty(); ++i, now_s += 0.1) {
+        const std::size_t end = std::min(rest.find('\n'), rest.size());
+        const std::string_view line = rest.substr(0, end);
+        rest.remove_prefix(std::min(end + 1, rest.size()));
+        try {
+            const auto request = view_request(json_from_outside(line));
+            if (!request) {
+                fuzz::claim_message(request.error(), fuzz::longest_message);
+                continue;
+            }
+            view.ask(*request);
+        } catch (const std::runtime_error& error) {
+            fuzz::claim_message(error.what(), fuzz::longest_message);
+            continue;
+        }
+        if (const auto picture = view.picture(heard, now_s)) {
+            fuzz::claim_picture(*picture, view.request());
+        }
+    }
+    return 0;
+}
