@@ -26,12 +26,12 @@ using testing::HasSubstr;
 
 const std::string any_port = "tcp://127.0.0.1:*";
 
-/// A stream of 1 MS/s that is controlled.
+/// A stream that is controlled.
 class LiveStream {
 public:
-    explicit LiveStream(const Words& more = {})
-        : program(with({"stream", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json", "--bind",
-                        any_port, "--control", any_port},
+    explicit LiveStream(const Words& more = {}, const std::string& sample_rate_hz = "1e6")
+        : program(with({"stream", "paper-stream", "--set", "output.sample_rate_hz=" + sample_rate_hz,
+                        "--json", "--bind", any_port, "--control", any_port},
                        more)) {
         const std::regex said("control (tcp://\\S+)");
         const std::string messages = program.messages_with(said);
@@ -127,13 +127,46 @@ TEST(Control, SaysWhatIsWrongWithItsArguments) {
     EXPECT_EQ(hertzline({"stream", "paper-stream", "--allow-controllers", "x.key"}).status, 2);
 }
 
+/// Takes a processor from the stream.
+class Load {
+public:
+    ~Load() {
+        done_ = true;
+        thread_.join();
+    }
+
+private:
+    std::atomic<bool> done_{false};
+    std::thread thread_{[this] {
+        while (!done_) {
+        }
+    }};
+};
+
+/// Makes so many random changes, ends the stream when the last has taken effect, and waits for it.
+Outcome session_of_random_changes(LiveStream& stream, int wanted) {
+    {
+        const Load load;
+        std::mt19937 random(14);
+        for (int changes = 0; changes < wanted;) {
+            changes += stream.ask(random_change(random)).contains("epoch") ? 1 : 0;
+        }
+    }
+    stream.program.messages_with("epoch " + std::to_string(wanted) + " from sample");
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stream.program.send(SIGINT);
+    return stream.program.wait();
+}
+
+/// What `run` makes of the session in a recording.
+std::vector<double> simulated_again(const std::string& file, const std::string& as) {
+    const Outcome run = hertzline({"run", file, "--columns", "v_out", "-o", as});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return numbers_in(as);
+}
+
 TEST(Control, ASessionOfRandomChangesIsSimulatedAgainBitForBit) {
     const TemporaryFolder folder;
-    std::atomic<bool> done{false};
-    std::thread load([&] {  // the stream does not get the machine for itself
-        while (!done) {
-        }
-    });
     const std::vector<std::string> files{folder.file("a.sigmf-meta"), folder.file("a.h5"),
                                          folder.file("a.npy"), folder.file("a.wav"), folder.file("a.csv")};
     Words words{"--columns", "v_out"};
@@ -143,18 +176,8 @@ TEST(Control, ASessionOfRandomChangesIsSimulatedAgainBitForBit) {
     LiveStream stream(words);
     Program listener(
         {"listen", "--connect", stream.program.endpoint(), "-o", folder.file("heard.h5"), "--json"});
-    std::mt19937 random(14);
     const int wanted = sanitized ? 8 : 50;
-    for (int done_changes = 0; done_changes < wanted;) {
-        const Json reply = stream.ask(random_change(random));
-        done_changes += reply.contains("epoch") ? 1 : 0;
-    }
-    done = true;
-    load.join();
-    stream.program.messages_with("epoch " + std::to_string(wanted) + " from sample");
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    stream.program.send(SIGINT);
-    const Outcome ended = stream.program.wait();
+    const Outcome ended = session_of_random_changes(stream, wanted);
     ASSERT_EQ(ended.status, 0) << ended.err;
     const Outcome heard = listener.wait();
     ASSERT_EQ(heard.status, 0) << heard.err;
@@ -164,19 +187,29 @@ TEST(Control, ASessionOfRandomChangesIsSimulatedAgainBitForBit) {
     for (const std::string& file : files) {
         EXPECT_EQ(changes_in_file(file), changes) << file;
     }
-    const auto again = [&](const std::string& file, const std::string& as) {
-        const Outcome run = hertzline({"run", file, "--columns", "v_out", "-o", as});
-        EXPECT_EQ(run.status, 0) << run.err;
-        return numbers_in(as);
-    };
     const std::vector<double> recorded = numbers_in(files[1]);
-    EXPECT_TRUE(recorded == again(files[1], folder.file("again.h5")));
+    EXPECT_TRUE(recorded == simulated_again(files[1], folder.file("again.h5")));
     EXPECT_EQ(changes_in_file(folder.file("again.h5")), changes);
-    EXPECT_TRUE(numbers_in(files[0]) == again(files[0], folder.file("again.sigmf-meta")));
+    EXPECT_TRUE(numbers_in(files[0]) == simulated_again(files[0], folder.file("again.sigmf-meta")));
     const std::vector<double> caught = numbers_in(folder.file("heard.h5"));
     const auto joined = heard.json()["first_sample"].get<std::ptrdiff_t>();
-    const std::vector<double> all = again(folder.file("heard.h5"), folder.file("reheard.sigmf-meta"));
+    const std::vector<double> all =
+        simulated_again(folder.file("heard.h5"), folder.file("reheard.sigmf-meta"));
     EXPECT_TRUE(std::equal(caught.begin(), caught.end(), all.begin() + joined, all.end()));
+}
+
+TEST(Control, AtTenMillionSamplesASecondTheSessionIsStillBitForBit) {
+    if (sanitized) {
+        GTEST_SKIP() << "with sanitizers it is not simulated in real time";
+    }
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sigmf-meta");
+    // on a busy machine it may fall behind, and loses nothing
+    LiveStream stream({"--columns", "v_out", "--record", file, "--on-overrun", "wait"}, "10e6");
+    const Outcome ended = session_of_random_changes(stream, 50);
+    ASSERT_EQ(ended.status, 0) << ended.err;
+    EXPECT_EQ(changes_in_file(file).size(), 50U);
+    EXPECT_TRUE(numbers_in(file) == simulated_again(file, folder.file("again.sigmf-meta")));
 }
 
 TEST(Control, ChangesOfAFileAreMadeInARun) {
