@@ -44,11 +44,13 @@ std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres) {
             columns.push_back(column_of(row, 0));
         }
     }
-    for (std::size_t place = 1; place <= spheres + 1; ++place) {
-        for (const TapRow& row : tap_rows) {
-            const bool of_chain = taps.contains(row.tap) && row.extent != Extent::one;
-            if (of_chain && place <= channels_of(row.tap, spheres)) {
-                columns.push_back(column_of(row, place));
+    for (const Extent extent : {Extent::per_sphere, Extent::per_contact}) {
+        const std::size_t places = extent == Extent::per_sphere ? spheres : spheres + 1;
+        for (std::size_t place = 1; place <= places; ++place) {
+            for (const TapRow& row : tap_rows) {
+                if (taps.contains(row.tap) && row.extent == extent) {
+                    columns.push_back(column_of(row, place));
+                }
             }
         }
     }

@@ -10,8 +10,8 @@
 
 namespace hertzline::stream {
 
-/// The columns of a recording of those taps: first those with one channel, then those of spheres and contacts, one
-/// place in the chain after another.
+/// The columns of a recording of those taps: first those with one channel, then those of the spheres, sphere by sphere,
+/// then those of the contacts.
 std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres);
 
 /// The column of that name; one that is no tap's is a quantity of its own, its unit taken from the name.

@@ -7,7 +7,10 @@ namespace hertzline::stream {
 RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {
     for (const TapRow& row : tap_rows) {
         if (taps.contains(row.tap)) {
-            (row.extent == Extent::one ? single_ : of_chain_).push_back(row.tap);
+            std::vector<Tap>& taps_alike = row.extent == Extent::one          ? single_
+                                           : row.extent == Extent::per_sphere ? per_sphere_
+                                                                              : per_contact_;
+            taps_alike.push_back(row.tap);
         }
     }
 }
@@ -23,13 +26,15 @@ void RowBuilder::write(const Samples& block) {
         for (const Tap tap : single_) {
             rows.push_back(block[tap][i]);
         }
-        for (std::size_t place = 0; !of_chain_.empty() && place <= spheres; ++place) {
-            for (const Tap tap : of_chain_) {
-                if (const std::size_t channels = channels_of(tap, spheres); place < channels) {
-                    rows.push_back(block[tap][i * channels + place]);
+        const auto take_turns = [&](const std::vector<Tap>& taps, std::size_t channels) {
+            for (std::size_t channel = 0; !taps.empty() && channel < channels; ++channel) {
+                for (const Tap tap : taps) {
+                    rows.push_back(block[tap][i * channels + channel]);
                 }
             }
-        }
+        };
+        take_turns(per_sphere_, spheres);
+        take_turns(per_contact_, spheres + 1);
     }
     recordings_.write(block.first, std::move(rows));
 }

@@ -23,8 +23,9 @@ public:
 private:
     RecordingSet& recordings_;
     TapSet taps_;
-    std::vector<Tap> single_;    ///< taps of one channel
-    std::vector<Tap> of_chain_;  ///< taps of a channel per sphere or contact
+    std::vector<Tap> single_;       ///< of one channel
+    std::vector<Tap> per_sphere_;   ///< a channel each
+    std::vector<Tap> per_contact_;  ///< a channel each
 };
 
 }  // namespace hertzline::stream

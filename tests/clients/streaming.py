@@ -37,10 +37,11 @@ class Stream:
 def samples_of_run(program, folder, scene, stream, samples, rate_hz):
     """What `hertzline run` gives of the stream as float32, [sample][channel]."""
     file = f"{folder}/run.csv"
-    subprocess.run([program, "run", scene, "--all", "--set", f"output.duration_s={samples / rate_hz}", "-o", file],
+    subprocess.run([program, "run", scene, "--all", "--tap", "f_chain", "--set", f"output.duration_s={samples / rate_hz}", "-o", file],
                    check=True, timeout=LONG_ENOUGH_S, stdout=subprocess.DEVNULL)
     with open(file) as csv:
         names = csv.readline().strip().split(",")
-    wanted = [f"v{k}_m_per_s" for k in range(1, len(names))] if stream == "v_chain" else [f"{stream}_m_per_s"]
+    of_chain = {"v_chain": "v{}_m_per_s", "f_chain": "f{}_n"}.get(stream)
+    wanted = [of_chain.format(k) for k in range(1, len(names))] if of_chain else [f"{stream}_m_per_s"]
     columns = [names.index(name) for name in wanted if name in names]
     return np.loadtxt(file, delimiter=",", skiprows=1, usecols=columns, ndmin=2)[:samples].astype("<f4")

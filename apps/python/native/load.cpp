@@ -81,7 +81,7 @@ py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, cons
     if (count == 0) {
         throw py::key_error("found \"" + name + "\", which the recording does not hold");
     }
-    // of all spheres and contacts the columns take turns: x1, v1, f1, x2, v2, f2, f3
+    // of all spheres the columns take turns: x1, v1, x2, v2
     std::size_t apart = 1;
     while (count > 1 && columns[first + apart].quantity != columns[first].quantity) {
         ++apart;

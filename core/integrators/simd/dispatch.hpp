@@ -15,8 +15,9 @@
 // NOLINTBEGIN(cppcoreguidelines-macro-usage)
 #if HWY_IDE || ((HWY_TARGETS & (HWY_TARGETS - 1)) == 0)
 
-#define HERTZLINE_EXPORT(function) \
-    static decltype(&HWY_STATIC_DISPATCH(function)) const function##_of_targets[1] = {&HWY_STATIC_DISPATCH(function)}
+#define HERTZLINE_EXPORT(function)                  \
+    static decltype(&HWY_STATIC_DISPATCH(function)) \
+        const function##_of_targets[1] = {&HWY_STATIC_DISPATCH(function)}
 #define HERTZLINE_DISPATCH(function) (*function##_of_targets[0])
 
 #else
@@ -31,9 +32,9 @@ inline std::size_t place_in_table(std::int64_t target) noexcept {
 
 }  // namespace hertzline::kernels
 
-#define HERTZLINE_EXPORT(function)                                                                  \
-    static decltype(&HWY_STATIC_DISPATCH(function)) const function##_of_targets[] = { \
-        HWY_CHOOSE_TARGET_LIST(function), HWY_CHOOSE_FALLBACK(function)}
+#define HERTZLINE_EXPORT(function)                  \
+    static decltype(&HWY_STATIC_DISPATCH(function)) \
+        const function##_of_targets[] = {HWY_CHOOSE_TARGET_LIST(function), HWY_CHOOSE_FALLBACK(function)}
 #define HERTZLINE_DISPATCH(function) \
     (*function##_of_targets[hertzline::kernels::place_in_table(hertzline::kernels::chosen_target())])
 

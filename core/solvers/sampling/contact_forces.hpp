@@ -32,7 +32,8 @@ public:
     double* displacements() noexcept { return bodies_[right_].x.data(); }
     double* velocities() noexcept { return bodies_[right_].v.data(); }
 
-    /// Puts the forces of the next contact at out[0], out[stride], ... and goes on to the one behind it.
+    /// Puts the forces of the next contact at out[0], out[stride], ... and goes on to the one behind it. In place of a contact with a
+    /// free end the preload pushes.
     void put(double* out, std::size_t stride) noexcept;
 
 private:

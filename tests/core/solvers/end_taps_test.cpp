@@ -176,7 +176,7 @@ TEST_P(EndTapsOf, TheLastOfAllContactsIsThatOfTheEnd) {
         Samples samples = simulation.make_samples(3000);
         ASSERT_EQ(simulation.advance(samples, 3000), Status::running);
         for (std::size_t k = 0; k < samples.count; ++k) {
-            const double expected = kind == EndKind::free ? 0 : samples[Tap::f_last][k];
+            const double expected = kind == EndKind::free ? scene.chain.preload_n : samples[Tap::f_last][k];
             ASSERT_EQ(samples[Tap::f_chain][(k + 1) * contacts - 1], expected) << k;
         }
     }

@@ -36,7 +36,8 @@ void claim_rules(const PageRequest& request, const PageAddress& address) {
     claim(request.method == "GET" || request.method == "HEAD", "pages can only be read");
     claim(!request.opens_a_socket || request.origin == "http://" + std::string(request.host),
           "no page of another origin opens a socket", std::string(request.origin));
-    const bool a_name = request.host.find_first_not_of("0123456789abcdefABCDEF.:[]") != std::string_view::npos;
+    const bool a_name =
+        request.host.find_first_not_of("0123456789abcdefABCDEF.:[]") != std::string_view::npos;
     claim(!a_name || request.host.starts_with("localhost"), "no name that may be pointed here is ours",
           std::string(request.host));
 }

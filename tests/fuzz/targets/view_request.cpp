@@ -9,6 +9,7 @@
 
 #include "core/model/bursts.hpp"
 #include "stream/files/json_from_outside.hpp"
+#include "stream/sources/scope/picture.hpp"
 #include "stream/sources/scope/view.hpp"
 #include "stream/wire/frame.hpp"
 #include "tests/fuzz/claim.hpp"
@@ -39,7 +40,8 @@ HeardSamples some_samples() {
         frame.header.burst = frame_number / 10;
         frame.header.burst_sample = 100 * (frame_number % 10);
         for (int i = 0; i < 100; ++i) {
-            frame.values.push_back(static_cast<float>(std::sin(0.1 * (100.0 * static_cast<double>(frame_number) + i))));
+            frame.values.push_back(
+                static_cast<float>(std::sin(0.1 * (100.0 * static_cast<double>(frame_number) + i))));
         }
         heard.take(frame, repetition_hz, 0.01 * static_cast<double>(frame_number));
     }
