@@ -30,15 +30,20 @@ std::vector<std::string> column_names(const std::string& file) {
     return names;
 }
 
-TEST(SavedColumns, ColumnsSayWhatARunSavesInEveryFormat) {
-    const TemporaryFolder folder;
-    const Words files{"a.csv", "a.npy", "a.h5", "a.wav", "a.sigmf-meta"};
-    Words words{"run", "paper-vitreous-carbon", "--columns", "f_last,v_out", "--tap", "v_horn"};
+/// Runs the paper's device, and saves it in all these files.
+void run_to(const Words& files, const TemporaryFolder& folder, const Words& more) {
+    Words words = with({"run", "paper-vitreous-carbon"}, more);
     for (const std::string& file : files) {
         words.insert(words.end(), {"-o", folder.file(file)});
     }
     const Outcome run = hertzline(words);
     ASSERT_EQ(run.status, 0) << run.err;
+}
+
+TEST(SavedColumns, ColumnsSayWhatARunSavesInEveryFormat) {
+    const TemporaryFolder folder;
+    const Words files{"a.csv", "a.npy", "a.h5", "a.wav", "a.sigmf-meta"};
+    run_to(files, folder, {"--columns", "f_last,v_out", "--tap", "v_horn"});
     for (const std::string& file : files) {
         EXPECT_THAT(column_names(folder.file(file)),
                     testing::ElementsAre("v_out_m_per_s", "v_horn_m_per_s", "f_last_n"))
@@ -51,14 +56,8 @@ TEST(SavedColumns, ColumnsSayWhatARunSavesInEveryFormat) {
 
 TEST(SavedColumns, ForcesOfAllContactsStandBehindTheSpheres) {
     const TemporaryFolder folder;
-    Words words{"run",   "paper-vitreous-carbon", "--columns", "f_last,f_chain,v_chain",
-                "--set", "chain.spheres=2"};
     const Words files{"a.csv", "a.npy", "a.h5", "a.sigmf-meta"};
-    for (const std::string& file : files) {
-        words.insert(words.end(), {"-o", folder.file(file)});
-    }
-    const Outcome run = hertzline(words);
-    ASSERT_EQ(run.status, 0) << run.err;
+    run_to(files, folder, {"--columns", "f_last,f_chain,v_chain", "--set", "chain.spheres=2"});
     for (const std::string& file : files) {
         EXPECT_THAT(column_names(folder.file(file)),
                     testing::ElementsAre("f_last_n", "v1_m_per_s", "v2_m_per_s", "f1_n", "f2_n", "f3_n"))
