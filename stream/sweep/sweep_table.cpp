@@ -13,6 +13,9 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t status_bytes = 12;
 
+/// Whole numbers below it, and none beyond, are all exact. A journal that somebody has made may hold any.
+constexpr double exact_whole_numbers = 9007199254740992;  // 2^53
+
 RecordField field_of(const SweepPlan& plan, std::size_t number) {
     const SceneKeyInfo& key = plan.keys()[number];
     switch (key.kind) {
@@ -85,7 +88,8 @@ Json row_json(const SweepTable& table, std::int64_t point) {
             std::visit([&](const auto& held) { json.push_back({name, held}); }, cells[i]);
         } else if (!std::isfinite(*number)) {
             json.push_back({name, nullptr});
-        } else if (const std::size_t k = i - first_number; k < numbers.size() && numbers[k].whole) {
+        } else if (const std::size_t k = i - first_number;
+                   k < numbers.size() && numbers[k].whole && std::abs(*number) < exact_whole_numbers) {
             json.push_back({name, static_cast<std::int64_t>(*number)});
         } else {
             json.push_back({name, *number});
