@@ -19,14 +19,18 @@ namespace {
 
 constexpr unsigned default_port = 80;
 
+/// inet_pton() reads to the first NUL, behind which anything may stand.
+bool is_address(int family, const std::string& text) {
+    in6_addr address{};
+    return text.find('\0') == std::string::npos && ::inet_pton(family, text.c_str(), &address) == 1;
+}
+
 bool is_ipv4(const std::string& text) {
-    in_addr address{};
-    return ::inet_pton(AF_INET, text.c_str(), &address) == 1;
+    return is_address(AF_INET, text);
 }
 
 bool is_ipv6(const std::string& text) {
-    in6_addr address{};
-    return ::inet_pton(AF_INET6, text.c_str(), &address) == 1;
+    return is_address(AF_INET6, text);
 }
 
 std::optional<unsigned> port_in(std::string_view text) {
