@@ -122,7 +122,7 @@ private:
     static py::object block_of(stream::ReceivedFrame& frame) {
         const stream::FrameHeader& header = frame.header;
         std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(header.n)};
-        if (const auto tap = tap_named(header.stream); tap && row_of(*tap).extent != Extent::one) {
+        if (const auto tap = tap_named(header.stream); tap && chain_taps.contains(*tap)) {
             shape.push_back(static_cast<py::ssize_t>(header.channels));
         }
         return py::make_tuple(array_of(std::move(frame.values), std::move(shape)), header.sample, header.fs,

@@ -92,7 +92,7 @@ py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, cons
     std::vector<py::ssize_t> strides{width};
     if (count > 1 || columns[first].name != name) {
         const auto tap = tap_named(columns[first].quantity);
-        if (tap && row_of(*tap).extent != Extent::one) {
+        if (tap && chain_taps.contains(*tap)) {
             shape.push_back(static_cast<py::ssize_t>(count));
             strides.push_back(static_cast<py::ssize_t>(apart));
         }

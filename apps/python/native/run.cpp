@@ -138,7 +138,7 @@ Tap held_tap(const RunResult& result, const std::string& name) {
 py::array_t<double> samples_of(const std::shared_ptr<RunResult>& result, const std::string& name) {
     const Tap tap = held_tap(*result, name);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
-    if (row_of(tap).extent != Extent::one) {
+    if (chain_taps.contains(tap)) {
         shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->spheres)));
     }
     return view_of(result->column(tap).data(), shape, py::cast(result));

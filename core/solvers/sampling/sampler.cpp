@@ -61,7 +61,7 @@ struct Exactly {
 
 /// Whether the taps show more of the chain than its far end.
 bool of_all_bodies(TapSet taps) noexcept {
-    return !(taps & (TapSet(Tap::v_chain) | Tap::x_chain | Tap::f_chain)).empty();
+    return !(taps & chain_taps).empty();
 }
 
 }  // namespace
