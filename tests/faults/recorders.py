@@ -171,6 +171,13 @@ def files_whose_closing_fails(stand):
             path.unlink()
 
 
+def key_whose_closing_fails(stand):
+    loses = stand.with_shim(loses=stand.folder / "alice.key_secret")
+    made = stand.run("keys", stand.folder / "alice", env={**os.environ, **loses})
+    check(made.returncode == 1 and "alice.key_secret: Input/output error" in made.stderr, f"{made}")
+    check(not list(stand.folder.glob("alice*")), "it left something behind")
+
+
 def files_whose_closing_fails_on_a_full_disk(stand):
     limit = 200_000
     full = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
