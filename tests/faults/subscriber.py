@@ -9,6 +9,7 @@ import zmq
 parser = argparse.ArgumentParser()
 parser.add_argument("endpoint")
 parser.add_argument("--everything", action="store_true", help="subscribe to every topic, not to v_out alone")
+parser.add_argument("--chain", action="store_true", help="subscribe to the samples of every sphere, too")
 parser.add_argument("--save", metavar="NPY", help="two columns: index of the sample, v_out")
 parser.add_argument("--slow", type=float, default=0, help="for the first seconds take only 50 frames in each")
 parser.add_argument("--queue", type=int, default=100_000, help="frames that may wait to be received")
@@ -17,7 +18,7 @@ words = parser.parse_args()
 socket = zmq.Context().socket(zmq.SUB)
 socket.rcvhwm = words.queue
 socket.connect(words.endpoint)
-for topic in ("",) if words.everything else ("v_out/np", "end"):
+for topic in ("",) if words.everything else ("v_out/np", "end") + words.chain * ("v_chain/raw",):
     socket.subscribe(topic)
 headers, samples, begin = [], [], time.monotonic()
 while True:
