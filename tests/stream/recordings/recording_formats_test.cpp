@@ -9,6 +9,7 @@
 #include <random>
 #include <stdexcept>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -61,6 +62,9 @@ protected:
 
 /// Formats with one file, which gets its name at commit.
 class StagedFormat : public RecordingFormat {};
+
+/// Of formats whose description may be that long.
+class LongDescription : public RecordingFormat {};
 
 /// Formats of which a reader notices that a part is missing or damaged.
 class SealedFormat : public RecordingFormat {};
@@ -232,6 +236,15 @@ TEST_P(SealedFormat, DamageIsNoCrash) {
     EXPECT_GT(refused, files / 3);
 }
 
+TEST_P(LongDescription, ThatIsMadeToBeSlowIsRefused) {
+    RecordingHead written = head();
+    for (int key = 0; key < 6500; ++key) {
+        written.provenance[fmt::format("{:x}", key)] = 0;
+    }
+    record(written, {recorded_rows(written, 0, 10)});
+    EXPECT_THAT(refusal(), HasSubstr("too many keys"));
+}
+
 constexpr Format npy_f8{"npy", NumberType::float64}, npy_f4{"npy", NumberType::float32};
 constexpr Format h5_f8{"h5", NumberType::float64}, h5_f4{"h5", NumberType::float32};
 constexpr Format wav{"wav", NumberType::float32};
@@ -249,6 +262,9 @@ INSTANTIATE_TEST_SUITE_P(All, RecordingFormat,
                          testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav, csv_f8, csv_f4, sigmf,
                                          sigmf_collection),
                          name_of);
+// A WAV has no room for it.
+INSTANTIATE_TEST_SUITE_P(All, LongDescription,
+                         testing::Values(npy_f8, h5_f8, csv_f8, sigmf, sigmf_collection), name_of);
 // SigMF has its name from the first sample on, and CSV has a second file.
 INSTANTIATE_TEST_SUITE_P(All, StagedFormat, testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav), name_of);
 // Neither CSV nor SigMF says how long it is.
