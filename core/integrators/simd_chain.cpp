@@ -38,11 +38,11 @@ SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lane
     : tension(chain.tension),
       damping_law(chain.damping_law),
       layout_(layout_for(chain, integrator, lanes)),
-      lanes_(lanes) {
+      lanes_(lanes),
+      all_rows_(layout_ == Layout::linear ? linear_rows(chain.bodies(), lanes)
+                                          : rows_for(chain.bodies(), lanes)) {
     const std::size_t per_vector = alignment / sizeof(double);
-    const bool linear = layout_ == Layout::linear;
-    const std::size_t rows = linear ? linear_rows(chain.bodies(), lanes) : rows_for(chain.bodies(), lanes);
-    stride_ = (rows * lanes + per_vector - 1) / per_vector * per_vector;
+    stride_ = (all_rows_ * lanes + per_vector - 1) / per_vector * per_vector;
     const std::size_t size = stride_ * columns_used();
     columns_.reset(
         static_cast<double*>(::operator new[](size * sizeof(double), std::align_val_t{alignment})));

@@ -72,7 +72,7 @@ enum class ChainField : std::size_t {
     work_rate_dot,
     // columns of a kernel's own from here on, see SimdChain::scratch()
     first_scratch,
-    count = first_scratch + 16
+    count = first_scratch + 17
 };
 
 /// Rows that the kernels keep in registers; a chain of more rows is worked through in memory.
@@ -102,6 +102,9 @@ public:
         static_cast<std::size_t>(ChainField::count) - static_cast<std::size_t>(ChainField::first_scratch);
     std::size_t slot(Eigen::Index body) const noexcept { return slot_of_[static_cast<std::size_t>(body)]; }
     std::size_t rows() const noexcept { return rows_; }
+    /// Rows by which a kernel is chosen. A chain that does not fit in registers as a whole is never worked on there: kernels in registers
+    /// and in memory round differently.
+    std::size_t kernel_rows() const noexcept { return all_rows_ > max_register_rows ? all_rows_ : rows_; }
     std::size_t lanes() const noexcept { return lanes_; }
     std::size_t slots() const noexcept { return rows_ * lanes_; }
     /// Slots of the ledger's columns that kernels book to.
@@ -131,6 +134,7 @@ private:
     };
     Layout layout_;
     std::size_t lanes_;
+    std::size_t all_rows_;  ///< of all bodies
     std::size_t rows_ = 0;
     std::size_t stride_ = 0;  ///< doubles from one column to the next
     Eigen::Index active_ = 0;

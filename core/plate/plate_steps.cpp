@@ -181,6 +181,13 @@ void PlateSteps::observe(At at, const Drive& drive) noexcept {
     state.passing_dot = drive.force_dot * drive.velocity + drive.force * drive.acceleration;
 }
 
+void PlateSteps::kick_between_steps(double velocity) noexcept {
+    begin();
+    kick(velocity);
+    now_.kicked = 0;
+    begin_ = now_;
+}
+
 void PlateSteps::accept(double time) noexcept {
     passed_ += integral(time, begin_.passing, begin_.passing_dot, now_.passing, now_.passing_dot);
     finish(time);

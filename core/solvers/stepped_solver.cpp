@@ -53,7 +53,8 @@ void SteppedSolver::reset() noexcept {
 
 void SteppedSolver::lay_out(Eigen::Index active) noexcept {
     simd_chain_.load(chain_, state_, active);
-    kernel_ = plate_ ? kernels::plate_kernel(integrator_) : kernels::kernel(integrator_, simd_chain_.rows());
+    kernel_ =
+        plate_ ? kernels::plate_kernel(integrator_) : kernels::kernel(integrator_, simd_chain_.kernel_rows());
     simd_chain_.plate = nullptr;
     if (plate_ && active == chain_.bodies()) {  // before the wave is there the plate stands still
         simd_chain_.plate = plate_.get();

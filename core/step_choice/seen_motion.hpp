@@ -14,7 +14,7 @@ namespace hertzline {
 inline constexpr double seen_margin = 1.25;
 
 /// Velocities that err by a share of their size change the energy by twice that, and the ledger of a step that freezes its contacts
-/// errs some times more (chin4a).
+/// may err some times more.
 constexpr double residual_in_keeping_with(double error) noexcept {
     return 10 * error;
 }

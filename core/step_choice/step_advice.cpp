@@ -34,7 +34,8 @@ constexpr double first_phase = 0.6;              // omega h of the coarsest pilo
 constexpr double drive_periods = 1.0 / 20;       // and it resolves the drive
 constexpr int max_halvings = 9;
 constexpr double grid_safety = 0.5;  // of the wanted accuracy: where contacts switch, errors scatter about
-                                     // their power law
+                                     // their power law,
+constexpr double grid_most = 0.8;    // and a pilot that shows more is not taken for good
 
 /// The largest step not above `step` that divides the sample period or, beyond it, is a multiple of a quarter of it.
 double fitted_to_samples(double step, double sample_rate_hz) {
@@ -83,13 +84,16 @@ AdvisedStep advise_on_grid(const Scene& scene, const ReferencePilot& reference) 
     } else if (error_of(trial) <= target && std::isfinite(coarser_error) && coarser_error > error_of(trial)) {
         // between the step that is good enough and its double, which is not: a power law through both errors
         const double order = std::log2(coarser_error / error_of(trial));
-        const double growth = std::pow(target / std::max(error_of(trial), 1e-300), 1 / order);
+        double growth = std::min(2.0, std::pow(target / std::max(error_of(trial), 1e-300), 1 / order));
         constexpr double worth_it = 1.1;
-        if (growth > worth_it) {
-            Trial longer = trial_of(std::min(growth, 2.0) * step);
-            if (error_of(longer) <= 2 * target) {
+        constexpr int most_tries = 2;
+        for (int tries = 0; tries < most_tries && growth > worth_it; ++tries) {
+            Trial longer = trial_of(growth * step);
+            if (error_of(longer) <= grid_most * accuracy) {
                 trial = std::move(longer);
+                break;
             }
+            growth *= std::pow(target / error_of(longer), 1 / order);
         }
     }
     return {advice, std::move(trial)};

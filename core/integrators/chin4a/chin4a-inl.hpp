@@ -11,8 +11,8 @@
 //
 // All this holds while the set of closed contacts stays what it is, so the set is frozen during a step. A
 // step at whose end a contact is found on the wrong side is taken again up to the crossing, the contact is
-// switched, and the rest of the step follows. The horn's motion is smooth only piecewise; where a piece ends
-// inside a step the step is split, too.
+// switched, and the rest of the step follows. A kick makes up for what Simpson's rule errs about that moment.
+// The horn's motion is smooth only piecewise; where a piece ends inside a step the step is split, too.
 #if defined(HERTZLINE_CHIN4A_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_CHIN4A_INL
 #undef HERTZLINE_CHIN4A_INL
@@ -23,6 +23,7 @@
 #include "core/integrators/chin4a/chin4a_chain-inl.hpp"
 #include "core/integrators/chin4a/crossings-inl.hpp"
 #include "core/integrators/chin4a/frozen_step-inl.hpp"
+#include "core/integrators/chin4a/whole_drift-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -32,8 +33,9 @@ namespace HWY_NAMESPACE {
 /// One step of a chain whose contacts stay as they are, from now to next.
 /// @returns whether they did; if not, next is void.
 template <std::size_t K>
-HWY_INLINE bool try_step(Chin4aChain<K>& chin, const HornMotion& middle, const HornMotion& end) {
-    frozen_step(chin, chin.h, chin.decay, middle, end);
+HWY_INLINE bool try_step(Chin4aChain<K>& chin, const WholeDrift<K>& half_drift, const HornMotion& middle,
+                         const HornMotion& end) {
+    frozen_step(chin, chin.h, half_drift, middle, end);
     return !any_crosses(chin, end);
 }
 
@@ -76,6 +78,7 @@ int advance_chin4a(SimdChain& chain, const ToneBurst& burst, const HornStep* hor
         rebuild(chin, horn[0].start);
         chain.rebuild = false;
     }
+    WholeDrift<K> half_drift(chin);
     int taken = 0;
     while (taken < count && trace.has_room()) {
         const HornStep& now = horn[taken];
@@ -83,7 +86,7 @@ int advance_chin4a(SimdChain& chain, const ToneBurst& burst, const HornStep* hor
         if (PlateSteps* const plate = plate_behind(chin.rows); plate != nullptr) {
             plate->enter(first + taken);
         }
-        if (HWY_LIKELY(smooth && try_step(chin, now.middle, now.end))) {
+        if (HWY_LIKELY(smooth && try_step(chin, half_drift, now.middle, now.end))) {
             accept(chin, chain.step_s);
         } else {
             chin.save();
@@ -91,6 +94,7 @@ int advance_chin4a(SimdChain& chain, const ToneBurst& burst, const HornStep* hor
             take_split_step<K>(chain, burst, now, first + taken, smooth ? Trial::crossed : Trial::not_yet,
                                trace);
             chin = Chin4aChain<K>(chain);
+            half_drift = WholeDrift<K>(chin);
         }
         ++taken;
         if (trace.next == first + taken) {

@@ -53,6 +53,7 @@ struct Chin4aChain {
         part_right,
         part_self,
         crossing_time,
+        closed_last,
         count
     };
 

@@ -9,6 +9,7 @@
 #include "core/integrators/chin4a/chin4a_chain-inl.hpp"
 #include "core/integrators/chin4a/frozen_step-inl.hpp"
 #include "core/integrators/chin4a/horn_curve-inl.hpp"
+#include "core/integrators/chin4a/switching_kick-inl.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/simd/roots-inl.hpp"
 #include "core/integrators/trace.hpp"
@@ -113,8 +114,9 @@ HWY_NOINLINE void advance(Chin4aChain<K>& c, const HornCurve& horn, double done,
         decay.right.set(k, scale * c.decay.right[k]);
         decay.self.set(k, scale * c.decay.self[k]);
     }
-    frozen_step(c, fraction * horn.duration_s(), decay, horn.at(done + 0.5 * fraction),
-                horn.at(done + fraction));
+    const double duration_s = fraction * horn.duration_s();
+    const auto half_drift = [&](Chin4aChain<K>& chin) HWY_ATTR { drift(chin, 0.5 * duration_s, decay); };
+    frozen_step(c, duration_s, half_drift, horn.at(done + 0.5 * fraction), horn.at(done + fraction));
 }
 
 /// When contacts cross, between `done` and the end of the part, as fractions of that; 2: not at all.
@@ -152,6 +154,8 @@ template <std::size_t K, class RecordRow>
 HWY_INLINE void advance_located(Chin4aChain<K>& c, const HornCurve& horn, Trial trial,
                                 RecordRow&& record_row) {
     Col<K> times = c.rows.scratch(Chin4aChain<K>::Scratch::crossing_time);
+    const double steps_per_part = horn.duration_s() / c.h;
+    SwitchingKick<K> switching_kick(c);
     double done = 0;
     for (int switches = 0;; ++switches) {
         const double rest = 1 - done;
@@ -168,10 +172,13 @@ HWY_INLINE void advance_located(Chin4aChain<K>& c, const HornCurve& horn, Trial 
             advance(c, horn, done, first * rest);
             accept(c, first * rest * horn.duration_s());
             done += first * rest;
+            switching_kick.add_part(first * rest * steps_per_part);
         }
         record_row(done);
+        const HornMotion horn_now = horn.at(done);
+        switching_kick(c, times, first + same_moment, horn_now.v, (1 - done) * steps_per_part);
         switch_contacts(c, times, first + same_moment);
-        rebuild(c, horn.at(done));
+        rebuild(c, horn_now);
         record_row(done);
         if (1 - done <= same_moment) {
             return;

@@ -16,6 +16,8 @@ namespace HWY_NAMESPACE {
 
 inline constexpr double one_sixth = 1.0 / 6;
 inline constexpr double two_thirds = 2.0 / 3;
+/// Of the dashpots' decay over half a step that are kept: enough for the fourth order.
+inline constexpr int drift_powers = 4;
 
 /// A, on the next motion: exp of the linear dashpots on the velocities, its integral on the positions, as
 /// Taylor series. The positions' series needs one power less for the same order; the forces wait for them, so
@@ -23,7 +25,6 @@ inline constexpr double two_thirds = 2.0 / 3;
 template <std::size_t K>
 HWY_INLINE void drift(Chin4aChain<K>& c, double time, const Decay<K>& decay) {
     using Scratch = typename Chin4aChain<K>::Scratch;
-    constexpr int powers = 4;
     Col<K> term = c.rows.scratch(Scratch::drift_term);
     Col<K> following = c.rows.scratch(Scratch::drift_following);
     PlateSteps* const plate = plate_behind(c.rows);
@@ -35,7 +36,7 @@ HWY_INLINE void drift(Chin4aChain<K>& c, double time, const Decay<K>& decay) {
         c.next.x.set(k, MulAdd(splat(time), c.next.v[k], c.next.x[k]));
     }
     double factorial = 1;
-    for (int power = 1; power <= powers; ++power) {
+    for (int power = 1; power <= drift_powers; ++power) {
         factorial *= power;
         const Vec velocity_weight = splat(1 / factorial);
         const Vec position_weight = splat(time * (1 / (factorial * (power + 1))));
@@ -51,7 +52,7 @@ HWY_INLINE void drift(Chin4aChain<K>& c, double time, const Decay<K>& decay) {
         HERTZLINE_EACH_ROW(k, c.rows.count()) {
             term.set(k, following[k]);
             c.next.v.set(k, MulAdd(velocity_weight, following[k], c.next.v[k]));
-            if (power < powers) {
+            if (power < drift_powers) {
                 c.next.x.set(k, MulAdd(position_weight, following[k], c.next.x[k]));
             }
         }
@@ -179,9 +180,10 @@ HWY_INLINE void observe(const Chin4aChain<K>& c, const Motion<K>& motion, Node<K
 }
 
 /// V/6, A/2, 2V~/3, A/2, V/6 with the contacts as they are, from now to next.
-template <std::size_t K>
-HWY_INLINE void frozen_step(Chin4aChain<K>& c, double h, const Decay<K>& decay, const HornMotion& middle,
-                            const HornMotion& end) {
+/// @param half_drift A/2, on the next motion
+template <std::size_t K, class HalfDrift>
+HWY_INLINE void frozen_step(Chin4aChain<K>& c, double h, const HalfDrift& half_drift,
+                            const HornMotion& middle, const HornMotion& end) {
     const Vec sixth = splat(h * one_sixth);
     HERTZLINE_EACH_ROW(k, c.rows.count()) {
         c.next.x.set(k, c.now.x[k]);
@@ -191,11 +193,11 @@ HWY_INLINE void frozen_step(Chin4aChain<K>& c, double h, const Decay<K>& decay, 
         plate->begin();
     }
     kick_plate(c);
-    drift(c, 0.5 * h, decay);
+    half_drift(c);
     forces(c, c.next.x, c.next.a, c.next_node.overlap, middle);
     kick_with_gradient(c, h);
     kick_plate(c);
-    drift(c, 0.5 * h, decay);
+    half_drift(c);
     forces(c, c.next.x, c.next.a, c.next_node.overlap, end);
     HERTZLINE_EACH_ROW(k, c.rows.count()) c.next.v.set(k, MulAdd(sixth, c.next.a[k], c.next.v[k]));
     kick_plate(c);

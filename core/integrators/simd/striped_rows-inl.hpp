@@ -71,6 +71,9 @@ public:
             return col;
         }
     }
+    HWY_INLINE void fill(Col<K>& col, double value) const {
+        HERTZLINE_EACH_ROW(k, count()) col.set(k, splat(value));
+    }
     /// dst = src, value by value.
     template <class Dst>
     HWY_INLINE void copy(Dst&& dst, const Col<K>& src) const {
@@ -84,6 +87,18 @@ public:
     /// Values of the right neighbours of row k; meaningless in the last slot, which is a pad without mobility.
     HWY_INLINE Vec right(const Col<K>& col, std::size_t k) const {
         return k + 1 < count() ? col[k + 1] : rotation_.down(col[0]);
+    }
+    /// All values one body further on: each body gets its left neighbour's.
+    HWY_INLINE Col<K> shifted_up(const Col<K>& col) const {
+        Col<K> shifted;
+        HERTZLINE_EACH_ROW(k, count()) shifted.set(k, left(col, k));
+        return shifted;
+    }
+    /// Each body gets its right neighbour's.
+    HWY_INLINE Col<K> shifted_down(const Col<K>& col) const {
+        Col<K> shifted;
+        HERTZLINE_EACH_ROW(k, count()) shifted.set(k, right(col, k));
+        return shifted;
     }
     /// left - self, with the horn's value as the first body's left neighbour. The rotation takes longest, so
     /// all else is done beside it.

@@ -133,8 +133,9 @@ TEST(Order, FractionalContactKeepsLeapfrogSecondOrderThroughEveryOpening) {
     EXPECT_THAT(orders("paper_wall", Integrator::leapfrog, 100e-9), Each(AllOf(Ge(1.8), Le(2.2))));
 }
 
-TEST(Order, LocatedContactsKeepChin4aAboveSecondOrder) {
-    EXPECT_THAT(orders("paper_wall", Integrator::chin4a, 200e-9), Each(AllOf(Ge(2.0), Le(4.2))));
+TEST(Order, LocatedContactsAndTheirKicksKeepChin4aAboveThirdOrder) {
+    // without the kicks at openings and closings about 2.5
+    EXPECT_THAT(orders("paper_wall", Integrator::chin4a, 200e-9), Each(AllOf(Ge(3.3), Le(4.2))));
 }
 
 TEST(Order, TheEnergyResidualFallsWithTheMethodsOrder) {

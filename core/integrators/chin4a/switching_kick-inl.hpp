@@ -1,0 +1,126 @@
+// Where contacts open and close, quadratures fall short of their order: what the kicks and the ledger of Chin's algorithm make too much
+// there, and how it is taken back. Included once per SIMD target.
+//
+// Within a time tau of its closing or opening at a relative velocity w a contact presses with k |w tau|^(3/2). The kicks of a step
+// integrate that by Simpson's rule, the ledger integrates its power by Hermite's, and both rules err there by a power h^(5/2), less than
+// the method's. By how much is known once it is known when the contact switches: it is the error of the rule for tau^(3/2), summed up
+// over the steps about that moment.
+#if defined(HERTZLINE_SWITCHING_KICK_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef HERTZLINE_SWITCHING_KICK_INL
+#undef HERTZLINE_SWITCHING_KICK_INL
+#else
+#define HERTZLINE_SWITCHING_KICK_INL
+#endif
+
+#include <cmath>
+
+#include "core/integrators/chin4a/chin4a_chain-inl.hpp"
+#include "core/integrators/simd/contact-inl.hpp"
+#include "core/integrators/simd/plate_body-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace hertzline::kernels {
+namespace HWY_NAMESPACE {
+
+/// What the rules make too much of the integral of tau^(3/2).
+struct Excess {
+    double of_kicks = 0;
+    double of_ledger = 0;
+
+    HWY_INLINE Excess operator+(const Excess& other) const {
+        return {of_kicks + other.of_kicks, of_ledger + other.of_ledger};
+    }
+    HWY_INLINE Excess operator-(const Excess& other) const {
+        return {of_kicks - other.of_kicks, of_ledger - other.of_ledger};
+    }
+};
+
+/// In a step, or a part of one, from `from` to `to`, in steps from the moment of the switching.
+HWY_INLINE Excess excess_between(double from, double to) {
+    const auto three_halves = [](double t) { return t * std::sqrt(t); };
+    const double length = to - from;
+    const double ends = three_halves(from) + three_halves(to);
+    const double simpson = length / 6 * (ends + 4 * three_halves(0.5 * (from + to)));
+    const double hermite = length / 2 * ends + length * length / 8 * (std::sqrt(from) - std::sqrt(to));
+    const double exact = 0.4 * (to * three_halves(to) - from * three_halves(from));
+    return {simpson - exact, hermite - exact};
+}
+
+/// In the steps on one side of a switching. The rules are good enough from the fourth on.
+/// @param next,second lengths of the first two in steps; whole ones follow
+HWY_INLINE Excess excess_beside(double next, double second) {
+    const double two = next + second;
+    return excess_between(0, next) + excess_between(next, two) + excess_between(two, two + 1);
+}
+
+/// Takes the excess back where contacts switch in a step, which may be in several places.
+template <std::size_t K>
+class SwitchingKick {
+public:
+    explicit HWY_INLINE SwitchingKick(const Chin4aChain<K>& c)
+        : closed_last_(c.rows.scratch(Chin4aChain<K>::Scratch::closed_last)) {}
+
+    /// A part of the step has been taken, up to where contacts switch. @param length in steps
+    HWY_INLINE void add_part(double length) {
+        second_ = next_ > 0 ? next_ : 1;
+        next_ = length;
+    }
+
+    /// Kicks the bodies whose contacts are about to switch, on the motion now, and books.
+    /// @param times when each contact switches, at the latest at `time` if it does
+    /// @param horn_v [m/s] @param left of the step, in steps
+    HWY_INLINE void operator()(Chin4aChain<K>& c, const Col<K>& times, double time, double horn_v,
+                               double left) {
+        using Scratch = typename Chin4aChain<K>::Scratch;
+        Col<K> impulse = c.rows.scratch(Scratch::stretch);
+        Col<K> booked = c.rows.scratch(Scratch::force);
+        const Col<K> stiffness = c.rows.load(ChainField::stiffness);
+        const Vec unit = splat(-c.h * c.h * std::sqrt(c.h));
+        // a contact without tension lets go while it is still pressed
+        const Excess opening = c.tension == Tension::allowed ? excess_beside(next_, second_) : Excess();
+        const Excess closing = excess_beside(left, 1);
+        // those that closed before in this step were thought to have the rest of it in one part
+        const Excess cut =
+            left_ > 0 ? excess_between(0, next_) + excess_between(next_, left_) - excess_between(0, left_)
+                      : Excess();
+        HERTZLINE_EACH_ROW(k, c.rows.count()) {
+            const Vec speed = Abs(c.rows.difference(c.now.v, k, horn_v));
+            const Vec switching =
+                IfThenElseZero(Le(times[k], splat(time)), unit * hertz(stiffness[k], speed));
+            const Vec opens = c.closed[k] * switching;
+            const Vec closes = switching - opens;
+            const Vec closed_last = left_ > 0 ? closed_last_[k] : zero();
+            const auto sum = [&](double Excess::*part) HWY_ATTR {
+                const Vec of_closings = MulAdd(splat(closing.*part), closes, splat(cut.*part) * closed_last);
+                return MulAdd(splat(opening.*part), opens, of_closings);
+            };
+            impulse.set(k, sum(&Excess::of_kicks));
+            booked.set(k, sum(&Excess::of_ledger));
+            closed_last_.set(k, closes);
+        }
+        left_ = left;
+        c.work.add(booked[0] * c.rows.horn(horn_v));
+        PlateSteps* const plate = plate_behind(c.rows);
+        if (plate != nullptr) {
+            plate->book(value_in(booked, plate->end_slot) * value_in(c.now.v, plate->end_slot));
+        }
+        HERTZLINE_EACH_ROW(k, c.rows.count()) {
+            const Vec net = impulse[k] - c.rows.right(impulse, k);
+            c.now.v.set(k, MulAdd(c.inv_mass[k], net, c.now.v[k]));
+        }
+        if (plate != nullptr) {
+            plate->kick_between_steps(value_in(c.now.v, plate->end_slot));
+        }
+    }
+
+private:
+    double next_ = 0, second_ = 1;  ///< lengths of the parts taken before, the last one first
+    double left_ = 0;               ///< of the step at the last switching
+    Col<K> closed_last_;            ///< impulses of the contacts that closed there, by their excess
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace hertzline::kernels
+HWY_AFTER_NAMESPACE();
+
+#endif
