@@ -199,6 +199,12 @@ bool ToneBurst::fill(std::int64_t first, HornStep* steps, int count) const noexc
         fill_smooth(begin, steps, count);
         return false;
     }
+    constexpr int few = 4;
+    if (count > few) {
+        const int half = count / 2;
+        const bool still = fill(first, steps, half);
+        return fill(first + half, steps + half, count - half) && still;
+    }
     fill_piecewise(first, steps, count);
     return amplitude_ == 0;
 }

@@ -39,22 +39,71 @@ struct Row {
     const double* a;
 };
 
+/// The chain's far end at one moment.
+struct FarEnd {
+    Eigen::Array2d velocities;  ///< of the last sphere and of the end [m/s]
+    double approach;            ///< how much nearer they are than at rest [m]
+};
+FarEnd far_end(const double* displacements, const double* velocities) noexcept {
+    return {{velocities[0], velocities[1]}, displacements[0] - displacements[1]};
+}
+
+/// A quantity between two rows: the cubic through values and slopes, worked out once for all samples there.
+template <class Value>
+class Cubic {
+public:
+    /// The slopes are those by the fraction of the way.
+    Cubic(const Value& from, const Value& slope, const Value& to, const Value& slope_there) noexcept
+        : value_(from),
+          slope_(slope),
+          square_(3 * (to - from) - 2 * slope - slope_there),
+          cube_(slope + slope_there - 2 * (to - from)) {}
+    Value at(double z) const noexcept { return value_ + z * (slope_ + z * (square_ + z * cube_)); }
+
+private:
+    Value value_, slope_, square_, cube_;
+};
+
+/// The far end between two rows.
+class FarEndPiece {
+public:
+    /// @param last index of the last sphere @param length [s]
+    FarEndPiece(const Row& from, const Row& to, std::size_t last, double length) noexcept
+        : FarEndPiece(far_end(from.x + last, from.v + last), far_end(from.v + last, from.a + last),
+                      far_end(to.x + last, to.v + last), far_end(to.v + last, to.a + last), length) {}
+    FarEnd at(double z) const noexcept { return {velocities_.at(z), approach_.at(z)}; }
+
+private:
+    FarEndPiece(const FarEnd& from, const FarEnd& slope, const FarEnd& to, const FarEnd& slope_there,
+                double length) noexcept
+        : velocities_(from.velocities, length * slope.velocities, to.velocities,
+                      length * slope_there.velocities),
+          approach_(from.approach, length * slope.approach, to.approach, length * slope_there.approach) {}
+
+    Cubic<Eigen::Array2d> velocities_;
+    Cubic<double> approach_;
+};
+
 /// A moment between two rows.
 struct Between {
     Row from;
     Row to;
-    Hermite weights;
+    const FarEndPiece& piece;
+    double length;  ///< from row to row [s]
+    double z;       ///< fraction of that
+    FarEnd far_end(std::size_t /*last*/) const noexcept { return piece.at(z); }
     double displacement(std::size_t body) const noexcept {
-        return weights.value(from.x[body], from.v[body], to.x[body], to.v[body]);
+        return Hermite(length, z).value(from.x[body], from.v[body], to.x[body], to.v[body]);
     }
     double velocity(std::size_t body) const noexcept {
-        return weights.value(from.v[body], from.a[body], to.v[body], to.a[body]);
+        return Hermite(length, z).value(from.v[body], from.a[body], to.v[body], to.a[body]);
     }
 };
 
 /// A moment that is a row.
 struct Exactly {
     Row row;
+    FarEnd far_end(std::size_t last) const noexcept { return hertzline::far_end(row.x + last, row.v + last); }
     double displacement(std::size_t body) const noexcept { return row.x[body]; }
     double velocity(std::size_t body) const noexcept { return row.v[body]; }
 };
@@ -122,14 +171,13 @@ private:
     void put_end(const Moment& moment) const noexcept {
         const EndMotion& motion = end_taps_.motion();
         const std::size_t i = motion.count;
-        const double x_last = moment.displacement(end_ - 1);
-        const double x_end = moment.displacement(end_);
-        motion.v_last[i] = moment.velocity(end_ - 1);
-        motion.v_end[i] = moment.velocity(end_);
-        motion.closed[i] = end_overlap_ + (x_last - x_end) > 0;
+        const FarEnd far = moment.far_end(end_ - 1);
+        motion.v_last[i] = far.velocities[0];
+        motion.v_end[i] = far.velocities[1];
+        motion.closed[i] = end_overlap_ + far.approach > 0;
         if (motion.x_last != nullptr) {
-            motion.x_last[i] = x_last;
-            motion.x_end[i] = x_end;
+            motion.x_last[i] = moment.displacement(end_ - 1);
+            motion.x_end[i] = moment.displacement(end_);
         }
         if (plate_ != nullptr) [[unlikely]] {
             put_plate(motion);
@@ -275,15 +323,19 @@ void Sampler::emit_between(Writer* writer, std::int64_t end) noexcept {
         const double close = static_cast<double>(trace_.steps[row + 1] - base) + trace_.fractions[row + 1];
         const Row from(trace_.rows + row * trace_.row_size(), bodies);
         const Row to(trace_.rows + (row + 1) * trace_.row_size(), bodies);
-        const double per_span = close > begin ? 1 / (close - begin) : 0;
         const auto moment = [&] { return static_cast<double>(at.whole - base) + at.fraction(); };
-        for (double when = moment(); when < close && next_sample_ < end; when = moment()) {
-            if (writer != nullptr) {
-                const Hermite weights((close - begin) * step_s_, (when - begin) * per_span);
-                writer->put(Between{from, to, weights});
+        double when = moment();
+        if (when < close) {
+            const double length = (close - begin) * step_s_;
+            const double per_span = close > begin ? 1 / (close - begin) : 0;
+            const FarEndPiece piece(from, to, bodies - 2, length);
+            for (; when < close && next_sample_ < end; when = moment()) {
+                if (writer != nullptr) {
+                    writer->put(Between{from, to, piece, length, (when - begin) * per_span});
+                }
+                ++next_sample_;
+                at.advance(sample_period_);
             }
-            ++next_sample_;
-            at.advance(sample_period_);
         }
         if (next_sample_ == end) {
             break;  // the following sample may lie in the same piece
