@@ -97,7 +97,7 @@ HWY_INLINE Vec crossing_time(const Chin4aChain<K>& c, std::size_t k, double h, c
     return bracketed_newton(value, {.guess = IfThenElse(sound, secant, splat(0.5)),
                                     .high = one,
                                     .rising = closing,
-                                    .tolerance = zero(),
+                                    .tolerance = splat(1e-8),
                                     .wanted = wanted,
                                     .max_rounds = max_rounds});
 }

@@ -35,22 +35,37 @@ struct Excess {
     }
 };
 
-/// In a step, or a part of one, from `from` to `to`, in steps from the moment of the switching.
-HWY_INLINE Excess excess_between(double from, double to) {
-    const auto three_halves = [](double t) { return t * std::sqrt(t); };
-    const double length = to - from;
-    const double ends = three_halves(from) + three_halves(to);
-    const double simpson = length / 6 * (ends + 4 * three_halves(0.5 * (from + to)));
-    const double hermite = length / 2 * ends + length * length / 8 * (std::sqrt(from) - std::sqrt(to));
-    const double exact = 0.4 * (to * three_halves(to) - from * three_halves(from));
+/// A moment, in steps from that of the switching.
+struct FromSwitching {
+    HWY_INLINE explicit FromSwitching(double time) : t(time), root(std::sqrt(time)) {}
+    HWY_INLINE double force() const { return t * root; }
+    HWY_INLINE double impulse() const { return 0.4 * t * t * root; }
+    double t;
+    double root;
+};
+
+/// In a step, or a part of one.
+HWY_INLINE Excess excess_between(const FromSwitching& from, const FromSwitching& to) {
+    const double length = to.t - from.t;
+    const FromSwitching middle(0.5 * (from.t + to.t));
+    const double ends = from.force() + to.force();
+    const double simpson = length / 6 * (ends + 4 * middle.force());
+    const double hermite = length / 2 * ends + length * length / 8 * (from.root - to.root);
+    const double exact = to.impulse() - from.impulse();
     return {simpson - exact, hermite - exact};
 }
 
 /// In the steps on one side of a switching. The rules are good enough from the fourth on.
 /// @param next,second lengths of the first two in steps; whole ones follow
 HWY_INLINE Excess excess_beside(double next, double second) {
-    const double two = next + second;
-    return excess_between(0, next) + excess_between(next, two) + excess_between(two, two + 1);
+    const FromSwitching none(0), one(next), two(next + second), three(next + second + 1);
+    return excess_between(none, one) + excess_between(one, two) + excess_between(two, three);
+}
+
+/// What one part makes too much more, or less, when it is cut in two.
+HWY_INLINE Excess excess_by_cut(double first, double whole) {
+    const FromSwitching none(0), cut(first), end(whole);
+    return excess_between(none, cut) + excess_between(cut, end) - excess_between(none, end);
 }
 
 /// Takes the excess back where contacts switch in a step, which may be in several places.
@@ -64,6 +79,7 @@ public:
     HWY_INLINE void add_part(double length) {
         second_ = next_ > 0 ? next_ : 1;
         next_ = length;
+        cut_ = left_ > 0;
     }
 
     /// Kicks the bodies whose contacts are about to switch, on the motion now, and books.
@@ -80,16 +96,14 @@ public:
         const Excess opening = c.tension == Tension::allowed ? excess_beside(next_, second_) : Excess();
         const Excess closing = excess_beside(left, 1);
         // those that closed before in this step were thought to have the rest of it in one part
-        const Excess cut =
-            left_ > 0 ? excess_between(0, next_) + excess_between(next_, left_) - excess_between(0, left_)
-                      : Excess();
+        const Excess cut = cut_ ? excess_by_cut(next_, left_) : Excess();
         HERTZLINE_EACH_ROW(k, c.rows.count()) {
             const Vec speed = Abs(c.rows.difference(c.now.v, k, horn_v));
             const Vec switching =
                 IfThenElseZero(Le(times[k], splat(time)), unit * hertz(stiffness[k], speed));
             const Vec opens = c.closed[k] * switching;
             const Vec closes = switching - opens;
-            const Vec closed_last = left_ > 0 ? closed_last_[k] : zero();
+            const Vec closed_last = cut_ ? closed_last_[k] : zero();
             const auto sum = [&](double Excess::*part) HWY_ATTR {
                 const Vec of_closings = MulAdd(splat(closing.*part), closes, splat(cut.*part) * closed_last);
                 return MulAdd(splat(opening.*part), opens, of_closings);
@@ -99,6 +113,7 @@ public:
             closed_last_.set(k, closes);
         }
         left_ = left;
+        cut_ = false;
         c.work.add(booked[0] * c.rows.horn(horn_v));
         PlateSteps* const plate = plate_behind(c.rows);
         if (plate != nullptr) {
@@ -116,6 +131,7 @@ public:
 private:
     double next_ = 0, second_ = 1;  ///< lengths of the parts taken before, the last one first
     double left_ = 0;               ///< of the step at the last switching
+    bool cut_ = false;              ///< since then a part of that has been taken, not all
     Col<K> closed_last_;            ///< impulses of the contacts that closed there, by their excess
 };
 
