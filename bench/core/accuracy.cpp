@@ -2,6 +2,7 @@
 //
 //     bench_accuracy [--json FILE] [--threads N] [COUNT [SEED]]
 //     bench_accuracy --finer-run [COUNT [SEED]]    the same for the points of a sweep
+//     bench_accuracy --integrator chin4a [COUNT [SEED]]    the same by this method
 //     bench_accuracy --scene SEED INDEX
 //
 // First come the scenes of tests/reference/accuracy/, which have independent solutions, then COUNT scenes drawn at
@@ -14,7 +15,10 @@
 #include <atomic>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 #include <future>
+#include <map>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -56,9 +60,9 @@ std::vector<JudgedScene> in_parallel(std::size_t count, unsigned threads, Job jo
     return results;
 }
 
-using Judge = test::Judgement (*)(const Scene&, const test::Truth&, double);
+using Judge = std::function<test::Judgement(const Scene&, const test::Truth&, double)>;
 
-JudgedScene judged(Judge judge, std::string name, test::DesignScene design, const test::Truth& truth) {
+JudgedScene judged(const Judge& judge, std::string name, test::DesignScene design, const test::Truth& truth) {
     JudgedScene result{std::move(name), std::move(design), {}};
     for (const double accuracy : accuracies) {
         result.judgements.push_back(judge(result.design.scene, truth, accuracy));
@@ -66,12 +70,12 @@ JudgedScene judged(Judge judge, std::string name, test::DesignScene design, cons
     return result;
 }
 
-JudgedScene judged_reference(Judge judge, const std::string& name) {
+JudgedScene judged_reference(const Judge& judge, const std::string& name) {
     const Scene scene = test::random_reference_scene(name);
     return judged(judge, name, {scene}, test::independent_truth_of(scene, name));
 }
 
-JudgedScene judged_design(Judge judge, std::uint64_t seed, std::uint64_t index) {
+JudgedScene judged_design(const Judge& judge, std::uint64_t seed, std::uint64_t index) {
     const test::DesignScene design = test::design_scene(seed, index);
     return judged(judge, std::to_string(index), design, test::truth_of(design.scene));
 }
@@ -116,6 +120,7 @@ int main(int argc, char** argv) {
     std::vector<std::uint64_t> wanted;
     std::string json_file;
     bool finer_run = false;
+    std::optional<Integrator> integrator;
     CLI::App app("Accuracy asked for, estimated and true, of whole runs");
     app.add_option("COUNT", count, "scenes to draw")->capture_default_str();
     app.add_option("SEED", seed, "of the scenes")->capture_default_str();
@@ -123,6 +128,12 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
     app.add_option("--scene", wanted, "SEED and INDEX of a scene to print")->expected(2);
+    std::map<std::string, Integrator> integrators;
+    for (const Integrator choice : choices<Integrator>) {
+        integrators.emplace(word(choice), choice);
+    }
+    app.add_option("--integrator", integrator, "for all scenes, in place of the default")
+        ->transform(CLI::CheckedTransformer(integrators));
     app.add_flag("--finer-run", finer_run, "steps and estimates as in a sweep: by a finer run beside it");
     app.add_option("--json", json_file, "file for all results");
     CLI11_PARSE(app, argc, argv);
@@ -132,7 +143,14 @@ int main(int argc, char** argv) {
         return 0;
     }
 
-    const Judge judge = finer_run ? test::judged_by_finer_run : test::judged;
+    Judge judge = finer_run ? test::judged_by_finer_run : test::judged;
+    if (integrator) {
+        judge = [=](Scene scene, const test::Truth& truth, double accuracy) {
+            scene.numerics.integrator = integrator;
+            return finer_run ? test::judged_by_finer_run(scene, truth, accuracy)
+                             : test::judged(scene, truth, accuracy);
+        };
+    }
     std::printf("outputs below %.0e of the loudest velocity are judged on that scale\n\n",
                 test::quietest_output);
     const std::vector<std::string> names = test::random_references();

@@ -80,7 +80,7 @@ int main(int argc, char** argv) {
         std::printf(" %20s", std::string(word(integrator)).c_str());
     }
     std::printf("  %-9s %s\n", "fastest", "default");
-    for (const std::int64_t spheres : {30, 100, 300, 1000, 3000, 10'000, 30'000}) {
+    for (const std::int64_t spheres : {6, 14, 30, 60, 100, 300, 1000, 3000, 10'000, 30'000}) {
         if (spheres > most) {
             break;
         }

@@ -90,6 +90,7 @@ public:
         using Scratch = typename Chin4aChain<K>::Scratch;
         Col<K> impulse = c.rows.scratch(Scratch::stretch);
         Col<K> booked = c.rows.scratch(Scratch::force);
+        Col<K> belated = c.rows.scratch(Scratch::drift_term);
         const Col<K> stiffness = c.rows.load(ChainField::stiffness);
         const Vec unit = splat(-c.h * c.h * std::sqrt(c.h));
         // a contact without tension lets go while it is still pressed
@@ -110,6 +111,8 @@ public:
             };
             impulse.set(k, sum(&Excess::of_kicks));
             booked.set(k, sum(&Excess::of_ledger));
+            // what comes late for a closing has not yet moved its bodies
+            belated.set(k, splat(cut.of_kicks * next_ * c.h) * closed_last);
             closed_last_.set(k, closes);
         }
         left_ = left;
@@ -122,6 +125,8 @@ public:
         HERTZLINE_EACH_ROW(k, c.rows.count()) {
             const Vec net = impulse[k] - c.rows.right(impulse, k);
             c.now.v.set(k, MulAdd(c.inv_mass[k], net, c.now.v[k]));
+            const Vec way = belated[k] - c.rows.right(belated, k);
+            c.now.x.set(k, MulAdd(c.inv_mass[k], way, c.now.x[k]));
         }
         if (plate != nullptr) {
             plate->kick_between_steps(value_in(c.now.v, plate->end_slot));
