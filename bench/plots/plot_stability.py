@@ -9,7 +9,7 @@ One row per method, one column per axis. Debian: python3-matplotlib.
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import pictures  # noqa: E402  (the path comes first; sets the backend)
 import matplotlib.pyplot as plt  # noqa: E402
 

@@ -10,7 +10,7 @@ import math
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import pictures  # noqa: E402  (the path comes first; sets the backend)
 import matplotlib.pyplot as plt  # noqa: E402
 
