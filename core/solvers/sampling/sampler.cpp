@@ -17,20 +17,6 @@ std::size_t trace_rows(double row_bytes, bool between) noexcept {
         std::clamp(affordable_bytes / row_bytes, least, 4.0 * kernels::max_rows_per_step));
 }
 
-/// Cubic through values and slopes at both ends of an interval: weights of the four.
-struct Hermite {
-    Hermite(double length, double z) noexcept
-        : y0((1 - z) * (1 - z) * (1 + 2 * z)),
-          d0((1 - z) * (1 - z) * z * length),
-          y1(z * z * (3 - 2 * z)),
-          d1(z * z * (z - 1) * length) {}
-    double y0, d0, y1, d1;
-
-    double value(double from, double slope, double to, double slope_there) const noexcept {
-        return y0 * from + d0 * slope + y1 * to + d1 * slope_there;
-    }
-};
-
 /// One row of a trace: displacements, velocities and accelerations of the probed bodies.
 struct Row {
     Row(const double* row, std::size_t bodies) noexcept : x(row), v(row + bodies), a(row + 2 * bodies) {}
@@ -48,7 +34,7 @@ FarEnd far_end(const double* displacements, const double* velocities) noexcept {
     return {{velocities[0], velocities[1]}, displacements[0] - displacements[1]};
 }
 
-/// A quantity between two rows: the cubic through values and slopes, worked out once for all samples there.
+/// A quantity between two rows: the cubic through values and slopes.
 template <class Value>
 class Cubic {
 public:
@@ -64,7 +50,7 @@ private:
     Value value_, slope_, square_, cube_;
 };
 
-/// The far end between two rows.
+/// The far end between two rows, its cubics worked out once for all samples there.
 class FarEndPiece {
 public:
     /// @param last index of the last sphere @param length [s]
@@ -93,10 +79,10 @@ struct Between {
     double z;       ///< fraction of that
     FarEnd far_end(std::size_t /*last*/) const noexcept { return piece.at(z); }
     double displacement(std::size_t body) const noexcept {
-        return Hermite(length, z).value(from.x[body], from.v[body], to.x[body], to.v[body]);
+        return Cubic(from.x[body], length * from.v[body], to.x[body], length * to.v[body]).at(z);
     }
     double velocity(std::size_t body) const noexcept {
-        return Hermite(length, z).value(from.v[body], from.a[body], to.v[body], to.a[body]);
+        return Cubic(from.v[body], length * from.a[body], to.v[body], length * to.a[body]).at(z);
     }
 };
 

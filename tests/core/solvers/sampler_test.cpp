@@ -52,6 +52,22 @@ TEST(Sampling, StepsThatDoNotFitTheSampleRateGiveTheSameSamples) {
     }
 }
 
+TEST(Sampling, TheLastSphereMovesAlikeInEveryTapThatShowsIt) {
+    for (const Integrator integrator : choices<Integrator>) {
+        for (const double step : off_grid_steps) {
+            const Scene scene = sampled(reference_scene("paper_vitreous_carbon"), 10e6, integrator, step);
+            Simulation simulation(scene, {.taps = TapSet(Tap::v_last) | Tap::v_chain});
+            Samples samples = simulation.make_samples(2000);
+            ASSERT_EQ(simulation.advance(samples, 2000), Status::running);
+            const std::size_t spheres = samples.spheres();
+            for (std::size_t i = 0; i < samples.count; ++i) {
+                ASSERT_EQ(samples[Tap::v_last][i], samples[Tap::v_chain][(i + 1) * spheres - 1])
+                    << word(integrator) << ' ' << step << ' ' << i;
+            }
+        }
+    }
+}
+
 TEST(Sampling, LeapfrogStaysNearlySecondOrderBetweenSteps) {
     // an opening or closing bends the velocity between two steps, which the cubic through them does not know
     const Scene scene = reference_scene("paper_wall");
