@@ -136,9 +136,10 @@ private:
                 break;
             }
             in_.clear();  // the buffer is full
-            if (length > longest_line || std::memchr(buffer_.data(), 0, length) != nullptr) {
+            const bool too_long = buffer_.size() >= longest_line;
+            if (too_long || std::memchr(buffer_.data(), 0, length) != nullptr) {
                 ++line_number_;
-                fail(length > longest_line ? "the line is too long" : "found a byte 0, allowed: text");
+                fail(too_long ? "the line is too long" : "found a byte 0, allowed: text");
             }
         }
         if (in_.eof() && length == 0) {

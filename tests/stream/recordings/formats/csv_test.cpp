@@ -198,6 +198,20 @@ TEST(CsvReader, ALineWithoutEndIsRefused) {
                 HasSubstr("a.csv:3: found a byte 0"));
 }
 
+TEST(CsvReader, ALineBeyondHalfAGigabyteIsRefused) {
+    const TemporaryFolder folder;
+    std::ofstream file(folder.file("a.csv"));
+    file << "t_s,v\n";
+    const std::string mebibyte(1 << 20, '1');
+    for (int i = 0; i < 512; ++i) {
+        file << mebibyte;
+    }
+    file << '\n';
+    file.close();
+    EXPECT_THAT(error_of([&] { read_rows(*open_csv_reader(folder.file("a.csv"))); }),
+                HasSubstr("a.csv:2: the line is too long"));
+}
+
 TEST(CsvReader, APipeNeedsMetadata) {
     const TemporaryFolder folder;
     const std::string pipe = folder.file("a.csv");
