@@ -5,6 +5,8 @@
 #include <cstring>
 #include <optional>
 
+#include "core/solvers/sampling/trace_moments.hpp"
+
 namespace hertzline {
 
 namespace {
@@ -16,83 +18,6 @@ std::size_t trace_rows(double row_bytes, bool between) noexcept {
     return static_cast<std::size_t>(
         std::clamp(affordable_bytes / row_bytes, least, 4.0 * kernels::max_rows_per_step));
 }
-
-/// One row of a trace: displacements, velocities and accelerations of the probed bodies.
-struct Row {
-    Row(const double* row, std::size_t bodies) noexcept : x(row), v(row + bodies), a(row + 2 * bodies) {}
-    const double* x;
-    const double* v;
-    const double* a;
-};
-
-/// The chain's far end at one moment.
-struct FarEnd {
-    Eigen::Array2d velocities;  ///< of the last sphere and of the end [m/s]
-    double approach;            ///< how much nearer they are than at rest [m]
-};
-FarEnd far_end(const double* displacements, const double* velocities) noexcept {
-    return {{velocities[0], velocities[1]}, displacements[0] - displacements[1]};
-}
-
-/// A quantity between two rows: the cubic through values and slopes.
-template <class Value>
-class Cubic {
-public:
-    /// The slopes are those by the fraction of the way.
-    Cubic(const Value& from, const Value& slope, const Value& to, const Value& slope_there) noexcept
-        : value_(from),
-          slope_(slope),
-          square_(3 * (to - from) - 2 * slope - slope_there),
-          cube_(slope + slope_there - 2 * (to - from)) {}
-    Value at(double z) const noexcept { return value_ + z * (slope_ + z * (square_ + z * cube_)); }
-
-private:
-    Value value_, slope_, square_, cube_;
-};
-
-/// The far end between two rows, its cubics worked out once for all samples there.
-class FarEndPiece {
-public:
-    /// @param last index of the last sphere @param length [s]
-    FarEndPiece(const Row& from, const Row& to, std::size_t last, double length) noexcept
-        : FarEndPiece(far_end(from.x + last, from.v + last), far_end(from.v + last, from.a + last),
-                      far_end(to.x + last, to.v + last), far_end(to.v + last, to.a + last), length) {}
-    FarEnd at(double z) const noexcept { return {velocities_.at(z), approach_.at(z)}; }
-
-private:
-    FarEndPiece(const FarEnd& from, const FarEnd& slope, const FarEnd& to, const FarEnd& slope_there,
-                double length) noexcept
-        : velocities_(from.velocities, length * slope.velocities, to.velocities,
-                      length * slope_there.velocities),
-          approach_(from.approach, length * slope.approach, to.approach, length * slope_there.approach) {}
-
-    Cubic<Eigen::Array2d> velocities_;
-    Cubic<double> approach_;
-};
-
-/// A moment between two rows.
-struct Between {
-    Row from;
-    Row to;
-    const FarEndPiece& piece;
-    double length;  ///< from row to row [s]
-    double z;       ///< fraction of that
-    FarEnd far_end(std::size_t /*last*/) const noexcept { return piece.at(z); }
-    double displacement(std::size_t body) const noexcept {
-        return Cubic(from.x[body], length * from.v[body], to.x[body], length * to.v[body]).at(z);
-    }
-    double velocity(std::size_t body) const noexcept {
-        return Cubic(from.v[body], length * from.a[body], to.v[body], length * to.a[body]).at(z);
-    }
-};
-
-/// A moment that is a row.
-struct Exactly {
-    Row row;
-    FarEnd far_end(std::size_t last) const noexcept { return hertzline::far_end(row.x + last, row.v + last); }
-    double displacement(std::size_t body) const noexcept { return row.x[body]; }
-    double velocity(std::size_t body) const noexcept { return row.v[body]; }
-};
 
 /// Whether the taps show more of the chain than its far end.
 bool of_all_bodies(TapSet taps) noexcept {
@@ -291,7 +216,7 @@ void Sampler::emit_rows(Writer* writer, std::int64_t end) noexcept {
     std::size_t row = 0;
     for (; row < trace_.count && next_sample_ < end; ++row, ++next_sample_) {
         if (writer != nullptr) {
-            writer->put(Exactly{Row(trace_.rows + row * trace_.row_size(), bodies)});
+            writer->put(AtRow{TraceRow(trace_.rows + row * trace_.row_size(), bodies)});
         }
         next_position_.advance(sample_period_);
     }
@@ -307,17 +232,17 @@ void Sampler::emit_between(Writer* writer, std::int64_t end) noexcept {
         const std::int64_t base = trace_.steps[row];
         const double begin = trace_.fractions[row];
         const double close = static_cast<double>(trace_.steps[row + 1] - base) + trace_.fractions[row + 1];
-        const Row from(trace_.rows + row * trace_.row_size(), bodies);
-        const Row to(trace_.rows + (row + 1) * trace_.row_size(), bodies);
+        const TraceRow from(trace_.rows + row * trace_.row_size(), bodies);
+        const TraceRow to(trace_.rows + (row + 1) * trace_.row_size(), bodies);
         const auto moment = [&] { return static_cast<double>(at.whole - base) + at.fraction(); };
         double when = moment();
         if (when < close) {
             const double length = (close - begin) * step_s_;
-            const double per_span = close > begin ? 1 / (close - begin) : 0;
+            const double per_span = 1 / (close - begin);
             const FarEndPiece piece(from, to, bodies - 2, length);
             for (; when < close && next_sample_ < end; when = moment()) {
                 if (writer != nullptr) {
-                    writer->put(Between{from, to, piece, length, (when - begin) * per_span});
+                    writer->put(BetweenRows{from, to, piece, length, (when - begin) * per_span});
                 }
                 ++next_sample_;
                 at.advance(sample_period_);
@@ -332,7 +257,7 @@ void Sampler::emit_between(Writer* writer, std::int64_t end) noexcept {
                          trace_.fractions[row] == at.fraction();
     if (on_last) {
         if (writer != nullptr) {
-            writer->put(Exactly{Row(trace_.rows + row * trace_.row_size(), bodies)});
+            writer->put(AtRow{TraceRow(trace_.rows + row * trace_.row_size(), bodies)});
         }
         ++next_sample_;
         at.advance(sample_period_);
