@@ -143,14 +143,11 @@ int main(int argc, char** argv) {
         return 0;
     }
 
-    Judge judge = finer_run ? test::judged_by_finer_run : test::judged;
-    if (integrator) {
-        judge = [=](Scene scene, const test::Truth& truth, double accuracy) {
-            scene.numerics.integrator = integrator;
-            return finer_run ? test::judged_by_finer_run(scene, truth, accuracy)
-                             : test::judged(scene, truth, accuracy);
-        };
-    }
+    const Judge judge = [=](Scene scene, const test::Truth& truth, double accuracy) {
+        scene.numerics.integrator = integrator;
+        return finer_run ? test::judged_by_finer_run(scene, truth, accuracy)
+                         : test::judged(scene, truth, accuracy);
+    };
     std::printf("outputs below %.0e of the loudest velocity are judged on that scale\n\n",
                 test::quietest_output);
     const std::vector<std::string> names = test::random_references();

@@ -69,8 +69,8 @@ public:
     void kick(double velocity) noexcept;
     /// The same between two steps, or parts of one, and not booked as work.
     void kick_between_steps(double velocity) noexcept;
-    /// Work of the last contact on the plate [J] that accept() does not book.
-    void book(double work) noexcept { passed_ += work; }
+    /// Adds to the work of the last contact on the plate [J].
+    void add_passed(double work) noexcept { passed_ += work; }
     /// Drifts without a force.
     void drift(double time) noexcept {
         begin_drift(time);

@@ -2,8 +2,8 @@
 // there, and how it is taken back. Included once per SIMD target.
 //
 // Within a time tau of its closing or opening at a relative velocity w a contact presses with k |w tau|^(3/2). The kicks of a step
-// integrate that by Simpson's rule, the ledger integrates its power by Hermite's, and both rules err there by a power h^(5/2), less than
-// the method's. By how much is known once it is known when the contact switches: it is the error of the rule for tau^(3/2), summed up
+// integrate that by Simpson's rule, the ledger integrates its power by Hermite's, and both rules err there by h^(5/2), a lower order
+// than the method's. By how much is known once it is known when the contact switches: it is the error of the rule for tau^(3/2), summed up
 // over the steps about that moment.
 #if defined(HERTZLINE_SWITCHING_KICK_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_SWITCHING_KICK_INL
@@ -82,15 +82,15 @@ public:
         cut_ = left_ > 0;
     }
 
-    /// Kicks the bodies whose contacts are about to switch, on the motion now, and books.
+    /// Kicks the bodies whose contacts are about to switch, on the motion now, and corrects the work in the ledger.
     /// @param times when each contact switches, at the latest at `time` if it does
     /// @param horn_v [m/s] @param left of the step, in steps
     HWY_INLINE void operator()(Chin4aChain<K>& c, const Col<K>& times, double time, double horn_v,
                                double left) {
         using Scratch = typename Chin4aChain<K>::Scratch;
         Col<K> impulse = c.rows.scratch(Scratch::stretch);
-        Col<K> booked = c.rows.scratch(Scratch::force);
-        Col<K> belated = c.rows.scratch(Scratch::drift_term);
+        Col<K> in_ledger = c.rows.scratch(Scratch::force);
+        Col<K> missed = c.rows.scratch(Scratch::drift_term);
         const Col<K> stiffness = c.rows.load(ChainField::stiffness);
         const Vec unit = splat(-c.h * c.h * std::sqrt(c.h));
         // a contact without tension lets go while it is still pressed
@@ -110,22 +110,22 @@ public:
                 return MulAdd(splat(opening.*part), opens, of_closings);
             };
             impulse.set(k, sum(&Excess::of_kicks));
-            booked.set(k, sum(&Excess::of_ledger));
-            // what comes late for a closing has not yet moved its bodies
-            belated.set(k, splat(cut.of_kicks * next_ * c.h) * closed_last);
+            in_ledger.set(k, sum(&Excess::of_ledger));
+            // the part of a kick that comes after its closing has not moved the bodies since then
+            missed.set(k, splat(cut.of_kicks * next_ * c.h) * closed_last);
             closed_last_.set(k, closes);
         }
         left_ = left;
         cut_ = false;
-        c.work.add(booked[0] * c.rows.horn(horn_v));
+        c.work.add(in_ledger[0] * c.rows.horn(horn_v));
         PlateSteps* const plate = plate_behind(c.rows);
         if (plate != nullptr) {
-            plate->book(value_in(booked, plate->end_slot) * value_in(c.now.v, plate->end_slot));
+            plate->add_passed(value_in(in_ledger, plate->end_slot) * value_in(c.now.v, plate->end_slot));
         }
         HERTZLINE_EACH_ROW(k, c.rows.count()) {
             const Vec net = impulse[k] - c.rows.right(impulse, k);
             c.now.v.set(k, MulAdd(c.inv_mass[k], net, c.now.v[k]));
-            const Vec way = belated[k] - c.rows.right(belated, k);
+            const Vec way = missed[k] - c.rows.right(missed, k);
             c.now.x.set(k, MulAdd(c.inv_mass[k], way, c.now.x[k]));
         }
         if (plate != nullptr) {
