@@ -4,7 +4,9 @@
 #include <functional>
 #include <stdexcept>
 
-#include <CLI/CLI.hpp>
+namespace CLI {
+class App;
+}
 
 namespace hertzline::app {
 

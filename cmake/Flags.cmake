@@ -33,6 +33,20 @@ function(hertzline_precompile target)
   endif()
 endfunction()
 
+# With CMAKE_UNITY_BUILD the sources of each folder are compiled as one: the large headers are read once for all, which takes a third
+# of the time. Names in unnamed namespaces are then a folder's, not a file's. Those that lie in the tree itself stay alone.
+function(hertzline_unite_folders target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+  foreach(source IN LISTS ARGN)
+    cmake_path(GET source PARENT_PATH folder)
+    if(NOT folder STREQUAL CMAKE_CURRENT_SOURCE_DIR)
+      cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+      string(REPLACE "/" "-" group ${folder})
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+    endif()
+  endforeach()
+endfunction()
+
 # For code whose speed is nobody's concern, command line and tests: compiled in half the time. The undefined-behaviour sanitizer
 # watches the libraries alone; the others need every object.
 function(hertzline_build_quickly target)

@@ -111,12 +111,21 @@ def includes_faults(root):
                 yield f"{source}:{number}: {fault}"
 
 
+UNITED = re.compile(r"Unity/unity_(.+)_cxx\.cxx")  # as cmake/Flags.cmake names the sources of a folder that are compiled as one
+
+
+def source_of(tree, object_name):
+    """The source of an object file, or the folder of its sources."""
+    united = UNITED.match(object_name)
+    return united[1].replace("-", "/") if united else f"{tree}/{object_name.removesuffix('.o')}"
+
+
 def object_files(build):
-    """(path of the source from the root, object file) of the two libraries."""
+    """(path of the source or its folder from the root, object file) of the two libraries."""
     for tree in ("core", "stream"):
         folder = build / tree / "CMakeFiles" / f"hertzline_{tree}.dir"
         for path in sorted(folder.rglob("*.o")):
-            yield f"{tree}/{path.relative_to(folder).as_posix().removesuffix('.o')}", path
+            yield source_of(tree, path.relative_to(folder).as_posix()), path
 
 
 def symbols_of(objects):
@@ -194,6 +203,8 @@ def self_test():
             write(f"core/model/m{number}.cpp")
         expect("full folder", list(folders_faults(root)), ["core/model: 13 modules, allowed: at most 12"])
 
+    expect("source alone", source_of("core", "integrators/grid_kernels.cpp.o"), "core/integrators/grid_kernels.cpp")
+    expect("united sources", source_of("core", "Unity/unity_core-step_choice_cxx.cxx.o"), "core/step_choice")
     symbols = [
         ("core/scene/text.cpp", "T", "trimmed()"),
         ("core/scene/text.cpp", "W", "inlined()"),

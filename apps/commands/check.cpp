@@ -28,7 +28,7 @@ namespace {
 
 using stream::ReportRow;
 
-constexpr const char* examples =
+constexpr const char* check_examples =
     "Examples:\n"
     "  hertzline check my-scene.toml\n"
     "  hertzline check paper-wall --set numerics.accuracy=1e-6\n"
@@ -112,7 +112,7 @@ Run check_command(CLI::App& app) {
     auto options = std::make_shared<CheckOptions>();
     add_scene_options(app, options->scene)->required();
     add_format_option(app, options->format, "print one JSON object, names with their units");
-    app.footer(examples);
+    app.footer(check_examples);
     return [options] { return check(*options); };
 }
 

@@ -12,7 +12,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* keys_examples =
     "Makes NAME.key, for the other side, and NAME.key_secret, which you keep to yourself. Existing files "
     "are\n"
     "not overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
@@ -49,7 +49,7 @@ Run keys_command(CLI::App& app) {
     auto options = std::make_shared<KeysOptions>();
     app.add_option("NAME", options->name, "name of the two files, with or without a folder")->required();
     add_format_option(app, options->format, "print the summary as one JSON object");
-    app.footer(examples);
+    app.footer(keys_examples);
     return [options] { return keys(*options); };
 }
 

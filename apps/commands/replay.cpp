@@ -21,7 +21,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* replay_examples =
     "The streams are those that hertzline stream has and the recording holds. If it holds none, a single "
     "column is streamed as v_out, several as v_chain. Sample indices are the recording's, with its gaps.\n"
     "Examples:\n"
@@ -124,7 +124,7 @@ Run replay_command(CLI::App& app) {
     app.add_option("--sample-rate", arguments->sample_rate_hz, "sample rate of a file that does not say it")
         ->type_name("HZ");
     add_publish_options(app, arguments->publish);
-    app.footer(examples);
+    app.footer(replay_examples);
     return [arguments] { return replay(*arguments); };
 }
 

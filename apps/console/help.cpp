@@ -6,7 +6,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr std::size_t width = 80;
+constexpr std::size_t line_width = 80;
 
 /// The words on lines of at most so many characters, where none is longer.
 std::string wrapped(const std::string& text, std::size_t columns) {
@@ -25,13 +25,13 @@ std::string wrapped(const std::string& text, std::size_t columns) {
 }  // namespace
 
 std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
-    return wrapped(option->get_description(), width - get_column_width());
+    return wrapped(option->get_description(), line_width - get_column_width());
 }
 
 std::string HelpFormatter::make_subcommand(const CLI::App* subcommand) const {
     std::ostringstream out;
     CLI::detail::format_help(out, subcommand->get_name(),
-                             wrapped(subcommand->get_description(), width - get_column_width()),
+                             wrapped(subcommand->get_description(), line_width - get_column_width()),
                              get_column_width());
     return out.str();
 }
@@ -40,7 +40,7 @@ std::string HelpFormatter::make_footer(const CLI::App* app) const {
     std::istringstream lines(app->get_footer());
     std::string footer;
     for (std::string line; std::getline(lines, line);) {
-        footer += (line.starts_with(' ') ? line : wrapped(line, width)) + '\n';
+        footer += (line.starts_with(' ') ? line : wrapped(line, line_width)) + '\n';
     }
     return footer;
 }

@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 namespace hertzline::kernels {
 
 namespace {
-
-constexpr std::align_val_t alignment{64};  // of the widest vector register
 
 constexpr std::size_t modes_beside_each_other = 4;
 
@@ -17,17 +14,7 @@ constexpr std::size_t whole(std::size_t count, std::size_t of) noexcept {
     return (count + of - 1) / of * of;
 }
 
-double* zeros(std::size_t count) {
-    auto* const room = static_cast<double*>(::operator new[](count * sizeof(double), alignment));
-    std::fill_n(room, count, 0.0);
-    return room;
-}
-
 }  // namespace
-
-void PlateMotion::Free::operator()(double* p) const noexcept {
-    ::operator delete[](p, alignment);
-}
 
 PlateMotion::PlateMotion(const PlateResponse& response, std::size_t lanes, int degree, double unit_s)
     : response_(response),
@@ -36,9 +23,9 @@ PlateMotion::PlateMotion(const PlateResponse& response, std::size_t lanes, int d
       degree_(static_cast<std::size_t>(degree)),
       unit_s_(unit_s),
       fastest_(size_),
-      columns_(zeros(2 * size_ * 4)),
-      flags_(zeros((2 + most_terms) * flag_stride)),
-      tables_(zeros(stride_ * (4 * most_terms + 2 + degree_ * 2 * response.poles.size()))) {
+      columns_(aligned_zeros(2 * size_ * 4)),
+      flags_(aligned_zeros((2 + most_terms) * flag_stride)),
+      tables_(aligned_zeros(stride_ * (4 * most_terms + 2 + degree_ * 2 * response.poles.size()))) {
     for (std::size_t n = 0; n < response.modes.size(); ++n) {
         const PlateMode& mode = response.modes[n];
         mode_m_.push_back(row_of(response.mode_m[n]));

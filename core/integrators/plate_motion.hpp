@@ -8,11 +8,11 @@
 
 #include <array>
 #include <cstddef>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/integrators/series_piece.hpp"
+#include "core/integrators/simd/aligned_doubles.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/plate/plate_response.hpp"
 
@@ -123,18 +123,15 @@ private:
     Row row_of(const Eigen::VectorXcd& residues) const;
     double of(const Row& row, const Pairs& states) const noexcept;
 
-    struct Free {
-        void operator()(double* p) const noexcept;
-    };
     const PlateResponse& response_;
     std::size_t size_;
     std::size_t stride_;
     std::size_t degree_;
     double unit_s_;
     Row fastest_;  ///< of the rates up to the end of a state's vector; last of all
-    std::unique_ptr<double[], Free> columns_;
-    std::unique_ptr<double[], Free> flags_;
-    std::unique_ptr<double[], Free> tables_;
+    AlignedDoubles columns_;
+    AlignedDoubles flags_;
+    AlignedDoubles tables_;
     std::vector<Row> mode_m_, mode_m_per_s_;
 };
 

@@ -2,20 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <numbers>
 
 #include "core/model/damping.hpp"
 
 namespace hertzline::kernels {
-
-namespace {
-constexpr std::align_val_t alignment{64};  // of the widest vector register
-}
-
-void SeriesPiece::Free::operator()(double* p) const noexcept {
-    ::operator delete[](p, alignment);
-}
 
 HornWaves::HornWaves(const std::array<double, 3>& frequency_hz, double unit_s) {
     constexpr double fastest = 0.8;  // radians a unit: what the series leaves out is below rounding
@@ -42,9 +33,7 @@ void SeriesPiece::reset_motion() noexcept {
 
 SeriesPiece::SeriesPiece(std::size_t slots, int degree, const HornWaves& horn_waves, DampingLaw law)
     : waves(horn_waves), slots_((slots + 7) / 8 * 8), degree_(degree), law_(law) {
-    const std::size_t size = slots_ * static_cast<std::size_t>(rows(degree, law));
-    terms_.reset(static_cast<double*>(::operator new[](size * sizeof(double), alignment)));
-    std::fill_n(terms_.get(), size, 0.0);
+    terms_ = aligned_zeros(slots_ * static_cast<std::size_t>(rows(degree, law)));
     onset_forces_[0] = OnsetForce{1.5, onset_force(0, 0), slots_};
     if (law != DampingLaw::dashpot) {
         onset_forces_[1] = OnsetForce{damping_exponent(law), onset_force(1, 0), slots_};

@@ -9,9 +9,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <memory>
 #include <span>
 
+#include "core/integrators/simd/aligned_doubles.hpp"
 #include "core/integrators/simd_chain.hpp"
 
 namespace hertzline::kernels {
@@ -135,14 +135,11 @@ public:
     void reset_motion() noexcept;
 
 private:
-    struct Free {
-        void operator()(double* p) const noexcept;
-    };
     std::size_t slots_;
     int degree_;
     DampingLaw law_;
     std::array<OnsetForce, 2> onset_forces_;
-    std::unique_ptr<double[], Free> terms_;
+    AlignedDoubles terms_;
 };
 
 /// Samples of one piece: sample number first + i lies at z = ((first - base) + i - fraction) * per_sample.

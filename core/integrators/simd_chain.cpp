@@ -1,13 +1,10 @@
 #include "core/integrators/simd_chain.hpp"
 
 #include <algorithm>
-#include <new>
 
 namespace hertzline::kernels {
 
 namespace {
-
-constexpr std::size_t alignment = 64;  // of the widest vector register [bytes]
 
 std::size_t rows_for(Eigen::Index bodies, std::size_t lanes) {
     const std::size_t rows = (static_cast<std::size_t>(bodies) + 1 + lanes - 1) / lanes;  // + 1: the pad
@@ -30,10 +27,6 @@ Layout layout_for(const Chain& chain, Integrator integrator, std::size_t lanes) 
 
 }  // namespace
 
-void SimdChain::Free::operator()(double* p) const noexcept {
-    ::operator delete[](p, std::align_val_t{alignment});
-}
-
 SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes)
     : tension(chain.tension),
       damping_law(chain.damping_law),
@@ -41,12 +34,9 @@ SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lane
       lanes_(lanes),
       all_rows_(layout_ == Layout::linear ? linear_rows(chain.bodies(), lanes)
                                           : rows_for(chain.bodies(), lanes)) {
-    const std::size_t per_vector = alignment / sizeof(double);
+    const std::size_t per_vector = register_bytes / sizeof(double);
     stride_ = (all_rows_ * lanes + per_vector - 1) / per_vector * per_vector;
-    const std::size_t size = stride_ * columns_used();
-    columns_.reset(
-        static_cast<double*>(::operator new[](size * sizeof(double), std::align_val_t{alignment})));
-    std::fill_n(columns_.get(), size, 0.0);
+    columns_ = aligned_zeros(stride_ * columns_used());
     slot_of_.resize(static_cast<std::size_t>(chain.bodies()));
 }
 

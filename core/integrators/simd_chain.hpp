@@ -23,9 +23,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "core/integrators/simd/aligned_doubles.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/state.hpp"
 #include "core/model/tone_burst.hpp"
@@ -129,16 +129,13 @@ private:
     std::size_t columns_used() const noexcept;
     void fill_pads() noexcept;
 
-    struct Free {
-        void operator()(double* p) const noexcept;
-    };
     Layout layout_;
     std::size_t lanes_;
     std::size_t all_rows_;  ///< of all bodies
     std::size_t rows_ = 0;
     std::size_t stride_ = 0;  ///< doubles from one column to the next
     Eigen::Index active_ = 0;
-    std::unique_ptr<double[], Free> columns_;
+    AlignedDoubles columns_;
     std::vector<std::uint32_t> slot_of_;  ///< a table: divisions are slow
 };
 

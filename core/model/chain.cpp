@@ -9,10 +9,6 @@ namespace hertzline {
 
 namespace {
 
-const Solid& solid(const Scene& scene, const std::string& name) {
-    return std::get<Solid>(*find_material(scene, name));
-}
-
 double sphere_mass(const Solid& material, double radius_m) {
     return material.density_kg_per_m3 * 4 / 3 * std::numbers::pi * radius_m * radius_m * radius_m;
 }
@@ -27,8 +23,8 @@ Chain::Chain(const Scene& scene)
       preload_n(scene.chain.preload_n) {
     const Eigen::Index n = scene.chain.spheres;
     const double radius = scene.chain.diameter_m / 2;
-    const Solid& sphere = solid(scene, scene.chain.material);
-    const Solid& horn = solid(scene, scene.drive.material);
+    const Solid& sphere = solid_of(scene, scene.chain.material);
+    const Solid& horn = solid_of(scene, scene.drive.material);
 
     stiffness.setConstant(n + 1, sphere_sphere_stiffness(sphere, radius));
     stiffness[0] = flat_sphere_stiffness(horn, sphere, radius);

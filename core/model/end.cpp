@@ -12,10 +12,6 @@ namespace hertzline {
 
 namespace {
 
-const Solid& solid(const Scene& scene, const std::string& name) {
-    return std::get<Solid>(*find_material(scene, name));
-}
-
 /// Nothing: the preload is held by a constant force on the last sphere.
 EndModel free_end() {
     EndModel end;
@@ -26,14 +22,15 @@ EndModel free_end() {
 /// A half-space that does not move as a whole.
 EndModel wall(const Scene& scene) {
     EndModel end;
-    end.contact_stiffness = flat_sphere_stiffness(
-        solid(scene, scene.end.material), solid(scene, scene.chain.material), scene.chain.diameter_m / 2);
+    end.contact_stiffness =
+        flat_sphere_stiffness(solid_of(scene, scene.end.material), solid_of(scene, scene.chain.material),
+                              scene.chain.diameter_m / 2);
     return end;
 }
 
 /// The paper's plate: one spring, and a quarter of the disc's mass.
 EndModel plate(const Scene& scene) {
-    const Solid& disc = solid(scene, scene.end.material);
+    const Solid& disc = solid_of(scene, scene.end.material);
     EndModel end = wall(scene);
     EndMode mode{.inv_mass = 4 / plate_mass(disc, scene.end), .spring = plate_stiffness(disc, scene.end)};
     if (scene.end.preload == PlatePreload::as_printed) {
@@ -59,7 +56,7 @@ EndModel modal_plate(const Scene& scene) {
 }  // namespace
 
 double fastest_contact_hz(const Scene& scene) {
-    const Solid& sphere = solid(scene, scene.chain.material);
+    const Solid& sphere = solid_of(scene, scene.chain.material);
     const double radius = scene.chain.diameter_m / 2;
     const double mass = sphere.density_kg_per_m3 * 4 / 3 * std::numbers::pi * radius * radius * radius;
     const double stiffness = sphere_sphere_stiffness(sphere, radius);
@@ -72,7 +69,7 @@ double fastest_contact_hz(const Scene& scene) {
 
 PlateParameters plate_parameters(const Scene& scene) {
     const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
-    PlateParameters parameters{.disc = solid(scene, scene.end.material),
+    PlateParameters parameters{.disc = solid_of(scene, scene.end.material),
                                .fluid = fluid,
                                .radius_m = scene.end.radius_m,
                                .thickness_m = scene.end.thickness_m,

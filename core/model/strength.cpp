@@ -18,7 +18,7 @@ std::optional<PressureLimit> lower(std::optional<PressureLimit> a, std::optional
 }
 
 std::optional<PressureLimit> limit_of(const Scene& scene, const std::string& name) {
-    return pressure_limit(std::get<Solid>(*find_material(scene, name)), name);
+    return pressure_limit(solid_of(scene, name), name);
 }
 
 /// In MPa, two digits at least.

@@ -15,7 +15,6 @@ namespace {
 
 using Complex = std::complex<double>;
 using Eigen::Index;
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// Frequencies around a resonance, as fractions of its half width.
 constexpr std::array around{-8.0, -4.0, -2.5, -1.5, -1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0};
@@ -55,7 +54,7 @@ struct Sampled {
     Sampled(const ExactPlate& plate, const std::vector<double>& at) {
         const auto points = static_cast<Index>(at.size());
         const double band_hz = plate.parameters().band_hz;
-        const double unit = plate.modes()[0].mass_kg * two_pi * band_hz;
+        const double unit = plate.modes()[0].mass_kg * 2 * std::numbers::pi * band_hz;
         s.resize(points);
         modes.resize(points, plate.parameters().modes);
         for (Index i = 0; i < points; ++i) {
@@ -172,7 +171,7 @@ double least_resistance(const Poles& poles, const Eigen::VectorXcd& residues) {
 /// The response with these poles, given in units of the band.
 PlateResponse with_poles(const ExactPlate& plate, const Poles& poles) {
     const PlateParameters& p = plate.parameters();
-    const double omega = two_pi * p.band_hz;
+    const double omega = 2 * std::numbers::pi * p.band_hz;
     const double unit_kg = plate.modes()[0].mass_kg;
     constexpr int points = 150;  // other ones than the poles were found with
     const Sampled sampled(plate, frequencies(p.band_hz, points, sharp(poles, p.band_hz)));

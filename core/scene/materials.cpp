@@ -14,7 +14,7 @@ namespace {
 // within a few per cent; who needs more gives the material's own. A ceramic of PZT counts as a solid with E = 1 / s11 and
 // nu = -s12 / s11 at constant field, without its piezoelectricity. Strengths are those of one grade, which the source names: those of
 // other grades, tempers and surfaces differ by factors. Where there is none, no figure could be cited.
-constexpr std::array table{std::to_array<BuiltInMaterial>({
+constexpr std::array built_in_table{std::to_array<BuiltInMaterial>({
     {"aluminium", Solid{69e9, 0.33, 2700, 276e6, {}},
      "paper; yield: Aluminum Design Manual (6061-T6, typical)"},
     {"pyrex", Solid{67e9, 0.20, 2230}, "E and nu: paper; density: data sheet"},
@@ -75,7 +75,7 @@ constexpr std::array table{std::to_array<BuiltInMaterial>({
 }  // namespace
 
 std::span<const BuiltInMaterial> built_in_materials() noexcept {
-    return table;
+    return built_in_table;
 }
 
 double plane_strain_modulus(const Solid& solid) noexcept {

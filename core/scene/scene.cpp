@@ -200,4 +200,8 @@ const Material* find_material(const Scene& scene, std::string_view name) {
     return found != built_in.end() ? &found->material : nullptr;
 }
 
+const Solid& solid_of(const Scene& scene, std::string_view name) {
+    return std::get<Solid>(*find_material(scene, name));
+}
+
 }  // namespace hertzline

@@ -112,6 +112,9 @@ std::vector<Fault> validate(const Scene& scene);
 /// The material of that name, the scene's own first; nullptr when there is none.
 const Material* find_material(const Scene& scene, std::string_view name);
 
+/// The solid of that name in a scene without faults.
+const Solid& solid_of(const Scene& scene, std::string_view name);
+
 /// Largest number of spheres that a scene may ask for; 80 bytes of state and constants each.
 inline constexpr std::int64_t max_spheres = 10'000'000;
 

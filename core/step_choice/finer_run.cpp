@@ -11,7 +11,7 @@ namespace {
 
 constexpr double margin = 30;         // of the accuracy over the expected error of a piece: errors add up
 constexpr double finer_steps = 0.75;  // errors fall to a tenth or a fiftieth
-constexpr double slope = 10;          // of log(error) over log(step), from below
+constexpr double lowest_slope = 10;   // of log(error) over log(step), from below
 
 Scene with_finer_steps(Scene scene) {
     scene.numerics.step_s = finer_steps * *scene.numerics.step_s;
@@ -41,7 +41,7 @@ std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double erro
         return std::nullopt;
     }
     const double wanted = 0.1 * missed.advice.accuracy / error;
-    *missed.scene.numerics.step_s *= std::clamp(std::pow(wanted, 1 / slope), 0.4, 0.8);
+    *missed.scene.numerics.step_s *= std::clamp(std::pow(wanted, 1 / lowest_slope), 0.4, 0.8);
     return missed;
 }
 

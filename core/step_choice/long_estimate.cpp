@@ -8,12 +8,10 @@ namespace hertzline {
 namespace {
 
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
-constexpr std::size_t block_samples = 256;
 
-Scene with_step(Scene scene, Integrator integrator, double step_s) {
-    scene.numerics.integrator = integrator;
-    scene.numerics.step_s = step_s;
-    scene.numerics.rest_tolerance = 0;  // what that cuts off is no error of the step
+/// What the tolerance of rest cuts off is no error of the step.
+Scene never_at_rest(Scene scene) {
+    scene.numerics.rest_tolerance = 0;
     return scene;
 }
 
@@ -24,12 +22,12 @@ double bodies(const Scene& scene) noexcept {
 }  // namespace
 
 LongEstimate::Run::Run(const Scene& of, Integrator integrator, double step_s, const std::atomic<bool>& stop)
-    : scene(with_step(of, integrator, step_s)),
+    : scene(never_at_rest(with_step(of, integrator, step_s))),
       chain(scene),
       solver(make_solver(
           scene, chain,
           {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = &stop})),
-      block(judged_outputs & taps_of(scene.end), 0, block_samples) {}
+      block(judged_outputs & taps_of(scene.end), 0, pilot_block) {}
 
 LongEstimate::LongEstimate(const Scene& scene, const std::atomic<bool>& stop)
     : sample_rate_hz_(scene.output.sample_rate_hz),
@@ -43,8 +41,8 @@ LongEstimate::LongEstimate(const Scene& scene, const std::atomic<bool>& stop)
 bool LongEstimate::reach(double time_s) noexcept {
     const auto end = static_cast<std::int64_t>(std::ceil(std::min(time_s, longest_s_) * sample_rate_hz_));
     while (used_.solver->next_sample() < end) {
-        const auto count = static_cast<std::size_t>(
-            std::min<std::int64_t>(block_samples, end - used_.solver->next_sample()));
+        const auto count =
+            static_cast<std::size_t>(std::min<std::int64_t>(pilot_block, end - used_.solver->next_sample()));
         for (Run* const run : {&used_, &reference_, &finer_}) {
             if (run->solver->fill(run->block, count, run->block.taps()) != Status::running) {
                 return false;

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "core/step_choice/output_errors.hpp"
+#include "core/step_choice/pilot.hpp"
 #include "core/step_choice/reference_pilot.hpp"
 #include "core/step_choice/seen_motion.hpp"
 

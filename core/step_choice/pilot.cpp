@@ -9,14 +9,6 @@ namespace hertzline {
 
 namespace {
 
-constexpr std::size_t block_samples = 256;
-
-Scene with_step(Scene scene, Integrator integrator, double step_s) {
-    scene.numerics.integrator = integrator;
-    scene.numerics.step_s = step_s;
-    return scene;
-}
-
 /// Beside the spheres' velocities. The pressure of a plane wave with the velocity v is rho c v: over rho c it is one of them.
 std::vector<PilotOutput> outputs_of(const EndModel& end) {
     if (end.plate) {
@@ -39,13 +31,19 @@ TapSet taps_of_pilot(const std::vector<PilotOutput>& outputs) noexcept {
 
 }  // namespace
 
+Scene with_step(Scene scene, Integrator integrator, double step_s) {
+    scene.numerics.integrator = integrator;
+    scene.numerics.step_s = step_s;
+    return scene;
+}
+
 Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
     : scene_(with_step(std::move(scene), integrator, step_s)),
       chain_(std::make_unique<const Chain>(scene_)),
       outputs_(outputs_of(chain_->end)),
       taps_(taps_of_pilot(outputs_)),
       solver_(make_solver(scene_, *chain_, {.taps = taps_, .ledger = LedgerKeeping::off})),
-      block_(taps_, static_cast<std::size_t>(chain_->spheres()), block_samples),
+      block_(taps_, static_cast<std::size_t>(chain_->spheres()), pilot_block),
       spheres_(static_cast<std::size_t>(chain_->spheres())),
       columns_(spheres_ + outputs_.size()),
       event_rate_(scene_.drive) {}
@@ -53,7 +51,7 @@ Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
 void Pilot::run_to(std::size_t samples) {
     velocities_.reserve(samples * columns_);
     while (stable_ && this->samples() < samples) {
-        const std::size_t wanted = std::min(block_samples, samples - this->samples());
+        const std::size_t wanted = std::min(pilot_block, samples - this->samples());
         stable_ = solver_->fill(block_, wanted, taps_) == Status::running;
         const std::size_t before = velocities_.size();
         velocities_.resize(before + block_.count * columns_);

@@ -1,6 +1,7 @@
 #pragma once
 // A scene simulated for a while to see what a step does to it: pilots with different steps are compared.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,6 +14,12 @@
 #include "core/step_choice/seen_motion.hpp"
 
 namespace hertzline {
+
+/// Samples that are compared at a time.
+inline constexpr std::size_t pilot_block = 256;
+
+/// The scene with that method and step.
+Scene with_step(Scene scene, Integrator integrator, double step_s);
 
 /// An output that a pilot keeps, as a velocity: its values times the scale [m/s].
 struct PilotOutput {

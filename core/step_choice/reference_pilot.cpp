@@ -11,7 +11,7 @@ namespace hertzline {
 
 namespace {
 
-constexpr Integrator best = Integrator::taylor12;
+constexpr Integrator reference_integrator = Integrator::taylor12;
 constexpr double as_good_as_exact = 1e-13;  // error of a piece
 constexpr double series_drive_periods = 0.11;
 
@@ -83,7 +83,7 @@ double step_of_reference(const Scene& scene, const Chain& chain) {
     const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, overlaps);
     return std::min({SeriesSolver::phase_for(as_good_as_exact) / omega, longest_for_drive(scene.drive),
-                     0.98 * largest_stable_step(chain, overlaps, best)});
+                     0.98 * largest_stable_step(chain, overlaps, reference_integrator)});
 }
 
 Scene shortened(Scene scene) {
@@ -101,8 +101,8 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain&
       watched_s_(std::min(burst_and_way_s(scene, chain),
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
       scene_(sampled_for(shortened(scene), watched_s_)),
-      motion_(scene_, best, step_s_),
-      finer_(scene_, best, finer * step_s_),
+      motion_(scene_, reference_integrator, step_s_),
+      finer_(scene_, reference_integrator, finer * step_s_),
       shortened_(scene.chain.spheres > pilot_spheres),
       same_samples_(!shortened_ && scene_.output.sample_rate_hz == scene.output.sample_rate_hz) {
     motion_.run_to(samples_in(watched_s_));

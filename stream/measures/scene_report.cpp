@@ -119,7 +119,7 @@ void add_end(Report& report, const Scene& scene, const Chain& chain) {
     double mass = 0;
     double stiffness = 0;
     if (plate) {
-        const auto& material = std::get<Solid>(*find_material(scene, scene.end.material));
+        const Solid& material = solid_of(scene, scene.end.material);
         mass = plate_mass(material, scene.end);
         stiffness = plate_stiffness(material, scene.end);
     }

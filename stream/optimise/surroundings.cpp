@@ -8,7 +8,6 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr std::int64_t none = Evaluations::none;
 constexpr double near_share = 0.01;
 constexpr double far_share = 0.05;
 constexpr int looks_at_best = 3;
@@ -24,7 +23,7 @@ std::vector<Neighbour> evaluated(Evaluations& evaluations, Wanted wanted) {
     const std::vector<std::int64_t> numbers = evaluations.run(values);
     std::vector<Neighbour> neighbours;
     for (std::size_t i = 0; i < wanted.size(); ++i) {
-        if (numbers[i] != none) {
+        if (numbers[i] != Evaluations::none) {
             neighbours.push_back(wanted[i].first);
             neighbours.back().evaluation = numbers[i];
         }
@@ -37,7 +36,7 @@ void add_nudged(const SearchSpace& space, const std::vector<SceneValue>& centre,
     for (std::size_t key = 0; key < space.keys(); ++key) {
         for (const double change : {-share, share}) {
             if (auto values = space.nudged(centre, key, change)) {
-                wanted.push_back({{key, change, none}, *std::move(values)});
+                wanted.push_back({{key, change, Evaluations::none}, *std::move(values)});
             }
         }
     }
@@ -47,7 +46,7 @@ void add_stepped(const SearchSpace& space, const std::vector<SceneValue>& centre
     for (std::size_t key = 0; key < space.keys(); ++key) {
         for (const int change : {-1, 1}) {
             if (auto values = space.stepped(centre, key, change)) {
-                wanted.push_back({{key, static_cast<double>(change), none}, *std::move(values)});
+                wanted.push_back({{key, static_cast<double>(change), Evaluations::none}, *std::move(values)});
             }
         }
     }

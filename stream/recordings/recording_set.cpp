@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds glance{50};  // between looks at the stop flag
+constexpr milliseconds look_every{50};  // between looks at the stop flag
 // After the user has asked to stop: for what waits in the queues, then to end the files.
 constexpr milliseconds last_writes{400};
 constexpr milliseconds last_end{200};
@@ -96,8 +96,8 @@ bool RecordingSet::pass_on(RecordingThread& thread, const SharedRows& rows, bool
 }
 
 bool RecordingSet::wait_for_progress(RecordingThread& thread) const {
-    for (milliseconds waited{0}; waited < patience_.wait && !stop_asked(); waited += glance) {
-        if (thread.wait_for_progress(glance)) {
+    for (milliseconds waited{0}; waited < patience_.wait && !stop_asked(); waited += look_every) {
+        if (thread.wait_for_progress(look_every)) {
             return true;
         }
         if (thread.over()) {
@@ -141,11 +141,11 @@ void RecordingSet::wait_while_they_write() const {
     milliseconds stalled{0};
     std::int64_t before = written();
     while (!stop_asked() && stalled < std::max(longest_stall, patience_.wait)) {
-        if (all_over_by(Clock::now() + glance)) {
+        if (all_over_by(Clock::now() + look_every)) {
             return;
         }
         const std::int64_t now = written();
-        stalled = now == before ? stalled + glance : milliseconds{0};
+        stalled = now == before ? stalled + look_every : milliseconds{0};
         before = now;
     }
 }

@@ -1,6 +1,7 @@
 #include "stream/sweep/sweep_files.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include "core/scene/text.hpp"
 #include "stream/files/output_file.hpp"
 #include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/csv_metadata.hpp"
 #include "stream/recordings/recording_formats.hpp"
 #include "stream/recordings/recording_head.hpp"
 
@@ -52,21 +54,13 @@ void append_cell(std::string& line, const Cell& cell) {
     }
 }
 
-/// CSV on the Web, as of recordings (csv.hpp).
-std::string csv_metadata(const fs::path& path, const SweepTable& table) {
+std::string metadata_text(const fs::path& path, const SweepTable& table) {
     constexpr std::array datatypes{"integer", "double", "string"};  // in the order of RecordKind
-    Json columns = Json::array();
+    std::vector<CsvColumn> columns;
     for (const RecordField& field : table.columns()) {
-        columns.push_back({{"name", field.name},
-                           {"titles", field.name},
-                           {"datatype", datatypes[static_cast<std::size_t>(field.kind)]},
-                           {"schema:unitText", field.unit}});
+        columns.push_back({{field.name, "", field.unit}, datatypes[static_cast<std::size_t>(field.kind)]});
     }
-    const Json json{{"@context", "http://www.w3.org/ns/csvw"},
-                    {"url", path.filename().string()},
-                    {"tableSchema", {{"columns", columns}, {"primaryKey", table.columns().front().name}}},
-                    {"urn:hertzline:provenance", sweep_provenance(table.sweep())}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return csv_metadata(path, columns, sweep_provenance(table.sweep()));
 }
 
 bool write_csv(const fs::path& path, const SweepTable& table, const std::atomic<bool>& stop) {
@@ -88,7 +82,7 @@ bool write_csv(const fs::path& path, const SweepTable& table, const std::atomic<
         }
         file.write(line + '\n');
     }
-    metadata.write(csv_metadata(path, table));
+    metadata.write(metadata_text(path, table));
     commit_csv(file, metadata, path);
     return true;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/simulation.hpp"
+#include "core/step_choice/pilot.hpp"
 #include "core/step_choice/resolve.hpp"
 
 namespace hertzline::test {
@@ -18,12 +19,6 @@ inline Scene settled(const Scene& scene) {
         throw std::runtime_error(result.faults.front().key + " " + result.faults.front().allowed);
     }
     return result.scene;
-}
-
-inline Scene with_step(Scene scene, Integrator integrator, double step_s) {
-    scene.numerics.integrator = integrator;
-    scene.numerics.step_s = step_s;
-    return scene;
 }
 
 /// All samples of a run, taken `block` at a time.

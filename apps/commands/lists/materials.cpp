@@ -16,7 +16,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* materials_examples =
     "E Young's modulus, nu Poisson's ratio, c speed of longitudinal waves, Z acoustic impedance,\n"
     "Y yield strength, sf flexural strength of what breaks before it yields.\n"
     "Solids are for drive.material, chain.material and end.material, fluids for medium.material.\n"
@@ -87,7 +87,7 @@ Exit list_materials(Format format) {
 Run materials_command(CLI::App& app) {
     auto format = std::make_shared<Format>(Format::text);
     add_format_option(app, *format, "print JSON, all numbers in SI units");
-    app.footer(examples);
+    app.footer(materials_examples);
     return [format] { return list_materials(*format); };
 }
 

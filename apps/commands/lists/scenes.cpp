@@ -18,7 +18,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* scenes_examples =
     "Examples:\n"
     "  hertzline scenes\n"
     "  hertzline scenes paper-wall > my-scene.toml\n"
@@ -72,7 +72,7 @@ Run scenes_command(CLI::App& app) {
     auto options = std::make_shared<ScenesOptions>();
     add_scene_options(app, options->scene);
     add_format_option(app, options->format, "print JSON");
-    app.footer(examples);
+    app.footer(scenes_examples);
     return [options] { return scenes(*options); };
 }
 

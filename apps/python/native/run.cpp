@@ -135,7 +135,7 @@ Tap held_tap(const RunResult& result, const std::string& name) {
 }
 
 /// [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
-py::array_t<double> samples_of(const std::shared_ptr<RunResult>& result, const std::string& name) {
+py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, const std::string& name) {
     const Tap tap = held_tap(*result, name);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
     if (chain_taps.contains(tap)) {
@@ -156,7 +156,7 @@ void add_run(py::module_& module) {
                                [](const RunResult& result) { return stream::names_of(result.asked); })
         .def("summary", [](const RunResult& result) { return python_object(result.summary); })
         .def("provenance", [](const RunResult& result) { return python_object(result.provenance); })
-        .def("samples", &samples_of, py::arg("tap"))
+        .def("samples", &samples_of_tap, py::arg("tap"))
         .def(
             "unit",
             [](const RunResult& result, const std::string& name) {

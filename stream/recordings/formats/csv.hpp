@@ -22,9 +22,6 @@ inline constexpr const char* csv_time_column = "t_s";
 /// Appends the shortest text of `number` that reads back the same bits; independent of the locale.
 void append_csv_number(std::string& text, double number);
 
-/// Where the metadata of a CSV lies.
-std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
-
 /// Gives a CSV that is whole, and its metadata, their names.
 void commit_csv(OutputFile& csv, OutputFile& metadata, const std::filesystem::path& path);
 

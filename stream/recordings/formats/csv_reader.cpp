@@ -15,6 +15,7 @@
 #include "stream/files/json_from_outside.hpp"
 #include "stream/recordings/columns.hpp"
 #include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/csv_metadata.hpp"
 #include "stream/recordings/isolated_reader.hpp"
 
 namespace hertzline::stream {

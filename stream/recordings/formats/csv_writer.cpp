@@ -2,10 +2,12 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <vector>
 
 #include "stream/files/output_file.hpp"
 #include "stream/recordings/checked_writer.hpp"
 #include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/csv_metadata.hpp"
 
 namespace hertzline::stream {
 
@@ -15,30 +17,13 @@ namespace fs = std::filesystem;
 
 using Json = nlohmann::ordered_json;
 
-/// Properties that are not CSVW's own need a full IRI for a name.
-const std::string own = "urn:hertzline:";
-
-Json column_json(const std::string& name, const char* datatype, const std::string& unit,
-                 const std::string& quantity) {
-    return {{"name", name},
-            {"titles", name},
-            {"datatype", datatype},
-            {"schema:unitText", unit},
-            {own + "quantity", quantity}};
-}
-
 std::string metadata_text(const fs::path& path, const RecordingHead& head) {
     const char* datatype = head.numbers == NumberType::float32 ? "float" : "double";
-    Json columns{column_json(csv_time_column, "double", "s", "t")};
+    std::vector<CsvColumn> columns{{{csv_time_column, "t", "s"}, "double"}};
     for (const Column& column : head.columns) {
-        columns.push_back(column_json(column.name, datatype, column.unit, column.quantity));
+        columns.push_back({column, datatype});
     }
-    const Json json{{"@context", "http://www.w3.org/ns/csvw"},
-                    {"url", path.filename().string()},
-                    {"tableSchema", {{"columns", columns}, {"primaryKey", csv_time_column}}},
-                    {own + "sample_rate_hz", head.sample_rate_hz},
-                    {own + "provenance", head.provenance}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return csv_metadata(path, columns, head.provenance, head.sample_rate_hz);
 }
 
 class CsvWriter final : public CheckedWriter {
@@ -176,10 +161,6 @@ void append_csv_number(std::string& text, double number) {
     std::array<char, 32> digits{};  // sign, 17 digits, point, e-308: 24 at most
     const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), number);
     text.append(digits.data(), written.ptr);
-}
-
-fs::path csv_metadata_path(const fs::path& csv) {
-    return csv.string() + "-metadata.json";
 }
 
 std::unique_ptr<RecordingWriter> open_csv_writer(const fs::path& path, const RecordingHead& head) {

@@ -11,6 +11,7 @@
 
 #include "stream/files/output_file.hpp"
 #include "stream/recordings/formats/csv.hpp"
+#include "stream/recordings/formats/csv_metadata.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "stream/recordings/formats/npy_header.hpp"
 #include "stream/recordings/recording_formats.hpp"
@@ -32,22 +33,12 @@ bool stopped(std::size_t row, const std::atomic<bool>& stop) noexcept {
     return row % rows_between_looks == 0 && stop.load(std::memory_order_relaxed);
 }
 
-/// CSV on the Web, as of recordings (csv.hpp).
-std::string csv_metadata(const fs::path& path, const Table& table) {
-    const std::string own = "urn:hertzline:";
-    Json columns = Json::array();
+std::string metadata_text(const fs::path& path, const Table& table) {
+    std::vector<CsvColumn> columns;
     for (const TableColumn& column : table.columns) {
-        columns.push_back(Json{{"name", column.about.name},
-                               {"titles", column.about.name},
-                               {"datatype", "double"},
-                               {"schema:unitText", column.about.unit},
-                               {own + "quantity", column.about.quantity}});
+        columns.push_back({column.about, "double"});
     }
-    const Json json{{"@context", "http://www.w3.org/ns/csvw"},
-                    {"url", path.filename().string()},
-                    {"tableSchema", {{"columns", columns}, {"primaryKey", table.columns.front().about.name}}},
-                    {own + "provenance", table.provenance}};
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return csv_metadata(path, columns, table.provenance);
 }
 
 bool write_csv(const fs::path& path, const Table& table, const std::atomic<bool>& stop) {
@@ -69,7 +60,7 @@ bool write_csv(const fs::path& path, const Table& table, const std::atomic<bool>
         }
         file.write(line + '\n');
     }
-    metadata.write(csv_metadata(path, table));
+    metadata.write(metadata_text(path, table));
     commit_csv(file, metadata, path);
     return true;
 }

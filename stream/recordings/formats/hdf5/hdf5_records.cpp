@@ -10,7 +10,7 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr std::size_t chunk_bytes = std::size_t{1} << 18;
+constexpr std::size_t record_chunk_bytes = std::size_t{1} << 18;
 constexpr unsigned deflate_level = 4;
 
 Hdf5Object type_of(const RecordField& field) {
@@ -35,7 +35,7 @@ Hdf5Object record_type(const RecordFile& records) {
 
 /// Rows of so many bytes that fit into a chunk, at least one.
 hsize_t rows_in_chunk(std::size_t bytes) {
-    return std::max<hsize_t>(1, chunk_bytes / std::max<std::size_t>(1, bytes));
+    return std::max<hsize_t>(1, record_chunk_bytes / std::max<std::size_t>(1, bytes));
 }
 
 Hdf5Object create_dataset(hid_t file, const std::string& name, hid_t type, const std::vector<hsize_t>& size,

@@ -16,6 +16,7 @@
 // The files are whole at any time, so that the recording survives the sudden end of the program: data go to
 // the system at least once in half a second, and a capture becomes known before its first sample.
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -27,6 +28,9 @@ namespace hertzline::stream {
 inline constexpr std::string_view sigmf_meta_ending = ".sigmf-meta";
 inline constexpr std::string_view sigmf_data_ending = ".sigmf-data";
 inline constexpr std::string_view sigmf_collection_ending = ".sigmf-collection";
+
+/// As the specification allows.
+inline constexpr std::size_t sigmf_max_channels = 1000;
 
 /// The two files of a SigMF recording.
 struct SigmfPaths {

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t largest_collection = 1 << 20;
-constexpr std::size_t max_recordings = 1000;
+constexpr std::size_t max_streams = 1000;
 
 /// Of an object, or of a pair of name and hash as in version 1.0. It stands for files beside the collection, nowhere else.
 std::string recording_name_of(const Json& stream) {
@@ -54,9 +54,9 @@ std::vector<std::string> recording_names(const fs::path& path) {
         throw std::runtime_error("found no core:streams");
     }
     const Json& streams = json.at(place);
-    if (streams.empty() || streams.size() > max_recordings) {
-        throw std::runtime_error(fmt::format("core:streams: found {} recordings, allowed: 1 to {}",
-                                             streams.size(), max_recordings));
+    if (streams.empty() || streams.size() > max_streams) {
+        throw std::runtime_error(
+            fmt::format("core:streams: found {} recordings, allowed: 1 to {}", streams.size(), max_streams));
     }
     std::vector<std::string> names;
     std::ranges::transform(streams, std::back_inserter(names), recording_name_of);

@@ -23,7 +23,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t largest_meta = 64 << 20;
 constexpr std::int64_t max_samples = std::int64_t{1} << 62;  // sums of two stay in 64 bits
-constexpr std::int64_t max_channels = 1000;                  // as the specification allows
 constexpr std::string_view own = "hertzline:";
 
 [[noreturn]] void refuse(const std::string& reason) {
@@ -108,7 +107,7 @@ private:
         if (count_at(global, "core:offset", 0, max_samples) != 0) {
             refuse("core:offset: allowed: 0");
         }
-        const std::int64_t channels = count_at(global, "core:num_channels", 1, max_channels);
+        const std::int64_t channels = count_at(global, "core:num_channels", 1, sigmf_max_channels);
         if (channels == 0) {
             refuse("core:num_channels: found 0, allowed: from 1");
         }

@@ -33,7 +33,6 @@ constexpr double flush_every_s = 0.5;         // of samples or by the clock, wha
 constexpr std::size_t max_captures = 10'000;  // each costs a hundred bytes, written anew with the next one
 
 /// What the specification allows.
-constexpr std::size_t max_channels = 1000;
 constexpr double lowest_rate_hz = 1;
 constexpr double highest_rate_hz = 1e12;
 
@@ -53,7 +52,7 @@ public:
             require_possible(max_recordings, "a SigMF collection, which has files for each");
             begin_collection();
         } else {
-            require_possible(max_channels, "SigMF");
+            require_possible(sigmf_max_channels, "SigMF");
             std::vector<std::size_t> all(head.columns.size());
             std::iota(all.begin(), all.end(), std::size_t{0});
             recordings_.emplace_back(sigmf_paths(path), head, std::move(all));

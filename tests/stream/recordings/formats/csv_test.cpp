@@ -18,6 +18,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "stream/recordings/formats/csv_metadata.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
