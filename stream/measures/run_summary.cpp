@@ -26,8 +26,8 @@ std::vector<double> switching_db(SpectrumAnalyser& analyser, const SpectrumSumma
     if (record.v_out_smooth.empty()) {
         return {};
     }
-    const auto smooth = analyser.analyse(record.v_out_smooth, v_out.fundamental_hz);
-    return level_differences_db(v_out.harmonics, smooth.harmonics);
+    return level_differences_db(v_out.harmonics,
+                                analyser.harmonics(record.v_out_smooth, v_out.fundamental_hz));
 }
 
 void append(Warnings& warnings, const Warnings& more) {

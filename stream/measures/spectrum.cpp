@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <new>
+#include <numbers>
 #include <stdexcept>
 
 #include <fftw3.h>
@@ -68,6 +70,16 @@ double parabola_top(double left, double middle, double right) {
     return curvature < 0 ? middle * std::exp(-(a - c) * (a - c) / (8 * curvature)) : middle;
 }
 
+void require_fundamental(double fundamental_hz) {
+    if (!(fundamental_hz > 0) || !std::isfinite(fundamental_hz)) {
+        throw std::invalid_argument("a spectrum needs a positive fundamental frequency");
+    }
+}
+
+double square(double value) noexcept {
+    return value * value;
+}
+
 }  // namespace
 
 double peak_of(std::span<const double> values) {
@@ -87,14 +99,23 @@ std::vector<double> level_differences_db(std::span<const double> harmonics, std:
     return differences;
 }
 
+/// A record as complex numbers, each of two neighbours: half as long a transform, from which take_powers() takes the record's own.
+/// FFTW's r2c does the same, but takes a hundred times as long to plan, and its halfcomplex format has no vector instructions.
 struct SpectrumAnalyser::Transform {
-    /// FFTW_ESTIMATE: the plan depends on the size alone, so the same record gives the same bits in every run. The halfcomplex format is
-    /// planned a dozen times as fast as FFTW's r2c.
-    Transform(std::size_t size, double* values) {
-        const std::scoped_lock lock(planner);
-        plan = fftw_plan_r2r_1d(static_cast<int>(size), values, values, FFTW_R2HC, FFTW_ESTIMATE);
+    /// In place. FFTW_ESTIMATE: the plan depends on the size alone, so the same record gives the same bits in every run.
+    Transform(std::size_t pairs, double* values) {
+        {
+            const std::scoped_lock lock(planner);
+            auto* const numbers = reinterpret_cast<fftw_complex*>(values);
+            plan = fftw_plan_dft_1d(static_cast<int>(pairs), numbers, numbers, FFTW_FORWARD, FFTW_ESTIMATE);
+        }
         if (plan == nullptr) {
             throw std::bad_alloc();
+        }
+        turns.reserve(pairs / 2 + 1);
+        for (std::size_t bin = 0; bin <= pairs / 2; ++bin) {
+            const double part = static_cast<double>(bin) / static_cast<double>(pairs);
+            turns.push_back(std::polar(1.0, -std::numbers::pi * part));
         }
     }
     ~Transform() {
@@ -106,6 +127,7 @@ struct SpectrumAnalyser::Transform {
 
     static inline std::mutex planner;
     fftw_plan plan = nullptr;
+    std::vector<std::complex<double>> turns;  // exp(-i pi bin / pairs), up to a quarter of a turn
 };
 
 SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) : samples_(samples) {
@@ -119,14 +141,14 @@ SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) :
     last_bin_ = padded_ / 2;
     bin_hz_ = sample_rate_hz / static_cast<double>(padded_);
     buffer_.resize(padded_);
-    magnitudes_.resize(last_bin_ + 1);
-    transform_ = std::make_unique<Transform>(padded_, buffer_.data());
+    powers_.resize(last_bin_ + 1);
+    transform_ = std::make_unique<Transform>(last_bin_, buffer_.data());
 }
 
 SpectrumAnalyser::~SpectrumAnalyser() = default;
 
 double SpectrumAnalyser::bytes_needed(double samples) noexcept {
-    // The padded record in place, the magnitudes and, while it is transformed, somewhat more than the record for FFTW: 2.7 times were seen.
+    // The padded record in place, a half of that for the powers and the turns each, and what FFTW takes while it transforms.
     return 3.0 * static_cast<double>(padding) * sizeof(double) * samples;
 }
 
@@ -144,14 +166,29 @@ bool SpectrumAnalyser::transform(std::span<const double> record) {
     const auto end = std::ranges::transform(record, buffer_.begin(), [&](double v) { return v / *peak; }).out;
     std::fill(end, buffer_.end(), 0.0);
     fftw_execute(transform_->plan);
-    magnitudes_[0] = std::abs(buffer_[0]);
-    for (std::size_t bin = 1; bin < last_bin_; ++bin) {
-        const double real = buffer_[bin];
-        const double imaginary = buffer_[padded_ - bin];
-        magnitudes_[bin] = std::sqrt(real * real + imaginary * imaginary);
-    }
-    magnitudes_[last_bin_] = std::abs(buffer_[last_bin_]);
+    take_powers();
     return true;
+}
+
+/// With z_n = x_2n + i x_(2n+1) and Z its transform of N pairs: E = (Z_k + conj Z_(N-k)) / 2 is that of the even samples,
+/// O = (Z_k - conj Z_(N-k)) / 2i that of the odd ones. X_k = E + t O and X_(N-k) = conj(E - t O), t = exp(-i pi k / N). See
+/// Press et al., Numerical Recipes, section 12.3.
+void SpectrumAnalyser::take_powers() noexcept {
+    const std::size_t pairs = last_bin_;
+    powers_[0] = square(buffer_[0] + buffer_[1]);
+    powers_[pairs] = square(buffer_[0] - buffer_[1]);
+    for (std::size_t bin = 1; bin <= pairs / 2; ++bin) {
+        const double* const near = &buffer_[2 * bin];
+        const double* const far = &buffer_[2 * (pairs - bin)];
+        const double even_re = 0.5 * (near[0] + far[0]);
+        const double even_im = 0.5 * (near[1] - far[1]);
+        const double odd_re = 0.5 * (near[1] + far[1]);
+        const double odd_im = 0.5 * (far[0] - near[0]);
+        const double re = transform_->turns[bin].real() * odd_re - transform_->turns[bin].imag() * odd_im;
+        const double im = transform_->turns[bin].real() * odd_im + transform_->turns[bin].imag() * odd_re;
+        powers_[bin] = square(even_re + re) + square(even_im + im);
+        powers_[pairs - bin] = square(even_re - re) + square(even_im - im);
+    }
 }
 
 /// Straight lines are drawn between the bins. @param frequency_hz from 0 to half the sample rate
@@ -159,7 +196,7 @@ double SpectrumAnalyser::magnitude_at(double frequency_hz) const noexcept {
     const double bin = std::min(frequency_hz / bin_hz_, static_cast<double>(last_bin_));
     const auto left = static_cast<std::size_t>(bin);
     const std::size_t right = std::min(left + 1, last_bin_);
-    return std::lerp(magnitudes_[left], magnitudes_[right], bin - static_cast<double>(left));
+    return std::lerp(magnitude(left), magnitude(right), bin - static_cast<double>(left));
 }
 
 /// Largest magnitude within half_width_hz of frequency_hz, between the bins too.
@@ -170,35 +207,39 @@ double SpectrumAnalyser::line(double frequency_hz, double half_width_hz) const n
     const double high = std::clamp(std::floor((frequency_hz + half_width_hz) / bin_hz_), nearest, last);
     auto top = static_cast<std::size_t>(low);
     for (std::size_t bin = top; bin <= static_cast<std::size_t>(high); ++bin) {
-        if (magnitudes_[bin] > magnitudes_[top]) {
+        if (powers_[bin] > powers_[top]) {
             top = bin;
         }
     }
-    const double middle = magnitudes_[top];
-    if (top == 0 || top == last_bin_ || magnitudes_[top - 1] > middle || magnitudes_[top + 1] > middle) {
-        return middle;  // on the slope of something that is larger outside
+    if (top == 0 || top == last_bin_ || powers_[top - 1] > powers_[top] || powers_[top + 1] > powers_[top]) {
+        return magnitude(top);  // on the slope of something that is larger outside
     }
-    return parabola_top(magnitudes_[top - 1], middle, magnitudes_[top + 1]);
+    return parabola_top(magnitude(top - 1), magnitude(top), magnitude(top + 1));
 }
 
 /// Where the magnitudes, with straight lines between the bins, reach the threshold.
 std::optional<Band> SpectrumAnalyser::band_above(double threshold, double lowest_hz) const noexcept {
     std::optional<Band> band;
-    double left_hz = lowest_hz;
-    double left = magnitude_at(lowest_hz);
+    const double power = threshold * threshold;
     const auto first = static_cast<std::size_t>(lowest_hz / bin_hz_) + 1;
+    double left_hz = lowest_hz;
+    double left = square(magnitude_at(lowest_hz));
     for (std::size_t bin = first; bin <= last_bin_; ++bin) {
-        const double right_hz = bin_hz_ * static_cast<double>(bin);
-        const double right = magnitudes_[bin];
-        if (std::max(left, right) >= threshold) {
-            const double crossing = left_hz + (right_hz - left_hz) * (threshold - left) / (right - left);
-            const double from = left >= threshold ? left_hz : crossing;
-            const double to = right >= threshold ? right_hz : crossing;
+        const double right = powers_[bin];
+        if (std::max(left, right) >= power) {
+            const double right_hz = bin_hz_ * static_cast<double>(bin);
+            const auto crossing = [&] {
+                const double rise = std::sqrt(right) - std::sqrt(left);
+                return rise != 0 ? left_hz + (right_hz - left_hz) * (threshold - std::sqrt(left)) / rise
+                                 : left_hz;
+            };
+            const double from = left >= power ? left_hz : crossing();
+            const double to = right >= power ? right_hz : crossing();
             band = {.low_hz = band ? band->low_hz : from,
                     .high_hz = to,
                     .occupied_hz = (band ? band->occupied_hz : 0) + (to - from)};
         }
-        left_hz = right_hz;
+        left_hz = bin_hz_ * static_cast<double>(bin);
         left = right;
     }
     return band;
@@ -210,36 +251,43 @@ void SpectrumAnalyser::add_bands(SpectrumSummary& summary) const {
         return;
     }
     // at lowest_hz itself, or at a bin above it
-    double maximum = magnitude_at(summary.lowest_hz);
+    double strongest = square(magnitude_at(summary.lowest_hz));
     summary.strongest_hz = summary.lowest_hz;
-    double below = magnitudes_[0];
+    double below = powers_[0];
     for (std::size_t bin = 0; bin <= last_bin_; ++bin) {
         const double frequency = bin_hz_ * static_cast<double>(bin);
         if (frequency < summary.lowest_hz) {
-            below = std::max(below, magnitudes_[bin]);
-        } else if (magnitudes_[bin] > maximum) {
-            maximum = magnitudes_[bin];
+            below = std::max(below, powers_[bin]);
+        } else if (powers_[bin] > strongest) {
+            strongest = powers_[bin];
             summary.strongest_hz = frequency;
         }
     }
+    const double maximum = std::sqrt(strongest);
     if (!(maximum > 0)) {
         summary.strongest_hz = std::nullopt;
         return;
     }
-    summary.dc_db = decibels(magnitudes_[0] / maximum);
-    summary.below_db = decibels(below / maximum);
+    summary.dc_db = decibels(magnitude(0) / maximum);
+    summary.below_db = decibels(std::sqrt(below) / maximum);
     summary.band_6db = band_above(maximum * std::pow(10.0, -6.0 / 20), summary.lowest_hz);
     summary.band_20db = band_above(maximum * std::pow(10.0, -20.0 / 20), summary.lowest_hz);
+}
+
+/// Magnitudes at the multiples of the fundamental.
+std::vector<double> SpectrumAnalyser::lines(double fundamental_hz) const {
+    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
+    std::vector<double> magnitudes;
+    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental_hz <= nyquist; ++k) {
+        magnitudes.push_back(line(static_cast<double>(k) * fundamental_hz, neighbourhood * fundamental_hz));
+    }
+    return magnitudes;
 }
 
 /// @param amplitude that of a line of magnitude 1
 void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude) const {
     const double fundamental = summary.fundamental_hz;
-    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
-    std::vector<double> lines;
-    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental <= nyquist; ++k) {
-        lines.push_back(line(static_cast<double>(k) * fundamental, neighbourhood * fundamental));
-    }
+    const std::vector<double> lines = this->lines(fundamental);
     const double largest = lines.empty() ? 0.0 : std::ranges::max(lines);
     if (!(largest > 0)) {
         return;
@@ -258,11 +306,25 @@ void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude)
     summary.subharmonic_db = decibels(line(fundamental / 2, neighbourhood * fundamental) / largest);
 }
 
+std::vector<double> SpectrumAnalyser::harmonics(std::span<const double> record, double fundamental_hz) {
+    require_fundamental(fundamental_hz);
+    if (!transform(record)) {
+        return {};
+    }
+    std::vector<double> amplitudes = lines(fundamental_hz);
+    if (peak_of(amplitudes) == 0) {
+        return {};
+    }
+    for (double& amplitude : amplitudes) {
+        amplitude =
+            std::min(amplitude_of_a_line(record.size()) * amplitude, std::numeric_limits<double>::max());
+    }
+    return amplitudes;
+}
+
 SpectrumSummary SpectrumAnalyser::analyse(std::span<const double> record, double fundamental_hz,
                                           std::optional<double> lowest_hz) {
-    if (!(fundamental_hz > 0) || !std::isfinite(fundamental_hz)) {
-        throw std::invalid_argument("a spectrum needs a positive fundamental frequency");
-    }
+    require_fundamental(fundamental_hz);
     SpectrumSummary summary;
     summary.fundamental_hz = fundamental_hz;
     summary.lowest_hz = lowest_hz.value_or(fundamental_hz / 2);
@@ -287,7 +349,7 @@ MagnitudeSpectrum SpectrumAnalyser::magnitudes(std::span<const double> record) {
         if (audible) {
             // a real tone splits into +f and -f; a constant does not
             spectrum.amplitudes[bin] =
-                (bin == 0 ? 0.5 : 1.0) * amplitude_of_a_line(record.size()) * magnitudes_[bin];
+                (bin == 0 ? 0.5 : 1.0) * amplitude_of_a_line(record.size()) * magnitude(bin);
         }
     }
     return spectrum;

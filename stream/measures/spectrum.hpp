@@ -11,6 +11,7 @@
 // window: a burst starts and ends at rest, so nothing leaks, and a window would weigh the quiet stretches
 // against the strong ones.
 
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -87,6 +88,9 @@ public:
     SpectrumSummary analyse(std::span<const double> record, double fundamental_hz,
                             std::optional<double> lowest_hz = std::nullopt);
 
+    /// The summary's harmonics alone, the same bits; empty when all are 0. @throws as analyse() does.
+    std::vector<double> harmonics(std::span<const double> record, double fundamental_hz);
+
     /// The spectrum itself: 2/n |sum v exp(-i omega t)|, and half of that at 0 Hz. A silent record gives
     /// zeros; one with a value that is not finite gives zeros too. @throws as analyse() does.
     MagnitudeSpectrum magnitudes(std::span<const double> record);
@@ -96,8 +100,11 @@ private:
     double amplitude_of_a_line(std::size_t samples) const noexcept {
         return scale_ * (2 / static_cast<double>(samples));
     }
+    std::vector<double> lines(double fundamental_hz) const;
     void add_harmonics(SpectrumSummary& summary, double amplitude) const;
     void add_bands(SpectrumSummary& summary) const;
+    void take_powers() noexcept;
+    double magnitude(std::size_t bin) const noexcept { return std::sqrt(powers_[bin]); }
     double magnitude_at(double frequency_hz) const noexcept;
     double line(double frequency_hz, double half_width_hz) const noexcept;
     std::optional<Band> band_above(double threshold, double lowest_hz) const noexcept;
@@ -110,8 +117,9 @@ private:
     double bin_hz_ = 0;
     double scale_ = 0;  // largest |sample| of the record that was transformed last
     std::vector<double>
-        buffer_;  // the padded record, then its transform in place: real parts, imaginary ones
-    std::vector<double> magnitudes_;  // of the bins 0 to last_bin_, of the record scaled to a peak of 1
+        buffer_;  // the padded record, then its transform in place: real and imaginary parts in turn
+    std::vector<double>
+        powers_;  // squared magnitudes of the bins 0 to last_bin_, of the record scaled to a peak of 1
     std::unique_ptr<Transform> transform_;
 };
 
