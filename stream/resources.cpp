@@ -31,9 +31,14 @@ std::optional<std::uint64_t> number_in(const fs::path& file, const std::string& 
 /// What one control group leaves. Its page cache counts as used but is given back on demand.
 std::optional<std::uint64_t> left_in_group(const fs::path& limit_file, const fs::path& usage_file,
                                            const fs::path& stat_file, const std::string& cache_key) {
+    constexpr std::uint64_t no_limit =
+        std::uint64_t{1} << 60;  // of groups without one the first version shows its largest number
     const auto limit = number_in(limit_file, "");
+    if (!limit || *limit > no_limit) {
+        return std::nullopt;
+    }
     const auto usage = number_in(usage_file, "");
-    if (!limit || !usage) {
+    if (!usage) {
         return std::nullopt;
     }
     const std::uint64_t cache = number_in(stat_file, cache_key).value_or(0);
