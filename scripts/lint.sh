@@ -55,6 +55,12 @@ case "$mode" in
 esac
 [ -n "$chosen" ] || exit 0
 echo "clang-tidy on $(echo "$chosen" | wc -l) sources ..." >&2
-./scripts/build.sh release hertzline_git_hash  # the generated header, and the list of compile commands
+# the list of compile commands, of each source alone, and the generated header
+mkdir -p build
+if ! { cmake --preset release -B build/lint -DCMAKE_UNITY_BUILD=OFF -DHERTZLINE_TESTS=OFF -DHERTZLINE_BENCH=OFF &&
+    cmake --build build/lint --target hertzline_git_hash; } >build/lint.log 2>&1; then
+    cat build/lint.log >&2
+    exit 1
+fi
 # g++'s warning options mean nothing to clang
-echo "$chosen" | xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p build/release --extra-arg=-Wno-unknown-warning-option
+echo "$chosen" | xargs -P "$(nproc)" -n 1 clang-tidy --quiet -p build/lint --extra-arg=-Wno-unknown-warning-option
