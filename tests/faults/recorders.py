@@ -58,9 +58,9 @@ def _popen(stand, *words, **how):
 
 
 def signal_during_the_set_up(stand):
-    # hundreds of thousands of spheres: trials take seconds
+    # millions of spheres: their set-up takes seconds
     for by in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        run = _popen(stand, "run", "long-chain", "--set", "chain.spheres=200000", "-o", stand.folder / "a.csv")
+        run = _popen(stand, "run", "long-chain", "--set", "chain.spheres=2000000", "-o", stand.folder / "a.csv")
         time.sleep(0.3)
         check(run.poll() is None, "it ended by itself")
         _ends_within_a_second(stand, run, by)
