@@ -31,8 +31,8 @@ std::optional<std::uint64_t> number_in(const fs::path& file, const std::string& 
 /// What one control group leaves. Its page cache counts as used but is given back on demand.
 std::optional<std::uint64_t> left_in_group(const fs::path& limit_file, const fs::path& usage_file,
                                            const fs::path& stat_file, const std::string& cache_key) {
-    constexpr std::uint64_t no_limit =
-        std::uint64_t{1} << 60;  // of groups without one the first version shows its largest number
+    // Groups of the first version without a limit show its largest number.
+    constexpr std::uint64_t no_limit = std::uint64_t{1} << 60;
     const auto limit = number_in(limit_file, "");
     if (!limit || *limit > no_limit) {
         return std::nullopt;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/step_choice/pilot.hpp"
 #include "core/step_choice/step_advice.hpp"
 
 namespace hertzline {
@@ -15,8 +17,7 @@ constexpr double lowest_slope = 10;   // of log(error) over log(step), from belo
 
 Scene with_finer_steps(Scene scene) {
     scene.numerics.step_s = finer_steps * *scene.numerics.step_s;
-    scene.numerics.rest_tolerance = 0;  // what that cuts off is no error of the step
-    return scene;
+    return never_at_rest(std::move(scene));
 }
 
 }  // namespace

@@ -9,12 +9,6 @@ namespace {
 
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
-/// What the tolerance of rest cuts off is no error of the step.
-Scene never_at_rest(Scene scene) {
-    scene.numerics.rest_tolerance = 0;
-    return scene;
-}
-
 double bodies(const Scene& scene) noexcept {
     return static_cast<double>(scene.chain.spheres) + 1;
 }

@@ -37,6 +37,11 @@ Scene with_step(Scene scene, Integrator integrator, double step_s) {
     return scene;
 }
 
+Scene never_at_rest(Scene scene) {
+    scene.numerics.rest_tolerance = 0;
+    return scene;
+}
+
 Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
     : scene_(with_step(std::move(scene), integrator, step_s)),
       chain_(std::make_unique<const Chain>(scene_)),

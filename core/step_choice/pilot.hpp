@@ -21,6 +21,9 @@ inline constexpr std::size_t pilot_block = 256;
 /// The scene with that method and step.
 Scene with_step(Scene scene, Integrator integrator, double step_s);
 
+/// The scene without a tolerance of rest: what that cuts off is no error of the step.
+Scene never_at_rest(Scene scene);
+
 /// An output that a pilot keeps, as a velocity: its values times the scale [m/s].
 struct PilotOutput {
     Tap tap;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/integrators/stability.hpp"
 #include "core/solvers/series_solver.hpp"
@@ -88,8 +89,7 @@ double step_of_reference(const Scene& scene, const Chain& chain) {
 
 Scene shortened(Scene scene) {
     scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
-    scene.numerics.rest_tolerance = 0;  // what that cuts off is no error of the step
-    return scene;
+    return never_at_rest(std::move(scene));
 }
 
 ReferencePilot::ReferencePilot(const Scene& scene, double accuracy)

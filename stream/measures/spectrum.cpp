@@ -9,6 +9,7 @@
 #include <new>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include <fftw3.h>
 
@@ -274,20 +275,14 @@ void SpectrumAnalyser::add_bands(SpectrumSummary& summary) const {
     summary.band_20db = band_above(maximum * std::pow(10.0, -20.0 / 20), summary.lowest_hz);
 }
 
-/// Magnitudes at the multiples of the fundamental.
-std::vector<double> SpectrumAnalyser::lines(double fundamental_hz) const {
-    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
-    std::vector<double> magnitudes;
-    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental_hz <= nyquist; ++k) {
-        magnitudes.push_back(line(static_cast<double>(k) * fundamental_hz, neighbourhood * fundamental_hz));
-    }
-    return magnitudes;
-}
-
 /// @param amplitude that of a line of magnitude 1
 void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude) const {
     const double fundamental = summary.fundamental_hz;
-    const std::vector<double> lines = this->lines(fundamental);
+    const double nyquist = bin_hz_ * static_cast<double>(last_bin_);
+    std::vector<double> lines;
+    for (std::size_t k = 1; k <= max_harmonics && static_cast<double>(k) * fundamental <= nyquist; ++k) {
+        lines.push_back(line(static_cast<double>(k) * fundamental, neighbourhood * fundamental));
+    }
     const double largest = lines.empty() ? 0.0 : std::ranges::max(lines);
     if (!(largest > 0)) {
         return;
@@ -308,18 +303,12 @@ void SpectrumAnalyser::add_harmonics(SpectrumSummary& summary, double amplitude)
 
 std::vector<double> SpectrumAnalyser::harmonics(std::span<const double> record, double fundamental_hz) {
     require_fundamental(fundamental_hz);
-    if (!transform(record)) {
-        return {};
+    SpectrumSummary summary;
+    summary.fundamental_hz = fundamental_hz;
+    if (transform(record)) {
+        add_harmonics(summary, amplitude_of_a_line(record.size()));
     }
-    std::vector<double> amplitudes = lines(fundamental_hz);
-    if (peak_of(amplitudes) == 0) {
-        return {};
-    }
-    for (double& amplitude : amplitudes) {
-        amplitude =
-            std::min(amplitude_of_a_line(record.size()) * amplitude, std::numeric_limits<double>::max());
-    }
-    return amplitudes;
+    return std::move(summary.harmonics);
 }
 
 SpectrumSummary SpectrumAnalyser::analyse(std::span<const double> record, double fundamental_hz,

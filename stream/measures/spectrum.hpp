@@ -88,7 +88,7 @@ public:
     SpectrumSummary analyse(std::span<const double> record, double fundamental_hz,
                             std::optional<double> lowest_hz = std::nullopt);
 
-    /// The summary's harmonics alone, the same bits; empty when all are 0. @throws as analyse() does.
+    /// The summary's harmonics alone. @throws as analyse() does.
     std::vector<double> harmonics(std::span<const double> record, double fundamental_hz);
 
     /// The spectrum itself: 2/n |sum v exp(-i omega t)|, and half of that at 0 Hz. A silent record gives
@@ -100,7 +100,6 @@ private:
     double amplitude_of_a_line(std::size_t samples) const noexcept {
         return scale_ * (2 / static_cast<double>(samples));
     }
-    std::vector<double> lines(double fundamental_hz) const;
     void add_harmonics(SpectrumSummary& summary, double amplitude) const;
     void add_bands(SpectrumSummary& summary) const;
     void take_powers() noexcept;

@@ -58,7 +58,7 @@ def _popen(stand, *words, **how):
 
 
 def signal_during_the_set_up(stand):
-    # millions of spheres: their set-up takes seconds
+    # millions of spheres: their set-up takes more than a second
     for by in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         run = _popen(stand, "run", "long-chain", "--set", "chain.spheres=2000000", "-o", stand.folder / "a.csv")
         time.sleep(0.3)

@@ -73,8 +73,8 @@ struct Controlled {
 
 TEST(SceneControl, ChangesTakeEffectAtTheNextBurst) {
     Controlled stream;
-    stream.advance(
-        50);  // by hundreds from here it never stands where a burst begins: there a change applies at once
+    // By hundreds from here it never stands where a burst begins: there a change applies at once.
+    stream.advance(50);
     const Json reply = stream.ask({{"set", {{"drive.amplitude_m", 1e-6}}}});
     const auto sample = reply["applies_at_sample"].get<std::int64_t>();
     EXPECT_EQ(sample % 2000, 0);
