@@ -119,7 +119,7 @@ double simulated_s(const Scene& scene, double step) {
 double largest_held_on_grid(const Scene& scene, Integrator integrator, double step, double bound) {
     const Chain chain(scene);
     ChainState state(chain);
-    const ToneBurst burst(scene.drive, step);
+    ToneBurst burst(scene.drive, step);
     kernels::SimdChain folded(chain, integrator, kernels::kernel_lanes());
     folded.step_s = step;
     folded.load(chain, state, chain.bodies());

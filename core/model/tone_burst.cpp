@@ -38,14 +38,6 @@ ToneBurst::ToneBurst(const Drive& drive, double step_s)
         rise_ = drive.taper * duration_ / 2;
         ramp_omega_ = std::numbers::pi / rise_;
     }
-    constexpr int nodes = 2 * batch_steps + 1;
-    for (int j = 0; j < nodes; ++j) {
-        const double offset = 0.5 * j * step_;
-        carrier_cos_.push_back(std::cos(omega_ * offset));
-        carrier_sin_.push_back(std::sin(omega_ * offset));
-        ramp_cos_.push_back(std::cos(ramp_omega_ * offset));
-        ramp_sin_.push_back(std::sin(ramp_omega_ * offset));
-    }
 }
 
 double ToneBurst::since_burst(std::int64_t step, double fraction, std::int64_t burst) const noexcept {
@@ -147,7 +139,21 @@ SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept
     return drive;
 }
 
-void ToneBurst::fill_smooth(const Place& start, HornStep* steps, int count) const noexcept {
+void ToneBurst::fill_tables() noexcept {
+    for (std::size_t j = 0; j < table_size; ++j) {
+        const double offset = 0.5 * static_cast<double>(j) * step_;
+        carrier_cos_[j] = std::cos(omega_ * offset);
+        carrier_sin_[j] = std::sin(omega_ * offset);
+        ramp_cos_[j] = std::cos(ramp_omega_ * offset);
+        ramp_sin_[j] = std::sin(ramp_omega_ * offset);
+    }
+    has_tables_ = true;
+}
+
+void ToneBurst::fill_smooth(const Place& start, HornStep* steps, int count) noexcept {
+    if (!has_tables_) {
+        fill_tables();
+    }
     const double sin_carrier = std::sin(omega_ * start.local);
     const double cos_carrier = std::cos(omega_ * start.local);
     const bool on_top = start.piece == top;
@@ -187,7 +193,7 @@ void ToneBurst::fill_piecewise(std::int64_t first, HornStep* steps, int count) c
     }
 }
 
-bool ToneBurst::fill(std::int64_t first, HornStep* steps, int count) const noexcept {
+bool ToneBurst::fill(std::int64_t first, HornStep* steps, int count) noexcept {
     const Place before = place(first, -0.5);
     const Place begin = place(first, 0);
     const Place last = place(first + count - 1, 1);

@@ -5,8 +5,8 @@
 // rectangular: the top alone), then silence. Integrators are handed one smooth piece at a time.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "core/scene/scene.hpp"
 
@@ -58,7 +58,7 @@ public:
 
     /// The motion over `count` steps from `first`. Batches should start at multiples of batch_steps, so that the
     /// bits do not depend on how a run is cut into blocks. @returns whether the horn rests in all of them.
-    bool fill(std::int64_t first, HornStep* steps, int count) const noexcept;
+    bool fill(std::int64_t first, HornStep* steps, int count) noexcept;
 
     static constexpr int batch_steps = 64;
 
@@ -73,7 +73,8 @@ private:
     Place place(std::int64_t step, double fraction) const noexcept;
     double piece_end(int piece) const noexcept;
     HornMotion motion(int piece, double local) const noexcept;
-    void fill_smooth(const Place& start, HornStep* steps, int count) const noexcept;
+    void fill_tables() noexcept;
+    void fill_smooth(const Place& start, HornStep* steps, int count) noexcept;
     void fill_piecewise(std::int64_t first, HornStep* steps, int count) const noexcept;
 
     double step_;
@@ -84,8 +85,10 @@ private:
     double ramp_omega_ = 0;  ///< the envelope's angular frequency [rad/s]
     double repetition_hz_;
     bool hann_;
-    // cos and sin of carrier and envelope at multiples of half a step, so that a batch needs four calls of sin
-    std::vector<double> carrier_cos_, carrier_sin_, ramp_cos_, ramp_sin_;
+    // cos and sin of carrier and envelope at multiples of half a step, so that a batch needs four calls of sin; filled for the first
+    static constexpr std::size_t table_size = 2 * batch_steps + 1;
+    std::array<double, table_size> carrier_cos_{}, carrier_sin_{}, ramp_cos_{}, ramp_sin_{};
+    bool has_tables_ = false;
 };
 
 }  // namespace hertzline

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/model/end.hpp"
 #include "core/step_choice/pilot.hpp"
 #include "core/step_choice/step_advice.hpp"
 
@@ -11,8 +12,9 @@ namespace hertzline {
 
 namespace {
 
-constexpr double margin = 30;         // of the accuracy over the expected error of a piece: errors add up
+constexpr double margin = 300;        // of the accuracy over the expected error of a piece: errors add up
 constexpr double finer_steps = 0.75;  // errors fall to a tenth or a fiftieth
+constexpr double convincing = 0.7;    // of the accuracy: a difference may be less than the error
 constexpr double lowest_slope = 10;   // of log(error) over log(step), from below
 
 Scene with_finer_steps(Scene scene) {
@@ -24,14 +26,17 @@ Scene with_finer_steps(Scene scene) {
 
 std::optional<ResolvedScene> resolve_unmeasured(const Scene& asked) {
     ResolvedScene result;
-    result.scene = with_integrator(asked);
-    Numerics& numerics = result.scene.numerics;
-    if (numerics.step_s || !is_series(*numerics.integrator) || asked.chain.spheres > pilot_spheres ||
-        asked.end.model == PlateModel::modal) {
+    result.integrator_reason = integrator_choice(asked).reason;
+    result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
+    if (asked.numerics.step_s || !is_series(integrator_choice(asked).integrator) ||
+        asked.chain.spheres > pilot_spheres || !plate_faults(asked).empty()) {
         return std::nullopt;
     }
-    result.integrator_reason = integrator_choice(asked).reason;
-    result.advice.accuracy = numerics.accuracy.value_or(default_accuracy);
+    result.scene = with_poles(with_integrator(asked));
+    if (pole_error(result.scene) > 0.5 * convincing * result.advice.accuracy) {
+        return std::nullopt;
+    }
+    Numerics& numerics = result.scene.numerics;
     numerics.step_s = expected_piece(result.scene, result.advice.accuracy / margin);
     numerics.accuracy.reset();
     return result;
@@ -52,7 +57,8 @@ FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<b
       solver_(make_solver(
           scene_, *chain_,
           {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = stop})),
-      block_(judged_outputs & taps_of(scene.end), 0, capacity) {}
+      block_(judged_outputs & taps_of(scene.end), 0, capacity),
+      pole_error_(pole_error(scene)) {}
 
 bool FinerRun::follow(const Samples& run) noexcept {
     if (solver_->fill(block_, run.count, block_.taps()) != Status::running) {
@@ -63,9 +69,13 @@ bool FinerRun::follow(const Samples& run) noexcept {
 }
 
 ErrorEstimate FinerRun::estimate() const noexcept {
-    return {.error = errors_.worst(),
+    return {.error = errors_.worst() + pole_error_,
             .over_s = static_cast<double>(solver_->next_sample()) / scene_.output.sample_rate_hz,
             .amplifies = false};
+}
+
+bool FinerRun::convinces(double accuracy) const noexcept {
+    return estimate().error <= convincing * accuracy;
 }
 
 }  // namespace hertzline

@@ -22,23 +22,6 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
     return {"numerics.step_s", found.data(), allowed.data()};
 }
 
-/// With the poles of a modal plate settled.
-Scene with_poles(Scene scene) {
-    if (const int poles = plate_poles(scene); poles > 0) {
-        scene.numerics.poles = poles;
-    }
-    return scene;
-}
-
-/// What the poles leave out, relative to the response in the band; 0 without a modal plate.
-double fit_error(const Scene& scene) {
-    if (plate_poles(scene) == 0) {
-        return 0;
-    }
-    const auto plate = plate_response(plate_parameters(scene), plate_poles(scene));
-    return std::max(plate->velocity_error, plate->pressure_error);
-}
-
 ReferencePilot reference_for(const Scene& scene) {
     return {scene, scene.numerics.accuracy.value_or(default_accuracy)};
 }
@@ -59,6 +42,21 @@ IntegratorChoice integrator_choice(const Scene& scene) noexcept {
 Scene with_integrator(Scene scene) {
     scene.numerics.integrator = integrator_choice(scene).integrator;
     return scene;
+}
+
+Scene with_poles(Scene scene) {
+    if (const int poles = plate_poles(scene); poles > 0) {
+        scene.numerics.poles = poles;
+    }
+    return scene;
+}
+
+double pole_error(const Scene& scene) {
+    if (plate_poles(scene) == 0) {
+        return 0;
+    }
+    const auto plate = plate_response(plate_parameters(scene), plate_poles(scene));
+    return std::max(plate->velocity_error, plate->pressure_error);
 }
 
 StepAdvice advise_step(const Scene& asked) {
@@ -102,7 +100,7 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
     result.steps_per_burst = burst_s * (trial ? trial->steps_per_s : 1 / *numerics.step_s);
     if (trial) {
         ErrorEstimate estimate = reference.estimate(*trial, run_s);
-        estimate.error += fit_error(result.scene);
+        estimate.error += pole_error(result.scene);
         if (std::isfinite(estimate.error)) {
             result.estimate = estimate;
             result.seen = trial->pilot.seen(estimate.error);

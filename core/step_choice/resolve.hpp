@@ -33,6 +33,11 @@ IntegratorChoice integrator_choice(const Scene& scene) noexcept;
 /// The scene with its integrator set.
 Scene with_integrator(Scene scene);
 
+/// The scene with the poles of its modal plate settled, if it has one. @throws std::bad_alloc
+Scene with_poles(Scene scene);
+/// What these poles leave out, relative to the plate's response in the band; 0 without a modal plate. @throws std::bad_alloc
+double pole_error(const Scene& scene);
+
 /// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.
 /// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
 StepAdvice advise_step(const Scene& scene);

@@ -103,7 +103,7 @@ void expect_close(const HornMotion& found, const HornMotion& expected, const Dri
 TEST(ToneBurst, TablesGiveTheSameAsTheFormulaEverywhere) {
     constexpr int batch = ToneBurst::batch_steps;
     for (const Drive& drive : drives()) {
-        const ToneBurst burst(drive, step_s);
+        ToneBurst burst(drive, step_s);
         std::array<HornStep, batch> steps{};
         for (std::int64_t first = 0; first < 60'000; first += batch) {
             const bool rests = burst.fill(first, steps.data(), batch);
@@ -159,7 +159,7 @@ TEST(ToneBurst, BreaksLieWherePiecesOfTheEnvelopeMeet) {
 TEST(ToneBurst, AStepThatHoldsABreakIsMarked) {
     Drive drive;
     drive.envelope = Envelope::rectangular;  // it stops at full speed
-    const ToneBurst burst(drive, step_s);
+    ToneBurst burst(drive, step_s);
     std::array<HornStep, 64> steps{};
     const std::int64_t last = 25 * 10'000'000 / 73'000 * 2;  // 50 ns steps in 25 cycles
     const std::int64_t first = last / 64 * 64;
