@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "tests/apps/program.hpp"
+#include "tests/apps/quick_points.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
@@ -26,7 +27,7 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// A search that is over soon: a short chain on a wall, and few samples.
-const Words scene{"optimise", "paper-wall", "--set", "output.duration_s=5e-5", "--set", "drive.cycles=2"};
+const Words scene = with({"optimise"}, quick_points);
 const Words vary{"--vary", "chain.preload_n=0.01..1:log", "--vary", "chain.spheres=3..8"};
 const Words quick = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s", "--evaluations", "120"});
 

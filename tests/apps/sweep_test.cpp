@@ -1,24 +1,16 @@
-// hertzline sweep: rows, files, journals, shards.
+// hertzline sweep: its rows, and what it refuses.
 
 #include <algorithm>
-#include <cmath>
-#include <csignal>
 #include <filesystem>
-#include <optional>
 #include <sstream>
-#include <thread>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/file.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "tests/apps/program.hpp"
+#include "tests/apps/quick_points.hpp"
 #include "tests/support/recordings.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace hertzline::test {
 
@@ -31,8 +23,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
 
-/// Points that are run fast: a short chain on a wall, and few samples.
-const Words quick{"sweep", "paper-wall", "--set", "output.duration_s=5e-5", "--set", "drive.cycles=2"};
+const Words quick = with({"sweep"}, quick_points);
 
 /// The rows that --json prints.
 std::vector<json> rows_of(const Outcome& outcome) {
@@ -123,214 +114,6 @@ TEST(Sweep, ARowOfAModalPlateHasAllThatRunSays) {
     expect_row_of_run(rows[1], with(few, {"--set", "end.model=lumped"}));
     EXPECT_TRUE(rows[1]["p_axis.thd_r"].is_null());
     EXPECT_FALSE(rows[0]["p_axis.thd_r"].is_null());
-}
-
-class SweepFiles : public testing::Test {
-protected:
-    /// The sweep with a file of that name, as it stands when all is over.
-    std::string file_of(const std::string& name, const Words& more = {}) {
-        const Outcome outcome = hertzline(with(words, with(more, {"-o", folder.file(name)})));
-        EXPECT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_FALSE(fs::exists(folder.file(name + ".journal")));
-        return contents(folder.file(name));
-    }
-
-    TemporaryFolder folder;
-    Words words = with(quick, {"--vary", "chain.preload_n=0.01..1:log:8", "--vary", "chain.spheres=3..6:4"});
-};
-
-TEST_F(SweepFiles, HaveTheSameBytesWhateverTheJobsAndShards) {
-    for (const std::string ending : {".csv", ".h5"}) {
-        const std::string one = file_of("one" + ending, {"--jobs", "1"});
-        EXPECT_GT(one.size(), 5'000U);
-        EXPECT_EQ(file_of("four" + ending, {"--jobs", "4"}), one);
-        Words merge{"sweep", "--merge"};
-        for (const char* part : {"3", "1", "2"}) {
-            const Outcome outcome = hertzline(with(words, {"-o", folder.file("parts" + ending), "--shard",
-                                                           std::string(part) + "/3", "--jobs", "2"}));
-            ASSERT_EQ(outcome.status, 0) << outcome.err;
-            EXPECT_FALSE(fs::exists(folder.file("parts" + ending)));
-            merge.push_back(folder.file(fmt::format("parts{}.{}-of-3.journal", ending, part)));
-        }
-        const Outcome merged = hertzline(with(merge, {"-o", folder.file("merged" + ending)}));
-        ASSERT_EQ(merged.status, 0) << merged.err;
-        EXPECT_EQ(contents(folder.file("merged" + ending)), one);
-    }
-}
-
-TEST_F(SweepFiles, OfPartsThatAreNotAllThereAreRefused) {
-    for (const char* part : {"1/2", "2/2"}) {
-        hertzline(with(words, {"-o", folder.file("a.csv"), "--shard", part}));
-    }
-    hertzline(with(words, {"-o", folder.file("b.csv"), "--shard", "1/2", "--set", "chain.material=steel"}));
-    const std::string first = folder.file("a.csv.1-of-2.journal");
-    const std::string second = folder.file("a.csv.2-of-2.journal");
-    const auto merge = [&](const Words& journals) {
-        return hertzline(with(with({"sweep", "--merge"}, journals), {"-o", folder.file("m.csv")}));
-    };
-    EXPECT_THAT(merge({first}).err, HasSubstr("no journal of part 2/2"));
-    EXPECT_THAT(merge({first, first}).err, HasSubstr("a second time"));
-    fs::copy_file(first, folder.file("copy"));
-    EXPECT_THAT(merge({first, folder.file("copy")}).err, HasSubstr("found part 1/2 again"));
-    EXPECT_THAT(merge({second, folder.file("b.csv.1-of-2.journal")}).err,
-                AllOf(HasSubstr("another scene"), HasSubstr("parts of one sweep")));
-    fs::resize_file(second, fs::file_size(second) - 1);
-    const Outcome torn = merge({first, second});
-    EXPECT_EQ(torn.status, 1);
-    EXPECT_THAT(torn.err, AllOf(HasSubstr(second + " lacks point"), HasSubstr("--resume")));
-    EXPECT_FALSE(fs::exists(folder.file("m.csv")));
-}
-
-class LongSweep : public testing::Test {
-protected:
-    static constexpr int points = repeated(300);
-    /// A journal with some rows, left behind by a program that was ended by a signal.
-    Outcome interrupt(int signal, std::uintmax_t rows_bytes = 20'000) {
-        Program program(with(words, {"-o", file}));
-        const auto size = [&] {
-            std::error_code error;
-            const auto bytes = fs::file_size(journal, error);
-            return error ? 0 : bytes;
-        };
-        for (int tries = 0; size() < rows_bytes && tries < 6000; ++tries) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        }
-        program.send(signal);
-        return program.wait();
-    }
-
-    /// The file as it is when nothing happens.
-    std::string undisturbed() {
-        const Outcome outcome = hertzline(with(words, {"-o", folder.file("u.csv")}));
-        EXPECT_EQ(outcome.status, 0) << outcome.err;
-        return contents(folder.file("u.csv"));
-    }
-
-    void expect_resumed(const Words& more = {}) {
-        const Outcome outcome = hertzline(with(words, with({"-o", file, "--resume"}, more)));
-        ASSERT_EQ(outcome.status, 0) << outcome.err;
-        EXPECT_THAT(outcome.err, HasSubstr(fmt::format("of {} points are in {}", points, journal)));
-        EXPECT_EQ(contents(file), undisturbed());
-        EXPECT_FALSE(fs::exists(journal));
-    }
-
-    TemporaryFolder folder;
-    std::string file = folder.file("s.csv");
-    std::string journal = file + ".journal";
-    Words words = with(quick, {"--vary", fmt::format("chain.preload_n=0.01..1:log:{}", points)});
-};
-
-TEST_F(LongSweep, GoesOnAfterItWasKilled) {
-    EXPECT_EQ(interrupt(SIGKILL).status, -1);
-    EXPECT_FALSE(fs::exists(file));
-    const auto before = fs::file_size(journal);
-    EXPECT_GE(before, 20'000U);
-    fs::resize_file(journal, before - 7);  // as if it had been killed amid a row
-    expect_resumed({"--jobs", "3"});
-}
-
-TEST_F(LongSweep, CtrlCSavesWhatThereIs) {
-    const Outcome outcome = interrupt(SIGINT);
-    EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr(fmt::format("of {} points, which are in {}", points, journal)),
-                                   HasSubstr("--resume")));
-    const Outcome again = hertzline(with(words, {"-o", file}));
-    EXPECT_EQ(again.status, 1);
-    EXPECT_THAT(again.err, AllOf(HasSubstr(journal), HasSubstr("--resume to go on")));
-    expect_resumed();
-}
-
-TEST_F(LongSweep, AJournalOfAnotherSweepIsRefused) {
-    interrupt(SIGINT);
-    const auto other = [&](const Words& words_of_other) {
-        const Outcome outcome = hertzline(with(words_of_other, {"-o", file, "--resume"}));
-        EXPECT_EQ(outcome.status, 2);
-        return outcome.err;
-    };
-    EXPECT_THAT(other(with(words, {"--vary", "chain.spheres=3,4"})), HasSubstr("--vary"));
-    EXPECT_THAT(other(with(words, {"--set", "chain.spheres=4"})), HasSubstr("found another scene"));
-    EXPECT_THAT(other(with(words, {"--measure", "f_last"})), HasSubstr("--measure"));
-    EXPECT_THAT(other(with(words, {"--quantity", "thd_r"})), HasSubstr("another --quantity"));
-    expect_resumed();
-}
-
-TEST_F(LongSweep, AJournalInUseIsRefused) {
-    interrupt(SIGINT);
-    const int descriptor = ::open(journal.c_str(), O_RDWR);
-    ASSERT_EQ(::flock(descriptor, LOCK_EX), 0);
-    const Outcome outcome = hertzline(with(words, {"-o", file, "--resume"}));
-    EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, HasSubstr(journal + " is in use by another sweep"));
-    ::close(descriptor);
-    expect_resumed();
-}
-
-/// A limit of the system for what is started meanwhile.
-class Limit {
-public:
-    Limit(__rlimit_resource resource, rlim_t bytes) : resource_(resource) {
-        getrlimit(resource_, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(resource_, &limit);
-    }
-    ~Limit() { setrlimit(resource_, &before_); }
-    Limit(const Limit&) = delete;
-    Limit& operator=(const Limit&) = delete;
-
-private:
-    __rlimit_resource resource_;
-    rlimit before_{};
-};
-
-TEST_F(LongSweep, AFullDiskLosesNoRow) {
-    {
-        const Limit limit(RLIMIT_FSIZE, 20'000);
-        const Outcome outcome = hertzline(with(words, {"-o", file}));
-        EXPECT_EQ(outcome.status, 1);
-        EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large")));
-    }
-    EXPECT_FALSE(fs::exists(file));
-    EXPECT_LE(fs::file_size(journal), 20'000U);
-    expect_resumed();
-}
-
-TEST(Sweep, AFullDiskAtTheEndKeepsTheJournal) {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("s.csv");
-    const Words words = with(quick, {"--vary", "chain.preload_n=0.1..1:60", "-o", file});
-    {
-        // rows as text are longer than in the journal
-        const Limit limit(RLIMIT_FSIZE, 55'000);
-        const Outcome outcome = hertzline(words);
-        EXPECT_EQ(outcome.status, 1);
-        EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + file), HasSubstr("File too large")));
-    }
-    EXPECT_FALSE(fs::exists(file));
-    const Outcome resumed = hertzline(with(words, {"--resume"}));
-    EXPECT_EQ(resumed.status, 0) << resumed.err;
-    EXPECT_THAT(resumed.err, HasSubstr("60 of 60 points are in"));
-    EXPECT_GT(fs::file_size(file), 55'000U);
-}
-
-TEST(Sweep, PointsThatLackMemoryAreTriedAgain) {
-    if (sanitized) {
-        GTEST_SKIP() << "sanitizers take more memory than any limit leaves";
-    }
-    const TemporaryFolder folder;
-    const Words words =
-        with(quick, {"--vary", "chain.spheres=6,1000000,7", "--jobs", "1", "-o", folder.file("s.csv")});
-    for (const Words& more : {Words{}, Words{"--resume"}}) {
-        std::optional<Program> program;
-        {
-            const Limit limit(RLIMIT_AS, 200'000'000);
-            program.emplace(with(words, more));  // which inherits it
-        }
-        const Outcome outcome = program->wait();
-        EXPECT_EQ(outcome.status, 1);
-        EXPECT_THAT(outcome.err, AllOf(HasSubstr(more.empty() ? "; 3 to run" : "; 1 to run"),
-                                       HasSubstr("1 failed"), HasSubstr("--resume tries them again")));
-        EXPECT_THAT(contents(folder.file("s.csv")), HasSubstr("not enough memory"));
-    }
 }
 
 TEST(Sweep, PointsThatFailAreRowsWithTheirReason) {
