@@ -14,6 +14,8 @@ namespace {
 
 constexpr Integrator reference_integrator = Integrator::taylor12;
 constexpr double as_good_as_exact = 1e-13;  // error of a piece
+constexpr double own_share = 1e-3;          // of the accuracy: errors of pieces add up
+constexpr double finest_piece = 1e-15;      // shorter pieces lose to rounding
 constexpr double series_drive_periods = 0.11;
 
 // How long pilots watch, in pieces of the reference, and in pieces times bodies.
@@ -80,10 +82,11 @@ double longest_for_drive(const Drive& drive) noexcept {
     return series_drive_periods / drive.frequency_hz;
 }
 
-double step_of_reference(const Scene& scene, const Chain& chain) {
+double step_of_reference(const Scene& scene, const Chain& chain, double accuracy) {
+    const double tolerance = std::clamp(own_share * accuracy, finest_piece, as_good_as_exact);
     const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, overlaps);
-    return std::min({SeriesSolver::phase_for(as_good_as_exact) / omega, longest_for_drive(scene.drive),
+    return std::min({SeriesSolver::phase_for(tolerance) / omega, longest_for_drive(scene.drive),
                      0.98 * largest_stable_step(chain, overlaps, reference_integrator)});
 }
 
@@ -97,7 +100,7 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy)
 
 ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain& chain)
     : accuracy_(accuracy),
-      step_s_(step_of_reference(scene, chain)),
+      step_s_(step_of_reference(scene, chain, accuracy)),
       watched_s_(std::min(burst_and_way_s(scene, chain),
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
       scene_(sampled_for(shortened(scene), watched_s_)),

@@ -11,8 +11,8 @@ namespace hertzline {
 /// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s].
 double longest_for_drive(const Drive& drive) noexcept;
 
-/// Longest piece of taylor12 that is as good as exact, with a chain of the scene [s].
-double step_of_reference(const Scene& scene, const Chain& chain);
+/// Longest piece of taylor12 that is as good as exact for such an accuracy, with a chain of the scene [s].
+double step_of_reference(const Scene& scene, const Chain& chain, double accuracy = default_accuracy);
 
 /// The spheres of a long chain that pilots simulate.
 inline constexpr std::int64_t pilot_spheres = 500;

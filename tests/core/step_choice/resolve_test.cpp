@@ -145,6 +145,22 @@ TEST(Advice, ErrorsLieBetweenTheAccuracyAndAThirtiethOfIt) {
     }
 }
 
+TEST(Advice, KeepsAnAccuracyOfATrillionthWhereRoundingErrorsDo) {
+    int kept = 0;
+    for (Scene scene : unseen_scenes()) {
+        const auto samples =
+            static_cast<std::size_t>(1.4 * scene.drive.cycles / scene.drive.frequency_hz * 10e6);
+        const Record fine = recorded(with_step(scene, Integrator::taylor12, 130e-9), samples);
+        scene.numerics.accuracy = 1e-12;
+        const ResolvedScene settled = resolve(scene);
+        if (!settled.misses_accuracy()) {
+            ++kept;
+            EXPECT_LE(relative_l2(recorded(settled.scene, samples).v_last, fine.v_last), 1e-12);
+        }
+    }
+    EXPECT_GE(kept, 6);
+}
+
 TEST(Advice, DependsOnNothingThatDoesNotChangeTheMotion) {
     const StepAdvice advice = advise_step(Scene{});
     Scene scene;
