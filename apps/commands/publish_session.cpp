@@ -97,14 +97,15 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
     app.add_option("--pace", request.pace, "realtime, flat-out, or simulated seconds per second")
         ->type_name("PACE")
         ->capture_default_str();
-    app.add_option("--duration", request.duration_s, "simulated seconds (default: until stopped)")
+    app.add_option("--duration", request.duration_s,
+                   "simulated seconds (default: until stopped, or until a recording ends)")
         ->type_name("S");
     app.add_flag_callback(
         "--wait-for-subscriber", [&request] { request.start = stream::StreamStart::with_first_subscriber; },
         "hold back sample 0 until somebody subscribes to a stream");
     app.add_option("--on-overrun", request.on_overrun,
                    "what to do with a frame whose time has passed while the program was held up: drop it and "
-                   "count it, or wait and fall behind (default: drop; with --record: wait)")
+                   "count it, or wait and fall behind (default: drop; where samples are recorded: wait)")
         ->transform(
             CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
                                         {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})

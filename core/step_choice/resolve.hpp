@@ -54,7 +54,7 @@ struct ResolvedScene {
     std::optional<ErrorEstimate> estimate;
     SeenMotion seen;             ///< by the pilot of the estimate, if there is one
     double steps_per_burst = 0;  ///< to be expected: steps, or pieces of a series
-    std::vector<Fault> faults;   ///< step beyond the stability limit
+    std::vector<Fault> faults;   ///< of the step, the plate or the rest tolerance
 
     /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none.
     bool misses_accuracy() const noexcept {

@@ -30,7 +30,7 @@ struct AdvisedStep {
 double expected_piece(const Scene& scene, double tolerance);
 
 /// The longest steps whose pilot differs from the reference by less than the accuracy. For leapfrog and chin4a the step is halved until
-/// it does; for series the longest pieces are looked for that bring the error to between a tenth and the half of the accuracy. Where
+/// it differs by less than half; for series the longest pieces are looked for that bring the error to between 0.12 and 0.6 of it. Where
 /// nothing switches the longest piece allowed may be better than that already.
 /// @param scene its integrator is set. @throws std::bad_alloc
 AdvisedStep advise(const Scene& scene, const ReferencePilot& reference);

@@ -41,7 +41,7 @@ public:
     /// Writes the text. @param payload_bytes of a row
     void begin(const std::string& text, std::size_t payload_bytes);
 
-    /// Looks for the rows of so many points. What was torn off is cut off.
+    /// Looks for the rows of so many points. A row that was torn off is overwritten by the next one.
     void load(std::int64_t points);
 
     bool has_rows() const noexcept { return row_count_ > 0; }
@@ -49,7 +49,7 @@ public:
     /// Rows that were found damaged: they are as if they were not there.
     std::int64_t damaged() const noexcept { return damaged_; }
 
-    /// Whether there is a row, and one that need not be tried again: `failed` ones are, where it is resumed.
+    /// Whether there is a row. One that is `failed` is tried again where a sweep is resumed.
     bool has(std::int64_t point) const noexcept { return rows_[static_cast<std::size_t>(point)] != 0; }
     PointStatus status(std::int64_t point) const noexcept {
         return statuses_[static_cast<std::size_t>(point)];

@@ -33,7 +33,7 @@ TapSet measured_of(const Scene& scene, TapSet measured) noexcept;
 /// Bytes that a point takes while it is run, roughly from above; without its waveform.
 double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcept;
 
-/// Runs points one after another. For one thread. The row depends on the scene and the demand alone.
+/// Runs points one after another. For one thread. The row depends on the point's number, the scene and the demand alone.
 class PointRunner {
 public:
     /// @param stop ends a point within a few steps; both outlive this

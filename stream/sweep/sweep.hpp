@@ -43,7 +43,7 @@ std::string journal_text(const Sweep& sweep);
 /// The sweep of a journal's text. @throws std::runtime_error that says what is wrong, without the path
 Sweep sweep_of_journal(const std::string& text);
 
-/// In what a journal is of another sweep, as "found the version 0.8.0, allowed: 0.9.0, as this program is"; nothing when it is of this one.
+/// In what a journal is of another sweep, as "the instruction set AVX3 where this sweep has AVX2"; nothing when it is of this one.
 /// @param beside_shard the part may be another one
 std::optional<std::string> journal_difference(const std::string& journal, const std::string& wanted,
                                               bool beside_shard = false);

@@ -232,6 +232,14 @@ TEST(Control, ChangesOfAFileAreMadeInARun) {
     EXPECT_TRUE(std::equal(plain.begin(), plain.begin() + 1000, changed.begin()));
     EXPECT_FALSE(std::equal(plain.begin() + 1000, plain.begin() + 2000, changed.begin() + 1000));
     EXPECT_TRUE(std::equal(anew.begin(), anew.begin() + 1000, changed.begin() + 2000));
+    for (const std::string ending : {".csv", ".wav", ".h5", ".npy", ".sigmf-meta"}) {
+        const std::string recording = folder.file("r" + ending);
+        hertzline(with(words, {"--changes", folder.file("changes.json"), "-o", recording}));
+        const std::string again = folder.file("again.csv");
+        const Outcome outcome = hertzline({"run", recording, "-o", again});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(csv_of(again).at("v_out_m_per_s"), changed) << ending;
+    }
     const Outcome wrong = hertzline(with(words, {"--changes", folder.file("plain.csv")}));
     EXPECT_EQ(wrong.status, 2);
 }

@@ -24,11 +24,9 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* set_examples =
-    "The stream has to be started with --control. A change takes effect at the next burst's start, or at the "
-    "next "
-    "frame where bursts do not repeat. Keys of [drive] but its material let the motion go on; all others "
-    "begin anew "
-    "at static equilibrium.\n"
+    "The stream has to be started with --control. A change takes effect at the next burst's start, or at "
+    "once where bursts do not repeat. Keys of [drive] but its material, numerics.step_s and "
+    "numerics.accuracy let the motion go on; all others begin anew at static equilibrium.\n"
     "Examples:\n"
     "  hertzline set drive.amplitude_m=2e-6\n"
     "  hertzline set chain.preload_n=0.2 chain.damping_kg_per_s=0.3\n"

@@ -170,14 +170,15 @@ private:
     /// The changes of the scene, where they are those of this run.
     void take_changes() {
         const std::filesystem::path beside = wav_changes_path(path_);
-        if (!std::filesystem::is_regular_file(beside) || !head_.provenance.contains("run")) {
+        if (!std::filesystem::is_regular_file(beside)) {
             return;
         }
         InputFile file(beside);
         const Json noted =
             json_from_outside(file.text(std::min(file.size(), largest_changes), "the changes"));
-        if (noted.is_object() && noted.contains("changes") && noted.contains("run") &&
-            noted["run"] == head_.provenance["run"]) {
+        const auto run_of = [](const Json& about) { return about.value("run", Json("")); };  // `run` has none
+        if (noted.is_object() && noted.contains("changes") && head_.provenance.is_object() &&
+            run_of(noted) == run_of(head_.provenance)) {
             head_.provenance["changes"] = noted["changes"];
         }
     }
