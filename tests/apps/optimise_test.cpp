@@ -9,9 +9,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
+#include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/quick_points.hpp"
 #include "tests/support/recordings.hpp"
@@ -187,15 +187,13 @@ TEST_F(LongSearch, AFileInUseByAnotherSearchIsRefused) {
 }
 
 TEST_F(LongSearch, AFullDiskLosesNoRow) {
-    rlimit before{};
-    getrlimit(RLIMIT_FSIZE, &before);
-    const rlimit limit{60'000, before.rlim_max};
-    setrlimit(RLIMIT_FSIZE, &limit);
-    const Outcome outcome = hertzline(words);
-    setrlimit(RLIMIT_FSIZE, &before);
-    EXPECT_EQ(outcome.status, 1);
-    EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large"),
-                                   HasSubstr("--resume goes on")));
+    {
+        const Limit limit(RLIMIT_FSIZE, 60'000);
+        const Outcome outcome = hertzline(words);
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large"),
+                                       HasSubstr("--resume goes on")));
+    }
     expect_resumed();
 }
 

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "stream/recordings/recording_formats.hpp"
+#include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/recorded_columns.hpp"
 #include "tests/support/recordings.hpp"
@@ -38,22 +38,6 @@ std::vector<double> v_out_of_run(std::size_t count, const TemporaryFolder& folde
     values.resize(count);
     return values;
 }
-
-/// The limit on the size of files for what is started meanwhile.
-class LargestFile {
-public:
-    explicit LargestFile(rlim_t bytes) {
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~LargestFile() { setrlimit(RLIMIT_FSIZE, &before_); }
-    LargestFile(const LargestFile&) = delete;
-    LargestFile& operator=(const LargestFile&) = delete;
-
-private:
-    rlimit before_{};
-};
 
 TEST(RecordingSet, AllOfARunOfAStreamAndOfAListenerHoldTheSameSamples) {
     const TemporaryFolder folder;
@@ -142,7 +126,7 @@ std::int64_t rows_of(const std::string& csv) {
 TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAloneAndWhatItHas) {
     const TemporaryFolder folder;
     write_text(folder.file("a.csv"), "old");
-    const LargestFile limit(50'000);
+    const Limit limit(RLIMIT_FSIZE, 50'000);
     const Outcome outcome = hertzline({"run", "paper-wall", "-o", folder.file("a.csv")});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("a.csv"), HasSubstr("File too large")));
@@ -157,7 +141,7 @@ TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAloneAndWhatItHas) {
 TEST(RecordingSet, ADiskTooFullForMetadataLeavesTheOldFileAlone) {
     const TemporaryFolder folder;
     write_text(folder.file("a.csv"), "old");
-    const LargestFile limit(1500);  // more than the CSV of eleven rows
+    const Limit limit(RLIMIT_FSIZE, 1500);  // more than the CSV of eleven rows
     const Outcome outcome =
         hertzline({"run", "paper-wall", "--set", "output.duration_s=1e-6", "-o", folder.file("a.csv")});
     EXPECT_EQ(outcome.status, 1);
@@ -170,7 +154,7 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     constexpr rlim_t limit = 1 << 20;
     std::unique_ptr<Program> stream;
     {
-        const LargestFile small(limit);
+        const Limit small(RLIMIT_FSIZE, limit);
         stream = std::make_unique<Program>(
             Words{"stream", "paper-stream", "--pace", "flat-out", "--duration", "0.03", "--json",
                   "--wait-for-subscriber", "--record", folder.file("a.sigmf-meta"), "--record",

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
+#include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
@@ -73,13 +74,12 @@ TEST(SavedSpectra, APlaceWhereNoneCanBeWrittenIsToldBeforeTheRun) {
 TEST(SavedSpectra, AFullDiskFailsAndLeavesTheSummaryAndNoHalfFile) {
     const TemporaryFolder folder;
     for (const char* name : {"s.csv", "s.npy", "s.h5"}) {
-        rlimit before{};
-        getrlimit(RLIMIT_FSIZE, &before);
-        const rlimit small{100'000, before.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &small);
-        Program program({"run", "paper-wall", "--json", "--spectrum", folder.file(name)});
-        setrlimit(RLIMIT_FSIZE, &before);
-        const Outcome outcome = program.wait();
+        std::optional<Program> program;
+        {
+            const Limit small(RLIMIT_FSIZE, 100'000);
+            program.emplace(Words{"run", "paper-wall", "--json", "--spectrum", folder.file(name)});
+        }
+        const Outcome outcome = program->wait();
         EXPECT_EQ(outcome.status, 1) << name;
         EXPECT_THAT(outcome.err,
                     StartsWith("error: cannot write " + folder.file(name) + ": File too large\n"));

@@ -4,14 +4,16 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <regex>
 #include <thread>
+#include <utility>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "stream/wire/subscriber.hpp"
+#include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
@@ -258,18 +260,16 @@ TEST(Stream, WhatMayWaitForItsFilesIsCountedForEachOfThem) {
 }
 
 TEST(Stream, AsksForAllTheDescriptorsThatItMayHave) {
-    rlimit before{};
-    getrlimit(RLIMIT_NOFILE, &before);
-    const rlimit few{256, before.rlim_max};
-    setrlimit(RLIMIT_NOFILE, &few);
+    std::optional<Limit> few(std::in_place, RLIMIT_NOFILE, 256);
+    const rlim_t highest = few->highest();
     Program stream({"stream", "paper-stream", "--bind", any_port});
-    setrlimit(RLIMIT_NOFILE, &before);
+    few.reset();
     stream.endpoint();
     const std::string limits = file_text("/proc/" + std::to_string(stream.process()) + "/limits");
     std::smatch found;
     ASSERT_TRUE(std::regex_search(limits, found, std::regex("Max open files +([0-9]+) +([0-9]+)"))) << limits;
     EXPECT_EQ(found[1], found[2]);
-    EXPECT_EQ(found[2], std::to_string(before.rlim_max));
+    EXPECT_EQ(found[2], std::to_string(highest));
 }
 
 TEST(Stream, SaysHowToListen) {

@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/file.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
+#include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/quick_points.hpp"
 #include "tests/support/recordings.hpp"
@@ -167,23 +167,6 @@ TEST_F(LongSweep, AJournalInUseIsRefused) {
     ::close(descriptor);
     expect_resumed();
 }
-
-/// A limit of the system for what is started meanwhile.
-class Limit {
-public:
-    Limit(__rlimit_resource resource, rlim_t bytes) : resource_(resource) {
-        getrlimit(resource_, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(resource_, &limit);
-    }
-    ~Limit() { setrlimit(resource_, &before_); }
-    Limit(const Limit&) = delete;
-    Limit& operator=(const Limit&) = delete;
-
-private:
-    __rlimit_resource resource_;
-    rlimit before_{};
-};
 
 TEST_F(LongSweep, AFullDiskLosesNoRow) {
     {
