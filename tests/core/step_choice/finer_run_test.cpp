@@ -1,6 +1,7 @@
 #include "core/step_choice/finer_run.hpp"
 
 #include <limits>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -29,16 +30,17 @@ ErrorEstimate estimate_with(ResolvedScene resolved, double step_s) {
 }
 
 TEST(FinerRun, FindsWhatTheReferenceFinds) {
-    for (const std::string_view name : {"paper-vitreous-carbon", "wet-vitreous-carbon"}) {
+    for (const auto& [name, longest_s] :
+         {std::pair("paper-vitreous-carbon", 1.2e-6), std::pair("wet-vitreous-carbon", 1.0e-6)}) {
         const Scene scene = shipped(name);
-        for (const double step_s : {1.0e-6, 0.9e-6, 0.7e-6}) {
+        for (const double step_s : {longest_s, 0.9e-6, 0.7e-6}) {
             SCOPED_TRACE(std::string(name) + " " + std::to_string(1e9 * step_s));
             Scene given = scene;
             given.numerics.step_s = step_s;
             const ErrorEstimate estimate = estimate_with(*resolve_unmeasured(scene), step_s);
             const double by_pilots = resolve(given, 500.4e-6).estimate->error;
-            EXPECT_GT(estimate.error, 0.7 * by_pilots);
-            EXPECT_LT(estimate.error, 1.3 * by_pilots);
+            EXPECT_GT(estimate.error, 0.8 * by_pilots);
+            EXPECT_LT(estimate.error, 1.2 * by_pilots);
             EXPECT_NEAR(estimate.over_s, 500.5e-6, 1e-9);
         }
     }
