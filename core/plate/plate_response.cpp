@@ -281,8 +281,7 @@ int poles_for(const PlateParameters& parameters, double accuracy) {
     constexpr double share = 0.25;
     for (int count = fewest; count < most;) {
         const auto response = plate_response(parameters, count);
-        const double excess =
-            std::max(response->velocity_error, response->pressure_error) / (share * accuracy);
+        const double excess = response->fit_error() / (share * accuracy);
         if (excess <= 1 && response->least_resistance >= 0) {
             return count;
         }

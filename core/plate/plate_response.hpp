@@ -2,6 +2,7 @@
 // The physical plate: modes of a clamped disc with a fluid on one side, and the pressure in that fluid, as linear states that the force
 // of the last contact drives (docs/model.md, section 10).
 
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct PlateResponse {
     /// modes.
     double velocity_error = 0;
     double pressure_error = 0;
+    double fit_error() const noexcept { return std::max(velocity_error, pressure_error); }
     /// Least real part of the mobility under the contact over its size: passive when it is not negative.
     double least_resistance = 0;
 };

@@ -9,9 +9,9 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
-#include "core/model/damping.hpp"
 #include "core/model/hertz.hpp"
 #include "core/scene/text.hpp"
+#include "core/solvers/series_scales.hpp"
 
 namespace hertzline {
 
@@ -25,13 +25,6 @@ constexpr double exponent = 15;
 constexpr double rounding = 1e-15;
 constexpr double coarsest = 3e-3;
 
-/// Velocity of the order of those that the scene will show [m/s].
-double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
-    const double horn = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
-    const double kick = (chain.bias * chain.inv_mass).abs().maxCoeff() / omega;
-    return std::max(horn, std::isfinite(kick) ? kick : 0);
-}
-
 // What moves less, relative to the velocities of the scene, stands still: it is far below the rounding of what moves.
 constexpr double still_share = 1e-20;
 constexpr Eigen::Index laid_out_at_least = 64;  // bodies
@@ -41,22 +34,6 @@ constexpr FixedTime for_good{std::numeric_limits<std::int64_t>::max(), 0};
 constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
-
-/// Overlap [m] whose forces change a velocity by less than the tolerance [m/s] in a step. Below it a
-/// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
-/// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
-double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
-    constexpr double share = 1e-3;
-    const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
-    double overlap = std::pow(share * tolerance / (stiffest * step), 2.0 / 3);
-    if (chain.damping_law !=
-        DampingLaw::dashpot) {  // whose force grows from zero, but faster than the elastic one
-        const double power = damping_exponent(chain.damping_law) + 1;
-        const double strongest = (chain.damping * chain.inv_mass).maxCoeff() / power;
-        overlap = std::min(overlap, std::pow(share * tolerance / strongest, 1 / power));
-    }
-    return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
-}
 
 }  // namespace
 
@@ -90,14 +67,13 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     simd_chain_.step_s = unit;
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
-    piece_.tolerance =
-        std::max(1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) *
-                             velocity_scale(chain, scene.drive, omega) * unit);
+    const double scale = velocity_scale(chain, scene.drive, omega);
+    piece_.tolerance = std::max(
+        1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) * scale * unit);
     piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
-    const double scale = velocity_scale(chain, scene.drive, omega);
     still_ = still_share * scale;
     const bool starts_at_rest = (chain.bias == 0).all();
     active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest

@@ -26,10 +26,11 @@ Scene with_finer_steps(Scene scene) {
 
 std::optional<ResolvedScene> resolve_unmeasured(const Scene& asked) {
     ResolvedScene result;
-    result.integrator_reason = integrator_choice(asked).reason;
+    const IntegratorChoice choice = integrator_choice(asked);
+    result.integrator_reason = choice.reason;
     result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
-    if (asked.numerics.step_s || !is_series(integrator_choice(asked).integrator) ||
-        asked.chain.spheres > pilot_spheres || !plate_faults(asked).empty()) {
+    if (asked.numerics.step_s || !is_series(choice.integrator) || asked.chain.spheres > pilot_spheres ||
+        !plate_faults(asked).empty()) {
         return std::nullopt;
     }
     result.scene = with_poles(with_integrator(asked));
@@ -57,8 +58,7 @@ FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<b
       solver_(make_solver(
           scene_, *chain_,
           {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = stop})),
-      block_(judged_outputs & taps_of(scene.end), 0, capacity),
-      pole_error_(pole_error(scene)) {}
+      block_(judged_outputs & taps_of(scene.end), 0, capacity) {}
 
 bool FinerRun::follow(const Samples& run) noexcept {
     if (solver_->fill(block_, run.count, block_.taps()) != Status::running) {
@@ -69,7 +69,8 @@ bool FinerRun::follow(const Samples& run) noexcept {
 }
 
 ErrorEstimate FinerRun::estimate() const noexcept {
-    return {.error = errors_.worst() + pole_error_,
+    const double of_fit = chain_->end.plate ? chain_->end.plate->fit_error() : 0;
+    return {.error = errors_.worst() + of_fit,
             .over_s = static_cast<double>(solver_->next_sample()) / scene_.output.sample_rate_hz,
             .amplifies = false};
 }

@@ -46,7 +46,6 @@ private:
     std::unique_ptr<const Chain> chain_;
     std::unique_ptr<Solver> solver_;
     Samples block_;
-    double pole_error_;
     OutputErrors errors_;
 };
 

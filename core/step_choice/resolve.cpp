@@ -55,8 +55,7 @@ double pole_error(const Scene& scene) {
     if (plate_poles(scene) == 0) {
         return 0;
     }
-    const auto plate = plate_response(plate_parameters(scene), plate_poles(scene));
-    return std::max(plate->velocity_error, plate->pressure_error);
+    return plate_response(plate_parameters(scene), plate_poles(scene))->fit_error();
 }
 
 StepAdvice advise_step(const Scene& asked) {
