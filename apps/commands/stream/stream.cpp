@@ -30,9 +30,8 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Streams: v_out, v_last, v_plate, v_chain, v_horn, f_last, f_chain, each as NAME/np and NAME/raw; of a "
-    "modal "
-    "plate v_centre, v_face and p_axis instead of v_plate.\n"
+    "Streams: v_out, v_last, v_plate, v_chain, v_horn, f_last, f_chain, each as NAME/np and NAME/raw; "
+    "of a modal plate v_centre, v_face and p_axis instead of v_plate.\n"
     "Topics beside them: meta, meters, end.\n"
     "Ctrl-C ends the stream with recordings saved and a summary.\n"
     "Examples:\n"
