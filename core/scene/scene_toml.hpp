@@ -35,7 +35,8 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
 /// unset are left out. Reading it back gives a scene equal to `scene`, to the last bit.
 std::string to_toml(const Scene& scene);
 
-/// 16 hexadecimal digits that tell scenes apart: FNV-1a (64 bits) of to_toml().
+/// 16 hexadecimal digits that tell scenes apart: FNV-1a (64 bits) of to_toml(), without the keys of modal plates, damping laws, fluid
+/// loads and hydrophones that have their defaults.
 std::string scene_hash(const Scene& scene);
 
 /// What a scene file may say about one key.

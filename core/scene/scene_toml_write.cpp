@@ -33,16 +33,16 @@ requires std::is_enum_v<Choice> std::string toml_text(Choice value) {
     return quoted(word(value));
 }
 
-/// Keys that are left out where they have their defaults: the text of a scene that knows nothing of modal plates and damping laws, and
-/// its hash, stay what they were before there were such.
-constexpr std::array<std::string_view, 6> unwritten_defaults{
+/// Keys that a hash is taken without where they have their defaults: the hash of a scene that knows nothing of modal plates and
+/// damping laws stays what it was before there were such.
+constexpr std::array<std::string_view, 6> unhashed_defaults{
     "chain.damping_law", "end.model", "end.modes", "end.loss_factor", "medium.load", "output.hydrophone_m"};
 
 // Visits the fields and writes each; a section's heading comes before its first key.
 struct Writer {
-    std::string& text;
+    std::string text;
     std::string section;
-    std::vector<SceneKey> defaults;
+    std::vector<SceneKey> left_out;  ///< where they have these values
 
     template <class Member, class Allowed>
     void operator()(const Key& key, const std::optional<Member>& member, const Allowed& allowed) {
@@ -52,7 +52,7 @@ struct Writer {
     }
     template <class Member, class Allowed>
     void operator()(const Key& key, const Member& member, const Allowed& /*allowed*/) {
-        if (is_unwritten(key.text(), toml_text(member))) {
+        if (is_left_out(key.text(), toml_text(member))) {
             return;
         }
         if (key.section != section) {
@@ -62,12 +62,10 @@ struct Writer {
         text += std::string(key.name) + " = " + toml_text(member) + '\n';
     }
 
-    bool is_unwritten(const std::string& key, const std::string& value) const {
-        return std::find(unwritten_defaults.begin(), unwritten_defaults.end(), key) !=
-                   unwritten_defaults.end() &&
-               std::any_of(defaults.begin(), defaults.end(), [&](const SceneKey& other) {
-                   return other.key == key && other.default_value == value;
-               });
+    bool is_left_out(const std::string& key, const std::string& value) const {
+        return std::any_of(left_out.begin(), left_out.end(), [&](const SceneKey& other) {
+            return other.key == key && other.default_value == value;
+        });
     }
 };
 
@@ -85,11 +83,8 @@ struct Lister {
     }
 };
 
-}  // namespace
-
-std::string to_toml(const Scene& scene) {
-    std::string text;
-    Writer write{text, "", scene_keys()};
+std::string scene_text(const Scene& scene, std::vector<SceneKey> left_out) {
+    Writer write{"", "", std::move(left_out)};
     fields::visit_scene(scene, write);
     for (const auto& [name, material] : scene.materials) {
         const std::string section = "materials." + key_part(name);
@@ -99,13 +94,28 @@ std::string to_toml(const Scene& scene) {
             fields::visit_fluid(std::get<Fluid>(material), section, write);
         }
     }
-    return text;
+    return std::move(write.text);
+}
+
+std::string hashed_text(const Scene& scene) {
+    std::vector<SceneKey> left_out = scene_keys();
+    std::erase_if(left_out, [](const SceneKey& key) {
+        return std::find(unhashed_defaults.begin(), unhashed_defaults.end(), key.key) ==
+               unhashed_defaults.end();
+    });
+    return scene_text(scene, std::move(left_out));
+}
+
+}  // namespace
+
+std::string to_toml(const Scene& scene) {
+    return scene_text(scene, {});
 }
 
 std::string scene_hash(const Scene& scene) {
     // Constants: http://www.isthe.com/chongo/tech/comp/fnv/ (Fowler, Noll, Vo).
     std::uint64_t hash = 0xCBF29CE484222325;
-    for (const char c : to_toml(scene)) {
+    for (const char c : hashed_text(scene)) {
         hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3;
     }
     constexpr std::string_view hex = "0123456789abcdef";

@@ -12,14 +12,23 @@ namespace hertzline {
 
 namespace {
 
-constexpr double margin = 300;        // of the accuracy over the expected error of a piece: errors add up
-constexpr double finer_steps = 0.75;  // errors fall to a tenth or a fiftieth
-constexpr double convincing = 0.7;    // of the accuracy: a difference may be less than the error
-constexpr double lowest_slope = 10;   // of log(error) over log(step), from below
+constexpr double margin = 300;         // of the accuracy over the expected error of a piece: errors add up
+constexpr double finer_pieces = 0.75;  // errors fall to a tenth or a fiftieth
+constexpr double finer_grid = 0.5;     // errors fall to a half at least, at a contact's switching
+constexpr double affordable_run_steps = 3e7;  // times bodies
+constexpr double affordable_run_samples = 5e7;
+constexpr double convincing = 0.7;   // of the accuracy: a difference may be less than the error
+constexpr double lowest_slope = 10;  // of log(error) over log(step), from below
 
 Scene with_finer_steps(Scene scene) {
-    scene.numerics.step_s = finer_steps * *scene.numerics.step_s;
+    const bool series = is_series(*scene.numerics.integrator);
+    scene.numerics.step_s = (series ? finer_pieces : finer_grid) * *scene.numerics.step_s;
     return never_at_rest(std::move(scene));
+}
+
+/// Of what a run differs from one with finer steps, how much its error may be.
+double error_per_difference(const Scene& scene) noexcept {
+    return is_series(*scene.numerics.integrator) ? 1 : 1 / (1 - finer_grid);
 }
 
 }  // namespace
@@ -70,9 +79,31 @@ bool FinerRun::follow(const Samples& run) noexcept {
 
 ErrorEstimate FinerRun::estimate() const noexcept {
     const double of_fit = chain_->end.plate ? chain_->end.plate->fit_error() : 0;
-    return {.error = errors_.worst() + of_fit,
+    return {.error = error_per_difference(scene_) * errors_.worst() + of_fit,
             .over_s = static_cast<double>(solver_->next_sample()) / scene_.output.sample_rate_hz,
             .amplifies = false};
+}
+
+std::optional<ErrorEstimate> estimate_of_run(const Scene& scene, double run_s,
+                                             const std::atomic<bool>* stop) {
+    const double rate = scene.output.sample_rate_hz;
+    const double bodies = static_cast<double>(scene.chain.spheres) + 1;
+    const double affordable_s =
+        std::min(affordable_run_steps * *scene.numerics.step_s / bodies, affordable_run_samples / rate);
+    const auto samples = static_cast<std::int64_t>(std::ceil(std::min(run_s, affordable_s) * rate)) + 1;
+    const Chain chain(scene);
+    const TapSet taps = judged_outputs & taps_of(scene.end);
+    const auto run = make_solver(scene, chain, {.taps = taps, .ledger = LedgerKeeping::off, .stop = stop});
+    Samples block(taps, 0, pilot_block);
+    FinerRun follower(scene, pilot_block, stop);
+    while (run->next_sample() < samples) {
+        const auto count =
+            static_cast<std::size_t>(std::min<std::int64_t>(pilot_block, samples - run->next_sample()));
+        if (run->fill(block, count, taps) != Status::running || !follower.follow(block)) {
+            return std::nullopt;
+        }
+    }
+    return follower.estimate();
 }
 
 bool FinerRun::convinces(double accuracy) const noexcept {

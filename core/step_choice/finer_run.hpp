@@ -49,4 +49,8 @@ private:
     OutputErrors errors_;
 };
 
+/// The error of a run that nobody has taken yet: it is simulated, too. As far as is affordable, some seconds of a processor's time.
+/// @param stop ends it within a few steps. @returns nothing when a simulation fails. @throws std::bad_alloc
+std::optional<ErrorEstimate> estimate_of_run(const Scene& scene, double run_s, const std::atomic<bool>* stop);
+
 }  // namespace hertzline

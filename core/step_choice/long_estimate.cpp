@@ -15,17 +15,17 @@ double bodies(const Scene& scene) noexcept {
 
 }  // namespace
 
-LongEstimate::Run::Run(const Scene& of, Integrator integrator, double step_s, const std::atomic<bool>& stop)
+LongEstimate::Run::Run(const Scene& of, Integrator integrator, double step_s, const std::atomic<bool>* stop)
     : scene(never_at_rest(with_step(of, integrator, step_s))),
       chain(scene),
       solver(make_solver(
           scene, chain,
-          {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = &stop})),
+          {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = stop})),
       block(judged_outputs & taps_of(scene.end), 0, pilot_block) {}
 
-LongEstimate::LongEstimate(const Scene& scene, const std::atomic<bool>& stop)
+LongEstimate::LongEstimate(const Scene& scene, double accuracy, const std::atomic<bool>* stop)
     : sample_rate_hz_(scene.output.sample_rate_hz),
-      reference_step_s_(step_of_reference(scene, Chain(scene))),
+      reference_step_s_(step_of_reference(scene, Chain(scene), accuracy)),
       longest_s_(reference_step_s_ * affordable_body_pieces / bodies(scene)),
       used_(scene, *scene.numerics.integrator, *scene.numerics.step_s, stop),
       reference_(scene, Integrator::taylor12, reference_step_s_, stop),
@@ -52,7 +52,8 @@ bool LongEstimate::reach(double time_s) noexcept {
 
 ErrorEstimate LongEstimate::estimate() const noexcept {
     const double own = own_errors_.worst();
-    return {.error = std::max(errors_.worst(), careful(own)),
+    const double of_fit = used_.chain.end.plate ? used_.chain.end.plate->fit_error() : 0;
+    return {.error = std::max(errors_.worst(), careful(own)) + of_fit,
             .over_s = static_cast<double>(used_.solver->next_sample()) / sample_rate_hz_,
             .amplifies = own > amplified_rounding};
 }

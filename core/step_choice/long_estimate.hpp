@@ -15,9 +15,9 @@ namespace hertzline {
 /// Simulates a scene three times side by side: with the step in use, and with two references as ReferencePilot has them.
 class LongEstimate {
 public:
-    /// @param scene resolved, at most pilot_spheres long @param stop ends reach() within a few steps. Both outlive this.
-    /// @throws std::bad_alloc
-    LongEstimate(const Scene& scene, const std::atomic<bool>& stop);
+    /// @param scene resolved, at most pilot_spheres long @param accuracy that its references are good enough to judge
+    /// @param stop ends reach() within a few steps, if there is one. @throws std::bad_alloc
+    LongEstimate(const Scene& scene, double accuracy, const std::atomic<bool>* stop);
 
     /// The longest stretch that is affordable: some seconds of a processor's time for each of the three [s].
     double longest_s() const noexcept { return longest_s_; }
@@ -33,7 +33,7 @@ public:
 private:
     /// A simulation of the scene with a step of its own.
     struct Run {
-        Run(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>& stop);
+        Run(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
         Scene scene;
         Chain chain;
         std::unique_ptr<Solver> solver;

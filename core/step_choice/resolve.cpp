@@ -7,6 +7,7 @@
 
 #include "core/model/end.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/step_choice/finer_run.hpp"
 
 namespace hertzline {
 
@@ -24,6 +25,12 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
 
 ReferencePilot reference_for(const Scene& scene) {
     return {scene, scene.numerics.accuracy.value_or(default_accuracy)};
+}
+
+/// A given step asks for no accuracy, of a long chain pilots see the first spheres only, and an error that is large grows no more.
+bool worth_estimating_longer(const ResolvedScene& resolved) noexcept {
+    return resolved.estimate_ends_early() && !resolved.step_set_by_scene &&
+           resolved.scene.chain.spheres <= pilot_spheres && resolved.estimate->error < chaotic_error;
 }
 
 }  // namespace
@@ -63,8 +70,9 @@ StepAdvice advise_step(const Scene& asked) {
     return advise(scene, reference_for(scene)).advice;
 }
 
-ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
+ResolvedScene resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop) {
     ResolvedScene result;
+    result.run_s = run_s;
     result.scene = asked;
     result.faults = plate_faults(asked);
     if (!result.faults.empty()) {
@@ -105,11 +113,17 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s) {
             result.seen = trial->pilot.seen(estimate.error);
         }
     }
+    if (worth_estimating_longer(result)) {
+        if (const auto found = estimate_of_run(result.scene, *run_s, stop)) {
+            result.estimate->error = std::max(result.estimate->error, found->error);
+            result.estimate->over_s = std::max(result.estimate->over_s, std::min(*run_s, found->over_s));
+        }
+    }
     return result;
 }
 
-ResolvedScene resolve(const Scene& scene) {
-    return resolve(scene, scene.output.duration_s);
+ResolvedScene resolve(const Scene& scene, const std::atomic<bool>* stop) {
+    return resolve(scene, scene.output.duration_s, stop);
 }
 
 }  // namespace hertzline

@@ -5,6 +5,7 @@
 // (reference_pilot.hpp); how far another one is from it is the error of its step. Pilots together cost about as much as simulating a
 // few milliseconds. The contacts' largest overlaps in them tell the largest stable step.
 
+#include <atomic>
 #include <optional>
 #include <vector>
 
@@ -50,21 +51,33 @@ struct ResolvedScene {
     StepAdvice advice;
     int pilots = 0;  ///< all that ran: the reference, those of the advice, that of the step in use
     /// Of the step in use: what a pilot at that step differs from the reference. Of a long chain the first 500 spheres are looked at.
-    /// None if the pilot would take too long, or fails.
+    /// None if the pilot would take too long, or fails. Of a run longer than pilots watch: what it differs from a run with shorter
+    /// steps, if that is more.
     std::optional<ErrorEstimate> estimate;
-    SeenMotion seen;             ///< by the pilot of the estimate, if there is one
-    double steps_per_burst = 0;  ///< to be expected: steps, or pieces of a series
-    std::vector<Fault> faults;   ///< of the step, the plate or the rest tolerance
+    std::optional<double> run_s;  ///< over which the error was to be estimated
+    SeenMotion seen;              ///< by the pilot of the estimate, if there is one
+    double steps_per_burst = 0;   ///< to be expected: steps, or pieces of a series
+    std::vector<Fault> faults;    ///< of the step, the plate or the rest tolerance
 
     /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none.
     bool misses_accuracy() const noexcept {
         return !step_set_by_scene && !(estimate && estimate->error <= advice.accuracy);
     }
+    /// Whether the estimate says nothing about the end of the run: a small error may grow.
+    bool estimate_ends_early() const noexcept {
+        return estimate && run_s && estimate->over_s < *run_s - 1 / scene.output.sample_rate_hz;
+    }
+    /// Whether the accuracy is kept as far as is known, but the run goes on.
+    bool may_miss_accuracy() const noexcept {
+        return !step_set_by_scene && !misses_accuracy() && estimate_ends_early();
+    }
 };
 
-/// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch. @throws std::bad_alloc
-ResolvedScene resolve(const Scene& scene, std::optional<double> run_s);
+/// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch
+/// @param stop ends the estimate of a long run within a few steps: it then ends early. @throws std::bad_alloc
+ResolvedScene resolve(const Scene& scene, std::optional<double> run_s,
+                      const std::atomic<bool>* stop = nullptr);
 /// Over output.duration_s.
-ResolvedScene resolve(const Scene& scene);
+ResolvedScene resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace hertzline

@@ -129,21 +129,33 @@ Json summary_json(std::span<const SummaryGroup> groups) {
 }
 
 std::optional<std::string> missed_accuracy(const ResolvedScene& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    if (resolved.may_miss_accuracy()) {
+        return fmt::format(
+            "the error is estimated over the first {:.3g} s of {:.3g} s; what it grows to is not known",
+            resolved.estimate->over_s, *resolved.run_s);
+    }
     if (!resolved.misses_accuracy()) {
         return std::nullopt;
     }
-    const double asked = resolved.advice.accuracy;
     if (!resolved.estimate) {
-        return fmt::format("the error could not be estimated; requested: {:g}", asked);
+        return fmt::format("the error could not be estimated; requested: {:g}", advice.accuracy);
     }
     const ErrorEstimate& estimate = *resolved.estimate;
+    std::string why;
+    if (estimate.amplifies) {
+        why =
+            "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
+            "energy_residual and statistics, "
+            "not sample by sample";
+    } else if (advice.accuracy_met) {
+        why = fmt::format(
+            "; it is kept over the first {:.3g} s, but errors grow: a smaller numerics.accuracy may do",
+            advice.pilot_duration_s);
+    }
     return fmt::format(
         "the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
-        estimate.over_s, estimate.error, asked,
-        estimate.amplifies
-            ? "; the motion amplifies rounding errors, so that no step is good enough: judge it "
-              "by energy_residual and statistics, not sample by sample"
-            : "");
+        estimate.over_s, estimate.error, advice.accuracy, why);
 }
 
 }  // namespace hertzline::stream

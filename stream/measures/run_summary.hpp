@@ -50,7 +50,7 @@ void add_identity(SummaryGroup& account, const Scene& scene);
 /// All of it as one object.
 nlohmann::ordered_json summary_json(std::span<const SummaryGroup> groups);
 
-/// Of a scene whose accuracy is missed: by how much, and why. Nothing when it is met.
+/// Of a scene whose accuracy is missed: by how much, and why; of one that may miss it: what is not known. Nothing when it is met.
 std::optional<std::string> missed_accuracy(const ResolvedScene& resolved);
 
 }  // namespace hertzline::stream

@@ -32,7 +32,7 @@ EstimateWatch::~EstimateWatch() {
 /// Makes the thread; throws what a thread and its memory may.
 void EstimateWatch::estimate_to(double time_s) {
     if (!longer_) {
-        longer_ = std::make_unique<LongEstimate>(resolved_.scene, stop_);
+        longer_ = std::make_unique<LongEstimate>(resolved_.scene, resolved_.advice.accuracy, &stop_);
     }
     ready_.store(false, std::memory_order_relaxed);
     thread_ = std::thread([this, time_s] {

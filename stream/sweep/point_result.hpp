@@ -21,7 +21,7 @@ namespace hertzline::stream {
 /// How a point went. In files as word_of() has it.
 enum class PointStatus : std::uint32_t {
     ok,          ///< all numbers are there
-    inaccurate,  ///< all numbers are there; the estimated error is above the accuracy asked for, or unknown
+    inaccurate,  ///< all numbers are there; the estimated error is above the accuracy asked for, unknown, or not of all the run
     chaotic,  ///< all numbers are there; the motion amplifies rounding errors, so that no step is good enough
     refused,  ///< the scene cannot be simulated: no numbers
     unstable,  ///< the integration failed: no numbers

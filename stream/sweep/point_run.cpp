@@ -41,6 +41,9 @@ void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::vector
 }
 
 PointStatus status_of(const ResolvedScene& resolved) {
+    if (resolved.may_miss_accuracy()) {
+        return PointStatus::inaccurate;
+    }
     if (!resolved.misses_accuracy()) {
         return PointStatus::ok;
     }
@@ -141,7 +144,7 @@ bool PointRunner::simulate(Attempt& attempt, PointResult& result) {
 /// With a step that pilots have found; nothing when that was refused or has failed.
 std::optional<PointRunner::Attempt> PointRunner::attempt_with_pilots(const Scene& scene,
                                                                      PointResult& result) {
-    ResolvedScene resolved = resolve(scene);
+    ResolvedScene resolved = resolve(scene, &stop_);
     if (!resolved.faults.empty()) {
         result.status = PointStatus::refused;
         result.message = joined(resolved.faults);
@@ -179,12 +182,12 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene&
 }
 
 /// Pilots estimate the error of one point of a hundred, too, drawn by its number. The larger estimate holds.
-void PointRunner::check(std::int64_t point, ResolvedScene& resolved) {
+void PointRunner::check(std::int64_t point, ResolvedScene& resolved) const {
     constexpr std::uint64_t one_of = 100;
     if (std::mt19937_64(static_cast<std::uint64_t>(point))() % one_of != 0) {
         return;
     }
-    const ResolvedScene measured = resolve(resolved.scene);
+    const ResolvedScene measured = resolve(resolved.scene, &stop_);
     if (measured.estimate && measured.estimate->error > resolved.estimate->error) {
         resolved.estimate = measured.estimate;
     }

@@ -55,7 +55,7 @@ private:
     bool try_run(const Scene& scene, PointResult& result);
     std::optional<Attempt> attempt_with_pilots(const Scene& scene, PointResult& result);
     std::optional<Attempt> attempt_unmeasured(const Scene& scene, PointResult& result);
-    static void check(std::int64_t point, ResolvedScene& resolved);
+    void check(std::int64_t point, ResolvedScene& resolved) const;
     Attempt make_attempt(ResolvedScene resolved) const;
     bool simulate(Attempt& attempt, PointResult& result);
     void measure(Attempt& attempt, PointResult& result);

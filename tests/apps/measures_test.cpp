@@ -1,7 +1,11 @@
 // docs/measures.md explains every number of every summary.
 
+#include <csignal>
 #include <filesystem>
 #include <regex>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -20,10 +24,17 @@ std::string explained() {
     return file_text(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "docs/measures.md");
 }
 
-/// v_out_np_sent is explained as NAME_np_sent.
-std::string without_topic(const std::string& name) {
-    static const std::regex of_topic("^[a-z_]+_(np|raw)_(sent|dropped)$");
-    return std::regex_replace(name, of_topic, "NAME_$1_$2");
+/// v_out_np_sent is explained as NAME_np_sent, mode_2_wet_hz as mode_N_wet_hz, end_contact_... as KIND_contact_...
+std::string general(const std::string& name) {
+    static const std::vector<std::pair<std::regex, std::string>> patterns{
+        {std::regex("^[a-z_]+_(np|raw)_(sent|dropped)$"), "NAME_$1_$2"},
+        {std::regex("^mode_[0-9]+_"), "mode_N_"},
+        {std::regex("^(horn|sphere|end)_contact_"), "KIND_contact_"}};
+    std::string generalised = name;
+    for (const auto& [pattern, replacement] : patterns) {
+        generalised = std::regex_replace(generalised, pattern, replacement);
+    }
+    return generalised;
 }
 
 void expect_explained(const Outcome& outcome) {
@@ -31,7 +42,7 @@ void expect_explained(const Outcome& outcome) {
     const std::string document = explained();
     const json summary = outcome.json();
     for (const auto& [name, value] : summary.items()) {
-        EXPECT_NE(document.find("`" + without_topic(name) + "`"), std::string::npos) << name;
+        EXPECT_NE(document.find("`" + general(name) + "`"), std::string::npos) << name;
     }
 }
 
@@ -47,6 +58,30 @@ TEST(Measures, OfStreamListenAndReplayAreExplained) {
     expect_explained(hertzline({"listen", "--json", "--connect", stream.endpoint(), "-o", recording}));
     expect_explained(stream.wait());
     expect_explained(hertzline({"replay", recording, "--json", "--bind", "ipc://" + folder.file("r")}));
+}
+
+TEST(Measures, OfCheckAreExplained) {
+    for (const char* scene : {"paper-vitreous-carbon", "wet-vitreous-carbon", "paper-wall"}) {
+        expect_explained(hertzline({"check", scene, "--json"}));
+    }
+}
+
+TEST(Measures, OfControlAndKeysAreExplained) {
+    const TemporaryFolder folder;
+    const std::string control = "ipc://" + folder.file("c");
+    const Program stream(
+        {"stream", "paper-stream", "--bind", "ipc://" + folder.file("s"), "--control", control});
+    stream.messages_with("control ipc");
+    expect_explained(hertzline({"set", "drive.amplitude_m=2e-6", "--connect", control, "--json"}));
+    expect_explained(hertzline({"get", "drive.amplitude_m", "--connect", control, "--json"}));
+    expect_explained(hertzline({"keys", folder.file("name"), "--json"}));
+}
+
+TEST(Measures, OfAScopeAreExplained) {
+    Program scope({"scope", "--json", "--http", "127.0.0.1:0"});
+    scope.messages_with("http://");
+    scope.send(SIGINT);
+    expect_explained(scope.wait());
 }
 
 }  // namespace

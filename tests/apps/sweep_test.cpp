@@ -153,8 +153,9 @@ TEST(Sweep, UnstablePointsAreRows) {
 }
 
 TEST(Sweep, ChaoticAndInaccuratePointsHaveNumbersAndTheirReason) {
-    const auto second_row = [](const std::string& scene, const std::string& vary) {
-        const Outcome outcome = hertzline({"sweep", scene, "--vary", vary, "--json"});
+    const auto second_row = [](const std::string& scene, const std::string& vary,
+                               const std::string& set = "numerics.rest_tolerance=0") {
+        const Outcome outcome = hertzline({"sweep", scene, "--vary", vary, "--set", set, "--json"});
         EXPECT_EQ(outcome.status, 0) << outcome.err;
         const std::vector<json> rows = rows_of(outcome);
         EXPECT_EQ(rows.at(0)["status"], "ok");
@@ -164,6 +165,10 @@ TEST(Sweep, ChaoticAndInaccuratePointsHaveNumbersAndTheirReason) {
     const json inaccurate = second_row("paper-wall", "numerics.accuracy=1e-4,1e-15");
     EXPECT_EQ(inaccurate["status"], "inaccurate");
     EXPECT_THAT(inaccurate["message"].get<std::string>(), HasSubstr("above the requested accuracy of 1e-15"));
+    const json grown =
+        second_row("paper-acrylic", "output.duration_s=8e-3,40e-3", "drive.repetition_hz=1400");
+    EXPECT_EQ(grown["status"], "inaccurate");
+    EXPECT_THAT(grown["message"].get<std::string>(), HasSubstr("errors grow"));
     const json chaotic = second_row("sonic-vacuum", "chain.damping_kg_per_s=0.32,0");
     EXPECT_EQ(chaotic["status"], "chaotic");
     EXPECT_THAT(chaotic["message"].get<std::string>(), HasSubstr("the motion amplifies rounding errors"));

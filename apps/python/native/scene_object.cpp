@@ -64,7 +64,7 @@ std::shared_ptr<const ResolvedScene> SceneObject::resolved() {
     if (!resolved_) {
         require_memory("simulating " + origin(), Simulation::memory_bytes(scene(), {}));
         std::optional<ResolvedScene> found;
-        interruptible([&](const std::atomic<bool>&) { found = hertzline::resolve(scene()); });
+        interruptible([&](const std::atomic<bool>& stop) { found = hertzline::resolve(scene(), &stop); });
         if (!found->faults.empty()) {
             for (Fault& fault : found->faults) {
                 fault = parsed_.placed(fault);

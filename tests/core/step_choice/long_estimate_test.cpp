@@ -87,7 +87,7 @@ TEST(EventRate, CountsByPeriodsOfTheBursts) {
 TEST(LongEstimate, IsThatOfThePilotsOverTheirStretch) {
     const ResolvedScene resolved = resolve(steady_scene(), std::nullopt);
     const std::atomic<bool> stop{false};
-    LongEstimate again(resolved.scene, stop);
+    LongEstimate again(resolved.scene, resolved.advice.accuracy, &stop);
     ASSERT_TRUE(again.reach(resolved.estimate->over_s));
     EXPECT_NEAR(again.estimate().error, resolved.estimate->error, 1e-3 * resolved.estimate->error);
     EXPECT_NEAR(again.estimate().over_s, resolved.estimate->over_s, 1e-6);
@@ -97,7 +97,7 @@ TEST(LongEstimate, IsThatOfThePilotsOverTheirStretch) {
 TEST(LongEstimate, IsTheErrorOfAMotionThatHasGrown) {
     const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
     const std::atomic<bool> stop{false};
-    LongEstimate longer(resolved.scene, stop);
+    LongEstimate longer(resolved.scene, resolved.advice.accuracy, &stop);
     ASSERT_TRUE(longer.reach(2e-3));
     const double before = longer.estimate().error;
     ASSERT_TRUE(longer.reach(4e-3));  // on from there
@@ -114,7 +114,7 @@ TEST(LongEstimate, IsTheErrorOfAMotionThatHasGrown) {
 TEST(LongEstimate, EndsWhenItIsStopped) {
     const ResolvedScene resolved = resolve(steady_scene(), std::nullopt);
     const std::atomic<bool> stop{true};
-    LongEstimate stopped(resolved.scene, stop);
+    LongEstimate stopped(resolved.scene, resolved.advice.accuracy, &stop);
     EXPECT_FALSE(stopped.reach(stopped.longest_s()));
     EXPECT_LT(stopped.estimate().over_s, 1e-3);
 }

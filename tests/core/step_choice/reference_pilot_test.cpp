@@ -3,11 +3,14 @@
 
 #include "core/step_choice/reference_pilot.hpp"
 
+#include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/scene/shipped_scenes.hpp"
 #include "core/step_choice/resolve.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
@@ -57,6 +60,63 @@ TEST(Estimate, IsMadeOverTheRun) {
         EXPECT_GT(settled.estimate->error, error / 3);
         EXPECT_LT(settled.estimate->error, error * 3);
     }
+}
+
+/// Bursts that come before the last one has died away: the error grows from one to the next.
+Scene growing(double duration_s) {
+    Scene scene = parse_scene(find_shipped_scene("paper-acrylic")->text, "paper-acrylic")->scene;
+    scene.drive.repetition_hz = 1400;
+    scene.output.sample_rate_hz = 2e6;
+    scene.output.duration_s = duration_s;
+    scene.numerics.accuracy = 2e-4;
+    return scene;
+}
+
+TEST(Estimate, OfARunThatIsLongerThanPilotsWatchIsMadeOverAllOfIt) {
+    const ResolvedScene briefly = resolve(growing(8e-3));
+    EXPECT_FALSE(briefly.misses_accuracy());
+    const Scene scene = growing(40e-3);
+    const ResolvedScene settled = resolve(scene);
+    EXPECT_EQ(settled.scene.numerics.step_s, briefly.scene.numerics.step_s);
+    EXPECT_DOUBLE_EQ(settled.estimate->over_s, 40e-3);
+    EXPECT_TRUE(settled.misses_accuracy());
+    const std::size_t samples = 80'000;
+    Scene exact = scene;
+    exact.numerics.accuracy = 1e-11;
+    const double error =
+        relative_l2(recorded(settled.scene, samples).v_out, recorded(resolve(exact).scene, samples).v_out);
+    ASSERT_GT(error, 0.1) << "not missed: this tests nothing";
+    EXPECT_GT(settled.estimate->error, error / 3);
+    EXPECT_LT(settled.estimate->error, error * 3);
+}
+
+TEST(Estimate, OfALongRunHoldsForEveryIntegrator) {
+    Scene scene = growing(15e-3);
+    const std::size_t samples = 30'000;
+    scene.numerics.accuracy = 1e-11;
+    const Record exact = recorded(resolve(scene).scene, samples);
+    scene.numerics.accuracy = 1e-3;
+    for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a, Integrator::taylor12}) {
+        SCOPED_TRACE(word(integrator));
+        scene.numerics.integrator = integrator;
+        const ResolvedScene settled = resolve(scene);
+        const double error = relative_l2(recorded(settled.scene, samples).v_out, exact.v_out);
+        EXPECT_DOUBLE_EQ(settled.estimate->over_s, 15e-3);
+        EXPECT_GT(settled.estimate->error, error / 3);
+        EXPECT_LT(settled.estimate->error, error * 3);
+    }
+}
+
+TEST(Estimate, OfAVeryLongRunSaysNothingAboutItsEnd) {
+    Scene scene;
+    scene.chain.preload_n = 10;  // a stiff chain takes short steps
+    scene.output.sample_rate_hz = 1e6;
+    scene.output.duration_s = 10;
+    const std::atomic<bool> stop = true;  // the same as when it is not affordable, in less time
+    const ResolvedScene settled = resolve(scene, &stop);
+    EXPECT_FALSE(settled.misses_accuracy());
+    EXPECT_TRUE(settled.may_miss_accuracy());
+    EXPECT_FALSE(resolve(Scene()).may_miss_accuracy());
 }
 
 TEST(Estimate, OfARunWithoutEndIsMadeOverWhatThePilotsWatch) {
