@@ -236,7 +236,7 @@ bool SeriesSolver::stands_still() noexcept {
 
 /// The next piece, unless a stop is asked for. @returns what has become of the motion
 Status SeriesSolver::take_piece() noexcept {
-    if (options_.stop_asked()) {
+    if (options_.stop_asked(state_.step)) {
         return Status::stopped;
     }
     next_piece();

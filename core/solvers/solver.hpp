@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -18,7 +19,7 @@ namespace hertzline {
 enum class Status {
     running,
     unstable,
-    stopped,  ///< as SimulationOptions::stop asked
+    stopped,  ///< as SimulationOptions asked
 };
 
 /// Whether spheres ahead of the wavefront are left out. With leapfrog the samples are the same, to the last bit.
@@ -38,8 +39,13 @@ struct SimulationOptions {
     WavefrontTracking tracking = WavefrontTracking::on;
     /// Once it is true, samples come to an end within a few steps, in the midst of a block. Unset: never.
     const std::atomic<bool>* stop = nullptr;
+    /// After so many steps or pieces it is stopped, too.
+    std::int64_t max_steps = std::numeric_limits<std::int64_t>::max();
 
-    bool stop_asked() const noexcept { return stop != nullptr && stop->load(std::memory_order_relaxed); }
+    /// @param steps taken so far
+    bool stop_asked(std::int64_t steps) const noexcept {
+        return steps >= max_steps || (stop != nullptr && stop->load(std::memory_order_relaxed));
+    }
 };
 
 class Solver {

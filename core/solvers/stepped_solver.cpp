@@ -217,7 +217,7 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
                                   ? ToneBurst::batch_steps
                                   : std::max<std::int64_t>(1, bodies_at_a_time / chain_.bodies());
     while (state_.step < step && status_ == Status::running) {
-        if (options_.stop_asked()) {
+        if (options_.stop_asked(state_.step)) {
             status_ = Status::stopped;
             return;
         }

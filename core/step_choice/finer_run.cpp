@@ -15,10 +15,10 @@ namespace {
 constexpr double margin = 300;         // of the accuracy over the expected error of a piece: errors add up
 constexpr double finer_pieces = 0.75;  // errors fall to a tenth or a fiftieth
 constexpr double finer_grid = 0.5;     // errors fall to a half at least, at a contact's switching
-constexpr double affordable_run_steps = 3e7;  // times bodies
-constexpr double affordable_run_samples = 5e7;
-constexpr double convincing = 0.7;   // of the accuracy: a difference may be less than the error
-constexpr double lowest_slope = 10;  // of log(error) over log(step), from below
+constexpr double affordable_samples = 2e7;
+constexpr std::size_t estimate_block = 16;  // samples; the last one, which is not affordable, is left out
+constexpr double convincing = 0.7;          // of the accuracy: a difference may be less than the error
+constexpr double lowest_slope = 10;         // of log(error) over log(step), from below
 
 Scene with_finer_steps(Scene scene) {
     const bool series = is_series(*scene.numerics.integrator);
@@ -61,12 +61,15 @@ std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double erro
     return missed;
 }
 
-FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop)
+FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop,
+                   std::int64_t max_steps)
     : scene_(with_finer_steps(scene)),
       chain_(std::make_unique<const Chain>(scene_)),
-      solver_(make_solver(
-          scene_, *chain_,
-          {.taps = judged_outputs & taps_of(scene.end), .ledger = LedgerKeeping::off, .stop = stop})),
+      solver_(make_solver(scene_, *chain_,
+                          {.taps = judged_outputs & taps_of(scene.end),
+                           .ledger = LedgerKeeping::off,
+                           .stop = stop,
+                           .max_steps = max_steps})),
       block_(judged_outputs & taps_of(scene.end), 0, capacity) {}
 
 bool FinerRun::follow(const Samples& run) noexcept {
@@ -74,33 +77,33 @@ bool FinerRun::follow(const Samples& run) noexcept {
         return false;
     }
     errors_.add(run, block_);
+    compared_ += block_.count;
     return true;
 }
 
 ErrorEstimate FinerRun::estimate() const noexcept {
     const double of_fit = chain_->end.plate ? chain_->end.plate->fit_error() : 0;
     return {.error = error_per_difference(scene_) * errors_.worst() + of_fit,
-            .over_s = static_cast<double>(solver_->next_sample()) / scene_.output.sample_rate_hz,
+            .over_s = static_cast<double>(compared_) / scene_.output.sample_rate_hz,
             .amplifies = false};
 }
 
-std::optional<ErrorEstimate> estimate_of_run(const Scene& scene, double run_s,
-                                             const std::atomic<bool>* stop) {
-    const double rate = scene.output.sample_rate_hz;
-    const double bodies = static_cast<double>(scene.chain.spheres) + 1;
-    const double affordable_s =
-        std::min(affordable_run_steps * *scene.numerics.step_s / bodies, affordable_run_samples / rate);
-    const auto samples = static_cast<std::int64_t>(std::ceil(std::min(run_s, affordable_s) * rate)) + 1;
+ErrorEstimate estimate_of_run(const Scene& scene, double run_s, const std::atomic<bool>* stop) {
+    const double wanted = std::ceil(run_s * scene.output.sample_rate_hz) + 1;
+    const auto samples = static_cast<std::int64_t>(std::min(wanted, affordable_samples));
     const Chain chain(scene);
+    const auto max_steps =
+        static_cast<std::int64_t>(affordable_body_steps / static_cast<double>(chain.bodies()));
     const TapSet taps = judged_outputs & taps_of(scene.end);
-    const auto run = make_solver(scene, chain, {.taps = taps, .ledger = LedgerKeeping::off, .stop = stop});
-    Samples block(taps, 0, pilot_block);
-    FinerRun follower(scene, pilot_block, stop);
+    const auto run = make_solver(
+        scene, chain, {.taps = taps, .ledger = LedgerKeeping::off, .stop = stop, .max_steps = max_steps});
+    Samples block(taps, 0, estimate_block);
+    FinerRun follower(scene, estimate_block, stop, max_steps);
     while (run->next_sample() < samples) {
         const auto count =
-            static_cast<std::size_t>(std::min<std::int64_t>(pilot_block, samples - run->next_sample()));
+            static_cast<std::size_t>(std::min<std::int64_t>(estimate_block, samples - run->next_sample()));
         if (run->fill(block, count, taps) != Status::running || !follower.follow(block)) {
-            return std::nullopt;
+            break;
         }
     }
     return follower.estimate();

@@ -30,8 +30,9 @@ std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double erro
 /// A run's scene with shorter steps. Follows the run.
 class FinerRun {
 public:
-    /// @param scene resolved @param capacity of the run's blocks @param stop as of SimulationOptions. @throws std::bad_alloc
-    FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop);
+    /// @param scene resolved @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions. @throws std::bad_alloc
+    FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop,
+             std::int64_t max_steps = SimulationOptions{}.max_steps);
 
     /// Takes the run's next samples. @returns false when it failed or was stopped
     bool follow(const Samples& run) noexcept;
@@ -47,10 +48,11 @@ private:
     std::unique_ptr<Solver> solver_;
     Samples block_;
     OutputErrors errors_;
+    std::size_t compared_ = 0;  // samples
 };
 
 /// The error of a run that nobody has taken yet: it is simulated, too. As far as is affordable, some seconds of a processor's time.
-/// @param stop ends it within a few steps. @returns nothing when a simulation fails. @throws std::bad_alloc
-std::optional<ErrorEstimate> estimate_of_run(const Scene& scene, double run_s, const std::atomic<bool>* stop);
+/// @param stop ends it within a few steps. @throws std::bad_alloc
+ErrorEstimate estimate_of_run(const Scene& scene, double run_s, const std::atomic<bool>* stop);
 
 }  // namespace hertzline

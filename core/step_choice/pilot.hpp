@@ -18,6 +18,9 @@ namespace hertzline {
 /// Samples that are compared at a time.
 inline constexpr std::size_t pilot_block = 256;
 
+/// Steps times bodies that a simulation may take before the run: about a second of a series, less of other methods.
+inline constexpr double affordable_body_steps = 1e7;
+
 /// The scene with that method and step.
 Scene with_step(Scene scene, Integrator integrator, double step_s);
 

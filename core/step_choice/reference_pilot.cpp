@@ -30,8 +30,6 @@ constexpr Budget for_bursts{30e3, 1e6};  // burst, way and periods
 constexpr Budget for_ringing{5e3, 2e5};  // the ring-down
 constexpr Budget for_run{30e3, 1e6};     // the run over which the error is estimated
 
-constexpr double affordable_body_steps = 1e7;  // about a second of a series, less of other methods
-
 constexpr double rung_down = 0.01;         // of the largest energy
 constexpr double max_values = 2e6;         // in a pilot
 constexpr double hopeless = 10;            // of the accuracy: a trial with such an error is not completed

@@ -114,10 +114,9 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s, const std
         }
     }
     if (worth_estimating_longer(result)) {
-        if (const auto found = estimate_of_run(result.scene, *run_s, stop)) {
-            result.estimate->error = std::max(result.estimate->error, found->error);
-            result.estimate->over_s = std::max(result.estimate->over_s, std::min(*run_s, found->over_s));
-        }
+        const ErrorEstimate found = estimate_of_run(result.scene, *run_s, stop);
+        result.estimate->error = std::max(result.estimate->error, found.error);
+        result.estimate->over_s = std::max(result.estimate->over_s, std::min(*run_s, found.over_s));
     }
     return result;
 }
