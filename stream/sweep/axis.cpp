@@ -11,7 +11,7 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr std::string_view form = "KEY=FROM..TO[:lin|log]:COUNT or KEY=A,B,C";
+constexpr std::string_view form = "KEY=FROM..TO:COUNT[:lin|log] or KEY=A,B,C";
 constexpr std::string_view form_anywhere = "KEY=FROM..TO[:lin|log] or KEY=A,B,C, without a count";
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
@@ -120,9 +120,11 @@ void AxisReader::read_range(std::string_view text) {
     std::vector<std::string_view> parts = split(text, ':');
     const std::string_view ends = parts.front();
     parts.erase(parts.begin());
-    if (!parts.empty() && (parts.front() == "lin" || parts.front() == "log")) {
-        axis_.spacing = parts.front() == "log" ? Spacing::logarithmic : Spacing::linear;
-        parts.erase(parts.begin());
+    const auto spacing =
+        std::ranges::find_if(parts, [](std::string_view part) { return part == "lin" || part == "log"; });
+    if (spacing != parts.end()) {  // before or after the count
+        axis_.spacing = *spacing == "log" ? Spacing::logarithmic : Spacing::linear;
+        parts.erase(spacing);
     }
     if (parts.size() != (sampling_ == Sampling::grid ? 1U : 0U)) {
         refuse(text, std::string(sampling_ == Sampling::grid ? form : form_anywhere));

@@ -40,7 +40,8 @@ struct Axis {
     std::string text() const;
 };
 
-/// Reads "KEY=FROM..TO[:lin|log]:COUNT" or "KEY=A,B,C". With Sampling::anywhere a range has no count.
+/// Reads "KEY=FROM..TO:COUNT[:lin|log]" or "KEY=A,B,C"; the spacing may also stand before the count.
+/// With Sampling::anywhere a range has no count.
 /// @param scene what is varied: each value must be allowed for its key, whatever the other keys say
 /// @returns the axis or every fault, each with the option as its place
 tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::string_view option,

@@ -26,7 +26,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "A range is FROM..TO[:lin|log]:COUNT, a list A,B,C. Several --vary make a grid, of which the last one "
+    "A range is FROM..TO:COUNT[:lin|log], a list A,B,C. Several --vary make a grid, of which the last one "
     "varies fastest. A row of the file is a point: what varies, status, the numbers of hertzline run, and a "
     "message. A point that cannot be simulated is a row with its reason. FILE.journal holds what is done "
     "until all is.\n"

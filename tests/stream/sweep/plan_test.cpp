@@ -175,6 +175,8 @@ TEST(SweepPlan, ReadsBackFromItsJson) {
 }
 
 TEST(SweepPlan, EqualPlansHaveOneText) {
+    EXPECT_EQ(grid_of({"chain.preload_n=0.01..10:3:log"}).json(),
+              grid_of({"chain.preload_n=0.01..10:log:3"}).json());
     EXPECT_EQ(grid_of({"chain.preload_n=0.010..10:lin:3"}).json(),
               grid_of({"chain.preload_n=1e-2..1e1:3"}).json());
 }
@@ -211,8 +213,8 @@ TEST(SweepPlan, RangesThatAreNoneAreNamed) {
         EXPECT_THAT(faults_of(std::string("chain.preload_n=0..1:") + count),
                     HasSubstr("a count from 2 to 100000000"));
     }
-    EXPECT_THAT(faults_of("chain.preload_n=0..1"), HasSubstr("KEY=FROM..TO[:lin|log]:COUNT"));
-    EXPECT_THAT(faults_of("chain.preload_n=0..1:sqrt:3"), HasSubstr("KEY=FROM..TO[:lin|log]:COUNT"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..1"), HasSubstr("KEY=FROM..TO:COUNT[:lin|log]"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..1:sqrt:3"), HasSubstr("KEY=FROM..TO:COUNT[:lin|log]"));
     EXPECT_THAT(faults_of({{"chain.preload_n=0..1:9"}, "", "", 9}), HasSubstr("without a count"));
 }
 
