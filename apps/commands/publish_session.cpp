@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -76,6 +78,16 @@ Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipe
     summary["security"] = word(publisher.security());
     summary["refused_clients"] = publisher.refused_clients();
     summary["run"] = pipeline.options().run;
+    return summary;
+}
+
+/// What nobody subscribed to has nothing to say to a reader.
+Json without_unused_topics(Json summary) {
+    for (auto member = summary.begin(); member != summary.end();) {
+        const std::string& name = member.key();
+        const bool of_topic = name.ends_with("_sent") || name.ends_with("_dropped");
+        member = of_topic && *member == 0 ? summary.erase(member) : std::next(member);
+    }
     return summary;
 }
 
@@ -219,7 +231,7 @@ void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& pub
                                         return json_text(summary);
                                     }});
     line.clear();
-    print_summary(summary, format);
+    print_summary(format == Format::text ? without_unused_topics(std::move(summary)) : summary, format);
 }
 
 }  // namespace hertzline::app

@@ -170,6 +170,14 @@ TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
     EXPECT_EQ(end["scene_hash"], meta["scene_hash"]);
 }
 
+TEST(Stream, CountsOfTopicsThatNobodySubscribedToAreInJsonOnly) {
+    const Words words{"stream", "paper-wall", "--duration", "1e-3", "--bind", any_port};
+    EXPECT_EQ(hertzline(with(words, {"--json"})).json()["v_last_np_sent"], 0);
+    const std::string text = hertzline(words).out;
+    EXPECT_THAT(text, HasSubstr("late_frames"));
+    EXPECT_THAT(text, Not(HasSubstr("_sent")));
+}
+
 TEST(Stream, CtrlCEndsItWithASummaryAndAReadableRecording) {
     for (const int signal : {SIGINT, SIGTERM}) {
         const TemporaryFolder folder;
