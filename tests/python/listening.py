@@ -90,8 +90,10 @@ class Listening(InAFolder):
     def test_gaps_are_marked(self):
         publisher = Publisher(GAP, 500)
         with hertzline.listen(publisher.endpoint, gaps="mark") as live:
-            found = [(block.sample, block.missing, block.epoch) for block in live]
+            blocks = list(live)
+        found = [(block.sample, block.missing, block.epoch) for block in blocks]
         self.assertEqual(found, [(0, 0, 0), (100, 0, 0), (400, 200, 2), (450, 0, 2)])
+        self.assertEqual([(block.burst, block.burst_sample) for block in blocks], [(0, 0), (0, 100), (0, 400), (0, 450)])
         totals = live.totals
         self.assertEqual((totals["missing_samples"], totals["frames_dropped_by_sender"]), (200, 1))
         self.assertEqual((totals["frames_lost_on_the_way"], totals["gapless"]), (1, False))

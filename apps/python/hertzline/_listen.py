@@ -43,6 +43,10 @@ class Block:
     """The run's id."""
     epoch: int
     """Counts the changes of the scene since the run's start; the same for all samples of a block."""
+    burst: int
+    """The horn's burst that the first sample lies in, from 0."""
+    burst_sample: int
+    """Index of the first sample since that burst's first one."""
 
     @property
     def t(self) -> NDArray[np.float64]:

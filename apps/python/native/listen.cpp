@@ -126,7 +126,8 @@ private:
             shape.push_back(static_cast<py::ssize_t>(header.channels));
         }
         return py::make_tuple(array_of(std::move(frame.values), std::move(shape)), header.sample, header.fs,
-                              header.seq, frame.missing, header.unit, header.run, header.epoch);
+                              header.seq, frame.missing, header.unit, header.run, header.epoch, header.burst,
+                              header.burst_sample);
     }
 
     std::vector<std::string> notices_;
