@@ -4,7 +4,7 @@
 A file may use its own room and those before it. layers.py CHECK [ARGUMENT]:
   includes          every #include "..." goes to the same room or a lower one
   symbols BUILD     so does every symbol that an object file of the libraries takes from another one
-  folders           no folder of core, stream or apps holds more than a dozen modules
+  folders           no folder of core, stream or apps holds more than a dozen modules, and no C++ source more than 350 lines
   self-test         the checks find wrong includes, symbols and folders that are made for them
 """
 
@@ -61,6 +61,7 @@ TREES = {
 }
 
 MAX_MODULES = 12
+MAX_LINES = 350
 INCLUDE = re.compile(r'\s*#\s*include\s*"([^"]+)"')
 Place = namedtuple("Place", "tree room name")  # room: its height, or None
 
@@ -163,6 +164,10 @@ def folders_faults(root):
             modules = {path.stem for path in folder.iterdir() if path.is_dir() or path.suffix in (".hpp", ".cpp")}
             if len(modules) > MAX_MODULES:
                 yield f"{folder.relative_to(root)}: {len(modules)} modules, allowed: at most {MAX_MODULES}"
+            for source in sorted(path for path in folder.iterdir() if path.suffix in (".hpp", ".cpp")):
+                lines = len(source.read_text(encoding="utf-8").splitlines())
+                if lines > MAX_LINES:
+                    yield f"{source.relative_to(root)}: {lines} lines, allowed: at most {MAX_LINES}"
 
 
 def self_test():
@@ -201,7 +206,11 @@ def self_test():
         for number in range(MAX_MODULES):
             write(f"core/model/m{number}.hpp")
             write(f"core/model/m{number}.cpp")
-        expect("full folder", list(folders_faults(root)), ["core/model: 13 modules, allowed: at most 12"])
+        write("stream/wire/frame.hpp", "//\n" * (MAX_LINES + 1))
+        expect("full folder, long source", list(folders_faults(root)), [
+            "core/model: 13 modules, allowed: at most 12",
+            "stream/wire/frame.hpp: 351 lines, allowed: at most 350",
+        ])
 
     expect("source alone", source_of("core", "integrators/grid_kernels.cpp.o"), "core/integrators/grid_kernels.cpp")
     expect("united sources", source_of("core", "Unity/unity_core-step_choice_cxx.cxx.o"), "core/step_choice")
