@@ -133,9 +133,10 @@ void sample_velocity(const std::array<double, most_series_terms>& terms, SampleT
 
 template <int Degree, Damping Kind>
 SeriesKernels for_rows(std::size_t rows) {
-    const auto piece = rows == 1   ? take_piece<1, Degree, Kind>
-                       : rows == 2 ? take_piece<2, Degree, Kind>
-                                   : take_piece<0, Degree, Kind>;
+    auto piece = take_piece<0, Degree, Kind>;
+    if constexpr (hn::MaxLanes(Doubles()) > 1) {  // else a row is one body
+        piece = rows == 1 ? take_piece<1, Degree, Kind> : rows == 2 ? take_piece<2, Degree, Kind> : piece;
+    }
     return {piece,       sample_body<Degree>, sample_slots<Degree>, sample_velocity<Degree>,
             add_moments, sum_of_products};
 }
