@@ -9,6 +9,9 @@ namespace hertzline {
 
 namespace {
 
+/// What is simulated is chosen so that it takes fewer; pieces of a series may be far shorter than foreseen.
+constexpr double far_too_many_body_steps = 4 * affordable_body_steps;
+
 /// Beside the spheres' velocities. The pressure of a plane wave with the velocity v is rho c v: over rho c it is one of them.
 std::vector<PilotOutput> outputs_of(const EndModel& end) {
     if (end.plate) {
@@ -42,12 +45,17 @@ Scene never_at_rest(Scene scene) {
     return scene;
 }
 
-Pilot::Pilot(Scene scene, Integrator integrator, double step_s)
+Pilot::Pilot(Scene scene, Integrator integrator, double step_s, const std::atomic<bool>* stop)
     : scene_(with_step(std::move(scene), integrator, step_s)),
       chain_(std::make_unique<const Chain>(scene_)),
       outputs_(outputs_of(chain_->end)),
       taps_(taps_of_pilot(outputs_)),
-      solver_(make_solver(scene_, *chain_, {.taps = taps_, .ledger = LedgerKeeping::off})),
+      solver_(make_solver(scene_, *chain_,
+                          {.taps = taps_,
+                           .ledger = LedgerKeeping::off,
+                           .stop = stop,
+                           .max_steps = static_cast<std::int64_t>(far_too_many_body_steps /
+                                                                  static_cast<double>(chain_->bodies()))})),
       block_(taps_, static_cast<std::size_t>(chain_->spheres()), pilot_block),
       spheres_(static_cast<std::size_t>(chain_->spheres())),
       columns_(spheres_ + outputs_.size()),

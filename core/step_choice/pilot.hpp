@@ -1,6 +1,7 @@
 #pragma once
 // A scene simulated for a while to see what a step does to it: pilots with different steps are compared.
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -36,8 +37,9 @@ struct PilotOutput {
 /// A simulation whose velocities are kept: those of all spheres, and with a plate those of the plate and the outputs.
 class Pilot {
 public:
+    /// One that takes far too many steps fails. @param stop as of SimulationOptions: a pilot that was stopped has failed
     /// @throws std::bad_alloc
-    Pilot(Scene scene, Integrator integrator, double step_s);
+    Pilot(Scene scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
 
     /// Goes on until there are so many samples, or the integration fails. @throws std::bad_alloc
     void run_to(std::size_t samples);

@@ -93,17 +93,19 @@ Scene shortened(Scene scene) {
     return never_at_rest(std::move(scene));
 }
 
-ReferencePilot::ReferencePilot(const Scene& scene, double accuracy)
-    : ReferencePilot(scene, accuracy, Chain(shortened(scene))) {}
+ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop)
+    : ReferencePilot(scene, accuracy, Chain(shortened(scene)), stop) {}
 
-ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain& chain)
+ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain& chain,
+                               const std::atomic<bool>* stop)
     : accuracy_(accuracy),
+      stop_(stop),
       step_s_(step_of_reference(scene, chain, accuracy)),
       watched_s_(std::min(burst_and_way_s(scene, chain),
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
       scene_(sampled_for(shortened(scene), watched_s_)),
-      motion_(scene_, reference_integrator, step_s_),
-      finer_(scene_, reference_integrator, finer * step_s_),
+      motion_(scene_, reference_integrator, step_s_, stop),
+      finer_(scene_, reference_integrator, finer * step_s_, stop),
       shortened_(scene.chain.spheres > pilot_spheres),
       same_samples_(!shortened_ && scene_.output.sample_rate_hz == scene.output.sample_rate_hz) {
     motion_.run_to(samples_in(watched_s_));
@@ -131,6 +133,9 @@ void ReferencePilot::ring_down() {
     const std::size_t period = std::min(samples_in(1 / scene_.drive.frequency_hz), motion_.samples());
     const std::size_t most = motion_.samples() + samples_in(for_ringing.seconds(
                                                      step_s_, static_cast<double>(motion_.spheres() + 1)));
+    if (period == 0) {
+        return;  // it has failed at once
+    }
     double largest = 0;
     for (std::size_t from = 0; from + period <= motion_.samples(); from += period) {
         largest = std::max(largest, kinetic(motion_, from, from + period));
@@ -154,7 +159,7 @@ WrongSides ReferencePilot::unseen_wrong_sides(const Pilot& pilot, std::size_t sa
 }
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
-    Trial result{Pilot(scene_, integrator, step_s), step_s};
+    Trial result{Pilot(scene_, integrator, step_s, stop_), step_s};
     if (judged_ == 0) {
         result.error = std::numeric_limits<double>::infinity();
         return result;

@@ -57,8 +57,9 @@ public:
     static constexpr int pilots = 2;
 
     /// @param accuracy steps are chosen as far as the reference is good enough to judge it
+    /// @param stop as of SimulationOptions, for this and all trials: what it finds then means nothing
     /// @throws std::bad_alloc
-    ReferencePilot(const Scene& scene, double accuracy);
+    ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop = nullptr);
 
     /// A pilot with that step, compared with the reference. One that errs by far too much early is not completed: its error is then
     /// a lower bound. @throws std::bad_alloc
@@ -80,7 +81,7 @@ public:
     const Eigen::ArrayXd& peak_overlap() const noexcept { return peak_overlap_; }  ///< [m], contacts()
 
 private:
-    ReferencePilot(const Scene& scene, double accuracy, const Chain& chain);
+    ReferencePilot(const Scene& scene, double accuracy, const Chain& chain, const std::atomic<bool>* stop);
 
     void ring_down();
     std::size_t samples_in(double time_s) const noexcept;
@@ -90,6 +91,7 @@ private:
                                   const Difference& found) const noexcept;
 
     double accuracy_;
+    const std::atomic<bool>* stop_;
     double step_s_;
     double watched_s_;  // without the ring-down
     Scene scene_;       // sampled as pilots are

@@ -7,6 +7,7 @@
 #include "core/model/tone_burst.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/finer_run.hpp"
+#include "core/step_choice/resolve.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 
@@ -45,11 +46,18 @@ TEST(Stop, AFlagEndsItAmidASample) {
     }
 }
 
+TEST(Stop, PilotsEndAndShowNothing) {
+    const std::atomic<bool> stop{true};
+    EXPECT_FALSE(resolve(Scene{}, &stop).estimate.has_value());
+    EXPECT_TRUE(resolve(Scene{}, nullptr).estimate.has_value());
+}
+
 TEST(Stop, AnEstimateOfARunEndsWhateverTheRunIs) {
     Scene scene = with_step(Scene{}, Integrator::taylor8, 1e-12);  // 1e9 pieces a millisecond
     scene.output.sample_rate_hz = 1e3;
     EXPECT_EQ(estimate_of_run(scene, 1, nullptr).over_s, 0);
-    EXPECT_GT(estimate_of_run(with_step(Scene{}, Integrator::taylor8, 700e-9), 1e-3, nullptr).over_s, 1e-3);
+    const ErrorEstimate all = estimate_of_run(with_step(Scene{}, Integrator::taylor8, 700e-9), 1e-3, nullptr);
+    EXPECT_DOUBLE_EQ(all.over_s, 1e-3);
 }
 
 }  // namespace
