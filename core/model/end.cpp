@@ -111,6 +111,22 @@ std::vector<Fault> plate_faults(const Scene& scene) {
     return faults;
 }
 
+std::vector<Fault> response_faults(const Scene& scene) {
+    const int poles = plate_poles(scene);
+    if (poles == 0) {
+        return {};
+    }
+    constexpr double largest_error = 0.1;
+    const auto response = plate_response(plate_parameters(scene), poles);
+    if (response->fit_error() <= largest_error) {
+        return {};
+    }
+    return {{"end.model",
+             "\"modal\", whose response " + number_text(static_cast<std::int64_t>(poles)) +
+                 " poles fit with an error of " + number_text(response->fit_error()),
+             "a disc whose response is fitted to " + number_text(largest_error)}};
+}
+
 int plate_poles(const Scene& scene) {
     if (scene.end.kind != EndKind::plate || scene.end.model != PlateModel::modal) {
         return 0;

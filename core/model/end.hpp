@@ -52,6 +52,9 @@ PlateParameters plate_parameters(const Scene& scene);
 /// it can, or the plate is not modal.
 std::vector<Fault> plate_faults(const Scene& scene);
 
+/// Why the response of a modal plate cannot be used: its poles do not fit it. Takes as long as the fit.
+std::vector<Fault> response_faults(const Scene& scene);
+
 /// The poles of the scene's modal plate: numerics.poles, or as many as the accuracy asks for. 0: its plate is not modal.
 int plate_poles(const Scene& scene);
 

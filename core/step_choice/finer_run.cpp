@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/integrators/stability.hpp"
 #include "core/model/end.hpp"
 #include "core/step_choice/pilot.hpp"
 #include "core/step_choice/step_advice.hpp"
@@ -43,7 +44,8 @@ std::optional<ResolvedScene> resolve_unmeasured(const Scene& asked) {
         return std::nullopt;
     }
     result.scene = with_poles(with_integrator(asked));
-    if (pole_error(result.scene) > 0.5 * convincing * result.advice.accuracy) {
+    if (!response_faults(result.scene).empty() ||
+        pole_error(result.scene) > 0.5 * convincing * result.advice.accuracy) {
         return std::nullopt;
     }
     Numerics& numerics = result.scene.numerics;
@@ -59,6 +61,17 @@ std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double erro
     const double wanted = 0.1 * missed.advice.accuracy / error;
     *missed.scene.numerics.step_s *= std::clamp(std::pow(wanted, 1 / lowest_slope), 0.4, 0.8);
     return missed;
+}
+
+std::optional<ResolvedScene> with_stable_step(ResolvedScene tried, const Chain& chain,
+                                              const Eigen::ArrayXd& peak_overlap) {
+    constexpr double safety = 0.95;  // pilots may press the contacts a little further
+    const double limit = safety * largest_stable_step(chain, peak_overlap, *tried.scene.numerics.integrator);
+    if (*tried.scene.numerics.step_s <= limit || !(limit > 0)) {
+        return std::nullopt;
+    }
+    tried.scene.numerics.step_s = limit;
+    return tried;
 }
 
 FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop,
@@ -84,7 +97,8 @@ bool FinerRun::follow(const Samples& run) noexcept {
 ErrorEstimate FinerRun::estimate() const noexcept {
     const double of_fit = chain_->end.plate ? chain_->end.plate->fit_error() : 0;
     return {.error = error_per_difference(scene_) * errors_.worst() + of_fit,
-            .over_s = static_cast<double>(compared_) / scene_.output.sample_rate_hz,
+            .over_s = static_cast<double>(compared_ - std::min<std::size_t>(compared_, 1)) /
+                      scene_.output.sample_rate_hz,
             .amplifies = false};
 }
 

@@ -7,6 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include <Eigen/Core>
+
 #include "core/model/chain.hpp"
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
@@ -26,6 +28,11 @@ std::optional<ResolvedScene> resolve_unmeasured(const Scene& scene);
 
 /// The next step to try. @param error of the last one. Nothing where no step helps
 std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double error) noexcept;
+
+/// The next step to try where the run has pressed the contacts so far that its step lies beyond the stability limit, which resolve()
+/// refuses. Nothing where it does not. @param peak_overlap of the run's contacts [m]
+std::optional<ResolvedScene> with_stable_step(ResolvedScene tried, const Chain& chain,
+                                              const Eigen::ArrayXd& peak_overlap);
 
 /// A run's scene with shorter steps. Follows the run.
 class FinerRun {

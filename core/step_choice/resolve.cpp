@@ -23,8 +23,8 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
     return {"numerics.step_s", found.data(), allowed.data()};
 }
 
-ReferencePilot reference_for(const Scene& scene) {
-    return {scene, scene.numerics.accuracy.value_or(default_accuracy)};
+ReferencePilot reference_for(const Scene& scene, const std::atomic<bool>* stop) {
+    return {scene, scene.numerics.accuracy.value_or(default_accuracy), stop};
 }
 
 /// A given step asks for no accuracy, of a long chain pilots see the first spheres only, and an error that is large grows no more.
@@ -67,7 +67,7 @@ double pole_error(const Scene& scene) {
 
 StepAdvice advise_step(const Scene& asked) {
     const Scene scene = with_poles(with_integrator(asked));
-    return advise(scene, reference_for(scene)).advice;
+    return advise(scene, reference_for(scene, nullptr)).advice;
 }
 
 ResolvedScene resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop) {
@@ -79,9 +79,13 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s, const std
         return result;
     }
     result.scene = with_poles(with_integrator(asked));
+    result.faults = response_faults(result.scene);
+    if (!result.faults.empty()) {
+        return result;
+    }
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
-    ReferencePilot reference = reference_for(result.scene);
+    ReferencePilot reference = reference_for(result.scene, stop);
     AdvisedStep advised = advise(result.scene, reference);
     result.advice = advised.advice;
     result.pilots = ReferencePilot::pilots + advised.advice.pilots;

@@ -172,6 +172,11 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene&
             return std::nullopt;
         }
         attempt->resolved.estimate = attempt->finer->estimate();
+        if (auto stable = with_stable_step(attempt->resolved, attempt->simulation.chain(),
+                                           attempt->simulation.state().peak_overlap)) {
+            resolved = std::move(stable);
+            continue;
+        }
         if (attempt->finer->convinces(accuracy)) {
             check(result.point, attempt->resolved);
             return attempt;
@@ -205,9 +210,9 @@ void PointRunner::measure(Attempt& attempt, PointResult& result) {
     std::ranges::for_each(measures_of_run(record, scene, analyser(record.rows(), scene.output.sample_rate_hz),
                                           demand_.band_from_hz, warnings),
                           put);
-    put(contacts_of_run(attempt.simulation, warnings));
-    put(trust_of_run(attempt.simulation, attempt.resolved));
-    put(account_of_run(attempt.simulation, record.rows()));
+    put(contacts_of_run(record, scene, warnings));
+    put(trust_of_run(record, attempt.resolved));
+    put(account_of_run(record, scene));
     for (const std::string& text : warnings) {
         result.message += (result.message.empty() ? "" : "; ") + text;
     }

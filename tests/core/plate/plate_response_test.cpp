@@ -11,6 +11,7 @@
 #include "core/model/end.hpp"
 #include "core/plate/exact_plate.hpp"
 #include "core/plate/radiation.hpp"
+#include "core/step_choice/resolve.hpp"
 
 namespace hertzline {
 namespace {
@@ -51,6 +52,25 @@ Complex exact_pressure(const PlateResponse& plate, double frequency_hz) {
 
 Complex fitted(const PlateResponse& plate, const Eigen::VectorXcd& output, double frequency_hz) {
     return value_at(plate.poles, output, Complex(0, two_pi * frequency_hz));
+}
+
+TEST(PlateResponse, OneThatPolesDoNotFitIsRefused) {
+    Scene scene = modal_scene();
+    EXPECT_TRUE(response_faults(scene).empty());
+    scene.end.kind = EndKind::wall;
+    EXPECT_TRUE(response_faults(scene).empty());
+    // moduli and densities as they are printed in GPa and g/cm^3
+    scene = modal_scene();
+    scene.materials["mine"] =
+        Solid{.youngs_modulus_pa = 35, .poissons_ratio = 0.15, .density_kg_per_m3 = 1.42};
+    scene.end.material = "mine";
+    scene.numerics.poles = 16;
+    ASSERT_TRUE(validate(scene).empty());
+    const std::vector<Fault> faults = response_faults(scene);
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_EQ(faults[0].key, "end.model");
+    EXPECT_NE(faults[0].found.find("16 poles fit with an error of"), std::string::npos) << faults[0].found;
+    EXPECT_FALSE(resolve(scene).faults.empty());
 }
 
 TEST(PlateResponse, FrequenciesAreThoseOfAnIndependentSolver) {

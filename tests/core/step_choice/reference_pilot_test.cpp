@@ -3,7 +3,6 @@
 
 #include "core/step_choice/reference_pilot.hpp"
 
-#include <atomic>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -112,8 +111,7 @@ TEST(Estimate, OfAVeryLongRunSaysNothingAboutItsEnd) {
     scene.chain.preload_n = 10;  // a stiff chain takes short steps
     scene.output.sample_rate_hz = 1e6;
     scene.output.duration_s = 10;
-    const std::atomic<bool> stop = true;  // the same as when it is not affordable, in less time
-    const ResolvedScene settled = resolve(scene, &stop);
+    const ResolvedScene settled = resolve(scene);
     EXPECT_FALSE(settled.misses_accuracy());
     EXPECT_TRUE(settled.may_miss_accuracy());
     EXPECT_FALSE(resolve(Scene()).may_miss_accuracy());
