@@ -32,6 +32,9 @@ Status SeriesSolver::continue_from(Solver& other) noexcept {
         return ended;
     }
     state_.take_motion(before.state());
+    // a horn that has become next to silent does not ask for the last digit of what still rings
+    constexpr double smallest_share = 1e-6;
+    judge_by(std::max(scale_, smallest_share * state_.v.abs().maxCoeff()));
     if (plate_) {
         plate_->continue_from(*before.plate_);
     }

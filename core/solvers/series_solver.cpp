@@ -67,25 +67,31 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     simd_chain_.step_s = unit;
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
-    const double scale = velocity_scale(chain, scene.drive, omega);
-    piece_.tolerance = std::max(
-        1e-100, std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest) * scale * unit);
-    piece_.negligible = negligible_overlap(chain, piece_.tolerance / unit, unit);
+    scale_ = velocity_scale(chain, scene.drive, omega);
+    relative_tolerance_ = std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest);
+    rest_tolerance_ = scene.numerics.rest_tolerance;
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
-    still_ = still_share * scale;
     const bool starts_at_rest = (chain.bias == 0).all();
     active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest
                            ? std::min(chain.bodies(), laid_out_at_least)
                            : chain.bodies();
-    const double rest_velocity = scene.numerics.rest_tolerance * scale;
-    const bool rests_at_zero = chain.preload_n > 0 && starts_at_rest;
-    rest_energy_ = rests_at_zero ? 0.5 * rest_velocity * rest_velocity / chain.inv_mass[0] : 0;
+    rests_at_zero_ = chain.preload_n > 0 && starts_at_rest;
     reset();
 }
 
+/// @param scale of the velocities to be expected [m/s]: errors and what counts as rest are relative to it
+void SeriesSolver::judge_by(double scale) noexcept {
+    piece_.tolerance = std::max(1e-100, relative_tolerance_ * scale * piece_.unit_s);
+    piece_.negligible = negligible_overlap(chain_, piece_.tolerance / piece_.unit_s, piece_.unit_s);
+    still_ = still_share * scale;
+    const double rest_velocity = rest_tolerance_ * scale;
+    rest_energy_ = rests_at_zero_ ? 0.5 * rest_velocity * rest_velocity / chain_.inv_mass[0] : 0;
+}
+
 void SeriesSolver::reset() noexcept {
+    judge_by(scale_);
     state_.reset(chain_);
     if (plate_) {
         plate_->reset();

@@ -43,6 +43,7 @@ public:
     static double phase_for(double tolerance) noexcept;
 
 private:
+    void judge_by(double scale) noexcept;
     void lay_out(Eigen::Index active) noexcept;
     void follow_the_wave() noexcept;
     void next_piece() noexcept;
@@ -74,6 +75,10 @@ private:
     FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
     FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
+    double scale_ = 0;                  ///< of the velocities that the scene's own drive makes [m/s]
+    double relative_tolerance_ = 0;     ///< of a piece
+    double rest_tolerance_ = 0;         ///< of the scene
+    bool rests_at_zero_ = false;        ///< its rest is that of the beginning
     double rest_energy_ = 0;            ///< below it the chain is at rest while the horn is; 0: never [J]
     double still_ = 0;                  ///< a body that moves less stands still [m/s]
     bool asleep_ = false;               ///< the present piece is exact rest, which may end at any time
