@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <span>
 #include <string_view>
 
 #include "core/model/hertz.hpp"
@@ -38,6 +39,35 @@ struct Smell {
     std::string_view meant;
 };
 
+void add_smells(std::span<const Smell> smells, std::vector<std::string>& warnings) {
+    for (const Smell& smell : smells) {
+        if (smell.odd) {
+            warnings.push_back(std::string(smell.key) + " is " + number_text(smell.value) + " " +
+                               std::string(smell.unit) + "; were " + std::string(smell.meant) + " meant?");
+        }
+    }
+}
+
+/// Softer than any gel, lighter than any foam, slower than any fluid.
+void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) {
+    std::vector<std::string> solids{s.drive.material, s.chain.material};
+    if (s.end.kind != EndKind::free) {
+        solids.push_back(s.end.material);
+    }
+    std::ranges::sort(solids);
+    solids.erase(std::ranges::unique(solids).begin(), solids.end());
+    for (const std::string& name : solids) {
+        const Solid& solid = solid_of(s, name);
+        const std::string modulus = "materials." + name + ".youngs_modulus_pa";
+        const std::string density = "materials." + name + ".density_kg_per_m3";
+        add_smells(std::array{Smell{modulus, solid.youngs_modulus_pa, solid.youngs_modulus_pa < 5e3, "Pa",
+                                    "gigapascals"},
+                              Smell{density, solid.density_kg_per_m3, solid.density_kg_per_m3 < 25, "kg/m^3",
+                                    "grams per cubic centimetre"}},
+                   warnings);
+    }
+}
+
 void add_units(const Scene& s, std::vector<std::string>& warnings) {
     const bool plate = s.end.kind == EndKind::plate;
     const std::array smells{
@@ -48,10 +78,39 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
               "micrometres"},
         Smell{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz", "kilohertz"},
     };
-    for (const Smell& smell : smells) {
-        if (smell.odd) {
-            warnings.push_back(std::string(smell.key) + " is " + number_text(smell.value) + " " +
-                               std::string(smell.unit) + "; were " + std::string(smell.meant) + " meant?");
+    add_smells(smells, warnings);
+    add_units_of_materials(s, warnings);
+}
+
+/// A key that was changed although nothing asks for it.
+struct Idle {
+    std::string_view key;
+    bool changed;
+    bool used;
+    std::string_view needs;
+};
+
+void add_idle_keys(const Scene& s, std::vector<std::string>& warnings) {
+    const Scene untouched;
+    const End& end = untouched.end;
+    const bool plate = s.end.kind == EndKind::plate;
+    const bool modal = plate && s.end.model == PlateModel::modal;
+    constexpr std::string_view of_plate = "end.kind = \"plate\"";
+    constexpr std::string_view of_modes = "end.model = \"modal\"";
+    const std::array keys{
+        Idle{"end.radius_m", s.end.radius_m != end.radius_m, plate, of_plate},
+        Idle{"end.thickness_m", s.end.thickness_m != end.thickness_m, plate, of_plate},
+        Idle{"end.stiffness_n_per_m", s.end.stiffness_n_per_m != end.stiffness_n_per_m, plate, of_plate},
+        Idle{"end.modes", s.end.modes != end.modes, modal, of_modes},
+        Idle{"end.loss_factor", s.end.loss_factor != end.loss_factor, modal, of_modes},
+        Idle{"medium.load", s.medium.load != untouched.medium.load, modal, of_modes},
+        Idle{"output.hydrophone_m", s.output.hydrophone_m != untouched.output.hydrophone_m, modal, of_modes},
+        Idle{"drive.taper", s.drive.taper != untouched.drive.taper, s.drive.envelope == Envelope::tukey,
+             "drive.envelope = \"tukey\""},
+    };
+    for (const Idle& key : keys) {
+        if (key.changed && !key.used) {
+            warnings.push_back(std::string(key.key) + " has no effect without " + std::string(key.needs));
         }
     }
 }
@@ -153,6 +212,7 @@ std::optional<std::string> late_wave_warning(const Scene& scene) {
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {
     std::vector<std::string> warnings;
     add_units(scene, warnings);
+    add_idle_keys(scene, warnings);
     add_plate(scene, chain, warnings);
     const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
     if (rest.overlap_ratio > deepest_overlap) {
@@ -163,6 +223,12 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
         warnings.push_back("the drive's frequency is " + briefly(scene.drive.frequency_hz / highest) +
                            " times the highest that the chain passes on, " + briefly(highest) +
                            " Hz; next to nothing of it reaches the end");
+    }
+    if (scene.numerics.rest_tolerance > 0) {
+        warnings.push_back(
+            "numerics.rest_tolerance is " + number_text(scene.numerics.rest_tolerance) +
+            ": what rings more quietly than that is cut off between bursts, which the estimated "
+            "error leaves out");
     }
     const Scene paper;
     if (scene.chain.damping_law == DampingLaw::dashpot &&

@@ -46,6 +46,31 @@ TEST(Validity, LengthsInMillimetresAreNoticed) {
                 ElementsAre(HasSubstr("drive.frequency_hz is 73 Hz; were kilohertz meant?")));
 }
 
+TEST(Validity, MaterialsInOtherUnitsAreNoticed) {
+    const auto with_material = [](double modulus_pa, double density) {
+        return warnings_after([&](Scene& s) {
+            s.materials["mine"] =
+                Solid{.youngs_modulus_pa = modulus_pa, .poissons_ratio = 0.3, .density_kg_per_m3 = density};
+            s.end.kind = EndKind::wall;
+            s.end.material = "mine";
+        });
+    };
+    using testing::Contains;
+    const auto other_unit = HasSubstr("meant?");
+    EXPECT_THAT(with_material(35, 1420),
+                Contains(HasSubstr("materials.mine.youngs_modulus_pa is 35 Pa; were gigapascals meant?")));
+    EXPECT_THAT(
+        with_material(35e9, 1.42),
+        Contains(HasSubstr(
+            "materials.mine.density_kg_per_m3 is 1.42 kg/m^3; were grams per cubic centimetre meant?")));
+    EXPECT_THAT(with_material(1e4, 30), testing::Each(testing::Not(other_unit)));
+}
+
+TEST(Validity, ARestThatIsCutOffIsTold) {
+    EXPECT_THAT(warnings_after([](Scene& s) { s.numerics.rest_tolerance = 1e-3; }),
+                ElementsAre(HasSubstr("numerics.rest_tolerance is 0.001: what rings")));
+}
+
 TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1e-3; }), IsEmpty());  // h/a = 0.2
     EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1.8e-3; }),
@@ -53,6 +78,24 @@ TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.kind = EndKind::wall;
                     s.end.thickness_m = 0.5;
+                }),
+                ElementsAre("end.thickness_m has no effect without end.kind = \"plate\""));
+}
+
+TEST(Validity, KeysThatNothingAsksForAreNoticed) {
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.modes = 2;
+                    s.output.hydrophone_m = 20e-3;
+                    s.drive.taper = 0.1;
+                }),
+                ElementsAre("end.modes has no effect without end.model = \"modal\"",
+                            HasSubstr("output.hydrophone_m has no effect"),
+                            HasSubstr("drive.taper has no effect without drive.envelope = \"tukey\"")));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.end.modes = 2;
+                    s.drive.envelope = Envelope::tukey;
+                    s.drive.taper = 0.1;
                 }),
                 IsEmpty());
 }
