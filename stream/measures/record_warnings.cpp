@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "stream/measures/spectrum.hpp"
-
 namespace hertzline::stream {
 
 namespace {
@@ -49,24 +47,41 @@ std::optional<double> ringing_over_s(std::span<const double> after_burst, double
     return 1.05 * (duration_s + std::log(last / (ringing_share * peak)) / decline_per_s);
 }
 
+/// Samples in the burst, and in a period of the drive.
+std::size_t burst_samples(const Scene& scene) noexcept {
+    return static_cast<std::size_t>(burst_s(scene.drive) * scene.output.sample_rate_hz);
+}
+std::size_t period_samples(const Scene& scene) noexcept {
+    return static_cast<std::size_t>(std::ceil(scene.output.sample_rate_hz / scene.drive.frequency_hz));
+}
+
+/// Whether the record goes on for two periods after the burst.
+bool shows_ringing(const Scene& scene, std::size_t samples) noexcept {
+    return samples >= burst_samples(scene) + 2 * period_samples(scene);
+}
+
+/// The horn's largest velocity [m/s].
+double horn_velocity(const Drive& drive) noexcept {
+    return 2 * std::numbers::pi * drive.frequency_hz * std::abs(drive.amplitude_m);
+}
+
 std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out, double peak) {
-    const double rate = scene.output.sample_rate_hz;
-    const auto period = static_cast<std::size_t>(std::ceil(rate / scene.drive.frequency_hz));
-    const auto burst = static_cast<std::size_t>(burst_s(scene.drive) * rate);
-    if (v_out.size() < burst + 2 * period) {
+    if (!shows_ringing(scene, v_out.size())) {
         return fmt::format(
             "the run ends before its ringing shows, less than two periods of the drive after the burst; a "
             "longer one, such as {}, would tell how complete its spectrum is",
             duration_setting(2 * scene.output.duration_s));
     }
-    const double last = peak_of(v_out.last(period));
-    if (last <= ringing_share * peak) {
+    const std::optional<double> ratio = ringing_ratio(scene, v_out);
+    if (!ratio || *ratio <= ringing_share) {
         return std::nullopt;
     }
-    const auto enough = ringing_over_s(v_out.subspan(burst), scene.output.duration_s, rate, last, peak);
+    const auto enough = ringing_over_s(v_out.subspan(burst_samples(scene)), scene.output.duration_s,
+                                       scene.output.sample_rate_hz, *ratio * peak, peak);
     return fmt::format(
-        "v_out still rings at {:.1f} % of its peak when the run ends, which changes its spectrum; {}",
-        100 * last / peak,
+        "v_out still rings at {:.1f} % of its peak when the run ends, which changes its spectrum "
+        "(ringing_ratio); {}",
+        100 * *ratio,
         enough
             ? "about " + duration_setting(*enough) + " would let it fall to 1 %"
             : std::string("it has not fallen since the burst, so nothing can be said of when it will have"));
@@ -86,10 +101,38 @@ std::optional<std::string> cut_off(const Scene& scene) {
 
 }  // namespace
 
+double burst_shown_ratio(const Scene& scene) noexcept {
+    return std::min(1.0, scene.output.duration_s / burst_s(scene.drive));
+}
+
+std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept {
+    const double peak = peak_of(v_out);
+    if (scene.drive.repetition_hz > 0 || !(peak > silence * horn_velocity(scene.drive)) ||
+        !shows_ringing(scene, v_out.size())) {
+        return std::nullopt;
+    }
+    return peak_of(v_out.last(period_samples(scene))) / peak;
+}
+
+std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum) {
+    if (spectrum.below_db && *spectrum.below_db > 0) {
+        return {fmt::format(
+            "{} is {:.1f} dB stronger below {:g} Hz than anywhere above (below_db): its bands, harmonics and "
+            "distortion leave that out",
+            output, *spectrum.below_db, spectrum.lowest_hz)};
+    }
+    if (spectrum.band_20db && spectrum.band_20db->low_hz <= spectrum.lowest_hz * (1 + 1e-12)) {
+        return {fmt::format(
+            "the -20 dB band of {} begins at {:g} Hz, from where on it is looked for: it goes on below",
+            output, spectrum.lowest_hz)};
+    }
+    return {};
+}
+
 std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out) {
     std::vector<std::string> warnings;
     const Drive& drive = scene.drive;
-    const double horn = 2 * std::numbers::pi * drive.frequency_hz * std::abs(drive.amplitude_m);
+    const double horn = horn_velocity(drive);
     const double peak = peak_of(v_out);
     if (horn == 0) {
         return warnings;

@@ -67,9 +67,15 @@ namespace {
 /// The simulations of a run, one after the other.
 class Sequence {
 public:
-    Sequence(Simulation& first, SceneSteps* steps) : now_(&first), steps_(steps) { announce(); }
+    Sequence(Simulation& first, SceneSteps* steps, RunAccount& account)
+        : now_(&first), steps_(steps), account_(account) {
+        announce();
+    }
 
     Simulation& now() noexcept { return *now_; }
+
+    /// The present one is over.
+    void close() { account_.add(*now_, went_on_); }
 
     /// Samples that the present one has still to give.
     std::size_t left() const noexcept {
@@ -95,6 +101,8 @@ public:
         if (steps_->begins) {
             steps_->begins(done_);
         }
+        close();
+        went_on_ = step.goes_on;
         ++done_;
         steps_->last = std::move(simulation);
         now_ = steps_->last.get();
@@ -113,7 +121,9 @@ private:
     }
 
     Simulation* now_;
+    bool went_on_ = false;  // the present one from the one before
     SceneSteps* steps_;
+    RunAccount& account_;
     std::size_t done_ = 0;
 };
 
@@ -125,7 +135,7 @@ Status simulate(Simulation& simulation, RunRecord& record, const std::function<b
     const Scene& scene = simulation.scene();
     const auto rows = static_cast<std::size_t>(rows_of_run(scene));
     Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
-    Sequence sequence(simulation, steps);
+    Sequence sequence(simulation, steps, record.account);
     while (record.rows() < rows) {
         const Clock::time_point before = Clock::now();
         Status status = sequence.advance();
@@ -144,6 +154,7 @@ Status simulate(Simulation& simulation, RunRecord& record, const std::function<b
             return Status::stopped;
         }
     }
+    sequence.close();
     return Status::running;
 }
 

@@ -17,6 +17,7 @@
 #include "core/scene/scene.hpp"
 #include "core/simulation.hpp"
 #include "core/taps.hpp"
+#include "stream/measures/run_account.hpp"
 
 namespace hertzline::stream {
 
@@ -50,6 +51,7 @@ struct RunRecord {
     std::vector<TapRecord> taps;       ///< v_out, then the others that are measured
     std::vector<double> v_out_smooth;  ///< with a plate: v_out as if the last contact never opened
     double peak_v_last = 0;            ///< [m/s]
+    RunAccount account;                ///< once all rows are there
     std::chrono::nanoseconds busy{0};  ///< simulating
     bool stopped = false;              ///< by the user, before the end
 

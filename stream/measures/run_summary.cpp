@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
@@ -43,66 +42,70 @@ std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& 
     const auto spectrum = analyser.analyse(v_out, scene.drive.frequency_hz, band_from_hz);
     const std::vector<double> switching = switching_db(analyser, spectrum, record);
     append(warnings, record_warnings(scene, v_out));
+    append(warnings, band_warnings("v_out", spectrum));
     append(warnings, switching_warnings(switching));
-    std::vector<SummaryGroup> groups{
-        {"result", {{"peak_v_out_m_per_s", peak_of(v_out)}, {"peak_v_last_m_per_s", record.peak_v_last}}, ""},
-        {"spectrum of v_out", spectrum_json(spectrum), ""}};
+    const std::optional<double> ringing = ringing_ratio(scene, v_out);
+    std::vector<SummaryGroup> groups{{"result",
+                                      {{"peak_v_out_m_per_s", peak_of(v_out)},
+                                       {"peak_v_last_m_per_s", record.peak_v_last},
+                                       {"burst_shown_ratio", burst_shown_ratio(scene)},
+                                       {"ringing_ratio", ringing ? Json(*ringing) : Json(nullptr)}},
+                                      ""},
+                                     {"spectrum of v_out", spectrum_json(spectrum), ""}};
     groups.back().values["switching_db"] = switching.empty() ? Json(nullptr) : Json(switching);
     for (const TapRecord& tap : std::span(record.taps).subspan(1)) {
         const TapRow& row = row_of(tap.tap);
         Json values{{fmt::format("peak_{}", row.column), peak_of(tap.values)}};
-        values.update(spectrum_json(analyser.analyse(tap.values, scene.drive.frequency_hz, band_from_hz)));
+        const auto of_tap = analyser.analyse(tap.values, scene.drive.frequency_hz, band_from_hz);
+        append(warnings, band_warnings(row.name, of_tap));
+        values.update(spectrum_json(of_tap));
         groups.push_back({std::string(row.name), std::move(values), std::string(row.name)});
     }
     return groups;
 }
 
-SummaryGroup contacts_of_run(Simulation& simulation, Warnings& warnings) {
-    const ContactLoad load = contact_load(simulation.chain(), simulation.state().peak_overlap,
-                                          simulation.scene().chain.diameter_m / 2);
-    const Scene& scene = simulation.scene();
-    append(warnings, validity_warnings(load));
-    if (auto beyond = strength_warning(scene, simulation.chain(), load)) {
-        warnings.push_back(*std::move(beyond));
+SummaryGroup contacts_of_run(const RunRecord& record, const Scene& scene, Warnings& warnings) {
+    const RunAccount& account = record.account;
+    append(warnings, validity_warnings(account.load));
+    if (account.strength_warning) {
+        warnings.push_back(*account.strength_warning);
     }
-    const ContactLoad rest =
-        contact_load(simulation.chain(), simulation.chain().static_overlap, scene.chain.diameter_m / 2);
-    const std::optional<double> ratio = strength_ratio(pressure_limits(scene), load);
     Json values;
-    values["peak_contact_force_n"] = load.force_n;
-    values["peak_contact_pressure_pa"] = load.pressure_pa;
-    values["static_contact_pressure_pa"] = rest.pressure_pa;
-    values["peak_strength_ratio"] = ratio ? Json(*ratio) : Json(nullptr);
-    values["peak_overlap_ratio"] = load.overlap_ratio;
-    values["contact_events"] = simulation.contact_events();
-    if (const DampingLaw law = simulation.chain().damping_law; law != DampingLaw::dashpot) {
+    values["peak_contact_force_n"] = account.load.force_n;
+    values["peak_contact_pressure_pa"] = account.load.pressure_pa;
+    values["static_contact_pressure_pa"] = account.static_pressure_pa;
+    values["peak_strength_ratio"] = account.strength_ratio ? Json(*account.strength_ratio) : Json(nullptr);
+    values["peak_overlap_ratio"] = account.load.overlap_ratio;
+    values["contact_events"] = account.contact_events;
+    if (const DampingLaw law = scene.chain.damping_law; law != DampingLaw::dashpot) {
         values["damping_law"] = word(law);
     }
     return {"contacts", std::move(values), ""};
 }
 
-SummaryGroup trust_of_run(Simulation& simulation, const ResolvedScene& resolved) {
+SummaryGroup trust_of_run(const RunRecord& record, const ResolvedScene& resolved) {
     Json values;
     add_estimate(values, resolved.estimate);
-    values["energy_residual"] = simulation.energy_residual();
-    if (simulation.chain().end.plate) {
-        const Ledger ledger = simulation.ledger();
-        values["plate_passed_j"] = ledger.passed;
-        values["plate_lost_j"] = ledger.plate_lost;
-        values["plate_held_j"] = ledger.plate_held;
-        values["radiated_j"] = ledger.radiated();
+    values["energy_residual"] = record.account.energy_residual;
+    if (const std::optional<PlateEnergy>& plate = record.account.plate) {
+        values["plate_passed_j"] = plate->passed;
+        values["plate_lost_j"] = plate->lost;
+        values["plate_held_j"] = plate->held;
+        values["radiated_j"] = plate->radiated;
     }
     return {"trust", std::move(values), ""};
 }
 
-SummaryGroup account_of_run(const Simulation& simulation, std::size_t rows) {
-    const Scene& scene = simulation.scene();
+SummaryGroup account_of_run(const RunRecord& record, const Scene& scene) {
     Json values;
-    values["simulated_s"] = static_cast<double>(rows - 1) / scene.output.sample_rate_hz;
-    values["rows"] = rows;
+    values["simulated_s"] = static_cast<double>(record.rows() - 1) / scene.output.sample_rate_hz;
+    values["rows"] = record.rows();
     values["integrator"] = word(*scene.numerics.integrator);
-    values["step_s"] = simulation.step_s();
-    values["steps"] = simulation.steps();
+    values["step_s"] = record.account.step_s;
+    if (scene.numerics.poles) {
+        values["poles"] = *scene.numerics.poles;
+    }
+    values["steps"] = record.account.steps;
     return {"run", std::move(values), ""};
 }
 

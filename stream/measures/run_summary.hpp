@@ -33,13 +33,13 @@ std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& 
                                           Warnings& warnings);
 
 /// What the contacts carried. Warns where that is beyond Hertz's law or the strength of a material.
-SummaryGroup contacts_of_run(Simulation& simulation, Warnings& warnings);
+SummaryGroup contacts_of_run(const RunRecord& record, const Scene& scene, Warnings& warnings);
 
 /// How far the result can be trusted.
-SummaryGroup trust_of_run(Simulation& simulation, const ResolvedScene& resolved);
+SummaryGroup trust_of_run(const RunRecord& record, const ResolvedScene& resolved);
 
 /// What was run: simulated time, rows, integrator and steps.
-SummaryGroup account_of_run(const Simulation& simulation, std::size_t rows);
+SummaryGroup account_of_run(const RunRecord& record, const Scene& scene);
 
 /// Adds how long the set-up and the simulation took, and the real-time factor, to an account.
 void add_times(SummaryGroup& account, double setup_s, double wall_s);

@@ -20,7 +20,7 @@ struct Unit {
 /// The longer one of two that fit comes first.
 constexpr std::array units{Unit{"_m_per_s", "m/s"}, Unit{"_hz", "Hz"}, Unit{"_db", "dB"}, Unit{"_pa", "Pa"},
                            Unit{"_n", "N"},         Unit{"_s", "s"},   Unit{"_j", "J"},   Unit{"_m", "m"}};
-constexpr std::array<std::string_view, 3> counts{"rows", "steps", "contact_events"};
+constexpr std::array<std::string_view, 4> counts{"rows", "steps", "contact_events", "poles"};
 
 class ColumnList {
 public:
@@ -71,6 +71,8 @@ std::vector<NumberColumn> number_columns(TapSet measured, bool modal) {
     list.add("estimated_over_s");
     list.add("peak_v_out_m_per_s");
     list.add("peak_v_last_m_per_s");
+    list.add("burst_shown_ratio");
+    list.add("ringing_ratio");
     list.add_spectrum("");
     list.add("switching_db", SpectrumAnalyser::max_harmonics);
     for (const Tap tap : measured - Tap::v_out) {
@@ -84,7 +86,7 @@ std::vector<NumberColumn> number_columns(TapSet measured, bool modal) {
         list.add(name);
     }
     if (modal) {
-        for (const char* name : {"plate_passed_j", "plate_lost_j", "plate_held_j", "radiated_j"}) {
+        for (const char* name : {"plate_passed_j", "plate_lost_j", "plate_held_j", "radiated_j", "poles"}) {
             list.add(name);
         }
     }

@@ -190,7 +190,11 @@ std::size_t payload_bytes(const PointDemand& demand) noexcept {
 void encode(const PointResult& result, std::span<std::byte> payload) {
     std::string message = printable(result.message, max_message_bytes * 4);
     if (message.size() > max_message_bytes) {
-        message = message.substr(0, max_message_bytes - 3) + "...";
+        constexpr std::string_view goes_on = " ...";
+        const std::size_t room = max_message_bytes - goes_on.size();
+        const std::size_t word_end = message.find_last_of(' ', room);
+        message.resize(word_end != std::string::npos && word_end > room / 2 ? word_end : room);
+        message += goes_on;
     }
     write_text(payload.first(integrator_bytes), result.integrator);
     write_text(payload.subspan(integrator_bytes, hash_bytes), result.scene_hash);

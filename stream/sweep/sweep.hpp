@@ -50,12 +50,12 @@ std::optional<std::string> journal_difference(const std::string& journal, const 
 
 /// Bytes of a row's payload in the journal.
 std::size_t payload_bytes(const PointDemand& demand) noexcept;
-/// A row as bytes. Longer messages are cut.
+/// A row as bytes. Longer messages are cut between two words.
 void encode(const PointResult& result, std::span<std::byte> payload);
 PointResult decode(std::int64_t point, PointStatus status, const PointDemand& demand,
                    std::span<const std::byte> payload);
 
-inline constexpr std::size_t max_message_bytes = 248;
+inline constexpr std::size_t max_message_bytes = 504;
 inline constexpr std::size_t integrator_bytes = 16;
 inline constexpr std::size_t hash_bytes = 16;
 

@@ -187,7 +187,7 @@ Exit run(const RunOptions& options) {
                                  recordings.note_change(stream::change_json(sound->changes[step]));
                              }};
     const stream::RunRecord record = simulate(simulation, recorded, measured, recordings, steps);
-    Simulation& last = steps.last ? *steps.last : simulation;
+    const Scene& last = (steps.last ? *steps.last : simulation).scene();
     if (record.stopped) {
         recordings.discard();
         spdlog::error("stopped before the end; nothing was saved");
@@ -210,9 +210,9 @@ Exit run(const RunOptions& options) {
         return Exit::failed;
     }
     std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz);
-    summary.push_back(contacts(last));
-    summary.push_back(stream::trust_of_run(last, resolved));
-    summary.push_back(account(last, setup_s, record, recordings));
+    summary.push_back(contacts(record, last));
+    summary.push_back(stream::trust_of_run(record, resolved));
+    summary.push_back(account(record, last, setup_s, recordings));
     print_summary(summary, options.format);
     return recordings.sound() && saved ? Exit::done : Exit::failed;
 }

@@ -28,19 +28,19 @@ std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& 
     return groups;
 }
 
-SummaryGroup contacts(Simulation& simulation) {
+SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene) {
     stream::Warnings warnings;
-    SummaryGroup group = stream::contacts_of_run(simulation, warnings);
+    SummaryGroup group = stream::contacts_of_run(record, scene, warnings);
     warn(warnings);
     return group;
 }
 
-SummaryGroup account(const Simulation& simulation, double setup_s, const stream::RunRecord& record,
+SummaryGroup account(const stream::RunRecord& record, const Scene& scene, double setup_s,
                      const stream::RecordingSet& recordings) {
-    SummaryGroup group = stream::account_of_run(simulation, record.rows());
+    SummaryGroup group = stream::account_of_run(record, scene);
     stream::add_times(group, setup_s, record.wall_s());
     group.values["recordings"] = stream::recordings_json(recordings);
-    stream::add_identity(group, simulation.scene());
+    stream::add_identity(group, scene);
     return group;
 }
 

@@ -16,10 +16,10 @@ std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& 
                                   std::optional<double> band_from_hz);
 
 /// What the contacts carried. Warns where that is beyond Hertz's law.
-SummaryGroup contacts(Simulation& simulation);
+SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene);
 
 /// What was run, how long it took, and where it was saved.
-SummaryGroup account(const Simulation& simulation, double setup_s, const stream::RunRecord& record,
+SummaryGroup account(const stream::RunRecord& record, const Scene& scene, double setup_s,
                      const stream::RecordingSet& recordings);
 
 }  // namespace hertzline::app

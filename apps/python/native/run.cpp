@@ -97,9 +97,9 @@ void simulate(const ResolvedScene& resolved, const RunRequest& request, const st
     result.warnings = scene_warnings(resolved);
     std::vector<stream::SummaryGroup> groups =
         stream::measures_of_run(record, scene, analyser, request.band_from_hz, result.warnings);
-    groups.push_back(stream::contacts_of_run(simulation, result.warnings));
-    groups.push_back(stream::trust_of_run(simulation, resolved));
-    groups.push_back(stream::account_of_run(simulation, rows));
+    groups.push_back(stream::contacts_of_run(record, scene, result.warnings));
+    groups.push_back(stream::trust_of_run(record, resolved));
+    groups.push_back(stream::account_of_run(record, scene));
     stream::add_times(groups.back(), setup_s, record.wall_s());
     stream::add_identity(groups.back(), scene);
     result.summary = stream::summary_json(groups);

@@ -57,6 +57,34 @@ TEST(RecordWarnings, RingingIsToldWithADurationThatEndsIt) {
     EXPECT_THAT(record_warnings(longer, ringing_record(longer, 200e-6, 0.0011)), IsEmpty());
 }
 
+TEST(RecordWarnings, TheirNumbersAreThere) {
+    Scene scene = short_burst();
+    EXPECT_NEAR(*ringing_ratio(scene, ringing_record(scene, 200e-6, 500e-6)), 0.141, 0.001);
+    EXPECT_LT(*ringing_ratio(scene, ringing_record(scene, 50e-6, 500e-6)), 1e-3);
+    EXPECT_EQ(burst_shown_ratio(scene), 1);
+    EXPECT_FALSE(ringing_ratio(scene, ringing_record(scene, 200e-6, 110e-6)).has_value());
+    EXPECT_FALSE(ringing_ratio(scene, std::vector<double>(5001, 0.0)).has_value());
+    scene.drive.repetition_hz = 1000;
+    EXPECT_FALSE(ringing_ratio(scene, ringing_record(scene, 200e-6, 500e-6)).has_value());
+    scene.output.duration_s = 25e-6;
+    EXPECT_DOUBLE_EQ(burst_shown_ratio(scene), 0.25);
+}
+
+TEST(BandWarnings, TellOfWhatLiesBelow) {
+    SpectrumSummary spectrum;
+    spectrum.lowest_hz = 36.5e3;
+    spectrum.below_db = -3;
+    spectrum.band_20db = Band{50e3, 300e3, 40e3};
+    EXPECT_THAT(band_warnings("v_out", spectrum), IsEmpty());
+    spectrum.band_20db->low_hz = spectrum.lowest_hz;
+    EXPECT_THAT(band_warnings("v_out", spectrum),
+                ElementsAre(HasSubstr("the -20 dB band of v_out begins at 36500 Hz")));
+    spectrum.below_db = 25.3;
+    EXPECT_THAT(band_warnings("p_axis", spectrum),
+                ElementsAre(HasSubstr("p_axis is 25.3 dB stronger below 36500 Hz than anywhere above")));
+    EXPECT_THAT(band_warnings("v_out", {}), IsEmpty());
+}
+
 TEST(RecordWarnings, RingingThatDoesNotFallHasNoDuration) {
     EXPECT_THAT(warnings_of_ringing(INFINITY), ElementsAre(HasSubstr("it has not fallen")));
 }

@@ -116,7 +116,14 @@ TEST(SweepRow, SurvivesTheJournal) {
     encode(result, payload);
     const std::string cut = decode(3, PointStatus::ok, sweep.demand, payload).message;
     EXPECT_THAT(cut, SizeIs(max_message_bytes));
-    EXPECT_THAT(cut, EndsWith("x..."));
+    EXPECT_THAT(cut, EndsWith("x ..."));
+
+    result.message.clear();
+    while (result.message.size() < 1000) {
+        result.message += "word ";
+    }
+    encode(result, payload);
+    EXPECT_THAT(decode(3, PointStatus::ok, sweep.demand, payload).message, EndsWith(" word ..."));
 }
 
 TEST(SweepColumns, HaveTheUnitOfTheirNames) {
