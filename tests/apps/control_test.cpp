@@ -7,6 +7,7 @@
 #include <regex>
 #include <thread>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -242,6 +243,55 @@ TEST(Control, ChangesOfAFileAreMadeInARun) {
     }
     const Outcome wrong = hertzline(with(words, {"--changes", folder.file("plain.csv")}));
     EXPECT_EQ(wrong.status, 2);
+}
+
+TEST(Control, AHornThatIsSwitchedOffLetsTheChainRingDown) {
+    const TemporaryFolder folder;
+    for (const char* amplitude : {"0", "1e-300"}) {
+        write_text(folder.file("changes.json"),
+                   fmt::format(R"([{{"sample": 1000, "set": {{"drive.amplitude_m": {}}}}}])", amplitude));
+        const std::string file = folder.file("off.csv");
+        // the burst begins anew at the change, so the first one is cut off while the chain moves
+        const Outcome run = hertzline({"run", "paper-stream", "--set", "drive.repetition_hz=2500", "--set",
+                                       "output.sample_rate_hz=2.5e6", "--set", "output.duration_s=2e-3",
+                                       "--changes", folder.file("changes.json"), "-o", file});
+        ASSERT_EQ(run.status, 0) << run.err;
+        const auto v_out = csv_of(file).at("v_out_m_per_s");
+        EXPECT_GT(std::abs(v_out[1010]), 1e-6) << amplitude;
+        EXPECT_LT(std::abs(v_out[5000]), 1e-6) << amplitude;
+    }
+}
+
+TEST(Control, AChangedPlateInWaterIsTheSameAgain) {
+    const TemporaryFolder folder;
+    write_text(
+        folder.file("changes.json"),
+        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 200, "set": {"medium.load": "none"}}])");
+    const std::string first = folder.file("first.h5");
+    const Outcome run = hertzline({"run", "wet-vitreous-carbon", "--set", "output.duration_s=3e-4", "--set",
+                                   "output.sample_rate_hz=1e6", "--changes", folder.file("changes.json"),
+                                   "--columns", "v_out", "-o", first});
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_TRUE(numbers_in(first) == simulated_again(first, folder.file("again.h5")));
+}
+
+TEST(Control, TheSummaryOfAChangedRunIsOfAllOfIt) {
+    const TemporaryFolder folder;
+    const Words words{"run", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json"};
+    const auto summary = [&](const Words& more) { return hertzline(with(words, more)).json(); };
+    const Json loud = summary({"--set", "output.duration_s=1e-3"});
+    // the motion goes on, or begins anew; all that is loud is over by then
+    for (const char* change :
+         {R"("drive.amplitude_m": 1e-11)", R"("drive.amplitude_m": 0, "chain.preload_n": 0.2)"}) {
+        write_text(folder.file("changes.json"),
+                   fmt::format(R"([{{"sample": 1000, "set": {{{}}}}}])", change));
+        const Json all =
+            summary({"--set", "output.duration_s=2e-3", "--changes", folder.file("changes.json")});
+        EXPECT_EQ(all["peak_contact_force_n"], loud["peak_contact_force_n"]) << change;
+        EXPECT_EQ(all["peak_strength_ratio"], loud["peak_strength_ratio"]) << change;
+        EXPECT_EQ(all["contact_events"], loud["contact_events"]) << change;
+        EXPECT_GT(all["steps"], loud["steps"]) << change;
+    }
 }
 
 }  // namespace

@@ -12,8 +12,9 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr std::size_t most_told =
-    500;  // changes; meta is sent once a second, and no listener reads more than 1 MiB
+// Of changes in meta, which is sent once a second. No listener reads more than 1 MiB of it.
+constexpr std::size_t most_told = 500;
+constexpr std::size_t most_told_bytes = 512 << 10;
 
 }  // namespace
 
@@ -86,7 +87,9 @@ std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {
     std::vector<stream::EpochOfChange> begun = control_.take_epochs(epoch);
     for (const stream::EpochOfChange& one : begun) {
         changes_.push_back(stream::change_json(one.change));
-        if (changes_.size() > most_told) {
+        told_bytes_ += changes_.back().dump().size();
+        while (changes_.size() > most_told || told_bytes_ > most_told_bytes) {
+            told_bytes_ -= changes_.front().dump().size();
             changes_.erase(0);
             ++left_out_;
         }
@@ -112,6 +115,7 @@ std::string change_text(const stream::SceneChange& change) {
             separator = ", ";
         }
     }
+    text += *separator == ' ' ? " nothing changes" : "";
     return text + (change.goes_on ? "" : "; from static equilibrium");
 }
 

@@ -49,6 +49,7 @@ private:
     stream::SceneControl control_;
     stream::ControlServer server_;
     Json changes_ = Json::array();
+    std::size_t told_bytes_ = 0;
     std::uint64_t left_out_ = 0;
 };
 

@@ -44,7 +44,7 @@ void set_options(zmq::socket_t& socket, const std::string& endpoint) {
     socket.set(zmq::sockopt::maxmsgsize, max_request_bytes);
     socket.set(zmq::sockopt::rcvhwm, 16);  // for each sender, whose further ones wait over there
     socket.set(zmq::sockopt::rcvbuf, 64 * 1024);
-    socket.set(zmq::sockopt::sndhwm, 64);
+    socket.set(zmq::sockopt::sndhwm, 128);  // all that may wait, answered at once, and what comes meanwhile
     socket.set(zmq::sockopt::handshake_ivl, 5000);
     socket.set(zmq::sockopt::backlog, 16);
     socket.set(zmq::sockopt::tcp_maxrt, 15000);

@@ -199,6 +199,9 @@ Json values_of_change(const Scene& to, const Json& asked) {
     for (const char* key : {"numerics.integrator", "numerics.step_s", "numerics.accuracy"}) {
         set[key] = json_of(value_of(to, key));
     }
+    if (to.numerics.poles) {  // of a modal plate
+        set["numerics.poles"] = *to.numerics.poles;
+    }
     return set;
 }
 

@@ -68,7 +68,7 @@ void SceneControl::take(const Json& request, Reply reply) {
     if (!undo && !set) {
         reply(fault_json("", "no request",
                          R"(one of {"set": {KEY: VALUE, ...}}, {"get": [KEY, ...]}, {"undo": true})"));
-    } else if (waiting_.size() == most_waiting) {
+    } else if (waiting_.size() >= most_waiting) {
         reply(fault_json("", "more requests than are kept waiting",
                          "another try when changes have taken effect"));
     } else {
@@ -104,10 +104,13 @@ void SceneControl::turn() {
 }
 
 /// Values that wait one after another become one change. @returns them; nothing when all of them were wrong
-std::optional<Json> SceneControl::merge(Scene& scene, std::vector<Reply>& replies) {
+std::optional<Json> SceneControl::merge(Scene& scene, std::vector<Request>& requests) {
     Json asked = Json::object();
-    while (!waiting_.empty() && !waiting_.front().set.is_null()) {
-        const Request request = std::move(waiting_.front());
+    const auto goes_with_others = [&] {
+        return requests.empty() || !(waiting_.front().alone || requests.front().alone);
+    };
+    while (!waiting_.empty() && !waiting_.front().set.is_null() && goes_with_others()) {
+        Request request = std::move(waiting_.front());
         waiting_.pop_front();
         auto changed = with_values(scene, request.set);
         std::vector<Fault> faults = changed ? validate(*changed) : changed.error();
@@ -120,16 +123,16 @@ std::optional<Json> SceneControl::merge(Scene& scene, std::vector<Reply>& replie
         }
         scene = *std::move(changed);
         asked.update(request.set);
-        replies.push_back(request.reply);
+        requests.push_back(std::move(request));
     }
-    return replies.empty() ? std::nullopt : std::optional(std::move(asked));
+    return requests.empty() ? std::nullopt : std::optional(std::move(asked));
 }
 
 void SceneControl::begin() {
     Scene scene = requested_;
-    std::vector<Reply> replies;
-    if (auto asked = merge(scene, replies)) {
-        start(std::move(scene), *std::move(asked), false, std::move(replies));
+    std::vector<Request> requests;
+    if (auto asked = merge(scene, requests)) {
+        start(std::move(scene), *std::move(asked), false, std::move(requests));
         return;
     }
     if (waiting_.empty()) {
@@ -141,10 +144,10 @@ void SceneControl::begin() {
         undo.reply(fault_json("", "nothing to undo", "undo after a change"));
         return;
     }
-    start(history_.back().requested, history_.back().values, true, {undo.reply});
+    start(history_.back().requested, history_.back().values, true, {undo});
 }
 
-void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Reply> replies) {
+void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Request> requests) {
     job_ = std::make_shared<Job>();
     job_->format = source_.format();
     job_->options = source_.options();
@@ -152,7 +155,7 @@ void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Rep
     job_->requested = std::move(requested);
     job_->asked = std::move(asked);
     job_->undo = undo;
-    job_->replies = std::move(replies);
+    job_->requests = std::move(requests);
     job_->thread = std::thread([job = job_] {
         begin_background_thread(preparing_thread_name, low_priority);
         prepare_or_explain(*job);
@@ -202,10 +205,7 @@ void SceneControl::go_on() {
         job_->thread.join();
     }
     if (!job_->faults.empty()) {
-        for (const Reply& reply : job_->replies) {
-            reply(faults_json(job_->faults));
-        }
-        job_.reset();
+        refuse();
         return;
     }
     if (!job_->offered && source_.hand_over().idle()) {
@@ -215,6 +215,20 @@ void SceneControl::go_on() {
         if (const std::int64_t sample = source_.hand_over().applies_at(); sample >= 0) {
             conclude(sample);
         }
+    }
+}
+
+/// What was merged is tried one by one: only those that are wrong are refused.
+void SceneControl::refuse() {
+    const std::shared_ptr<Job> job = std::move(job_);
+    job_.reset();
+    if (job->requests.size() == 1) {
+        job->requests.front().reply(faults_json(job->faults));
+        return;
+    }
+    for (auto request = job->requests.rbegin(); request != job->requests.rend(); ++request) {
+        request->alone = true;
+        waiting_.push_front(std::move(*request));
     }
 }
 
@@ -252,8 +266,8 @@ void SceneControl::conclude(std::int64_t sample) {
     requested_ = std::move(job_->requested);
     resolved_ = job_->resolved.scene;
     const Json reply{{"applies_at_sample", sample}, {"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}};
-    for (const Reply& to : job_->replies) {
-        to(reply);
+    for (const Request& request : job_->requests) {
+        request.reply(reply);
     }
     job_.reset();
 }

@@ -68,6 +68,7 @@ private:
     struct Request {
         Json set;  ///< null: undo
         Reply reply;
+        bool alone = false;  ///< with others it was refused, and nobody knows whose fault it was
     };
     struct Step {
         Scene requested;  ///< before
@@ -81,7 +82,7 @@ private:
         Scene requested;  ///< changed
         Json asked;
         bool undo = false;
-        std::vector<Reply> replies;
+        std::vector<Request> requests;
 
         std::vector<Fault> faults;
         ResolvedScene resolved;
@@ -94,11 +95,12 @@ private:
 
     void get(const Json& keys, const Reply& reply) const;
     void begin();
-    std::optional<Json> merge(Scene& scene, std::vector<Reply>& replies);
-    void start(Scene requested, Json asked, bool undo, std::vector<Reply> replies);
+    std::optional<Json> merge(Scene& scene, std::vector<Request>& requests);
+    void start(Scene requested, Json asked, bool undo, std::vector<Request> requests);
     static void prepare(Job& job);
     static void prepare_or_explain(Job& job) noexcept;
     void go_on();
+    void refuse();
     void offer();
     void conclude(std::int64_t sample);
 

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -179,6 +180,26 @@ TEST(SceneControl, MergesWhatWaitsAndBoundsIt) {
         return replies.size() == SceneControl::most_waiting + 3;
     }));
     EXPECT_EQ(replies.back()["epoch"], 1);  // all of them are one change
+}
+
+TEST(SceneControl, OfWhatWasMergedOnlyTheWrongIsRefused) {
+    Controlled stream;
+    std::map<int, Json> replies;
+    const auto take = [&](int number, const Json& set) {
+        stream.control.take({{"set", set}},
+                            [&replies, number](const Json& reply) { replies[number] = reply; });
+    };
+    take(1, {{"drive.amplitude_m", 2e-6}});
+    take(2, {{"numerics.step_s", 1e-4}});  // beyond the stability limit, which pilots find
+    take(3, {{"drive.cycles", 5.0}});
+    ASSERT_TRUE(eventually([&] {
+        stream.control.turn();
+        stream.advance(100);
+        return replies.size() == 3;
+    }));
+    EXPECT_TRUE(replies[1].contains("applies_at_sample")) << replies[1];
+    EXPECT_EQ(replies[2]["faults"][0]["key"], "numerics.step_s") << replies[2];
+    EXPECT_TRUE(replies[3].contains("applies_at_sample")) << replies[3];
 }
 
 TEST(SceneControl, WithoutRepetitionAChangeFiresABurstAtOnce) {
