@@ -221,7 +221,7 @@ std::vector<Surroundings> around_others(const SearchSpace& space, Evaluations& e
         const bool may_be_slope = !start->ended && !apart.empty();
         if (apart.size() <= other_places && !may_be_slope &&
             std::ranges::none_of(apart, [&](const SearchStart* other) {
-                return space.distance(start->place, other->place) <= elsewhere;
+                return start->best == other->best || space.distance(start->place, other->place) <= elsewhere;
             })) {
             apart.push_back(start);
         }
@@ -240,12 +240,18 @@ std::int64_t fewest_evaluations(const SearchSpace& space) noexcept {
 }
 
 SearchResult search(const SearchSpace& space, Evaluations& evaluations, std::uint64_t seed) {
-    evaluations.keep_back(evaluations_around(space));
+    const std::int64_t around = evaluations_around(space);
+    constexpr std::int64_t share =
+        20;  // of the budget: where that is large there is enough for a best point that moves
+    evaluations.keep_back(std::clamp(evaluations.left() / share, around, 3 * around));
     SearchResult result;
     result.starts = Search(space, evaluations, seed).run();
     evaluations.keep_back(0);
     result.best = around_best(space, evaluations);
     result.others = around_others(space, evaluations, result.starts);
+    if (evaluations.best() != result.best.centre) {  // it was beside another place
+        result.best = around_best(space, evaluations);
+    }
     return result;
 }
 

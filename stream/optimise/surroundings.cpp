@@ -10,7 +10,7 @@ namespace {
 
 constexpr double near_share = 0.01;
 constexpr double far_share = 0.05;
-constexpr int looks_at_best = 3;
+constexpr int looks_at_best = 5;
 
 using Wanted = std::vector<std::pair<Neighbour, std::vector<SceneValue>>>;
 
@@ -100,6 +100,9 @@ Surroundings around_best(const SearchSpace& space, Evaluations& evaluations) {
         if (look >= looks_at_best || evaluations.left() < one_more) {
             break;
         }
+    }
+    if (evaluations.best() != best.centre) {
+        return {evaluations.best(), {}, {}};  // a neighbour was better, and nobody has looked around it
     }
     return best;
 }

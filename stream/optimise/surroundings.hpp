@@ -32,7 +32,8 @@ std::int64_t evaluations_around(const SearchSpace& space) noexcept;
 /// The other places that a search looks around beside the best.
 inline constexpr std::size_t other_places = 2;
 
-/// The best of all evaluations and what lies around it. Where a neighbour is better it goes on from there, a few times.
+/// The best of all evaluations and what lies around it. Where a neighbour is better it goes on from there, a few times; the last
+/// better one has no neighbours.
 Surroundings around_best(const SearchSpace& space, Evaluations& evaluations);
 
 /// A point and what is near it.

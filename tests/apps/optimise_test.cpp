@@ -227,7 +227,10 @@ TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
                 HasSubstr("--evaluations: found 10, allowed: 36 to 1000000, where 2 keys vary"));
     EXPECT_THAT(fault(with(sound, with(output, {"--evaluations", "-3", "--jobs", "0"}))),
                 AllOf(HasSubstr("--evaluations: found -3"), HasSubstr("--jobs: found 0")));
-    EXPECT_THAT(fault(with(sound, with(output, {"--seed", "x"}))), HasSubstr("--seed"));
+    for (const char* seed : {"x", "-1", "1.5", "99999999999999999999"}) {
+        EXPECT_THAT(fault(with(sound, with(output, {"--seed", seed}))),
+                    AllOf(HasSubstr("--seed"), HasSubstr("a whole number from 0 to 18446744073709551615")));
+    }
     EXPECT_THAT(fault({"optimise", "paper-wall", "--vary", "chain.sphere=1", "--subject-to", "x"}),
                 AllOf(HasSubstr("-o: found no file"), HasSubstr("--maximise: found no measure"),
                       HasSubstr("--subject-to: found \"x\""), HasSubstr("did you mean 'chain.spheres'?")));

@@ -1,8 +1,11 @@
 #include "apps/commands/optimise/optimise_options.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <limits>
 #include <optional>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -94,6 +97,16 @@ void refuse_unknown_measures(const stream::Goal& goal, const stream::PointDemand
     faults.refuse();
 }
 
+/// A minus sign would be taken for a wrap-around.
+std::string wrong_seed(const std::string& text) {
+    std::uint64_t seed = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+    return error == std::errc() && end == text.data() + text.size()
+               ? ""
+               : fmt::format("found {}, allowed: a whole number from 0 to {}", quoted_briefly(text),
+                             std::numeric_limits<std::uint64_t>::max());
+}
+
 }  // namespace
 
 SoundSearch sound_search(const OptimiseOptions& options) {
@@ -139,6 +152,7 @@ void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
     app.add_option("--evaluations", options.evaluations, "points that are simulated at most (default: 2000)")
         ->type_name("N");
     app.add_option("--seed", options.seed, "another one begins with other points (default: 1)")
+        ->check(wrong_seed)
         ->type_name("S");
     add_point_options(app, sweep);
     app.add_flag("--resume", sweep.resume, "go on where a search was ended, or begin");

@@ -179,8 +179,8 @@ stream::Warnings search_warnings(const SearchJob& job) {
                                        job.request().goal.measure, fall_text(fall));
         for (const Surroundings& other : job.result().others) {
             if (!other.near.empty() && fall_of(job, other) <= large_fall) {
-                text += fmt::format("; of point {}, which has {}, it {}", other.centre,
-                                    number_text(value_of(job, other.centre)), fall_text(fall_of(job, other)));
+                text += fmt::format("; of point {}, which has {:.6g}, it {}", other.centre,
+                                    value_of(job, other.centre), fall_text(fall_of(job, other)));
                 break;
             }
         }

@@ -153,7 +153,21 @@ TEST(Search, UsesTheSmallestBudgetAndNoMore) {
     const std::int64_t fewest = fewest_evaluations(space);
     const Found found = found_in(space, fewest, 1, hills);
     EXPECT_LE(found.evaluations.size(), fewest);
-    EXPECT_EQ(found.result.best.far.size(), 4U);
+    EXPECT_EQ(found.result.best.centre, found.evaluations.best());
+}
+
+TEST(Search, TheBestIsTheBestOfAllThatWasLookedAt) {
+    // so rugged that a neighbour of the best is often better
+    const auto rugged = [](const std::vector<SceneValue>& values) {
+        return feasible(std::sin(1e7 * number(values[0])) + std::sin(1e4 * number(values[1])));
+    };
+    const SearchSpace space = space_of(two_ranges);
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        for (const std::int64_t budget : {fewest_evaluations(space), std::int64_t{300}}) {
+            const Found found = found_in(space, budget, seed, rugged);
+            EXPECT_EQ(found.result.best.centre, found.evaluations.best()) << seed;
+        }
+    }
 }
 
 TEST(Search, StopsWhenItIsStopped) {
