@@ -174,6 +174,22 @@ TEST(Sweep, ChaoticAndInaccuratePointsHaveNumbersAndTheirReason) {
     EXPECT_THAT(chaotic["message"].get<std::string>(), HasSubstr("the motion amplifies rounding errors"));
 }
 
+TEST(Sweep, RunTakesTheStepsOfRows) {
+    // a contact that closes with more damping than was expected lowers the stability limit
+    const Words scene{"paper-wall", "--set",          "drive.cycles=1", "--set", "drive.frequency_hz=20000",
+                      "--set",      "chain.spheres=1"};
+    for (const char* damping : {"1", "3", "5"}) {
+        const std::string key = fmt::format("chain.damping_kg_per_s={}", damping);
+        const auto row = hertzline(with(with({"sweep"}, scene), {"--vary", key, "--json"})).json();
+        EXPECT_EQ(row["status"], "ok");
+        EXPECT_EQ(row["estimated_over_s"], 0.0005);
+        const std::string step = fmt::format("numerics.step_s={}", row["step_s"].get<double>());
+        const Outcome run = hertzline(with(with({"run"}, scene), {"--set", key, "--set", step, "--json"}));
+        ASSERT_EQ(run.status, 0) << run.err;
+        EXPECT_EQ(run.json()["peak_v_last_m_per_s"], row["peak_v_last_m_per_s"]);
+    }
+}
+
 TEST(Sweep, KeepsTheQuantitiesThatAreNamed) {
     const Outcome outcome =
         hertzline(with(quick, {"--vary", "chain.spheres=3", "--json", "--quantity",
@@ -224,6 +240,11 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
     const Outcome nowhere = hertzline(with({"sweep"}, with(vary, {"-o", folder.file("no/a.csv")})));
     EXPECT_EQ(nowhere.status, 1);
     EXPECT_THAT(nowhere.err, HasSubstr("no/a.csv"));
+    const std::string points = folder.file("points.csv");
+    write_text(points, "chain.preload_n\n0.1\n");
+    EXPECT_THAT(fault({"paper-wall", "--points", points, "-o", points}),
+                HasSubstr("found the file of --points"));
+    EXPECT_EQ(file_text(points), "chain.preload_n\n0.1\n");
     const Outcome absent = hertzline({"sweep", "paper-wall", "--points", folder.file("none.csv"), "--json"});
     EXPECT_EQ(absent.status, 1);
     EXPECT_THAT(absent.err, HasSubstr("none.csv"));

@@ -4,10 +4,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -171,6 +173,13 @@ void refuse_wrong_output(const SweepOptions& options) {
     }
     if (options.files.empty() && !options.waveform.empty()) {
         throw WrongUse("--waveforms: found no -o FILE, allowed: together with one that ends in .h5");
+    }
+    for (const std::string& file : options.files) {
+        std::error_code there_is_none;
+        if (!options.points.empty() && std::filesystem::equivalent(file, options.points, there_is_none)) {
+            throw WrongUse(
+                fmt::format("-o {}: found the file of --points, allowed: another one", printable(file)));
+        }
     }
     refuse_wrong_tables(options.files, !options.waveform.empty());
 }
