@@ -2,6 +2,7 @@
 import {withUnit} from './axes.js';
 
 const SECTIONS_OPEN = ['drive'];
+const JUST_TURNED_MS = 1000;  // what comes meanwhile may be older than the turn
 const UNITS = {_hz: 'Hz', _m: 'm', _n: 'N', _s: 's', _kg_per_s: 'kg/s', _k: 'K', _pa: 'Pa'};
 
 function unitOf(key) {
@@ -42,6 +43,13 @@ export class Knobs {
     }
   }
 
+  /** These keys were not changed. */
+  refuse(keys) {
+    for (const key of keys) {
+      this.rows.get(key)?.refuse();
+    }
+  }
+
   build(values) {
     this.rows.clear();
     this.place.replaceChildren();
@@ -68,6 +76,7 @@ class Knob {
   constructor(key, knob, set) {
     this.key = key;
     this.set = set;
+    this.turnedAt = -Infinity;
     this.element = document.createElement('div');
     this.element.className = 'knob';
     const label = document.createElement('label');
@@ -131,10 +140,37 @@ class Knob {
       return knob.kind === 'integer' ? Math.round(inside) : inside;
     };
     slider.oninput = () => { this.input.value = value(); this.set(value()); };
-    slider.onchange = () => { this.set(value()); this.turning = false; slider.value = '0'; };
+    const letGo = () => { this.turning = false; slider.value = '0'; };
+    slider.onchange = () => {
+      this.value = value();  // the next turn begins there, whether it is known or not
+      this.turnedAt = performance.now();
+      this.set(this.value);
+      letGo();
+    };
     slider.onpointerdown = () => { this.turning = true; };
+    slider.onpointerup = () => setTimeout(letGo);  // where it was not moved there is no change; else that comes first
+    slider.onpointercancel = letGo;
+    slider.onblur = letGo;
     this.slider = slider;
     this.element.append(slider);
+  }
+
+  showValue() {
+    if (this.input.type === 'checkbox') {
+      this.input.checked = this.knob.value === true;
+    } else {
+      this.input.value = this.knob.value ?? '';
+    }
+  }
+
+  /** What was asked for is not: shows what is, once nobody types there. */
+  refuse() {
+    this.value = this.knob.value;
+    if (document.activeElement === this.input && ['number', 'text'].includes(this.input.type)) {
+      this.input.onblur = () => { this.input.onblur = null; this.showValue(); };
+    } else {
+      this.showValue();
+    }
   }
 
   update(knob, there) {
@@ -143,14 +179,10 @@ class Knob {
     if (this.slider) {
       this.slider.disabled = !there;
     }
-    if (!this.turning) {
+    if (!this.turning && performance.now() - this.turnedAt > JUST_TURNED_MS) {
       this.value = knob.value;
       if (document.activeElement !== this.input) {
-        if (this.input.type === 'checkbox') {
-          this.input.checked = knob.value === true;
-        } else {
-          this.input.value = knob.value ?? '';
-        }
+        this.showValue();
       }
     }
     const {minimum, maximum} = knob;

@@ -181,6 +181,9 @@ function showAnswer({to, answer}) {
   $('knob-answer').textContent = faults
     ? faults.map((fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`).join(' ')
     : `${what}: from sample ${answer.applies_at_sample} on (epoch ${answer.epoch}).`;
+  if (faults) {
+    knobs.refuse(Object.keys(to.set ?? {}));
+  }
   page.answer = {to, answer};
   change();
 }

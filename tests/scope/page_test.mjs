@@ -161,6 +161,26 @@ const promises = {
     await until(this.page, (epoch) => window.hertzline.waveform.picture.epoch > epoch, answer.epoch);
     assert.ok(Math.abs(await peak() - before) < 0.1 * before);
   },
+  async 'shows what is where a change was refused, and where a slider was not moved'() {
+    const kind = this.page.locator('[id="knob-end.kind"]');
+    await this.page.evaluate(() => document.querySelectorAll('#knobs details').forEach((box) => { box.open = true; }));
+    await kind.selectOption('wall');
+    await until(this.page, () => window.hertzline.answer?.answer.faults?.[0].key === 'end.kind');
+    assert.equal(await kind.inputValue(), 'plate');
+    const value = () => this.page.evaluate(() => Number(document.getElementById('knob-drive.amplitude_m').value));
+    const before = await value();
+    const slider = this.page.locator('.knob:has([id="knob-drive.amplitude_m"]) input[type=range]');
+    await slider.click();  // in the middle, where it is
+    for (let i = 0; i < 10; ++i) {
+      await slider.press('ArrowRight');
+    }
+    const turned = before * 2 ** 0.2;
+    await until(this.page, (wanted) => Math.abs(window.hertzline.scene.scene.drive.amplitude_m / wanted - 1) < 0.01, turned);
+    await this.page.evaluate(() => document.activeElement.blur());
+    await this.page.fill('[id="knob-drive.amplitude_m"]', String(before));
+    await this.page.press('[id="knob-drive.amplitude_m"]', 'Enter');
+    await until(this.page, (wanted) => window.hertzline.scene.scene.drive.amplitude_m === wanted, before);
+  },
   async 'saves scene and pictures'() {
     for (const [button, beginning] of [['#save-scene', '# The scene'], ['#save-png', '\x89PNG'], ['#save-svg', '<svg']]) {
       const [download] = await Promise.all([this.page.waitForEvent('download'), this.page.click(button)]);

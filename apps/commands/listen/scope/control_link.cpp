@@ -64,8 +64,19 @@ std::optional<Json> ControlLink::received() {
     return answer;
 }
 
+void ControlLink::give_up(const std::string& why) {
+    if (waiting_.empty()) {
+        return;
+    }
+    connect();  // what waits in the socket for a stream to come would be a change of another run
+    for (Question& question : waiting_) {
+        given_up_.push_back({std::move(question.json), fault_answer(why), question.asker});
+    }
+    waiting_.clear();
+}
+
 std::vector<ControlLink::Answer> ControlLink::answers() {
-    std::vector<Answer> answers;
+    std::vector<Answer> answers = std::exchange(given_up_, {});
     if (waiting_.empty()) {
         return answers;
     }

@@ -34,7 +34,10 @@ public:
     /// The answers that have come since this was asked before.
     std::vector<Answer> answers();
 
-    bool idle() const noexcept { return waiting_.empty(); }
+    /// Nothing that was asked reaches a stream any more: each question is answered with what is wrong.
+    void give_up(const std::string& why);
+
+    bool idle() const noexcept { return waiting_.empty() && given_up_.empty(); }
 
 private:
     using Clock = std::chrono::steady_clock;
@@ -53,6 +56,7 @@ private:
     zmq::socket_t socket_;
     std::deque<Question> waiting_;  // the first one has been sent
     Clock::time_point sent_at_;
+    std::vector<Answer> given_up_;
 };
 
 /// One fault in the words of an answer.

@@ -17,6 +17,7 @@ constexpr std::chrono::milliseconds longest_wait{4};
 constexpr double forgets_after_s = 2;  // a stream that no page wants
 constexpr double chain_every_s = 0.5;  // all spheres are many samples
 constexpr double knobs_every_s = 1;
+constexpr const char* no_stream = "no stream is running, so nothing is changed";
 constexpr double shared_every_s = 0.05;
 constexpr double chain_longest_s = 0.05;
 
@@ -131,7 +132,9 @@ void ScopeSession::take_request(PageId id, ScopePage& page, const std::string& t
             page.reply({{"error", view.error()}});
         }
     } else if (request.contains("set") || request.contains("undo")) {
-        if (control_) {
+        if (control_ && !is_running()) {
+            page.reply({{"to", request}, {"answer", fault_answer(no_stream)}});
+        } else if (control_) {
             const char* what = request.contains("set") ? "set" : "undo";
             control_->ask({{what, request[what]}}, id);
         } else {
@@ -164,10 +167,32 @@ void ScopeSession::take_recording_request(ScopePage& page, const Json& request) 
     }
 }
 
+/// A change is for the run that was seen when it was asked for, and for no other.
+void ScopeSession::forget_changes_of_other_runs() {
+    const Json& meta = hearing_.meta();
+    const std::string run = meta.is_object() ? meta.value("run", "") : "";
+    if (run != controlled_run_ || !is_running()) {
+        controlled_run_ = run;
+        control_->give_up(no_stream);
+    }
+}
+
+bool ScopeSession::is_running() const {
+    return hearing_.state() == stream::Hearing::State::running;
+}
+
+void ScopeSession::show_knobs(Json knobs) {
+    if (knobs != shared_.knobs) {
+        shared_.knobs = std::move(knobs);
+        ++shared_.knobs_number;
+    }
+}
+
 void ScopeSession::take_answers(double now_s) {
     if (!control_) {
         return;
     }
+    forget_changes_of_other_runs();
     for (ControlLink::Answer& answer : control_->answers()) {
         if (!answer.question.contains("get")) {
             knobs_at_s_ = 0;  // values have changed
@@ -182,10 +207,12 @@ void ScopeSession::take_answers(double now_s) {
         knobs["there"] = there;
         knobs["text"] =
             there ? "" : *targets_.control + " does not answer: is the stream there, with --control?";
-        if (knobs != shared_.knobs) {
-            shared_.knobs = std::move(knobs);
-            ++shared_.knobs_number;
-        }
+        show_knobs(std::move(knobs));
+    }
+    if (!is_running()) {
+        show_knobs({{"there", false}, {"text", no_stream}});
+        knobs_at_s_ = 0;
+        return;
     }
     if (now_s - knobs_at_s_ > knobs_every_s && control_->idle() && !pages_.empty()) {
         knobs_at_s_ = now_s;

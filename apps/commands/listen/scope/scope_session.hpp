@@ -52,6 +52,9 @@ private:
     void take(const PageEvent& event);
     void take_request(PageId id, ScopePage& page, const std::string& text);
     void take_recording_request(ScopePage& page, const Json& request);
+    void forget_changes_of_other_runs();
+    bool is_running() const;
+    void show_knobs(Json knobs);
     void take_answers(double now_s);
     void listen_to_what_is_wanted(double now_s);
     void advance_chains(double now_s);
@@ -71,6 +74,7 @@ private:
     std::map<Tap, Chain> chains_;
     std::uint64_t chain_pictures_ = 0;
     double knobs_at_s_ = 0;
+    std::string controlled_run_;  ///< its id
     double shared_at_s_ = 0;
     double now_s_ = 0;
     SharedState shared_;
