@@ -1,6 +1,7 @@
 """Sweeps have the rows of `hertzline sweep`."""
 import json
 import math
+import pickle
 import unittest
 
 import numpy as np
@@ -86,6 +87,21 @@ class Sweeps(InAFolder):
         part = table[table["chain.spheres"] > 5]
         self.assertEqual((len(part), part.units, part.grid), (1, table.units, False))
         self.assertEqual(table.provenance["plan"]["vary"], ["chain.spheres=5,6"])
+
+    def test_survives_pickling(self):
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.2]}, waveforms="v_last")
+        again = pickle.loads(pickle.dumps(table))
+        self.assertEqual(again.tobytes(), table.tobytes())
+        self.assertEqual((again.units, again.keys, again.grid), (table.units, table.keys, True))
+        self.assertEqual(again.provenance, table.provenance)
+        np.testing.assert_array_equal(again.waveforms, table.waveforms)
+
+    def test_a_word_in_a_list_is_one_value(self):
+        for values in (["wall,free"], ["wall\nfree"], ["0.1..1:3"], []):
+            with self.assertRaisesRegex(ValueError, "end.kind: found"):
+                hertzline.sweep(short_scene(), {"end.kind": values})
+            with self.assertRaisesRegex(ValueError, "end.kind: found"):
+                hertzline.sweep(short_scene(), points={"end.kind": values})
 
     def test_goes_to_pandas(self):
         try:

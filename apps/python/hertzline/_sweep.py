@@ -43,7 +43,8 @@ def sweep(
     waveforms: a tap whose samples are kept, too, as float32.
 
     A point that cannot be simulated is a row with its reason: see `status` and `message`; its numbers are NaN. A scene with
-    the row's numbers and its `step_s` as numerics.step_s gives the row's bits when it is run.
+    the row's numbers, its `step_s` as numerics.step_s, a modal plate's `poles` as numerics.poles and no numerics.accuracy
+    gives the row's bits when it is run.
     Raises ValueError with every fault of the plan before anything runs.
     """
     start = base if isinstance(base, Scene) else scene(base)
@@ -67,11 +68,17 @@ def _column(key: str, values: Any) -> list[Any]:
     array = np.asarray(values)
     if array.ndim > 1:
         raise TypeError(f"{key}: found an array of {array.ndim} dimensions, allowed: a list of values")
+    if array.size == 0:
+        raise ValueError(f"{key}: found no values, allowed: at least one")
     return list(np.atleast_1d(array))
 
 
 def _cell(key: str, value: Any) -> str:
-    return str(value) if isinstance(value, str) else toml_value(key, value)
+    if not isinstance(value, str):
+        return toml_value(key, value)
+    if ".." in value or any(character in ',:"' or not character.isprintable() for character in value):
+        raise ValueError(f"{key}: found {str(value)!r} in a list, allowed there: a word or a number")
+    return str(value)
 
 
 def _values_text(key: str, values: Any) -> str:
@@ -136,6 +143,16 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         found = super().__getitem__(index)
         names = found.dtype.names if isinstance(found, Table) else None
         return found.view(np.ndarray) if isinstance(found, Table) and names is None else found
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        reduced: Any = super().__reduce__()
+        make, arguments, state = reduced
+        return make, arguments, (state, dict(self.__dict__))
+
+    def __setstate__(self, state: Any) -> None:
+        of_array, own = state
+        super().__setstate__(of_array)
+        self.__dict__.update(own)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A DataFrame with the same columns; `attrs` has the units. Needs pandas."""
