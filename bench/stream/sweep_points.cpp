@@ -24,6 +24,7 @@
 
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
+#include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
 #include "stream/sweep/workers.hpp"
 
@@ -37,6 +38,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int rounds = 5;
 constexpr std::int64_t judged_points = 50;
+constexpr double finer_steps = 0.75;  // as in core/step_choice/finer_run.cpp
 
 /// Runs the points of a part, one after another.
 using RunPoint = std::function<void(std::int64_t point)>;
@@ -216,7 +218,7 @@ void print(const Row& row, double points, Json& results) {
     };
     const double per_s = points / median_of(&Cost::wall_s);
     const double processor_us = 1e6 * median_of(&Cost::processor_s) / points;
-    std::printf("%-36s %-18s %9.1e %9.1e %12.0f %14.0f\n", row.name.c_str(), row.setting.c_str(),
+    std::printf("%-38s %-18s %9.1e %9.1e %12.0f %14.0f\n", row.name.c_str(), row.setting.c_str(),
                 quantile(row.errors, 0.5), quantile(row.errors, 0.95), per_s, processor_us);
     results.push_back({{"name", row.name},
                        {"setting", row.setting},
@@ -246,6 +248,14 @@ int main(int argc, char** argv) {
         Trace trace(bench::problem(scene, Subject::samples(scene)));
         bench::hertzline_contender(scene).run(trace);
     };
+    // all that batches of scenes could make faster: the motion of the run and of the finer run beside it
+    const auto move_on = [&](std::int64_t point) {
+        Scene scene = settled[static_cast<std::size_t>(point)];
+        const auto samples = static_cast<std::int64_t>(Subject::samples(scene));
+        Simulation(scene).skip(samples);
+        *scene.numerics.step_s *= finer_steps;
+        Simulation(scene, {.ledger = LedgerKeeping::off}).skip(samples);
+    };
     std::vector<Row> rows;
     rows.push_back({"hertzline sweep, with all measures",
                     "default accuracy",
@@ -257,6 +267,11 @@ int main(int argc, char** argv) {
                     errors,
                     [&](int count) { in_threads(points, count, simulate); },
                     {}});
+    rows.push_back({"hertzline taylor8, pieces of two runs",
+                    "the sweep's steps",
+                    errors,
+                    [&](int count) { in_threads(points, count, move_on); },
+                    {}});
     rows.push_back(
         peer(subject, bench, "odeint dopri5, contacts located", bench::odeint_dopri5_located, median));
     rows.push_back(peer(subject, bench, "odeint dopri5, as it comes", bench::odeint_dopri5, median));
@@ -265,7 +280,7 @@ int main(int argc, char** argv) {
             row.costs.push_back(cost_of([&] { row.run(threads); }));
         }
     }
-    std::printf("%lld points in %d thread%s\n%-36s %-18s %9s %9s %12s %14s\n", static_cast<long long>(points),
+    std::printf("%lld points in %d thread%s\n%-38s %-18s %9s %9s %12s %14s\n", static_cast<long long>(points),
                 threads, threads == 1 ? "" : "s", "", "setting", "median", "95 %", "points/s",
                 "processor us");
     Json results = Json::array();
