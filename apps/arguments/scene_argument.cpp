@@ -11,8 +11,6 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "core/model/chain.hpp"
-#include "core/model/validity.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
@@ -124,11 +122,8 @@ ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
         }
         refuse_scene(resolved.faults);
     }
-    for (const std::string& text : validity_warnings(resolved.scene, Chain(resolved.scene))) {
+    for (const std::string& text : stream::scene_warnings(resolved)) {
         spdlog::warn("{}: {}", parsed.origin, text);
-    }
-    if (const auto missed = stream::missed_accuracy(resolved)) {
-        spdlog::warn("{}: {}", parsed.origin, *missed);
     }
     return resolved;
 }

@@ -35,6 +35,14 @@ void append(Warnings& warnings, const Warnings& more) {
 
 }  // namespace
 
+Warnings scene_warnings(const ResolvedScene& resolved) {
+    Warnings warnings = validity_warnings(resolved.scene, Chain(resolved.scene));
+    if (auto missed = missed_accuracy(resolved)) {
+        warnings.push_back(*std::move(missed));
+    }
+    return warnings;
+}
+
 std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& scene,
                                           SpectrumAnalyser& analyser, std::optional<double> band_from_hz,
                                           Warnings& warnings) {

@@ -26,6 +26,9 @@ struct SummaryGroup {
 /// What to warn of, a sentence each.
 using Warnings = std::vector<std::string>;
 
+/// What is odd about a scene before it runs, and whether it keeps the accuracy that was asked for.
+Warnings scene_warnings(const ResolvedScene& resolved);
+
 /// Peaks and spectra, v_out's first. Warns of a record that shows less than it seems to.
 /// @param analyser for records of that length and rate @param band_from_hz as SpectrumAnalyser::analyse
 std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& scene,

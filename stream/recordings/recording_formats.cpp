@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/scene/text.hpp"
 #include "stream/files/output_file.hpp"
 #include "stream/recordings/formats/csv.hpp"
 #include "stream/recordings/formats/hdf5/hdf5.hpp"
@@ -101,6 +102,9 @@ double recording_bytes(const fs::path& path, double columns, double samples) noe
 
 void require_writable(const fs::path& path) {
     std::error_code unknown;
+    if (fs::is_directory(path, unknown)) {
+        throw std::runtime_error("cannot write " + printable(path.string()) + ": it is a folder");
+    }
     if (!fs::exists(path, unknown) || fs::is_regular_file(path, unknown)) {
         const OutputFile writable(path);
     }

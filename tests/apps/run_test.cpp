@@ -240,6 +240,20 @@ TEST(Run, WarnsOfARecordThatIsTooShortForItsSpectrum) {
     EXPECT_THAT(coarse.err, ContainsRegex("warning: harmonics above half the sample rate"));
 }
 
+TEST(Run, JsonHasItsWarnings) {
+    const Outcome outcome = hertzline({"run", "paper-acrylic", "--json", "--set", "end.modes=2"});
+    const auto warnings = outcome.json()["warnings"];
+    ASSERT_GE(warnings.size(), 3U);
+    std::string all;
+    for (const auto& text : warnings) {
+        EXPECT_THAT(outcome.err, HasSubstr(text.get<std::string>()));
+        all += text.get<std::string>() + '\n';
+    }
+    EXPECT_THAT(all, AllOf(HasSubstr("end.modes has no effect"), HasSubstr("still rings"),
+                           HasSubstr("contacts press harder")));
+    EXPECT_EQ(hertzline({"run", "paper-wall"}).out.find("warnings"), std::string::npos);
+}
+
 TEST(Run, CheckAndStreamWarnOnceOfASceneBeyondTheModel) {
     const std::vector<Words> commands{
         {"run"}, {"check"}, {"stream", "--duration", "1e-3", "--bind", "tcp://127.0.0.1:*"}};

@@ -53,7 +53,7 @@ void flatten(const json& summary, const std::string& before, json& flat) {
 /// What differs from run to run, or is said elsewhere.
 bool is_of_the_run_alone(const std::string& name) {
     static const Words names{"setup_s", "wall_s", "real_time_factor", "recordings", "version"};
-    return std::ranges::find(names, name) != names.end();
+    return std::ranges::find(names, name) != names.end() || name.starts_with("warnings");
 }
 
 /// The estimate is another one, of the same error.

@@ -38,8 +38,10 @@ class Runs(InAFolder):
 
     def test_the_summary_is_the_programs(self):
         said = summary("run", *SHORT, "--measure", "v_plate")
-        found = short_scene().run(measure=["v_plate"]).summary
+        run = short_scene().run(measure=["v_plate"])
+        found = run.summary
         said.pop("recordings")
+        self.assertEqual(said.pop("warnings"), run.warnings)
         self.assertEqual(list(found), list(said))
         for name in CLOCK:
             self.assertGreater(found.pop(name), 0)

@@ -209,10 +209,14 @@ Exit run(const RunOptions& options) {
         spdlog::error("stopped before the summary");
         return Exit::failed;
     }
-    std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz);
-    summary.push_back(contacts(record, last));
+    stream::Warnings warnings = stream::scene_warnings(resolved);
+    std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz, warnings);
+    summary.push_back(contacts(record, last, warnings));
     summary.push_back(stream::trust_of_run(record, resolved));
     summary.push_back(account(record, last, setup_s, recordings));
+    if (options.format == Format::json) {
+        summary.push_back(told(warnings));
+    }
     print_summary(summary, options.format);
     return recordings.sound() && saved ? Exit::done : Exit::failed;
 }

@@ -10,29 +10,34 @@ namespace hertzline::app {
 
 namespace {
 
-void warn(const stream::Warnings& warnings) {
-    for (const std::string& text : warnings) {
+void warn(const stream::Warnings& of_part, stream::Warnings& all) {
+    for (const std::string& text : of_part) {
         spdlog::warn(text);
+        all.push_back(text);
     }
 }
 
 }  // namespace
 
 std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& scene,
-                                  std::optional<double> band_from_hz) {
+                                  std::optional<double> band_from_hz, stream::Warnings& warnings) {
     stream::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
-    stream::Warnings warnings;
+    stream::Warnings of_record;
     std::vector<SummaryGroup> groups =
-        stream::measures_of_run(record, scene, analyser, band_from_hz, warnings);
-    warn(warnings);
+        stream::measures_of_run(record, scene, analyser, band_from_hz, of_record);
+    warn(of_record, warnings);
     return groups;
 }
 
-SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene) {
-    stream::Warnings warnings;
-    SummaryGroup group = stream::contacts_of_run(record, scene, warnings);
-    warn(warnings);
+SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene, stream::Warnings& warnings) {
+    stream::Warnings of_contacts;
+    SummaryGroup group = stream::contacts_of_run(record, scene, of_contacts);
+    warn(of_contacts, warnings);
     return group;
+}
+
+SummaryGroup told(const stream::Warnings& warnings) {
+    return {"", {{"warnings", warnings}}, ""};
 }
 
 SummaryGroup account(const stream::RunRecord& record, const Scene& scene, double setup_s,

@@ -94,7 +94,7 @@ void simulate(const ResolvedScene& resolved, const RunRequest& request, const st
         throw std::runtime_error(simulation.failure());
     }
     stream::SpectrumAnalyser analyser(rows, scene.output.sample_rate_hz);
-    result.warnings = scene_warnings(resolved);
+    result.warnings = stream::scene_warnings(resolved);
     std::vector<stream::SummaryGroup> groups =
         stream::measures_of_run(record, scene, analyser, request.band_from_hz, result.warnings);
     groups.push_back(stream::contacts_of_run(record, scene, result.warnings));

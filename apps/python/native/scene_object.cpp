@@ -9,8 +9,6 @@
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
-#include "core/model/chain.hpp"
-#include "core/model/validity.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
 #include "core/simulation.hpp"
@@ -45,7 +43,7 @@ py::object check(SceneObject& object) {
     const std::shared_ptr<const ResolvedScene> resolved = object.resolved();
     const Scene& scene = resolved->scene;
     std::vector<stream::ReportRow> report;
-    std::vector<std::string> warnings = scene_warnings(*resolved);
+    std::vector<std::string> warnings = stream::scene_warnings(*resolved);
     interruptible([&](const std::atomic<bool>&) {
         const auto peaks =
             stream::peak_overlaps(scene, std::min(scene.output.duration_s, stream::first_burst_s(scene)));
@@ -74,14 +72,6 @@ std::shared_ptr<const ResolvedScene> SceneObject::resolved() {
         resolved_ = std::make_shared<const ResolvedScene>(*std::move(found));
     }
     return resolved_;
-}
-
-std::vector<std::string> scene_warnings(const ResolvedScene& resolved) {
-    std::vector<std::string> warnings = validity_warnings(resolved.scene, Chain(resolved.scene));
-    if (auto missed = stream::missed_accuracy(resolved)) {
-        warnings.push_back(*std::move(missed));
-    }
-    return warnings;
 }
 
 void add_scene(py::module_& module) {

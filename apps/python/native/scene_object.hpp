@@ -29,9 +29,6 @@ private:
     std::shared_ptr<const ResolvedScene> resolved_;  // nullptr: not yet
 };
 
-/// What a run warns of before it begins: numbers beyond what the model is for, an accuracy that is missed.
-std::vector<std::string> scene_warnings(const ResolvedScene& resolved);
-
 void add_scene(pybind11::module_& module);
 
 }  // namespace hertzline::python
