@@ -55,7 +55,7 @@ void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) 
         solids.push_back(s.end.material);
     }
     std::ranges::sort(solids);
-    solids.erase(std::ranges::unique(solids).begin(), solids.end());
+    solids.erase(std::unique(solids.begin(), solids.end()), solids.end());
     for (const std::string& name : solids) {
         const Solid& solid = solid_of(s, name);
         const std::string modulus = "materials." + name + ".youngs_modulus_pa";

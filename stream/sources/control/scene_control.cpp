@@ -226,9 +226,9 @@ void SceneControl::refuse() {
         job->requests.front().reply(faults_json(job->faults));
         return;
     }
-    for (auto request = job->requests.rbegin(); request != job->requests.rend(); ++request) {
-        request->alone = true;
-        waiting_.push_front(std::move(*request));
+    for (std::vector<Request>& left = job->requests; !left.empty(); left.pop_back()) {
+        left.back().alone = true;
+        waiting_.push_front(std::move(left.back()));
     }
 }
 
