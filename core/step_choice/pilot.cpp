@@ -10,7 +10,7 @@ namespace hertzline {
 namespace {
 
 /// What is simulated is chosen so that it takes fewer; pieces of a series may be far shorter than foreseen.
-constexpr double far_too_many_body_steps = 4 * affordable_body_steps;
+constexpr double far_too_many_body_steps = 8 * affordable_body_steps;
 
 /// Beside the spheres' velocities. The pressure of a plane wave with the velocity v is rho c v: over rho c it is one of them.
 std::vector<PilotOutput> outputs_of(const EndModel& end) {
