@@ -48,7 +48,7 @@ void add_smells(std::span<const Smell> smells, std::vector<std::string>& warning
     }
 }
 
-/// Softer than any gel, lighter than any foam, slower than any fluid.
+/// Solids softer than any gel or lighter than any foam.
 void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) {
     std::vector<std::string> solids{s.drive.material, s.chain.material};
     if (s.end.kind != EndKind::free) {

@@ -69,7 +69,6 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     piece_.per_unit = 1 / unit;
     scale_ = velocity_scale(chain, scene.drive, omega);
     relative_tolerance_ = std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest);
-    rest_tolerance_ = scene.numerics.rest_tolerance;
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
@@ -77,7 +76,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest
                            ? std::min(chain.bodies(), laid_out_at_least)
                            : chain.bodies();
-    rests_at_zero_ = chain.preload_n > 0 && starts_at_rest;
+    rest_tolerance_ = chain.preload_n > 0 && starts_at_rest ? scene.numerics.rest_tolerance : 0;
     reset();
 }
 
@@ -87,7 +86,7 @@ void SeriesSolver::judge_by(double scale) noexcept {
     piece_.negligible = negligible_overlap(chain_, piece_.tolerance / piece_.unit_s, piece_.unit_s);
     still_ = still_share * scale;
     const double rest_velocity = rest_tolerance_ * scale;
-    rest_energy_ = rests_at_zero_ ? 0.5 * rest_velocity * rest_velocity / chain_.inv_mass[0] : 0;
+    rest_energy_ = 0.5 * rest_velocity * rest_velocity / chain_.inv_mass[0];
 }
 
 void SeriesSolver::reset() noexcept {

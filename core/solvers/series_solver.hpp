@@ -77,8 +77,7 @@ private:
     SmoothDrive smooth_;
     double scale_ = 0;                  ///< of the velocities that the scene's own drive makes [m/s]
     double relative_tolerance_ = 0;     ///< of a piece
-    double rest_tolerance_ = 0;         ///< of the scene
-    bool rests_at_zero_ = false;        ///< its rest is that of the beginning
+    double rest_tolerance_ = 0;         ///< of the scene; 0 where the chain does not rest as it began
     double rest_energy_ = 0;            ///< below it the chain is at rest while the horn is; 0: never [J]
     double still_ = 0;                  ///< a body that moves less stands still [m/s]
     bool asleep_ = false;               ///< the present piece is exact rest, which may end at any time

@@ -215,7 +215,7 @@ Exit run(const RunOptions& options) {
     summary.push_back(stream::trust_of_run(record, resolved));
     summary.push_back(account(record, last, setup_s, recordings));
     if (options.format == Format::json) {
-        summary.push_back(told(warnings));
+        summary.push_back(warnings_group(warnings));
     }
     print_summary(summary, options.format);
     return recordings.sound() && saved ? Exit::done : Exit::failed;

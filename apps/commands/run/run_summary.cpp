@@ -36,7 +36,7 @@ SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene, strea
     return group;
 }
 
-SummaryGroup told(const stream::Warnings& warnings) {
+SummaryGroup warnings_group(const stream::Warnings& warnings) {
     return {"", {{"warnings", warnings}}, ""};
 }
 

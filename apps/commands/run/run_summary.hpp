@@ -11,7 +11,7 @@
 
 namespace hertzline::app {
 
-/// Peaks and spectra, v_out's first. Warns of a record that shows less than it seems to. @param warnings get what is warned of
+/// Peaks and spectra, v_out's first. Warns of a record that shows less than it seems to. @param warnings the texts are appended to it
 std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& scene,
                                   std::optional<double> band_from_hz, stream::Warnings& warnings);
 
@@ -19,7 +19,7 @@ std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& 
 SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene, stream::Warnings& warnings);
 
 /// What was warned of, for JSON: as text it has been printed.
-SummaryGroup told(const stream::Warnings& warnings);
+SummaryGroup warnings_group(const stream::Warnings& warnings);
 
 /// What was run, how long it took, and where it was saved.
 SummaryGroup account(const stream::RunRecord& record, const Scene& scene, double setup_s,

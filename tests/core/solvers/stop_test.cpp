@@ -1,4 +1,4 @@
-// A simulation ends where it is told to: by a flag, or after so many steps.
+// A simulation stops when a flag is set, or after a number of steps.
 
 #include <atomic>
 
