@@ -1,0 +1,104 @@
+// What hertzline run warns of, and check and stream with it.
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/apps/program.hpp"
+
+namespace hertzline::test {
+namespace {
+
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(Run, WarnsOfARecordThatIsTooShortForItsSpectrum) {
+    const Outcome acrylic = hertzline({"run", "paper-acrylic"});
+    EXPECT_THAT(acrylic.err, ContainsRegex("warning: .*still rings at [0-9.]+ % of its peak"));
+    const Outcome begun = hertzline({"run", "paper-wall", "--set", "drive.frequency_hz=73"});
+    EXPECT_THAT(begun.err, ContainsRegex("warning: .*within the burst of 0.342"));
+    const Outcome coarse = hertzline({"run", "paper-wall", "--set", "output.sample_rate_hz=1e5"});
+    EXPECT_THAT(coarse.err, ContainsRegex("warning: harmonics above half the sample rate"));
+}
+
+TEST(Run, JsonHasItsWarnings) {
+    const Outcome outcome = hertzline({"run", "paper-acrylic", "--json", "--set", "end.modes=2"});
+    const auto warnings = outcome.json()["warnings"];
+    ASSERT_GE(warnings.size(), 3U);
+    std::string all;
+    for (const auto& text : warnings) {
+        EXPECT_THAT(outcome.err, HasSubstr(text.get<std::string>()));
+        all += text.get<std::string>() + '\n';
+    }
+    EXPECT_THAT(all, AllOf(HasSubstr("end.modes has no effect"), HasSubstr("still rings"),
+                           HasSubstr("contacts press harder")));
+    EXPECT_EQ(hertzline({"run", "paper-wall"}).out.find("warnings"), std::string::npos);
+}
+
+TEST(Run, CheckAndStreamWarnOnceOfASceneBeyondTheModel) {
+    const std::vector<Words> commands{
+        {"run"}, {"check"}, {"stream", "--duration", "1e-3", "--bind", "tcp://127.0.0.1:*"}};
+    for (Words words : commands) {
+        words.insert(words.end(), {"paper-vitreous-carbon", "--set", "end.thickness_m=0.5"});
+        const std::string err = hertzline(words).err;
+        const auto first = err.find("were millimetres meant?");
+        EXPECT_NE(first, std::string::npos) << words[0];
+        EXPECT_EQ(err.find("were millimetres meant?", first + 1), std::string::npos) << words[0];
+        EXPECT_THAT(err, HasSubstr("no thin plate"));
+    }
+}
+
+TEST(Run, CheckAndStreamWarnOnceOfContactsBeyondTheirMaterials) {
+    const auto warned = [](Words words, const std::string& strength) {
+        const Words scene{"paper-wall",
+                          "--set",
+                          "materials.mine.youngs_modulus_pa=69e9",
+                          "--set",
+                          "materials.mine.poissons_ratio=0.33",
+                          "--set",
+                          "materials.mine.density=2700",
+                          "--set",
+                          "materials.mine.yield_strength_pa=" + strength,
+                          "--set",
+                          "chain.material=mine"};
+        words.insert(words.end(), scene.begin(), scene.end());
+        const std::string err = hertzline(words).err;
+        const auto first = err.find("contacts press harder than their materials bear: horn - sphere");
+        EXPECT_TRUE(first == std::string::npos || err.find("press harder", first + 20) == std::string::npos);
+        return first != std::string::npos;
+    };
+    for (const Words& words : std::vector<Words>{
+             {"run"}, {"check"}, {"stream", "--duration", "1e-3", "--bind", "tcp://127.0.0.1:*"}}) {
+        EXPECT_TRUE(warned(words, "1e9")) << words[0];  // beyond in motion only: 1.3 GPa at rest, 3 at most
+        EXPECT_FALSE(warned(words, "1e10")) << words[0];
+    }
+}
+
+TEST(Run, WarnsOfAnAccuracyThatNoStepIsShownToReach) {
+    const Outcome outcome = hertzline({"run", "paper-wall", "--set", "numerics.accuracy=1e-15"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, ContainsRegex("warning: .*accuracy of 1e-15"));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("amplifies")));
+}
+
+TEST(Run, WarnsWhereTheMotionAmplifiesRoundingErrorsAndOnlyIfTheRunIsThatLong) {
+    const Words words{"run", "sonic-vacuum", "--set", "chain.damping_kg_per_s=0", "--json"};
+    const Outcome outcome = hertzline(words);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err,
+                ContainsRegex("warning: .*requested accuracy of 0.0001; the motion amplifies rounding"));
+    EXPECT_GT(outcome.json()["estimated_error"].get<double>(), 1e-4);
+    Words brief = words;
+    brief.insert(brief.end(), {"--set", "output.duration_s=2e-5"});
+    const Outcome begun = hertzline(brief);
+    EXPECT_THAT(begun.err, Not(HasSubstr("accuracy")));
+    EXPECT_LE(begun.json()["estimated_error"].get<double>(), 1e-4);
+}
+
+}  // namespace
+
+}  // namespace hertzline::test
