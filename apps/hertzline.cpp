@@ -2,11 +2,12 @@
 
 #include <cstdlib>
 
+#include "recordings/recording_thread.hpp"
+
 #include "apps/command.hpp"
 #include "apps/console/messages.hpp"
 #include "apps/program.hpp"
-#include "stream/recordings/recording_thread.hpp"
-#include "stream/sources/control/scene_control.hpp"
+#include "stream/control/scene_control.hpp"
 
 namespace hertzline::app {
 
@@ -54,7 +55,7 @@ int main(int argc, char** argv) {
                           app::examples, app::subcommands()},
                          argc, argv));
     app::finish_messages();
-    if (stream::RecordingThread::any_abandoned() || stream::SceneControl::any_abandoned()) {
+    if (recordings::RecordingThread::any_abandoned() || stream::SceneControl::any_abandoned()) {
         std::_Exit(status);  // it still uses what the ordinary end would destroy
     }
     return status;

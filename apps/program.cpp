@@ -7,6 +7,7 @@
 #include <sstream>
 #include <utility>
 
+#include "measures/provenance.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -18,7 +19,6 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/provenance.hpp"
 
 namespace hertzline::app {
 
@@ -93,8 +93,8 @@ std::string fault_of(const CLI::ParseError& error, const std::string& program,
 
 Exit parse_and_run(const Program& program, int argc, char** argv) {
     CLI::App app{fmt::format("{}: {}", program.name, program.description), program.name};
-    app.set_version_flag(
-        "--version", fmt::format("{} {} ({})", program.name, stream::program_version(), stream::git_hash()));
+    app.set_version_flag("--version", fmt::format("{} {} ({})", program.name, measures::program_version(),
+                                                  measures::git_hash()));
     app.footer(program.examples);
     app.formatter(std::make_shared<HelpFormatter>());  // before the subcommands, which inherit it
     const std::vector<Command> commands = add_subcommands(app, program);

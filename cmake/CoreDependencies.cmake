@@ -2,3 +2,4 @@
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(tomlplusplus REQUIRED)
 find_package(tl-expected REQUIRED)
+find_package(nlohmann_json 3.11 REQUIRED)

@@ -19,12 +19,12 @@ foreach(file IN LISTS FILES)
   string(APPEND rows "    {\"${name}\", \"${type}\", R\"page(${text})page\"},\n")
 endforeach()
 
-file(WRITE "${OUTPUT}" "// Generated from apps/scope/ by cmake/EmbedPage.cmake.
-#include \"apps/commands/listen/scope/page_files.hpp\"
+file(WRITE "${OUTPUT}" "// Generated from scope/page/ by cmake/EmbedPage.cmake.
+#include \"scope/server/page_files.hpp\"
 
 #include <array>
 
-namespace hertzline::app {
+namespace hertzline::scope {
 
 namespace {
 
@@ -37,5 +37,5 @@ std::span<const PageFile> page_files() noexcept {
     return files;
 }
 
-}  // namespace hertzline::app
+}  // namespace hertzline::scope
 ")

@@ -1,7 +1,5 @@
-# Every target of the project links hertzline_flags: one place for warnings, floating-point rules, and the root from which the
-# sources include each other ("core/taps.hpp"). Other projects see the installed headers only.
+# Every target of the project links hertzline_flags: one place for warnings and floating-point rules.
 add_library(hertzline_flags INTERFACE)
-target_include_directories(hertzline_flags INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(hertzline_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   # g++ 12 sees overlaps in std::string operator+ that are not there (GCC bug 105651)
@@ -34,12 +32,13 @@ function(hertzline_precompile target)
 endfunction()
 
 # With CMAKE_UNITY_BUILD the sources of each folder are compiled as one: the large headers are read once for all, which takes a third
-# of the time. Names in unnamed namespaces are then a folder's, not a file's. Those that lie in the tree itself stay alone.
+# of the time. Names in unnamed namespaces are then a folder's, not a file's. Generated sources stay alone.
 function(hertzline_unite_folders target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
   foreach(source IN LISTS ARGN)
     cmake_path(GET source PARENT_PATH folder)
-    if(NOT folder STREQUAL CMAKE_CURRENT_SOURCE_DIR)
+    cmake_path(IS_PREFIX CMAKE_CURRENT_SOURCE_DIR "${folder}" NORMALIZE written)
+    if(written)
       cmake_path(RELATIVE_PATH folder BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
       string(REPLACE "/" "-" group ${folder})
       set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})

@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(write_headers ${PROJECT_SOURCE_DIR}/cmake/WritePublicHeaders.cmake)
 set(headers_written ${PROJECT_BINARY_DIR}/public_headers_written)
-file(GLOB_RECURSE headers CONFIGURE_DEPENDS core/*.hpp stream/*.hpp)
+file(GLOB_RECURSE headers CONFIGURE_DEPENDS core/*.hpp measures/*.hpp recordings/*.hpp studies/*.hpp stream/*.hpp)
 add_custom_command(OUTPUT ${headers_written}
   COMMAND ${CMAKE_COMMAND} -DOUTPUT=${PROJECT_BINARY_DIR}/include/hertzline -P ${write_headers}
   COMMAND ${CMAKE_COMMAND} -E touch ${headers_written}
@@ -19,7 +19,7 @@ if(HERTZLINE_MPI)
   install(TARGETS hertzline-mpi RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 install(TARGETS hertzline_core EXPORT hertzlineCoreTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS hertzline_stream EXPORT hertzlineStreamTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS hertzline_measures hertzline_recordings hertzline_studies hertzline_stream EXPORT hertzlineStreamTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/include/hertzline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(PROGRAMS apps/plot/hertzline_plot.py DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline FILES_MATCHING PATTERN "*.toml")

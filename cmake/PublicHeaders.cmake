@@ -16,6 +16,7 @@ set(core_headers
   core/step_choice/resolve.hpp
   core/taps.hpp
   # what those include
+  core/scene/json.hpp
   core/scene/fault.hpp
   core/model/bursts.hpp
   core/model/chain.hpp
@@ -36,16 +37,16 @@ set(stream_headers
   # what one uses
   stream/pipeline/pipeline.hpp
   stream/pipeline/stream_options.hpp
-  stream/recordings/recording.hpp
-  stream/recordings/recording_formats.hpp
-  stream/recordings/recording_set.hpp
-  stream/sources/sample_source.hpp
-  stream/sources/control/hand_over.hpp
-  stream/sources/simulation_source.hpp
-  stream/float32.hpp
-  stream/measures/record_warnings.hpp
-  stream/measures/spectrum.hpp
-  stream/measures/spectrum_json.hpp
+  recordings/recording.hpp
+  recordings/recording_formats.hpp
+  recordings/recording_set.hpp
+  stream/inputs/sample_source.hpp
+  stream/control/hand_over.hpp
+  stream/inputs/simulation_source.hpp
+  recordings/float32.hpp
+  measures/record_warnings.hpp
+  measures/spectrum.hpp
+  measures/spectrum_json.hpp
   stream/wire/continuity.hpp
   stream/wire/frame.hpp
   stream/wire/frame_codec.hpp
@@ -61,9 +62,9 @@ set(stream_headers
   stream/pipeline/stream_monitor.hpp
   stream/pipeline/thread_options.hpp
   stream/pipeline/topic_demand.hpp
-  stream/recordings/columns.hpp
-  stream/recordings/row_builder.hpp
-  stream/sources/run_id.hpp
+  recordings/columns.hpp
+  recordings/row_builder.hpp
+  stream/inputs/run_id.hpp
   stream/wire/multipart.hpp
   stream/wire/security/connections.hpp
   stream/wire/security/curve.hpp

@@ -15,7 +15,7 @@ function(write_when_changed file text)
   endif()
 endfunction()
 
-set(project_include "#include \"((core|stream)/[^\"]+)\"")
+set(project_include "#include \"((core|measures|recordings|studies|stream)/[^\"]+)\"")
 set(faults "")
 file(GLOB_RECURSE obsolete "${OUTPUT}/*.hpp")
 foreach(header IN LISTS core_headers stream_headers)

@@ -42,7 +42,7 @@ def velocity(csv):
 
 def spectrum(t, v):
     """Frequency [Hz] and level [dB under the maximum] of the whole record, zero-padded, no window: a burst starts and
-    ends at rest. The same definition as stream/measures/spectrum.hpp."""
+    ends at rest. The same definition as measures/spectrum.hpp."""
     padded = 8 * len(v)
     magnitude = np.abs(np.fft.rfft(v, padded))
     step = (t[-1] - t[0]) / (len(t) - 1)

@@ -1,12 +1,13 @@
-#!/bin/sh
+#!/usr/bin/env bash
 # Checks style: clang-format on every source, which takes a second, and clang-tidy.
 #   lint.sh                   clang-tidy on everything: a quarter of an hour on two cores
 #   lint.sh --changed [BASE]  clang-tidy on what differs from BASE (origin/main, or else the last commit): a minute or two
 #   lint.sh --format          no clang-tidy
 #   lint.sh --fix             formats
-set -eu
+set -euo pipefail
 cd "$(dirname "$0")/.."
 mode=${1:-}
+sources_of_rooms=({core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
 
 # The commit to compare with; none in a clone of a single commit.
 base_commit() { # [BASE]
@@ -23,15 +24,14 @@ base_commit() { # [BASE]
 source_of() { # FILE
     case "$1" in *.cpp) echo "$1" && return ;; esac
     [ -f "${1%.hpp}.cpp" ] && echo "${1%.hpp}.cpp" && return
-    for includer in $(git grep -lF "#include \"$1\"" -- 'core/*.cpp' 'stream/*.cpp' 'apps/*.cpp' \
-        'core/*.hpp' 'stream/*.hpp' 'apps/*.hpp' | sort -t . -k 2); do
+    for includer in $(git grep -lF "#include \"$1\"" -- "${sources_of_rooms[@]}" | sort -t . -k 2); do
         source_of "$includer"
         return
     done
 }
 
 changed_sources() { # COMMIT
-    git diff --name-only --diff-filter=d "$1" -- 'core/*.[ch]pp' 'stream/*.[ch]pp' 'apps/*.[ch]pp' |
+    git diff --name-only --diff-filter=d "$1" -- "${sources_of_rooms[@]}" |
         while read -r file; do source_of "$file"; done | sort -u
 }
 
@@ -51,7 +51,7 @@ case "$mode" in
     [ -n "$base" ] || { echo "no commit to compare with: no clang-tidy" >&2 && exit 0; }
     chosen=$(changed_sources "$base")
     ;;
-*) chosen=$(git ls-files 'core/*.cpp' 'stream/*.cpp' 'apps/*.cpp') ;;
+*) chosen=$(git ls-files "${sources_of_rooms[@]}" | grep '\.cpp$') ;;
 esac
 [ -n "$chosen" ] || exit 0
 echo "clang-tidy on $(echo "$chosen" | wc -l) sources ..." >&2

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
-#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
@@ -24,7 +24,7 @@ CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector
 }
 
 Tap tap_argument(const char* option, const std::string& name, TapSet allowed) {
-    const auto tap = stream::find_tap(name, allowed);
+    const auto tap = measures::find_tap(name, allowed);
     if (!tap) {
         throw WrongUse(fmt::format("{}: {}", option, tap.error()));
     }
@@ -61,7 +61,7 @@ void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::st
         return;
     }
     require_positive("--wav-scale", *scale);
-    const auto is_wav = [](const std::string& file) { return stream::recording_ending(file) == ".wav"; };
+    const auto is_wav = [](const std::string& file) { return recordings::recording_ending(file) == ".wav"; };
     if (std::ranges::none_of(files, is_wav)) {
         throw WrongUse("--wav-scale: found no WAV file, allowed: together with one");
     }

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "measures/run_record.hpp"
 #include <CLI/CLI.hpp>
 
 #include "apps/command.hpp"
 #include "core/taps.hpp"
-#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
@@ -46,7 +46,7 @@ std::string missing_name(const std::string& value);
 CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector<std::string>& values,
                                    const std::string& description);
 
-using stream::names_of;
+using measures::names_of;
 
 /// The tap that the option's value names. @throws WrongUse unless it is one of the allowed ones
 Tap tap_argument(const char* option, const std::string& name, TapSet allowed);

@@ -6,6 +6,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "measures/resources.hpp"
+#include "measures/run_summary.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -15,8 +17,6 @@
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
 #include "core/simulation.hpp"
-#include "stream/measures/run_summary.hpp"
-#include "stream/resources.hpp"
 
 namespace hertzline::app {
 
@@ -110,8 +110,8 @@ ParsedScene parsed_scene(const SceneRequest& request) {
 
 ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
     const ParsedScene parsed = parsed_scene(request);
-    if (const auto shortage = stream::memory_shortage("simulating " + parsed.origin,
-                                                      Simulation::memory_bytes(parsed.scene, {}))) {
+    if (const auto shortage = measures::memory_shortage("simulating " + parsed.origin,
+                                                        Simulation::memory_bytes(parsed.scene, {}))) {
         throw std::runtime_error(*shortage);
     }
     ResolvedScene resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
@@ -122,7 +122,7 @@ ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
         }
         refuse_scene(resolved.faults);
     }
-    for (const std::string& text : stream::scene_warnings(resolved)) {
+    for (const std::string& text : measures::scene_warnings(resolved)) {
         spdlog::warn("{}: {}", parsed.origin, text);
     }
     return resolved;

@@ -6,6 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "measures/resources.hpp"
+#include "measures/scene_report.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -17,16 +19,14 @@
 #include "core/model/validity.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
-#include "stream/measures/scene_report.hpp"
+#include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/pipeline.hpp"
-#include "stream/resources.hpp"
-#include "stream/sources/simulation_source.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-using stream::ReportRow;
+using measures::ReportRow;
 
 constexpr const char* check_examples =
     "Examples:\n"
@@ -47,7 +47,7 @@ std::string shown(const ReportRow& row) {
         std::string operator()(const std::string& text) const { return text; }
         std::string operator()(std::int64_t number) const { return (*this)(static_cast<double>(number)); }
         std::string operator()(double number) const {
-            return unit == "bytes" ? stream::human_bytes(number)
+            return unit == "bytes" ? measures::human_bytes(number)
                                    : fmt::format("{:.6g}{}{}", number, unit.empty() ? "" : " ", unit);
         }
     };
@@ -67,7 +67,7 @@ std::string as_text(const std::vector<ReportRow>& report) {
 
 /// What a run and a stream of the scene take.
 void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
-    const auto count = stream::report_count;
+    const auto count = measures::report_count;
     const double rows = rows_of_run(scene);
     const TapSet recorded = recorded_taps(scene.end);
     report.push_back({"run", "rows", "rows", "", count(rows)});
@@ -92,17 +92,17 @@ Exit check(const CheckOptions& options) {
     const ResolvedScene resolved = resolved_scene(options.scene);
     const Scene& scene = resolved.scene;
     const auto peaks =
-        stream::peak_overlaps(scene, std::min(scene.output.duration_s, stream::first_burst_s(scene)));
-    std::vector<std::string> warnings = stream::contact_warnings(scene, peaks);
+        measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
+    std::vector<std::string> warnings = measures::contact_warnings(scene, peaks);
     if (auto late = late_wave_warning(scene)) {
         warnings.push_back(*std::move(late));
     }
     for (const std::string& text : warnings) {
         spdlog::warn("{}: {}", printable(options.scene.scene), text);
     }
-    std::vector<ReportRow> report = stream::scene_report(resolved, peaks);
+    std::vector<ReportRow> report = measures::scene_report(resolved, peaks);
     add_costs(report, scene);
-    print(options.format == Format::json ? json_text(stream::report_json(report)) + '\n' : as_text(report));
+    print(options.format == Format::json ? json_text(measures::report_json(report)) + '\n' : as_text(report));
     return Exit::done;
 }
 

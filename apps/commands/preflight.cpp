@@ -5,15 +5,15 @@
 #include <set>
 #include <stdexcept>
 
+#include "measures/resources.hpp"
+#include "measures/spectrum.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
 #include <fmt/format.h>
 
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
-#include "stream/measures/spectrum.hpp"
-#include "stream/recordings/formats/table.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/recordings/recording_set.hpp"
-#include "stream/resources.hpp"
 
 namespace hertzline::app {
 
@@ -34,27 +34,27 @@ double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexc
     const double rows = rows_of_run(scene);
     const double block_bytes =
         static_cast<double>(block_of_run(scene, taps)) * sizeof(double) * numbers_of(scene, taps);
-    const double queue_bytes =
-        std::min(rows * sizeof(double) * numbers_of(scene, recorded),
-                 stream::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz));
+    const double queue_bytes = std::min(
+        rows * sizeof(double) * numbers_of(scene, recorded),
+        recordings::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz));
     return Simulation::memory_bytes(scene, taps) + block_bytes + queue_bytes +
-           records * rows * sizeof(double) + stream::SpectrumAnalyser::bytes_needed(rows);
+           records * rows * sizeof(double) + measures::SpectrumAnalyser::bytes_needed(rows);
 }
 
 double memory_of_recordings(const Scene& scene, TapSet recorded, std::size_t files) noexcept {
     return static_cast<double>(files) *
-           stream::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz);
+           recordings::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz);
 }
 
 double file_bytes(const Scene& scene, double samples, const std::string& file, TapSet taps) {
-    return stream::recording_bytes(file, numbers_of(scene, taps), samples);
+    return recordings::recording_bytes(file, numbers_of(scene, taps), samples);
 }
 
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
                            TapSet taps) {
     for (const std::string& file : files) {
         const double bytes = file_bytes(scene, samples, file, taps);
-        if (const auto shortage = stream::disk_shortage(file, bytes)) {
+        if (const auto shortage = measures::disk_shortage(file, bytes)) {
             throw std::runtime_error(*shortage);
         }
     }
@@ -67,17 +67,18 @@ void refuse_shortages(const Scene& scene, const RunDemand& demand) {
     const double spectra_bytes = demand.spectra.empty() ? 0 : (columns + 2) * lines * sizeof(double);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
-    if (const auto shortage = stream::memory_shortage(
+    if (const auto shortage = measures::memory_shortage(
             run, memory_of_run(scene, demand.recorded, demand.measured) + spectra_bytes)) {
         throw std::runtime_error(*shortage);
     }
-    if (rows > stream::max_run_rows) {
+    if (rows > measures::max_run_rows) {
         throw std::runtime_error(fmt::format("{} is too long: the spectrum takes at most {} rows", run,
-                                             number_text(stream::max_run_rows)));
+                                             number_text(measures::max_run_rows)));
     }
     refuse_disk_shortages(scene, rows, demand.files, demand.recorded);
     for (const std::string& file : demand.spectra) {
-        if (const auto shortage = stream::disk_shortage(file, stream::table_bytes(file, columns, lines))) {
+        if (const auto shortage =
+                measures::disk_shortage(file, recordings::table_bytes(file, columns, lines))) {
             throw std::runtime_error(*shortage);
         }
     }
@@ -87,8 +88,8 @@ void refuse_wrong_files(std::span<const std::string> files) {
     std::string faults;
     std::set<std::filesystem::path> names;
     for (const std::string& file : files) {
-        std::optional<std::string> fault = stream::recording_fault(file);
-        if (!fault && !names.insert(stream::recording_name(file)).second) {
+        std::optional<std::string> fault = recordings::recording_fault(file);
+        if (!fault && !names.insert(recordings::recording_name(file)).second) {
             fault = fmt::format("{}: found a second time, allowed: each recording once", file);
         }
         if (fault) {

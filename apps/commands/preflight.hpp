@@ -5,15 +5,16 @@
 #include <span>
 #include <string>
 
+#include "measures/run_record.hpp"
+
 #include "core/scene/scene.hpp"
 #include "core/simulation.hpp"
-#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
-using stream::block_of_run;
-using stream::rows_of_run;
-using stream::taps_of_run;
+using measures::block_of_run;
+using measures::rows_of_run;
+using measures::taps_of_run;
 
 /// The simulation, its blocks, what waits for its files, the records of v_out and of the other taps that are measured,
 /// and their spectra.

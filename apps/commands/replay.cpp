@@ -4,6 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "measures/provenance.hpp"
+#include "measures/resources.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -11,10 +14,7 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/provenance.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/resources.hpp"
-#include "stream/sources/replay_source.hpp"
+#include "stream/inputs/replay_source.hpp"
 #include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
@@ -49,7 +49,7 @@ std::int64_t frame_samples(const Json& provenance) {
 }
 
 /// The rate that the user gives, else the file's.
-double sample_rate(const stream::RecordingHead& head, const ReplayArguments& arguments) {
+double sample_rate(const recordings::RecordingHead& head, const ReplayArguments& arguments) {
     if (arguments.sample_rate_hz) {
         return *arguments.sample_rate_hz;
     }
@@ -60,8 +60,8 @@ double sample_rate(const stream::RecordingHead& head, const ReplayArguments& arg
 }
 
 /// What the recording says of its samples. Its run is not the run of this stream.
-Json about(const stream::RecordingHead& head, const std::string& file) {
-    Json about = stream::provenance_of_meta(head.provenance);
+Json about(const recordings::RecordingHead& head, const std::string& file) {
+    Json about = measures::provenance_of_meta(head.provenance);
     if (about.contains("run")) {
         about["recorded_run"] = about["run"];
         about.erase("run");
@@ -85,20 +85,20 @@ Exit replay(const ReplayArguments& arguments) {
         }
     });
     faults.of([&] {
-        if (const auto fault = stream::recording_fault(arguments.file)) {
+        if (const auto fault = recordings::recording_fault(arguments.file)) {
             throw WrongUse(*fault);
         }
     });
     faults.of([&] { curve = checked_curve(arguments.publish); });
     faults.refuse();
-    std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(arguments.file);
-    const stream::RecordingHead head = reader->head();
+    std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(arguments.file);
+    const recordings::RecordingHead head = reader->head();
     const double rate = sample_rate(head, arguments);
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
     const stream::PublisherOptions publishing = publisher_options(arguments.publish, source.format(), curve);
-    if (const auto shortage = stream::memory_shortage(
+    if (const auto shortage = measures::memory_shortage(
             "replaying " + arguments.file, stream_bytes(source.format(), options.pace, publishing))) {
         throw std::runtime_error(*shortage);
     }
@@ -109,7 +109,7 @@ Exit replay(const ReplayArguments& arguments) {
     publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
                        {[&](Json& summary, const stream::StreamMeters&) {
                            summary["replay"] = arguments.file;
-                           summary["version"] = stream::program_version();
+                           summary["version"] = measures::program_version();
                        }});
     return Exit::done;
 }
@@ -118,7 +118,7 @@ Exit replay(const ReplayArguments& arguments) {
 
 Run replay_command(CLI::App& app) {
     auto arguments = std::make_shared<ReplayArguments>();
-    app.add_option("FILE", arguments->file, "a recording: " + stream::recording_endings())
+    app.add_option("FILE", arguments->file, "a recording: " + recordings::recording_endings())
         ->required()
         ->check(missing_name);
     app.add_option("--sample-rate", arguments->sample_rate_hz, "sample rate of a file that does not say it")

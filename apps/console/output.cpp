@@ -72,10 +72,6 @@ void print(std::string_view text) {
     }
 }
 
-std::string json_text(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 void print_summary(const Json& summary, Format format) {
     if (format == Format::json) {
         print(json_text(summary) + '\n');
@@ -86,7 +82,7 @@ void print_summary(const Json& summary, Format format) {
 
 void print_summary(std::span<const SummaryGroup> groups, Format format) {
     if (format == Format::json) {
-        print_summary(stream::summary_json(groups), format);
+        print_summary(measures::summary_json(groups), format);
         return;
     }
     std::size_t width = 0;

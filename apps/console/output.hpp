@@ -5,14 +5,13 @@
 #include <string>
 #include <string_view>
 
+#include "measures/run_summary.hpp"
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "stream/measures/run_summary.hpp"
+#include "core/scene/json.hpp"
 
 namespace hertzline::app {
-
-using Json = nlohmann::ordered_json;
 
 enum class Format { text, json };
 
@@ -23,13 +22,10 @@ void add_format_option(CLI::App& command, Format& format, const char* descriptio
 /// @throws std::runtime_error with the system's reason
 void print(std::string_view text);
 
-/// One object, on one line. Bytes that are not UTF-8 (in the name of a file) are replaced.
-std::string json_text(const Json& json);
-
 /// A flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
 
-using stream::SummaryGroup;
+using measures::SummaryGroup;
 
 /// As JSON one object, as text the groups one after another.
 void print_summary(std::span<const SummaryGroup> groups, Format format);

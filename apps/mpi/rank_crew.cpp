@@ -6,21 +6,21 @@
 #include <thread>
 #include <vector>
 
+#include "studies/sweep/point_workers.hpp"
+#include "studies/sweep/row_parcel.hpp"
 #include <fmt/format.h>
 
 #include "apps/console/signals.hpp"
 #include "apps/mpi/shared_sweep.hpp"
-#include "stream/sweep/workers/point_workers.hpp"
-#include "stream/sweep/workers/row_parcel.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
 using std::chrono::steady_clock;
-using stream::Journal;
-using stream::PointCounts;
-using stream::Sweep;
+using studies::Journal;
+using studies::PointCounts;
+using studies::Sweep;
 
 constexpr auto between_syncs = std::chrono::seconds(1);
 
@@ -40,11 +40,11 @@ struct RankCrew::Work {
 
     const Sweep& sweep;
     Journal& journal;
-    stream::Dealer dealer;
+    studies::Dealer dealer;
     PointCounts counts;
     std::atomic<bool> stop{false};
-    stream::PointQueue queue;      // of this rank
-    stream::PointWorkers workers;  // last: they use what stands before
+    studies::PointQueue queue;      // of this rank
+    studies::PointWorkers workers;  // last: they use what stands before
 };
 
 void RankCrew::muster(const SweepOptions& options, const Sweep& sweep) {
@@ -73,8 +73,8 @@ std::string RankCrew::text() const {
 
 void RankCrew::take_rows(Work& work, int rank, std::span<const std::byte> parcel) const {
     const auto rows =
-        stream::rows_of_parcel(parcel, stream::payload_bytes(work.sweep.demand), work.sweep.plan.size());
-    for (const stream::RowView& row : rows) {
+        studies::rows_of_parcel(parcel, studies::payload_bytes(work.sweep.demand), work.sweep.plan.size());
+    for (const studies::RowView& row : rows) {
         work.journal.append(row.point, row.status, row.payload);
         ++work.counts[row.status];
     }

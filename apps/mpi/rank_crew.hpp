@@ -5,11 +5,12 @@
 #include <span>
 #include <string>
 
+#include "studies/sweep/dealer.hpp"
+#include "studies/sweep/point_queue.hpp"
+
 #include "apps/command.hpp"
 #include "apps/commands/sweep/sweep_crew.hpp"
 #include "apps/mpi/ranks.hpp"
-#include "stream/sweep/workers/dealer.hpp"
-#include "stream/sweep/workers/point_queue.hpp"
 
 namespace hertzline::app {
 
@@ -18,12 +19,12 @@ public:
     /// @param ranks outlives this
     explicit RankCrew(Ranks& ranks) : ranks_(ranks) {}
 
-    void muster(const SweepOptions& options, const stream::Sweep& sweep) override;
+    void muster(const SweepOptions& options, const studies::Sweep& sweep) override;
     int threads() const override { return threads_ * ranks_.count(); }
     int threads_here() const override { return threads_ * ranks_.count_here(); }
     std::string text() const override;
-    stream::PointCounts run(const stream::Sweep& sweep, stream::Journal& journal,
-                            std::span<const std::int64_t> points, const News& news) override;
+    studies::PointCounts run(const studies::Sweep& sweep, studies::Journal& journal,
+                             std::span<const std::int64_t> points, const News& news) override;
 
     /// Ends the other ranks, whether they have had work or not. The last thing that is done.
     void dismiss(Exit exit);

@@ -7,12 +7,12 @@
 #include <optional>
 #include <thread>
 
+#include "studies/sweep/point_queue.hpp"
+#include "studies/sweep/point_workers.hpp"
 #include <fmt/format.h>
 
 #include "apps/console/signals.hpp"
 #include "apps/mpi/shared_sweep.hpp"
-#include "stream/sweep/workers/point_queue.hpp"
-#include "stream/sweep/workers/point_workers.hpp"
 
 namespace hertzline::app {
 
@@ -109,8 +109,8 @@ private:
     Ranks& ranks_;
     std::atomic<bool> stop_{false};
     bool told_ = false;
-    stream::PointQueue queue_;
-    stream::PointWorkers workers_;  // last: they use what stands before
+    studies::PointQueue queue_;
+    studies::PointWorkers workers_;  // last: they use what stands before
 };
 
 }  // namespace

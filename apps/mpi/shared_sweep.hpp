@@ -3,16 +3,16 @@
 
 #include <string>
 
-#include "stream/sweep/sweep.hpp"
+#include "studies/sweep/sweep.hpp"
 
 namespace hertzline::app {
 
 struct SharedSweep {
-    stream::Sweep sweep;
+    studies::Sweep sweep;
     int threads = 1;
 };
 
-std::string shared_text(const stream::Sweep& sweep, int threads);
+std::string shared_text(const studies::Sweep& sweep, int threads);
 
 /// The same sweep here. From here on kernels use its instruction set.
 /// @throws std::runtime_error that says in what this program is another one than that of rank 0

@@ -25,8 +25,8 @@
 
 #include "bench/core/accuracy_tables.hpp"
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/design_scene.hpp"
@@ -37,8 +37,6 @@ namespace {
 
 using namespace hertzline;
 using bench::JudgedScene;
-using Json = nlohmann::ordered_json;
-
 constexpr std::array accuracies{1e-3, 1e-4, 1e-6};
 
 /// All results of a job, in the order of their numbers, whoever computes them.

@@ -17,6 +17,7 @@
 #include "bench/support/arguments.hpp"
 
 #include "core/integrators/kernels.hpp"
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/simulation.hpp"
@@ -51,7 +52,7 @@ std::vector<double> block_times(const Scene& scene, std::size_t blocks) {
     return times;
 }
 
-nlohmann::ordered_json report(const std::string& name, std::size_t periods) {
+Json report(const std::string& name, std::size_t periods) {
     const Scene scene = resolve(parse_scene(find_shipped_scene(name)->text, name)->scene).scene;
     const double block_s = block_samples / scene.output.sample_rate_hz;
     const auto blocks =
@@ -84,7 +85,7 @@ nlohmann::ordered_json report(const std::string& name, std::size_t periods) {
 int main(int argc, char** argv) {
     const bench::Arguments arguments(argc, argv);
     const std::size_t periods = arguments.words.empty() ? 100 : std::stoul(arguments.words.front());
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    Json rows = Json::array();
     std::printf("%s, blocks of %zu samples\n", kernels::kernel_target(), block_samples);
     for (const char* name : scenes) {
         rows.push_back(report(name, periods));

@@ -13,6 +13,7 @@
 
 #include "bench/support/arguments.hpp"
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/bare_chain.hpp"
 
@@ -24,12 +25,12 @@ constexpr double step_s = 20e-9;
 constexpr double gently = 3e-3;  // [m/s], of the spheres at first
 constexpr double hard = 0.3;
 
-nlohmann::ordered_json measure(Integrator integrator, double speed, double max_steps) {
+Json measure(Integrator integrator, double speed, double max_steps) {
     const double at_rest = test::thrown(integrator, step_s, 0).energy();
     test::BareChain chain = test::thrown(integrator, step_s, speed);
     const double put_in = chain.energy() - at_rest;
     const std::string name(word(integrator));
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    Json rows = Json::array();
     double largest = 0;
     double before = 0;
     for (double steps = 1e4; steps <= max_steps; steps *= 10) {
@@ -61,7 +62,7 @@ int main(int argc, char** argv) {
     std::printf("%s, steps of %g ns\n%-9s %6s %8s %14s %14s %8s %14s\n", kernels::kernel_target(),
                 step_s * 1e9, "method", "m/s", "steps", "largest error", "error now", "growth",
                 "contact events");
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    Json rows = Json::array();
     for (const Integrator integrator : choices<Integrator>) {
         for (const double speed : {gently, hard}) {
             for (const auto& row : measure(integrator, speed, steps)) {

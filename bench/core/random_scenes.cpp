@@ -12,6 +12,7 @@
 
 #include "bench/support/arguments.hpp"
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/random_scene.hpp"
@@ -22,8 +23,6 @@ namespace {
 using namespace hertzline;
 using test::Outcome;
 using test::Trial;
-using Json = nlohmann::ordered_json;
-
 /// All trials of one integrator.
 struct Tally {
     std::map<Outcome, int> outcomes;

@@ -12,6 +12,7 @@
 #include "bench/support/timing.hpp"
 
 #include "core/integrators/kernels.hpp"
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/shipped_scenes.hpp"
@@ -49,7 +50,7 @@ double largest_error(std::string_view name, const Scene& scene) {
 
 int main(int argc, char** argv) {
     const bench::Arguments arguments(argc, argv);
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    Json rows = Json::array();
     std::printf("%s\n%-24s %-9s %8s %8s %10s %14s %10s %7s %10s\n", kernels::kernel_target(), "scene",
                 "method", "spheres", "step/ns", "ns/step", "ns/sphere-step", "real-time", "spread", "error");
     for (const ShippedScene& shipped : shipped_scenes()) {

@@ -11,6 +11,7 @@
 
 #include "bench/support/arguments.hpp"
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/simulation.hpp"
@@ -100,7 +101,7 @@ private:
 
 int main(int argc, char** argv) {
     const bench::Arguments arguments(argc, argv);
-    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    Json rows = Json::array();
     std::printf("%-46s %10s %10s %8s %9s %9s\n", "what is skipped", "off/us", "on/us", "ratio", "pieces",
                 "pieces");
     for (const Comparison& comparison : comparisons()) {

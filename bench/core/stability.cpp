@@ -27,6 +27,7 @@
 #include "core/integrators/trace.hpp"
 #include "core/model/coupling.hpp"
 #include "core/model/energy.hpp"
+#include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
@@ -34,8 +35,6 @@
 namespace {
 
 using namespace hertzline;
-using Json = nlohmann::ordered_json;
-
 constexpr double factor = 1.02;          // from one step tried to the next
 constexpr double series_searched = 100;  // times the advised limit
 constexpr double blown_up = 100;         // times the largest energy of a finely resolved run

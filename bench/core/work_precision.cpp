@@ -12,9 +12,9 @@
 
 #include "bench/core/frontier.hpp"
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "core/integrators/kernels.hpp"
+#include "core/scene/json.hpp"
 
 namespace {
 
@@ -22,8 +22,6 @@ using namespace hertzline;
 using bench::Judged;
 using bench::Kind;
 using bench::Result;
-using Json = nlohmann::ordered_json;
-
 const char* text(Kind kind) {
     return kind == Kind::ours ? "ours" : kind == Kind::located ? "located" : "as it comes";
 }

@@ -18,12 +18,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/step_choice/resolve.hpp"
+#include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
-#include "stream/sources/simulation_source.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
@@ -31,6 +32,7 @@
 namespace {
 
 using namespace hertzline;
+using namespace hertzline::recordings;
 using namespace hertzline::stream;
 
 constexpr const char* scene_name = "paper-stream";
@@ -96,7 +98,7 @@ Measured stream(const Scene& scene, Tap tap, double seconds) {
     Publisher publisher(
         "tcp://127.0.0.1:*", all_topics,
         {.queue_bytes = usual_queue_bytes(), .largest_message = largest_frame_bytes(source.format())});
-    Pipeline pipeline({.about = nlohmann::ordered_json::object(),
+    Pipeline pipeline({.about = Json::object(),
                        .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
                        .start = StreamStart::with_first_subscriber},
                       source, publisher, nullptr);
@@ -122,7 +124,7 @@ Measured stream(const Scene& scene, Tap tap, double seconds) {
     return {std::move(arrivals), pipeline.start_time(), meters};
 }
 
-nlohmann::ordered_json report(const Scene& scene, Tap tap, double seconds) {
+Json report(const Scene& scene, Tap tap, double seconds) {
     const Measured measured = stream(scene, tap, seconds);
     if (measured.arrivals.empty()) {
         throw std::runtime_error("nothing arrived");
@@ -157,7 +159,7 @@ int main(int argc, char** argv) {
             resolve(parse_scene(find_shipped_scene(scene_name)->text, scene_name)->scene).scene;
         std::printf("%-8s %10s %8s %10s %10s %10s %10s\n", "stream", "frames", "missing", "min/ms", "p50/ms",
                     "p99/ms", "max/ms");
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        Json rows = Json::array();
         for (const Tap tap : {Tap::v_out, Tap::v_chain}) {
             rows.push_back(report(scene, tap, seconds));
         }

@@ -24,11 +24,11 @@
 #include <vector>
 
 #include <fcntl.h>
-#include <nlohmann/json.hpp>
 #include <sched.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/simulation.hpp"
@@ -248,7 +248,7 @@ Accounts accounts_of(const Child& listener) {
     return accounts;
 }
 
-nlohmann::ordered_json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t streams) {
+Json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t streams) {
     std::uint64_t samples = 0, frames = 0, missing = 0, wrong = 0, unaccounted = 0;
     bool ended = true;
     for (std::size_t i = 0; i < streams; ++i) {
@@ -280,12 +280,12 @@ void measure(const std::string& seconds, const ShippedScene& scene, const std::s
     for (std::size_t i = 0; i < listeners; ++i) {
         all.emplace_back(core(1), [&](int result) { tell_accounts(scene, streams, result); });
     }
-    const auto summary = nlohmann::ordered_json::parse(program.result());
-    nlohmann::ordered_json heard = nlohmann::ordered_json::array();
+    const auto summary = Json::parse(program.result());
+    Json heard = Json::array();
     for (const Child& listener : all) {
         heard.push_back(report(accounts_of(listener), summary, streams));
     }
-    const nlohmann::ordered_json result{
+    const Json result{
         {"scene", scene.name}, {"streams", streams}, {"listeners", heard}, {"program", summary}};
     std::cout << result.dump(1) << std::endl;
 }

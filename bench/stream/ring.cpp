@@ -23,6 +23,7 @@
 #include <boost/lockfree/spsc_queue.hpp>
 #include <sched.h>
 
+#include "core/scene/json.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
 
 namespace {
@@ -165,7 +166,7 @@ struct Spread {
 };
 
 template <std::size_t N>
-nlohmann::ordered_json compare() {
+Json compare() {
     constexpr auto blocks =
         static_cast<std::uint64_t>(std::min(static_cast<double>(max_blocks), bytes_per_round / (8.0 * N)));
     std::vector<double> line, ours, theirs, ratios;
@@ -196,7 +197,7 @@ int main(int argc, char** argv) {
         const bench::Arguments arguments(argc, argv);
         std::printf("%10s %12s %12s %10s %14s %10s %12s\n", "bytes", "ours/ns", "boost/ns", "boost/ours",
                     "its quartiles", "line/ns", "quartiles");
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        Json rows = Json::array();
         rows.push_back(compare<1>());
         rows.push_back(compare<8>());
         rows.push_back(compare<128>());

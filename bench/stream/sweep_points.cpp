@@ -20,13 +20,13 @@
 
 #include "bench/peers/problem.hpp"
 #include "bench/support/arguments.hpp"
-#include <nlohmann/json.hpp>
+#include "studies/sweep/workers.hpp"
 
+#include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
-#include "stream/sweep/workers.hpp"
 
 namespace {
 
@@ -34,8 +34,6 @@ using namespace hertzline;
 using bench::Contender;
 using bench::Problem;
 using bench::Trace;
-using Json = nlohmann::ordered_json;
-
 constexpr int rounds = 5;
 constexpr std::int64_t judged_points = 50;
 constexpr double finer_steps = 0.75;  // as in core/step_choice/finer_run.cpp
@@ -78,10 +76,10 @@ void in_threads(std::int64_t points, int threads, const RunPoint& run) {
 class Subject {
 public:
     explicit Subject(std::int64_t points) : sweep_{plan_of(points), {}, {}} {
-        sweep_.demand.columns = stream::number_columns({}, false);
+        sweep_.demand.columns = studies::number_columns({}, false);
     }
 
-    const stream::Sweep& sweep() const { return sweep_; }
+    const studies::Sweep& sweep() const { return sweep_; }
     std::int64_t points() const { return sweep_.plan.size(); }
     static std::size_t samples(const Scene& scene) {
         return static_cast<std::size_t>(std::lround(scene.output.duration_s * scene.output.sample_rate_hz)) +
@@ -90,37 +88,37 @@ public:
     std::int64_t judged(std::int64_t i) const { return i * points() / std::min(judged_points, points()); }
 
     void run(int threads) const {
-        stream::Journal journal = stream::Journal::passing();
-        journal.begin(stream::journal_text(sweep_), stream::payload_bytes(sweep_.demand));
+        studies::Journal journal = studies::Journal::passing();
+        journal.begin(studies::journal_text(sweep_), studies::payload_bytes(sweep_.demand));
         journal.load(points());
         std::vector<std::int64_t> all(static_cast<std::size_t>(points()));
         for (std::size_t i = 0; i < all.size(); ++i) {
             all[i] = static_cast<std::int64_t>(i);
         }
         static const std::atomic<bool> never{false};
-        stream::run_points(sweep_, journal, all, threads, never, [](const stream::PointCounts&) {});
+        studies::run_points(sweep_, journal, all, threads, never, [](const studies::PointCounts&) {});
     }
 
     /// The point's scene with the integrator and the step that the sweep takes.
     Scene settled(std::int64_t point) const {
         static const std::atomic<bool> never{false};
-        stream::PointDemand demand;
-        demand.columns = {stream::number_column("step_s")};
+        studies::PointDemand demand;
+        demand.columns = {studies::number_column("step_s")};
         Scene scene = sweep_.plan.scene(point);
-        const auto row = stream::PointRunner(demand, never).run(point, scene);
+        const auto row = studies::PointRunner(demand, never).run(point, scene);
         scene.numerics = {
             .integrator = Integrator::taylor8, .step_s = row->numbers[0], .accuracy = {}, .poles = {}};
         return resolve(scene).scene;
     }
 
 private:
-    static stream::SweepPlan plan_of(std::int64_t points) {
+    static studies::SweepPlan plan_of(std::int64_t points) {
         const Scene base = parse_scene(find_shipped_scene("paper-vitreous-carbon")->text, "the scene")->scene;
-        return *stream::SweepPlan::make(
+        return *studies::SweepPlan::make(
             base, {{"chain.preload_n=0.01..2:log:" + std::to_string(points)}, "", "", std::nullopt});
     }
 
-    stream::Sweep sweep_;
+    studies::Sweep sweep_;
 };
 
 double error_of(const Trace& trace, const Trace& truth) {

@@ -23,6 +23,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "core/scene/json.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/frame_codec.hpp"
@@ -117,10 +118,9 @@ double ours(std::int64_t frame_samples, std::string_view topic, double seconds) 
     PublisherOptions options = queues(source.format());
     options.linger = std::chrono::milliseconds(0);
     Publisher publisher(any_port, all_topics, options);
-    Pipeline pipeline({.about = nlohmann::ordered_json::object(),
-                       .pace = Pace::flat_out(),
-                       .start = StreamStart::with_first_subscriber},
-                      source, publisher, nullptr);
+    Pipeline pipeline(
+        {.about = Json::object(), .pace = Pace::flat_out(), .start = StreamStart::with_first_subscriber},
+        source, publisher, nullptr);
     return measure(publisher.endpoint(), topic, seconds,
                    [&](const std::atomic<bool>& stop) {
                        pipeline.run(stop, {.progress = [](const StreamMeters&) {},
@@ -167,7 +167,7 @@ double median(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-nlohmann::ordered_json compare(std::int64_t frame_samples, double seconds) {
+Json compare(std::int64_t frame_samples, double seconds) {
     std::vector<double> raw, np, alone, parts, raw_ratio, np_ratio, np_parts_ratio;
     for (int round = 0; round < rounds; ++round) {
         raw.push_back(ours(frame_samples, topics_of(Tap::v_out).raw, seconds));
@@ -197,7 +197,7 @@ int main(int argc, char** argv) {
         const double seconds = arguments.words.empty() ? 2 : std::stod(arguments.words[0]);
         std::printf("%10s %12s %12s %12s %12s %8s %8s %8s\n", "bytes", "raw MB/s", "np MB/s", "plain MB/s",
                     "parts MB/s", "raw", "np", "np/parts");
-        nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+        Json rows = Json::array();
         for (const std::int64_t samples : {64, 256, 1024, 4096, 16384, 65536}) {
             rows.push_back(compare(samples, seconds));
         }

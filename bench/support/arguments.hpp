@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
+#include "core/scene/json.hpp"
 
 namespace hertzline::bench {
 
@@ -21,7 +21,7 @@ struct Arguments {
     }
 
     /// Writes the results to the file that was asked for, if any.
-    void save(const nlohmann::ordered_json& results) const {
+    void save(const Json& results) const {
         if (!json_file.empty()) {
             std::ofstream(json_file) << results.dump(2) << '\n';
         }

@@ -25,7 +25,7 @@ std::string toml_text(std::int64_t value) {
 }
 
 std::string toml_text(const std::string& value) {
-    return quoted(value);
+    return hertzline::quoted(value);
 }
 
 template <class Choice>

@@ -34,7 +34,7 @@ void listen(const std::string& endpoint) {
             continue;  // not a frame of ours
         }
         const auto frame = hertzline::stream::decode_header(message->text(0), message->bytes(1).size());
-        if (!frame || !hertzline::stream::decode_samples(message->bytes(1), samples)) {
+        if (!frame || !hertzline::recordings::decode_samples(message->bytes(1), samples)) {
             continue;  // damaged
         }
         continuity.take(*frame);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "stream/resources.hpp"
+#include "measures/resources.hpp"
 
 namespace hertzline::stream {
 
@@ -69,7 +69,7 @@ double largest_frame_bytes(const StreamFormat& format) noexcept {
 
 double usual_queue_bytes() {
     constexpr double most = 1024.0 * 1024 * 1024;
-    const auto available = available_memory_bytes();
+    const auto available = measures::available_memory_bytes();
     return available ? std::min(most, static_cast<double>(*available) / 8) : most;
 }
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/pacer.hpp"
-#include "stream/sources/sample_source.hpp"
 
 namespace hertzline::stream {
 

@@ -4,7 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "stream/float32.hpp"
+#include "recordings/float32.hpp"
+
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -20,7 +21,7 @@ void add(TopicCount& count, bool sent) noexcept {
 zmq::message_t payload_of(Publisher& publisher, const Block& block, Tap tap) {
     const std::span<const double> values = block.samples()[tap];
     return publisher.payload(values.size() * sizeof(float), [&](void* bytes) {
-        if (to_float32(values, {static_cast<float*>(bytes), values.size()}) != 0) {
+        if (recordings::to_float32(values, {static_cast<float*>(bytes), values.size()}) != 0) {
             throw std::runtime_error("a sample of " + std::string(row_of(tap).name) +
                                      " does not fit float32");
         }

@@ -5,10 +5,10 @@
 
 #include <zmq.hpp>
 
+#include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/topic_demand.hpp"
-#include "stream/sources/sample_source.hpp"
 #include "stream/wire/frame.hpp"
 #include "stream/wire/publisher.hpp"
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/scene/json.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/stream_messages.hpp"
 #include "stream/wire/topics.hpp"
@@ -26,7 +27,8 @@ constexpr Nanoseconds idle_period = milliseconds(1);
 
 }  // namespace
 
-Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publisher, RowBuilder* recorder)
+Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publisher,
+                   recordings::RowBuilder* recorder)
     : options_(std::move(options)),
       source_(source),
       publisher_(publisher),
@@ -207,7 +209,7 @@ void Pipeline::watch() {
         return;
     }
     producer_.want_motion();
-    const nlohmann::ordered_json changed = events_->watch(monitor_.meters().motion);
+    const Json changed = events_->watch(monitor_.meters().motion);
     if (!changed.empty()) {
         options_.about.update(changed);
         send_meta();

@@ -13,14 +13,16 @@
 #include <optional>
 #include <string>
 
+#include "recordings/row_builder.hpp"
+
+#include "core/scene/json.hpp"
+#include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/frame_sender.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/stream_options.hpp"
 #include "stream/pipeline/topic_demand.hpp"
-#include "stream/recordings/row_builder.hpp"
-#include "stream/sources/sample_source.hpp"
 #include "stream/wire/publisher.hpp"
 
 namespace hertzline::stream {
@@ -30,9 +32,9 @@ struct StreamEvents {
     std::function<void(const StreamMeters&)> progress;  ///< about ten times a second
     std::function<void(const std::string&)> warn;       ///< for the user
     /// Before the first frame of another epoch, if set: members of meta that have changed.
-    std::function<nlohmann::ordered_json(const Epoch&)> epoch_begins = {};
+    std::function<Json(const Epoch&)> epoch_begins = {};
     /// About ten times a second, if set: members of meta that have changed, or nothing.
-    std::function<nlohmann::ordered_json(const MotionExtent&)> watch = {};
+    std::function<Json(const MotionExtent&)> watch = {};
     std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
 };
 
@@ -40,7 +42,8 @@ struct StreamEvents {
 class Pipeline {
 public:
     /// Source, publisher and recorder outlive the pipeline. @param recorder nullptr: nothing is recorded
-    Pipeline(StreamOptions options, SampleSource& source, Publisher& publisher, RowBuilder* recorder);
+    Pipeline(StreamOptions options, SampleSource& source, Publisher& publisher,
+             recordings::RowBuilder* recorder);
 
     /// Streams until done, or until `stop` becomes true (then it returns within a fraction of a second).
     /// Publishes meta, meters and, last, end.
@@ -67,7 +70,7 @@ private:
     StreamOptions options_;
     SampleSource& source_;
     Publisher& publisher_;
-    RowBuilder* recorder_;
+    recordings::RowBuilder* recorder_;
     StreamFormat format_;
     Pacer pacer_;
     Producer producer_;

@@ -11,12 +11,12 @@
 #include <thread>
 #include <vector>
 
+#include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
 #include "stream/pipeline/sleeper.hpp"
 #include "stream/pipeline/thread_options.hpp"
-#include "stream/sources/sample_source.hpp"
 
 namespace hertzline::stream {
 

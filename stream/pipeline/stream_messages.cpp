@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/json.hpp"
 #include "stream/wire/topics.hpp"
 
 namespace hertzline::stream {
 
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-}  // namespace
+namespace {}  // namespace
 
 std::string meta_json(const StreamOptions& options, const StreamFormat& format) {
     Json streams = Json::array();

@@ -3,12 +3,11 @@
 
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "core/scene/json.hpp"
 #include "core/taps.hpp"
+#include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
 #include "stream/pipeline/stream_options.hpp"
-#include "stream/sources/sample_source.hpp"
 
 namespace hertzline::stream {
 
@@ -16,7 +15,7 @@ namespace hertzline::stream {
 std::string meta_json(const StreamOptions& options, const StreamFormat& format);
 
 /// What meters and summary say alike: how the stream keeps time and what it has sent, as flat members.
-void add_stream_members(nlohmann::ordered_json& object, const StreamMeters& meters, TapSet taps);
+void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps);
 
 /// The message of the meters topic.
 std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run);

@@ -5,11 +5,11 @@
 #include <cstdint>
 
 #include "core/taps.hpp"
+#include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
 #include "stream/pipeline/topic_demand.hpp"
-#include "stream/sources/sample_source.hpp"
 
 namespace hertzline::stream {
 

@@ -5,12 +5,11 @@
 #include <optional>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "core/scene/json.hpp"
+#include "stream/inputs/run_id.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/thread_options.hpp"
-#include "stream/sources/run_id.hpp"
 
 namespace hertzline::stream {
 
@@ -19,8 +18,8 @@ enum class StreamStart { at_once, with_first_subscriber };
 /// What a stream is to do.
 struct StreamOptions {
     std::string run = make_run_id();  ///< the run's id
-    nlohmann::ordered_json about;  ///< of the samples: what meta says beside their format (stream/provenance)
-    Epoch epoch{};                 ///< in which the samples are that are sent now
+    Json about;     ///< of the samples: what meta says beside their format (stream/provenance)
+    Epoch epoch{};  ///< in which the samples are that are sent now
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples{};  ///< unset: to the end, or until stopped
     StreamStart start = StreamStart::at_once;

@@ -1,10 +1,10 @@
 // hertzline check: derived values, the integrator and its step, and the reasons for them.
 
+#include "measures/resources.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/scene/shipped_scenes.hpp"
-#include "stream/resources.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {
@@ -84,7 +84,7 @@ TEST(Check, CountsTheQueuesOfSubscribersAmongTheMemoryOfAStream) {
     const auto stream =
         hertzline({"check", "paper-wall", "--json"}).json()["stream_memory_bytes"].get<double>();
     EXPECT_GT(stream,
-              std::min(1024.0 * 1024 * 1024, static_cast<double>(*stream::available_memory_bytes()) / 10));
+              std::min(1024.0 * 1024 * 1024, static_cast<double>(*measures::available_memory_bytes()) / 10));
     const Outcome outcome = hertzline({"stream", "paper-wall", "--queue-memory", "1000TiB"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, testing::HasSubstr("memory"));

@@ -7,22 +7,23 @@
 #include <regex>
 #include <thread>
 
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/sources/control/control_client.hpp"
+#include "core/scene/json.hpp"
+#include "stream/control/control_client.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/sanitized.hpp"
 
 namespace hertzline::test {
 
+using namespace recordings;
 using namespace stream;
 
 namespace {
 
-using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 
 const std::string any_port = "tcp://127.0.0.1:*";

@@ -2,17 +2,17 @@
 
 #include <cstdlib>
 
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
-using namespace stream;
+using namespace recordings;
 
 namespace {
 

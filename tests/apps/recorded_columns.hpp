@@ -5,20 +5,20 @@
 #include <string>
 #include <vector>
 
+#include "recordings/recording_formats.hpp"
 #include <gtest/gtest.h>
 
-#include "stream/recordings/recording_formats.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
 /// All samples of a recording without gaps, and the column of that name.
 inline std::vector<double> column(const std::string& file, const std::string& name) {
-    const auto reader = stream::open_reader(file);
+    const auto reader = recordings::open_reader(file);
     const auto& columns = reader->head().columns;
-    const auto found = std::ranges::find(columns, name, &stream::Column::name);
+    const auto found = std::ranges::find(columns, name, &recordings::Column::name);
     EXPECT_NE(found, columns.end()) << name;
-    const std::vector<stream::RecordedRows> stretches = read_rows(*reader, 1 << 16);
+    const std::vector<recordings::RecordedRows> stretches = read_rows(*reader, 1 << 16);
     EXPECT_LE(stretches.size(), 1U) << "gaps";
     std::vector<double> values;
     if (!stretches.empty()) {

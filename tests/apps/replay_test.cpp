@@ -2,15 +2,16 @@
 
 #include <algorithm>
 
+#include "recordings/recording_formats.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
+using namespace recordings;
 using namespace stream;
 
 namespace {

@@ -10,7 +10,6 @@
 
 namespace hertzline::test {
 
-using namespace stream;
 
 namespace {
 

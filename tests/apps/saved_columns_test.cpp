@@ -2,17 +2,17 @@
 
 #include <algorithm>
 
+#include "recordings/recording_formats.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "stream/recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/recorded_columns.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {
 
-using namespace stream;
+using namespace recordings;
 
 namespace {
 

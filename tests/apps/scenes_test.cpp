@@ -8,8 +8,6 @@
 
 namespace hertzline::test {
 
-using namespace stream;
-
 namespace {
 
 using testing::HasSubstr;

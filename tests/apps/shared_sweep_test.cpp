@@ -7,6 +7,7 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd/target_choice.hpp"
+#include "core/scene/json.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace hertzline::test {
@@ -15,22 +16,21 @@ namespace {
 
 using app::shared_sweep;
 using app::shared_text;
-using nlohmann::ordered_json;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-stream::Sweep some_sweep() {
-    auto plan = stream::SweepPlan::make({}, {{"chain.preload_n=0.1..1:log:7"}, "", "", std::nullopt});
-    stream::PointDemand demand;
-    demand.columns = stream::number_columns({}, false);
+studies::Sweep some_sweep() {
+    auto plan = studies::SweepPlan::make({}, {{"chain.preload_n=0.1..1:log:7"}, "", "", std::nullopt});
+    studies::PointDemand demand;
+    demand.columns = studies::number_columns({}, false);
     return {*std::move(plan), demand, {}};
 }
 
 /// As a rank 0 tells of it whose program differs in this.
 std::string told_with(const char* key, const std::string& value) {
-    auto json = ordered_json::parse(shared_text(some_sweep(), 2));
-    auto journal = ordered_json::parse(json["journal"].get<std::string>());
+    auto json = Json::parse(shared_text(some_sweep(), 2));
+    auto journal = Json::parse(json["journal"].get<std::string>());
     journal[key] = value;
     json["journal"] = journal.dump();
     return json.dump();
@@ -39,7 +39,7 @@ std::string told_with(const char* key, const std::string& value) {
 TEST(SharedSweepOfRanks, IsTheSameEverywhere) {
     const app::SharedSweep shared = shared_sweep(shared_text(some_sweep(), 2));
     EXPECT_EQ(shared.threads, 2);
-    EXPECT_EQ(stream::journal_text(shared.sweep), stream::journal_text(some_sweep()));
+    EXPECT_EQ(studies::journal_text(shared.sweep), studies::journal_text(some_sweep()));
     for (std::int64_t point = 0; point < 7; ++point) {
         EXPECT_EQ(shared.sweep.plan.scene(point), some_sweep().plan.scene(point));
     }

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/scene/json.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/quick_points.hpp"
 #include "tests/support/recordings.hpp"
@@ -195,7 +196,7 @@ TEST(Sweep, KeepsTheQuantitiesThatAreNamed) {
         hertzline(with(quick, {"--vary", "chain.spheres=3", "--json", "--quantity",
                                "peak_v_out_m_per_s,harmonics_db", "--quantity", "steps"}));
     ASSERT_EQ(outcome.status, 0) << outcome.err;
-    const auto row = nlohmann::ordered_json::parse(outcome.out);
+    const auto row = Json::parse(outcome.out);
     Words names;
     for (const auto& [name, value] : row.items()) {
         names.push_back(name);

@@ -6,12 +6,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "stream/provenance.hpp"
-#include "stream/sources/replay_source.hpp"
+#include "measures/provenance.hpp"
+
+#include "stream/inputs/replay_source.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
 
+using namespace measures;
+using namespace recordings;
 using namespace stream;
 
 namespace {

@@ -10,7 +10,7 @@ from collections import namedtuple
 import numpy as np
 
 Picture = namedtuple("Picture", "kind flags columns rows epoch trigger first samples burst rate_hz heard_at_s numbers")
-HEAD = struct.Struct("<BBHIIIqqQQdd")  # stream/sources/scope/picture.hpp
+HEAD = struct.Struct("<BBHIIIqqQQdd")  # scope/pictures/picture.hpp
 WAVEFORM, SPECTRUM, CHAIN = 1, 2, 3
 EACH_SAMPLE, UNTRIGGERED, HELD, FORCES = 1, 2, 4, 8
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "stream/sources/sample_source.hpp"
+#include "stream/inputs/sample_source.hpp"
 
 namespace hertzline::test {
 

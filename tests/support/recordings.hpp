@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "stream/recordings/columns.hpp"
-#include "stream/recordings/recording.hpp"
+#include "recordings/columns.hpp"
+#include "recordings/recording.hpp"
 
 namespace hertzline::test {
 
 /// Two velocities, then displacement and velocity of each sphere, as a run writes them.
-inline stream::RecordingHead recording_head(stream::NumberType numbers, int spheres = 0) {
-    stream::RecordingHead head;
+inline recordings::RecordingHead recording_head(recordings::NumberType numbers, int spheres = 0) {
+    recordings::RecordingHead head;
     head.sample_rate_hz = 10e6;
     head.numbers = numbers;
     head.provenance = {{"version", "1.2.3"}, {"scene", {{"chain", {{"spheres", spheres}}}}}};
@@ -29,11 +29,12 @@ inline stream::RecordingHead recording_head(stream::NumberType numbers, int sphe
 }
 
 /// Columns of these names.
-inline stream::RecordingHead recording_head(const std::vector<std::string>& names, double sample_rate_hz,
-                                            stream::NumberType numbers = stream::NumberType::float64) {
-    stream::RecordingHead head;
+inline recordings::RecordingHead recording_head(
+    const std::vector<std::string>& names, double sample_rate_hz,
+    recordings::NumberType numbers = recordings::NumberType::float64) {
+    recordings::RecordingHead head;
     for (const std::string& name : names) {
-        head.columns.push_back(stream::column_named(name));
+        head.columns.push_back(recordings::column_named(name));
     }
     head.sample_rate_hz = sample_rate_hz;
     head.numbers = numbers;
@@ -42,31 +43,33 @@ inline stream::RecordingHead recording_head(const std::vector<std::string>& name
 }
 
 /// Rows that use all bits of their numbers; each is its sample's, whatever the first of them is.
-inline stream::RecordedRows recorded_rows(const stream::RecordingHead& head, std::int64_t first,
-                                          std::size_t rows) {
-    stream::RecordedRows made{first, {}};
+inline recordings::RecordedRows recorded_rows(const recordings::RecordingHead& head, std::int64_t first,
+                                              std::size_t rows) {
+    recordings::RecordedRows made{first, {}};
     const std::size_t columns = head.columns.size();
     for (std::size_t i = 0; i < rows * columns; ++i) {
         const auto sample = static_cast<double>(first + static_cast<std::int64_t>(i / columns));
         const double value = std::sin(sample + 0.7 * static_cast<double>(i % columns)) *
                              std::pow(10.0, -static_cast<double>(i % columns % 20));
-        made.values.push_back(head.numbers == stream::NumberType::float32 ? static_cast<float>(value)
-                                                                          : value);
+        made.values.push_back(head.numbers == recordings::NumberType::float32 ? static_cast<float>(value)
+                                                                              : value);
     }
     return made;
 }
 
-inline void write_rows(stream::RecordingWriter& writer, const std::vector<stream::RecordedRows>& rows) {
-    for (const stream::RecordedRows& block : rows) {
+inline void write_rows(recordings::RecordingWriter& writer,
+                       const std::vector<recordings::RecordedRows>& rows) {
+    for (const recordings::RecordedRows& block : rows) {
         writer.write(block.first, block.values);
     }
 }
 
 /// All rows, joined where nothing is missing between them, whatever the reader's portions were.
-inline std::vector<stream::RecordedRows> read_rows(stream::RecordingReader& reader, std::size_t most = 1000) {
+inline std::vector<recordings::RecordedRows> read_rows(recordings::RecordingReader& reader,
+                                                       std::size_t most = 1000) {
     const std::size_t columns = reader.head().columns.size();
-    std::vector<stream::RecordedRows> all;
-    for (stream::RecordedRows rows; reader.read(rows, most);) {
+    std::vector<recordings::RecordedRows> all;
+    for (recordings::RecordedRows rows; reader.read(rows, most);) {
         const bool continues =
             !all.empty() &&
             all.back().first + static_cast<std::int64_t>(all.back().values.size() / columns) == rows.first;

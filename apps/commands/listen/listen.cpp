@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -19,7 +20,6 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/recordings/recording_formats.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -148,7 +148,7 @@ Exit listen(const ListenOptions& options) {
     const stream::SubscriberOptions subscriber_options{.curve = wanted.curve};
     stop_asked();
     for (const std::string& file : options.files) {
-        stream::require_writable(file);
+        recordings::require_writable(file);
     }
     ProgressLine line;
     const RecordingRequest recordings{options.files, options.wav_scale.value_or(1)};
@@ -187,7 +187,7 @@ Run listen_command(CLI::App& app) {
         ->type_name("S");
     add_repeatable_option(
         app, "-o,--output", options->files,
-        "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
+        "save the samples; the ending picks the format: " + recordings::recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
     add_wav_scale_option(app, options->wav_scale);

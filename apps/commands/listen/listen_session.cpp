@@ -4,8 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "recordings/columns.hpp"
+
 #include "apps/console/signals.hpp"
-#include "stream/recordings/columns.hpp"
 
 namespace hertzline::app {
 
@@ -25,16 +26,17 @@ void ListenSession::take(const stream::Message& message) {
 }
 
 void ListenSession::begin() {
-    stream::RecordingHead head{.columns = {},
-                               .sample_rate_hz = received_.fs(),
-                               .numbers = stream::NumberType::float32,
-                               .provenance = received_.provenance(),
-                               .full_scale = request_.full_scale};
+    recordings::RecordingHead head{.columns = {},
+                                   .sample_rate_hz = received_.fs(),
+                                   .numbers = recordings::NumberType::float32,
+                                   .provenance = received_.provenance(),
+                                   .full_scale = request_.full_scale};
     if (!request_.files.empty()) {
         head.columns =
-            stream::recorded_columns(received_.tap(), spheres_of(received_.tap(), received_.channels()));
+            recordings::recorded_columns(received_.tap(), spheres_of(received_.tap(), received_.channels()));
     }
-    recordings_.emplace(request_.files, head, stream::RecordingPatience::of_a_second(stop_asked()), notify_);
+    recordings_.emplace(request_.files, head, recordings::RecordingPatience::of_a_second(stop_asked()),
+                        notify_);
 }
 
 void ListenSession::take_samples(const stream::ReceivedFrame& frame) {
@@ -73,9 +75,9 @@ Json ListenSession::summary() const {
     summary["simulated_s"] = simulated_s();
     summary["samples"] = samples_;
     summary.update(received_.account());
-    summary["recordings"] = recordings_ ? stream::recordings_json(*recordings_) : Json::array();
+    summary["recordings"] = recordings_ ? recordings::recordings_json(*recordings_) : Json::array();
     summary["gapless"] = sound();
-    summary["ended_by"] = stream::word(end_reason());
+    summary["ended_by"] = word(end_reason());
     return summary;
 }
 

@@ -7,10 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "recordings/recording_set.hpp"
+
 #include "apps/console/output.hpp"
 #include "core/taps.hpp"
-#include "stream/recordings/recording_set.hpp"
-#include "stream/sources/received_run.hpp"
+#include "stream/listening/received_run.hpp"
 #include "stream/wire/subscriber.hpp"
 
 namespace hertzline::app {
@@ -72,8 +73,8 @@ private:
     std::optional<double> wanted_s_;
     RecordingRequest request_;
     Notify notify_;
-    std::optional<stream::RecordingSet> recordings_;  // once the first frame has told what is in them
-    std::uint64_t samples_ = 0;                       // kept
+    std::optional<recordings::RecordingSet> recordings_;  // once the first frame has told what is in them
+    std::uint64_t samples_ = 0;                           // kept
 };
 
 }  // namespace hertzline::app

@@ -9,10 +9,10 @@
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
 #include "apps/console/output.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
-#include "stream/scene_json.hpp"
 
 namespace hertzline::app {
 
@@ -61,7 +61,7 @@ Exit scenes(const ScenesOptions& options) {
         return Exit::done;
     }
     const ResolvedScene resolved = resolved_scene(options.scene);
-    print(options.format == Format::json ? json_text(stream::scene_json(resolved.scene)) + '\n'
+    print(options.format == Format::json ? json_text(scene_json(resolved.scene)) + '\n'
                                          : annotated_toml(resolved, options.scene));
     return Exit::done;
 }

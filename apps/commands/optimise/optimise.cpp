@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "measures/resources.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -19,37 +21,35 @@
 #include "apps/commands/sweep/unused_journal.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/resources.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-using stream::Journal;
-using stream::SearchJob;
-using stream::SearchRequest;
+using studies::Journal;
+using studies::SearchJob;
+using studies::SearchRequest;
 
 constexpr const char* journal_ending = ".journal";
 
-stream::Sweep rows_of(const SearchRequest& request) {
-    std::vector<stream::SceneKeyInfo> keys;
-    for (const stream::Axis& axis : request.axes) {
+studies::Sweep rows_of(const SearchRequest& request) {
+    std::vector<SceneKeyInfo> keys;
+    for (const studies::Axis& axis : request.axes) {
         keys.push_back(axis.key);
     }
-    return {stream::SweepPlan::growing(request.base, std::move(keys)), request.demand, {}};
+    return {studies::SweepPlan::growing(request.base, std::move(keys)), request.demand, {}};
 }
 
 Journal open_journal(const SweepOptions& options, const SearchRequest& request) {
     Journal journal(options.files.front() + journal_ending,
                     options.resume ? Journal::Use::resume : Journal::Use::begin);
-    const std::string text = stream::journal_text(request);
+    const std::string text = studies::journal_text(request);
     if (journal.is_new()) {
         if (options.resume) {
             spdlog::info("{} is not there; the search begins anew", journal.path().string());
         }
-        journal.begin(text, stream::payload_bytes(request.demand));
-    } else if (const auto difference = stream::search_difference(journal.text(), text)) {
+        journal.begin(text, studies::payload_bytes(request.demand));
+    } else if (const auto difference = studies::search_difference(journal.text(), text)) {
         throw WrongUse(
             fmt::format("{}: found {}, allowed: the journal of the same search, made by the same program",
                         journal.path().string(), *difference));
@@ -68,18 +68,18 @@ void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
     const auto points = static_cast<double>(request.evaluations);
     constexpr double point_bytes = 500;  // what is known of each
     const double memory = jobs * search.survey.memory_bytes + points * point_bytes;
-    if (const auto shortage = stream::memory_shortage(fmt::format("a search with {} jobs", jobs), memory)) {
+    if (const auto shortage = measures::memory_shortage(fmt::format("a search with {} jobs", jobs), memory)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
-    const double row = Journal::bytes(1, stream::payload_bytes(request.demand));
+    const double row = Journal::bytes(1, studies::payload_bytes(request.demand));
     const auto tables = static_cast<double>(options.files.size());
     const double disk = (1 + tables) * points * row;  // the journal, and the tables beside it
-    if (const auto shortage = stream::disk_shortage(options.files.front(), disk)) {
+    if (const auto shortage = measures::disk_shortage(options.files.front(), disk)) {
         throw std::runtime_error(*shortage);
     }
     spdlog::info("{} evaluations at most, on {} {}; about {} of disk and {} of memory", request.evaluations,
-                 jobs, jobs == 1 ? "thread" : "threads", stream::human_bytes(disk),
-                 stream::human_bytes(memory));
+                 jobs, jobs == 1 ? "thread" : "threads", measures::human_bytes(disk),
+                 measures::human_bytes(memory));
 }
 
 void search_or_tell(SearchJob& job, const Journal& journal) {
@@ -110,7 +110,7 @@ Exit report(const SearchJob& job, const SweepOptions& options) {
         spdlog::warn(warning);
     }
     print_summary(search_summary(job, names_json(options.files)), options.format);
-    if (job.result().best.centre == stream::Evaluations::none) {
+    if (job.result().best.centre == studies::Evaluations::none) {
         spdlog::error(no_feasible_text(job));
         return Exit::failed;
     }
@@ -120,7 +120,7 @@ Exit report(const SearchJob& job, const SweepOptions& options) {
 Exit optimise(const OptimiseOptions& options) {
     const SoundSearch search = sound_search(options);
     const std::vector<std::string>& files = options.sweep.files;
-    std::ranges::for_each(files, stream::require_writable);
+    std::ranges::for_each(files, recordings::require_writable);
     if (search.survey.refused > 0) {
         spdlog::warn("{} of {} points all over the ranges cannot be simulated; {}", search.survey.refused,
                      search.request.evaluations, search.survey.first_refused);
@@ -136,7 +136,7 @@ Exit optimise(const OptimiseOptions& options) {
     if (job.evaluations().stopped()) {
         return stopped(journal, job.evaluations().size());
     }
-    if (!write_tables(files, stream::SweepTable(job.sweep(), {&journal}))) {
+    if (!write_tables(files, studies::SweepTable(job.sweep(), {&journal}))) {
         return stopped(journal, job.evaluations().size());
     }
     const Exit exit = report(job, options.sweep);

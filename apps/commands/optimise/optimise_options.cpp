@@ -8,12 +8,12 @@
 #include <system_error>
 #include <utility>
 
+#include "studies/sweep/sweep_files.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
 #include "core/scene/text.hpp"
-#include "stream/sweep/sweep_files.hpp"
 
 namespace hertzline::app {
 
@@ -40,7 +40,7 @@ void refuse_no_file(const OptimiseOptions& options) {
     }
 }
 
-stream::Goal goal_of(const OptimiseOptions& options) {
+studies::Goal goal_of(const OptimiseOptions& options) {
     if (options.maximise.empty() == options.minimise.empty()) {
         throw WrongUse(fmt::format("--maximise: found {} measure, allowed: one of --maximise and --minimise",
                                    options.maximise.empty() ? "no" : "a second"));
@@ -49,13 +49,13 @@ stream::Goal goal_of(const OptimiseOptions& options) {
     return {maximise ? options.maximise : options.minimise, maximise, {}};
 }
 
-stream::Goal whole_goal_of(const OptimiseOptions& options) {
+studies::Goal whole_goal_of(const OptimiseOptions& options) {
     Faults faults;
-    stream::Goal goal;
+    studies::Goal goal;
     faults.of([&] { goal = goal_of(options); });
     for (const std::string& text : options.subject_to) {
         faults.of([&] {
-            auto constraint = stream::parse_constraint(text);
+            auto constraint = studies::parse_constraint(text);
             if (!constraint) {
                 throw WrongUse("--subject-to: " + constraint.error());
             }
@@ -89,9 +89,9 @@ SoundSweep sound_sample(const OptimiseOptions& options) {
     return sound_sweep(sample);
 }
 
-void refuse_unknown_measures(const stream::Goal& goal, const stream::PointDemand& demand) {
+void refuse_unknown_measures(const studies::Goal& goal, const studies::PointDemand& demand) {
     Faults faults;
-    for (const std::string& fault : stream::measure_faults(goal, demand.columns)) {
+    for (const std::string& fault : studies::measure_faults(goal, demand.columns)) {
         faults.of([&] { throw WrongUse(fault); });
     }
     faults.refuse();
@@ -114,7 +114,7 @@ SoundSearch sound_search(const OptimiseOptions& options) {
         throw WrongUse("SCENE: found none, allowed: a scene file, or the name of a shipped scene");
     }
     Faults faults;
-    std::optional<stream::Goal> goal;
+    std::optional<studies::Goal> goal;
     std::optional<SoundSweep> sample;
     faults.of([&] { refuse_no_file(options); });
     faults.of([&] { goal = whole_goal_of(options); });
@@ -123,7 +123,7 @@ SoundSearch sound_search(const OptimiseOptions& options) {
         faults.of([&] { refuse_wrong_evaluations(options, 1, 0); });
         faults.refuse();
     }
-    const stream::SearchSpace space(sample->sweep.plan.axes());
+    const studies::SearchSpace space(sample->sweep.plan.axes());
     faults.of([&] { refuse_wrong_evaluations(options, fewest_evaluations(space), space.keys()); });
     if (goal) {
         faults.of([&] { refuse_unknown_measures(*goal, sample->sweep.demand); });

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "studies/optimise/search_job.hpp"
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/sweep/sweep_options.hpp"
-#include "stream/optimise/search_job.hpp"
 
 namespace hertzline::app {
 
@@ -26,8 +26,8 @@ void add_optimise_options(CLI::App& app, OptimiseOptions& options);
 
 /// A search that can be begun.
 struct SoundSearch {
-    stream::SearchRequest request;
-    stream::SweepSurvey survey;  ///< of points all over the ranges
+    studies::SearchRequest request;
+    studies::SweepSurvey survey;  ///< of points all over the ranges
 };
 
 /// @throws WrongUse that names every fault at once

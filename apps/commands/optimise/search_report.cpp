@@ -6,19 +6,18 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-using stream::Evaluations;
-using stream::Neighbour;
-using stream::SearchJob;
-using stream::SearchStart;
-using stream::Surroundings;
-
-using Json = nlohmann::ordered_json;
+using studies::Evaluations;
+using studies::Neighbour;
+using studies::SearchJob;
+using studies::SearchStart;
+using studies::Surroundings;
 
 constexpr double same_value = 0.01;  // relative: local searches came to the same
 constexpr double large_fall = 0.1;   // relative, within 1 %: an edge
@@ -29,7 +28,7 @@ double value_of(const SearchJob& job, std::int64_t evaluation) {
 
 /// null: the point is not feasible
 Json feasible_value(const SearchJob& job, std::int64_t evaluation) {
-    const stream::Score& score = job.evaluations()[evaluation].score;
+    const studies::Score& score = job.evaluations()[evaluation].score;
     return score.feasible ? Json(score.value) : Json(nullptr);
 }
 
@@ -38,28 +37,28 @@ Json worst_near(const SearchJob& job, const Surroundings& around) {
     return around.near.empty() ? Json(nullptr) : feasible_value(job, around.worst(job.evaluations()));
 }
 
-Json json_of(const stream::SceneValue& value) {
+Json json_of(const SceneValue& value) {
     return std::visit([](const auto& held) { return Json(held); }, value);
 }
 
 /// The values of the keys, the goal and what is bounded, of a point.
 Json point_json(const SearchJob& job, std::int64_t evaluation) {
-    const stream::SearchRequest& request = job.request();
+    const studies::SearchRequest& request = job.request();
     Json json{{"point", evaluation}};
     for (std::size_t key = 0; key < request.axes.size(); ++key) {
         json[request.axes[key].key.name] = json_of(job.evaluations()[evaluation].values[key]);
     }
-    const stream::PointResult row = job.row(evaluation);
+    const studies::PointResult row = job.row(evaluation);
     const auto put = [&](const std::string& measure) {
-        const auto column = std::ranges::find(request.demand.columns, measure, &stream::NumberColumn::name);
+        const auto column = std::ranges::find(request.demand.columns, measure, &studies::NumberColumn::name);
         json[measure] = row.numbers[static_cast<std::size_t>(column - request.demand.columns.begin())];
     };
     put(request.goal.measure);
-    for (const stream::Constraint& constraint : request.goal.constraints) {
+    for (const studies::Constraint& constraint : request.goal.constraints) {
         put(constraint.measure);
     }
     json["estimated_error"] = row.numbers.front();  // number_columns() begins with it
-    json["status"] = stream::word_of(row.status);
+    json["status"] = studies::word_of(row.status);
     return json;
 }
 
@@ -75,8 +74,8 @@ double fall_of(const SearchJob& job, const Surroundings& around) {
 
 /// "end.thickness_m.minus_1_percent", "chain.spheres.plus_1"
 std::string name_of(const SearchJob& job, const Neighbour& neighbour) {
-    const stream::SceneKeyInfo& key = job.request().axes[neighbour.key].key;
-    const bool whole = key.kind == stream::ValueKind::integer;
+    const SceneKeyInfo& key = job.request().axes[neighbour.key].key;
+    const bool whole = key.kind == ValueKind::integer;
     return fmt::format("{}.{}_{:.0f}{}", key.name, neighbour.change < 0 ? "minus" : "plus",
                        std::abs(neighbour.change) * (whole ? 1 : 100), whole ? "" : "_percent");
 }
@@ -138,8 +137,8 @@ Json evaluations_json(const SearchJob& job, const Json& files) {
     Json json{{"evaluations", job.evaluations().size()},
               {"feasible",
                std::ranges::count_if(all, [](const auto& evaluation) { return evaluation.score.feasible; })}};
-    for (std::size_t i = 0; i < stream::point_status_words.size(); ++i) {
-        json[std::string(stream::point_status_words[i])] = job.counts().of_status[i];
+    for (std::size_t i = 0; i < studies::point_status_words.size(); ++i) {
+        json[std::string(studies::point_status_words[i])] = job.counts().of_status[i];
     }
     json["seed"] = job.request().seed;
     json["file"] = files;
@@ -153,8 +152,8 @@ std::string fall_text(double fall) {
 
 }  // namespace
 
-std::vector<stream::SummaryGroup> search_summary(const SearchJob& job, const Json& files) {
-    std::vector<stream::SummaryGroup> groups;
+std::vector<measures::SummaryGroup> search_summary(const SearchJob& job, const Json& files) {
+    std::vector<measures::SummaryGroup> groups;
     if (const Surroundings& best = job.result().best; best.centre != Evaluations::none) {
         groups.push_back({"best", point_json(job, best.centre), "best"});
         groups.push_back({"around it", around_json(job, best), "around"});
@@ -164,13 +163,13 @@ std::vector<stream::SummaryGroup> search_summary(const SearchJob& job, const Jso
     return groups;
 }
 
-stream::Warnings search_warnings(const SearchJob& job) {
-    stream::Warnings warnings;
+measures::Warnings search_warnings(const SearchJob& job) {
+    measures::Warnings warnings;
     const Surroundings& best = job.result().best;
     if (best.centre == Evaluations::none) {
         return warnings;
     }
-    const stream::PointResult row = job.row(best.centre);
+    const studies::PointResult row = job.row(best.centre);
     if (!row.message.empty()) {
         warnings.push_back(fmt::format("point {}: {}", best.centre, row.message));
     }
@@ -205,7 +204,7 @@ std::string no_feasible_text(const SearchJob& job) {
     const auto number = closest - all.begin();
     text += fmt::format("keeps to the bounds; the closest is {}", job.sweep().plan.name(number));
     const Json values = point_json(job, number);
-    for (const stream::Constraint& constraint : job.request().goal.constraints) {
+    for (const studies::Constraint& constraint : job.request().goal.constraints) {
         text += fmt::format(", {} = {} where {} was asked for", constraint.measure,
                             number_text(values[constraint.measure].get<double>()), constraint.text());
     }

@@ -14,6 +14,8 @@
 #include <thread>
 #include <vector>
 
+#include "recordings/files/errors.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -24,8 +26,6 @@
 #include "apps/commands/plot/plot_script.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/files/errors.hpp"
-#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
@@ -42,7 +42,7 @@ constexpr std::array pythons{"python3", "/usr/bin/python3"};
 fs::path new_folder() {
     std::string name = fs::temp_directory_path() / "hertzline-plot-XXXXXX";
     if (::mkdtemp(name.data()) == nullptr) {
-        stream::cannot_write(name, std::generic_category().message(errno));
+        recordings::cannot_write(name, std::generic_category().message(errno));
     }
     return name;
 }
@@ -102,8 +102,9 @@ std::optional<int> wait_for(pid_t process) {
 
 /// Runs the script in the folder on a file, to draw what the staged file will be. @returns its exit status where it can draw, or nothing when
 /// it was stopped @throws std::runtime_error that says what is missing or wrong
-std::optional<int> run_script(const fs::path& folder, stream::StagedFile& picture, const std::string& format,
-                              const fs::path& source, const std::vector<std::string>& options) {
+std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& picture,
+                              const std::string& format, const fs::path& source,
+                              const std::vector<std::string>& options) {
     const fs::path script = folder / "hertzline_plot.py";
     std::ofstream(script) << plot_script;
     std::string missing;
@@ -125,11 +126,11 @@ std::optional<int> run_script(const fs::path& folder, stream::StagedFile& pictur
         }
         const std::string reason = last_line_of(beginning_of(messages));
         if (exit_status != plot_modules_missing) {
-            stream::cannot_write(picture.path(), fmt::format("{} failed: {}", python, reason));
+            recordings::cannot_write(picture.path(), fmt::format("{} failed: {}", python, reason));
         }
         missing = reason;
     }
-    stream::cannot_write(
+    recordings::cannot_write(
         picture.path(),
         fmt::format("pictures need Python with matplotlib, those of a sweep in HDF5 h5py, too ({}); "
                     "on Debian: apt install python3-matplotlib python3-h5py",
@@ -153,18 +154,18 @@ public:
 }  // namespace
 
 void refuse_wrong_picture(const char* option, const fs::path& picture) {
-    if (std::ranges::find(endings, stream::recording_ending(picture)) == endings.end()) {
+    if (std::ranges::find(endings, recordings::recording_ending(picture)) == endings.end()) {
         throw WrongUse(fmt::format("{}: found {}, allowed: a name that ends in {}", option,
                                    quoted_briefly(picture.string()), fmt::join(endings, ", ")));
     }
 }
 
-Picture::Picture(const fs::path& picture, const stream::RecordingHead& head)
-    : format_(stream::recording_ending(picture).substr(1)),
-      file_(picture, stream::StagedFile::Devices::refused),
+Picture::Picture(const fs::path& picture, const recordings::RecordingHead& head)
+    : format_(recordings::recording_ending(picture).substr(1)),
+      file_(picture, recordings::StagedFile::Devices::refused),
       folder_(new_folder()) {
     try {
-        samples_ = stream::open_recording(folder_ / "samples.npy", head);
+        samples_ = recordings::open_recording(folder_ / "samples.npy", head);
     } catch (...) {
         std::error_code gone;
         fs::remove_all(folder_, gone);
@@ -192,13 +193,13 @@ bool Picture::draw(const std::string& title) {
 
 Drawn draw_sweep(const fs::path& picture, const fs::path& table, std::span<const std::string> quantities,
                  const std::string& title) {
-    stream::StagedFile file(picture, stream::StagedFile::Devices::refused);
+    recordings::StagedFile file(picture, recordings::StagedFile::Devices::refused);
     const Folder folder;
     std::vector<std::string> options{"--title=" + title};
     if (!quantities.empty()) {
         options.push_back(fmt::format("--quantity={}", fmt::join(quantities, ",")));
     }
-    const auto status = run_script(folder.path, file, stream::recording_ending(picture).substr(1),
+    const auto status = run_script(folder.path, file, recordings::recording_ending(picture).substr(1),
                                    fs::absolute(table), options);
     if (!status) {
         return Drawn::stopped;

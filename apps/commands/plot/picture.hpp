@@ -8,8 +8,8 @@
 #include <span>
 #include <string>
 
-#include "stream/files/staged_file.hpp"
-#include "stream/recordings/recording.hpp"
+#include "recordings/files/staged_file.hpp"
+#include "recordings/recording.hpp"
 
 namespace hertzline::app {
 
@@ -24,7 +24,7 @@ void refuse_wrong_picture(const char* option, const std::filesystem::path& pictu
 class Picture {
 public:
     /// @param head of the samples, at most max_picture_columns @throws std::runtime_error when nothing can be written there
-    Picture(const std::filesystem::path& picture, const stream::RecordingHead& head);
+    Picture(const std::filesystem::path& picture, const recordings::RecordingHead& head);
     ~Picture();
     Picture(const Picture&) = delete;
     Picture& operator=(const Picture&) = delete;
@@ -38,9 +38,9 @@ public:
 
 private:
     std::string format_;  // "png"
-    stream::StagedFile file_;
+    recordings::StagedFile file_;
     std::filesystem::path folder_;  // temporary
-    std::unique_ptr<stream::RecordingWriter> samples_;
+    std::unique_ptr<recordings::RecordingWriter> samples_;
 };
 
 /// How a picture went. stopped: the user asked to, and there is none.

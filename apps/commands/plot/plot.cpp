@@ -10,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -18,7 +19,6 @@
 #include "apps/commands/plot/picture.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
@@ -43,16 +43,16 @@ struct PlotOptions {
     std::vector<std::string> quantities;  ///< of a sweep; none: the usual ones
 };
 
-bool is_called(const stream::Column& column, const std::string& name) {
+bool is_called(const recordings::Column& column, const std::string& name) {
     return column.name == name || column.quantity == name;
 }
 
 /// The columns to be drawn. @throws WrongUse that tells every name that no column has
-std::vector<std::size_t> chosen_columns(const stream::RecordingHead& head, const PlotOptions& options) {
+std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, const PlotOptions& options) {
     std::vector<std::size_t> chosen;
     std::vector<std::string> names;
     for (std::size_t i = 0; i < head.columns.size(); ++i) {
-        const stream::Column& column = head.columns[i];
+        const recordings::Column& column = head.columns[i];
         if (options.columns.empty() || std::ranges::any_of(options.columns, [&](const std::string& name) {
                 return is_called(column, name);
             })) {
@@ -65,8 +65,9 @@ std::vector<std::size_t> chosen_columns(const stream::RecordingHead& head, const
     Faults faults;
     for (const std::string& name : options.columns) {
         faults.of([&] {
-            if (std::ranges::none_of(head.columns,
-                                     [&](const stream::Column& column) { return is_called(column, name); })) {
+            if (std::ranges::none_of(head.columns, [&](const recordings::Column& column) {
+                    return is_called(column, name);
+                })) {
                 throw WrongUse(fmt::format("--columns: found {}, allowed: {}{}", quoted_briefly(name),
                                            comma_separated(names), suggestion(name, names)));
             }
@@ -80,24 +81,24 @@ std::vector<std::size_t> chosen_columns(const stream::RecordingHead& head, const
     return chosen;
 }
 
-stream::RecordingHead head_of_columns(const stream::RecordingHead& head,
-                                      const std::vector<std::size_t>& chosen) {
-    stream::RecordingHead part = head;
+recordings::RecordingHead head_of_columns(const recordings::RecordingHead& head,
+                                          const std::vector<std::size_t>& chosen) {
+    recordings::RecordingHead part = head;
     part.columns.clear();
     for (const std::size_t column : chosen) {
         part.columns.push_back(head.columns[column]);
     }
-    part.numbers = stream::NumberType::float64;
+    part.numbers = recordings::NumberType::float64;
     return part;
 }
 
 /// The chosen columns, as far as a picture takes them. Tells when there is more.
-std::vector<stream::RecordedRows> samples_of(stream::RecordingReader& reader,
-                                             const std::vector<std::size_t>& chosen) {
+std::vector<recordings::RecordedRows> samples_of(recordings::RecordingReader& reader,
+                                                 const std::vector<std::size_t>& chosen) {
     constexpr std::size_t portion = 1 << 14;  // rows
     const std::size_t columns = reader.head().columns.size();
-    std::vector<stream::RecordedRows> samples;
-    stream::RecordedRows rows;
+    std::vector<recordings::RecordedRows> samples;
+    recordings::RecordedRows rows;
     std::int64_t taken = 0;
     while (reader.read(rows, portion)) {
         if (taken >= max_picture_samples) {
@@ -119,7 +120,7 @@ std::vector<stream::RecordedRows> samples_of(stream::RecordingReader& reader,
 bool is_csv_of_sweep(const std::string& file) {
     constexpr std::string_view first = "point,";
     std::string begin(first.size(), '\0');
-    return stream::recording_ending(file) == ".csv" &&
+    return recordings::recording_ending(file) == ".csv" &&
            std::ifstream(file, std::ios::binary)
                .read(begin.data(), static_cast<std::streamsize>(first.size())) &&
            begin == first;
@@ -141,18 +142,18 @@ std::optional<Exit> plot_sweep(const PlotOptions& options) {
     return std::nullopt;
 }
 
-Exit plot_recording(const PlotOptions& options, stream::RecordingReader& reader) {
+Exit plot_recording(const PlotOptions& options, recordings::RecordingReader& reader) {
     if (!(reader.head().sample_rate_hz > 0)) {
         throw std::runtime_error(options.recording + " does not say its sample rate");
     }
     const std::vector<std::size_t> chosen = chosen_columns(reader.head(), options);
-    const std::vector<stream::RecordedRows> samples = samples_of(reader, chosen);
+    const std::vector<recordings::RecordedRows> samples = samples_of(reader, chosen);
     if (samples.empty()) {
         throw std::runtime_error(options.recording + " has no samples");
     }
     stop_asked();  // from here on there are files to be cleaned up
     Picture picture(options.picture, head_of_columns(reader.head(), chosen));
-    for (const stream::RecordedRows& rows : samples) {
+    for (const recordings::RecordedRows& rows : samples) {
         picture.write(rows.first, rows.values);
     }
     if (!picture.draw(printable(options.recording))) {
@@ -164,11 +165,12 @@ Exit plot_recording(const PlotOptions& options, stream::RecordingReader& reader)
 
 /// The recording; where it is none, and may be a sweep, that is drawn.
 Exit plot_either(const PlotOptions& options) {
-    std::unique_ptr<stream::RecordingReader> reader;
+    std::unique_ptr<recordings::RecordingReader> reader;
     try {
-        reader = stream::open_reader(options.recording);
+        reader = recordings::open_reader(options.recording);
     } catch (const std::runtime_error&) {
-        if (stream::recording_ending(options.recording) == ".h5" && fs::is_regular_file(options.recording)) {
+        if (recordings::recording_ending(options.recording) == ".h5" &&
+            fs::is_regular_file(options.recording)) {
             if (const auto drawn = plot_sweep(options)) {
                 return *drawn;
             }
@@ -181,7 +183,7 @@ Exit plot_either(const PlotOptions& options) {
 Exit plot(const PlotOptions& options) {
     Faults faults;
     faults.of([&] {
-        if (const auto fault = stream::recording_fault(options.recording)) {
+        if (const auto fault = recordings::recording_fault(options.recording)) {
             throw WrongUse(*fault);
         }
     });
@@ -208,7 +210,7 @@ Exit plot(const PlotOptions& options) {
 Run plot_command(CLI::App& app) {
     auto options = std::make_shared<PlotOptions>();
     app.add_option("RECORDING", options->recording,
-                   "a recording (" + stream::recording_endings() + "), or a sweep")
+                   "a recording (" + recordings::recording_endings() + "), or a sweep")
         ->required()
         ->check(missing_name)
         ->type_name("");

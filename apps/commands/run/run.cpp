@@ -7,6 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "measures/provenance.hpp"
+#include "measures/run_record.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/row_builder.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -24,12 +29,7 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/measures/run_record.hpp"
 #include "stream/pipeline/pacer.hpp"
-#include "stream/provenance.hpp"
-#include "stream/recordings/formats/table.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/recordings/row_builder.hpp"
 
 namespace hertzline::app {
 
@@ -63,8 +63,8 @@ struct RunOptions {
     Format format = Format::text;
 };
 
-using stream::measurable_taps;
-using stream::measured_unasked;
+using measures::measurable_taps;
+using measures::measured_unasked;
 
 /// @throws WrongUse unless it is a frequency, or left out
 void refuse_wrong_band(std::optional<double> from_hz) {
@@ -91,23 +91,23 @@ TapSet asked_taps(const RunOptions& options, TapSet columns, TapSet beside, cons
 /// What is written after the run fails before it where it can. @throws std::runtime_error
 void refuse_unwritable(const RunOptions& options) {
     for (const std::string& file : options.spectra) {
-        stream::require_writable(file);
+        recordings::require_writable(file);
     }
     if (!options.picture.empty()) {
-        stream::require_writable(options.picture);
+        recordings::require_writable(options.picture);
     }
 }
 
-stream::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
-                           stream::RecordingSet& recordings, stream::SceneSteps& steps) {
+measures::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
+                             recordings::RecordingSet& recordings, measures::SceneSteps& steps) {
     const Scene& scene = simulation.scene();
-    stream::RowBuilder row_builder(recordings, recorded);
+    recordings::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
-    stream::RunRecord record =
-        stream::empty_record(measured, simulation.chain().end, static_cast<std::size_t>(rows_of_run(scene)));
+    measures::RunRecord record = measures::empty_record(measured, simulation.chain().end,
+                                                        static_cast<std::size_t>(rows_of_run(scene)));
     ProgressLine line;
     const stream::Nanoseconds start = stream::MonotonicClock::now();
-    const Status status = stream::simulate(
+    const Status status = measures::simulate(
         simulation, record,
         [&](const Samples& block) {
             row_builder.write(block);
@@ -173,20 +173,20 @@ Exit run(const RunOptions& options) {
     stop_asked();  // from here on there are files to be cleaned up
     const SimulationOptions simulated{.taps = taps_of_run(scene, recorded | measured), .stop = &stop_asked()};
     Simulation simulation(scene, simulated);
-    const stream::RecordingHead head{
-        .columns = stream::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
+    const recordings::RecordingHead head{
+        .columns = recordings::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,
-        .provenance = stream::provenance_json(
-            {scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), std::nullopt}),
+        .provenance = measures::provenance_json(
+            {scene, resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), std::nullopt}),
         .full_scale = options.wav_scale.value_or(1)};
-    stream::RecordingSet recordings(
-        options.files, head, stream::RecordingPatience::endless(stop_asked()),
-        [](const std::string& text) { spdlog::error(text); }, stream::Appearance::when_complete);
+    recordings::RecordingSet recordings(
+        options.files, head, recordings::RecordingPatience::endless(stop_asked()),
+        [](const std::string& text) { spdlog::error(text); }, recordings::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
-    stream::SceneSteps steps{.steps = sound->steps, .options = simulated, .begins = [&](std::size_t step) {
-                                 recordings.note_change(stream::change_json(sound->changes[step]));
-                             }};
-    const stream::RunRecord record = simulate(simulation, recorded, measured, recordings, steps);
+    measures::SceneSteps steps{.steps = sound->steps, .options = simulated, .begins = [&](std::size_t step) {
+                                   recordings.note_change(stream::change_json(sound->changes[step]));
+                               }};
+    const measures::RunRecord record = simulate(simulation, recorded, measured, recordings, steps);
     const Scene& last = (steps.last ? *steps.last : simulation).scene();
     if (record.stopped) {
         recordings.discard();
@@ -209,10 +209,10 @@ Exit run(const RunOptions& options) {
         spdlog::error("stopped before the summary");
         return Exit::failed;
     }
-    stream::Warnings warnings = stream::scene_warnings(resolved);
+    measures::Warnings warnings = measures::scene_warnings(resolved);
     std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz, warnings);
     summary.push_back(contacts(record, last, warnings));
-    summary.push_back(stream::trust_of_run(record, resolved));
+    summary.push_back(measures::trust_of_run(record, resolved));
     summary.push_back(account(record, last, setup_s, recordings));
     if (options.format == Format::json) {
         summary.push_back(warnings_group(warnings));
@@ -234,7 +234,7 @@ Run run_command(CLI::App& app) {
         ->type_name("FILE");
     add_repeatable_option(
         app, "-o,--output", options->files,
-        "save the samples; the ending picks the format: " + stream::recording_endings() + "; repeatable")
+        "save the samples; the ending picks the format: " + recordings::recording_endings() + "; repeatable")
         ->type_name("FILE");
     add_columns_option(app, options->columns, all_taps);
     app.add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
@@ -247,8 +247,9 @@ Run run_command(CLI::App& app) {
         "measure these outputs, too, as v_out: " + comma_separated(names_of(measurable_taps)))
         ->delimiter(',')
         ->type_name("NAME,...");
-    add_repeatable_option(app, "--spectrum", options->spectra,
-                          "save the spectra of v_out and of what --measure names: " + stream::table_endings())
+    add_repeatable_option(
+        app, "--spectrum", options->spectra,
+        "save the spectra of v_out and of what --measure names: " + recordings::table_endings())
         ->check(missing_name)
         ->type_name("FILE");
     app.add_option("--plot", options->picture,

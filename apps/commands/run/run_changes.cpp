@@ -6,25 +6,23 @@
 #include <optional>
 #include <utility>
 
+#include "measures/provenance.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/command.hpp"
 #include "core/integrators/kernels.hpp"
+#include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 #include "core/simulation.hpp"
-#include "stream/files/input_file.hpp"
-#include "stream/files/json_from_outside.hpp"
-#include "stream/provenance.hpp"
-#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-using Json = nlohmann::ordered_json;
 
 [[noreturn]] void refuse(const std::string& where, const std::vector<Fault>& faults) {
     std::string text;
@@ -127,11 +125,11 @@ Scene recorded_scene(const Json& provenance, const std::string& origin) {
 }
 
 /// Index of the last sample.
-std::int64_t last_sample(stream::RecordingReader& reader) {
+std::int64_t last_sample(recordings::RecordingReader& reader) {
     constexpr std::size_t at_a_time = 4096;
     std::int64_t end = 0;
     const auto columns = static_cast<std::int64_t>(reader.head().columns.size());
-    for (stream::RecordedRows rows; reader.read(rows, at_a_time);) {
+    for (recordings::RecordedRows rows; reader.read(rows, at_a_time);) {
         end = rows.first + std::ssize(rows.values) / columns;
     }
     return std::max<std::int64_t>(0, end - 1);
@@ -147,14 +145,14 @@ void warn_of_differences(const Json& provenance, const std::string& origin) {
         }
     };
     differs("simd_target", kernels::kernel_target());
-    differs("version", stream::program_version());
+    differs("version", measures::program_version());
 }
 
 }  // namespace
 
 bool is_recording(const std::string& scene) {
     std::error_code error;
-    return !stream::recording_ending(scene).empty() && !stream::recording_fault(scene) &&
+    return !recordings::recording_ending(scene).empty() && !recordings::recording_fault(scene) &&
            fs::is_regular_file(scene, error);
 }
 
@@ -163,7 +161,7 @@ Session session_of_recording(const SceneRequest& request) {
     if (!request.settings.empty()) {
         throw WrongUse("--set: found together with a recording, allowed: with a scene");
     }
-    const std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(request.scene);
+    const std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(request.scene);
     const Json& provenance = reader->head().provenance;
     Session session;
     Scene scene = recorded_scene(provenance, origin);
@@ -198,9 +196,8 @@ Session session_of_scene(const SceneRequest& request, const std::string& file) {
     Session session;
     session.resolved = resolved_scene(request);
     try {
-        stream::InputFile input(file);
-        const Json json =
-            stream::json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
+        recordings::InputFile input(file);
+        const Json json = json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
         session.changes = changes_of(json.is_object() && json.contains("changes") ? json["changes"] : json,
                                      "--changes " + printable(file));
     } catch (const WrongUse&) {

@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
+#include "measures/run_record.hpp"
+
 #include "apps/arguments/scene_argument.hpp"
 #include "core/step_choice/resolve.hpp"
-#include "stream/measures/run_record.hpp"
-#include "stream/sources/control/scene_change.hpp"
+#include "stream/control/scene_change.hpp"
 
 namespace hertzline::app {
 
@@ -15,7 +16,7 @@ namespace hertzline::app {
 struct Session {
     ResolvedScene resolved;  ///< the first scene
     std::vector<stream::SceneChange> changes;
-    std::vector<stream::SceneStep> steps;  ///< the scenes of the changes
+    std::vector<measures::SceneStep> steps;  ///< the scenes of the changes
 };
 
 /// Whether SCENE names a recording: an ending of one, and a file that is there.

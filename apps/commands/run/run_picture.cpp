@@ -4,21 +4,22 @@
 #include <stdexcept>
 #include <vector>
 
+#include "measures/run_record.hpp"
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/plot/picture.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 #include "core/taps.hpp"
-#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-stream::RecordingHead head_of(const stream::RunRecord& record, const Scene& scene, const Json& provenance) {
-    stream::RecordingHead head;
-    for (const stream::TapRecord& tap : record.taps) {
+recordings::RecordingHead head_of(const measures::RunRecord& record, const Scene& scene,
+                                  const Json& provenance) {
+    recordings::RecordingHead head;
+    for (const measures::TapRecord& tap : record.taps) {
         const TapRow& row = row_of(tap.tap);
         head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
     }
@@ -29,7 +30,7 @@ stream::RecordingHead head_of(const stream::RunRecord& record, const Scene& scen
 }
 
 /// @returns false when stopped meanwhile
-bool draw(const std::string& file, const stream::RunRecord& record, const stream::RecordingHead& head,
+bool draw(const std::string& file, const measures::RunRecord& record, const recordings::RecordingHead& head,
           const std::string& title) {
     Picture picture(file, head);
     const std::size_t rows = std::min(record.rows(), static_cast<std::size_t>(max_picture_samples));
@@ -49,7 +50,7 @@ bool draw(const std::string& file, const stream::RunRecord& record, const stream
 
 }  // namespace
 
-bool save_picture(const std::string& file, const stream::RunRecord& record, const Scene& scene,
+bool save_picture(const std::string& file, const measures::RunRecord& record, const Scene& scene,
                   const Json& provenance, const std::string& title) {
     if (file.empty()) {
         return true;

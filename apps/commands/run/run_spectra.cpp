@@ -7,6 +7,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "measures/run_record.hpp"
+#include "measures/spectrum.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -14,23 +18,19 @@
 #include "apps/command.hpp"
 #include "apps/console/signals.hpp"
 #include "core/taps.hpp"
-#include "stream/measures/run_record.hpp"
-#include "stream/measures/spectrum.hpp"
-#include "stream/recordings/formats/table.hpp"
-#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-stream::Table spectra_of(const stream::RunRecord& record, const Scene& scene, const Json& provenance) {
-    stream::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
-    stream::Table table;
+recordings::Table spectra_of(const measures::RunRecord& record, const Scene& scene, const Json& provenance) {
+    measures::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
+    recordings::Table table;
     table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
     table.provenance = provenance;
-    for (const stream::TapRecord& tap : record.taps) {
+    for (const measures::TapRecord& tap : record.taps) {
         const TapRow& row = row_of(tap.tap);
-        stream::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
+        measures::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
         table.columns.front().values = std::move(spectrum.frequencies_hz);
         table.columns.push_back({{std::string(row.column), std::string(row.name), std::string(row.unit)},
                                  std::move(spectrum.amplitudes)});
@@ -43,15 +43,15 @@ stream::Table spectra_of(const stream::RunRecord& record, const Scene& scene, co
 void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const std::string> recordings) {
     std::set<std::filesystem::path> names;
     for (const std::string& file : recordings) {
-        names.insert(stream::recording_name(file));
+        names.insert(recordings::recording_name(file));
     }
     Faults faults;
     for (const std::string& file : spectra) {
         faults.of([&] {
-            if (const auto fault = stream::table_fault(file)) {
+            if (const auto fault = recordings::table_fault(file)) {
                 throw WrongUse("--spectrum: " + *fault);
             }
-            if (!names.insert(stream::recording_name(file)).second) {
+            if (!names.insert(recordings::recording_name(file)).second) {
                 throw WrongUse(
                     fmt::format("--spectrum: {}: found a second time, allowed: each file once", file));
             }
@@ -60,17 +60,17 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
     faults.refuse();
 }
 
-bool save_spectra(std::span<const std::string> files, const stream::RunRecord& record, const Scene& scene,
+bool save_spectra(std::span<const std::string> files, const measures::RunRecord& record, const Scene& scene,
                   const Json& provenance) {
     if (files.empty()) {
         return true;
     }
-    const stream::Table table = spectra_of(record, scene, provenance);
+    const recordings::Table table = spectra_of(record, scene, provenance);
     note_when_asked();  // from here on there are files to be cleaned up
     bool all = true;
     for (const std::string& file : files) {
         try {
-            all = stream::write_table(file, table, stop_asked()) && all;
+            all = recordings::write_table(file, table, stop_asked()) && all;
         } catch (const std::runtime_error& error) {
             spdlog::error(error.what());
             all = false;

@@ -4,9 +4,10 @@
 #include <span>
 #include <string>
 
+#include "measures/run_record.hpp"
+
 #include "apps/console/output.hpp"
 #include "core/scene/scene.hpp"
-#include "stream/measures/run_record.hpp"
 
 namespace hertzline::app {
 
@@ -15,7 +16,7 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
 
 /// Saves frequency and amplitude of each tap of the record (stream/measures/spectrum.hpp has the definition). Reports files that
 /// cannot be written. @returns whether all of them were
-bool save_spectra(std::span<const std::string> files, const stream::RunRecord& record, const Scene& scene,
+bool save_spectra(std::span<const std::string> files, const measures::RunRecord& record, const Scene& scene,
                   const Json& provenance);
 
 }  // namespace hertzline::app

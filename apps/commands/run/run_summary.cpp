@@ -2,15 +2,14 @@
 
 #include <string>
 
+#include "measures/spectrum.hpp"
 #include <spdlog/spdlog.h>
-
-#include "stream/measures/spectrum.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-void warn(const stream::Warnings& of_part, stream::Warnings& all) {
+void warn(const measures::Warnings& of_part, measures::Warnings& all) {
     for (const std::string& text : of_part) {
         spdlog::warn(text);
         all.push_back(text);
@@ -19,33 +18,33 @@ void warn(const stream::Warnings& of_part, stream::Warnings& all) {
 
 }  // namespace
 
-std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& scene,
-                                  std::optional<double> band_from_hz, stream::Warnings& warnings) {
-    stream::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
-    stream::Warnings of_record;
+std::vector<SummaryGroup> measure(const measures::RunRecord& record, const Scene& scene,
+                                  std::optional<double> band_from_hz, measures::Warnings& warnings) {
+    measures::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
+    measures::Warnings of_record;
     std::vector<SummaryGroup> groups =
-        stream::measures_of_run(record, scene, analyser, band_from_hz, of_record);
+        measures::measures_of_run(record, scene, analyser, band_from_hz, of_record);
     warn(of_record, warnings);
     return groups;
 }
 
-SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene, stream::Warnings& warnings) {
-    stream::Warnings of_contacts;
-    SummaryGroup group = stream::contacts_of_run(record, scene, of_contacts);
+SummaryGroup contacts(const measures::RunRecord& record, const Scene& scene, measures::Warnings& warnings) {
+    measures::Warnings of_contacts;
+    SummaryGroup group = measures::contacts_of_run(record, scene, of_contacts);
     warn(of_contacts, warnings);
     return group;
 }
 
-SummaryGroup warnings_group(const stream::Warnings& warnings) {
+SummaryGroup warnings_group(const measures::Warnings& warnings) {
     return {"", {{"warnings", warnings}}, ""};
 }
 
-SummaryGroup account(const stream::RunRecord& record, const Scene& scene, double setup_s,
-                     const stream::RecordingSet& recordings) {
-    SummaryGroup group = stream::account_of_run(record, scene);
-    stream::add_times(group, setup_s, record.wall_s());
-    group.values["recordings"] = stream::recordings_json(recordings);
-    stream::add_identity(group, scene);
+SummaryGroup account(const measures::RunRecord& record, const Scene& scene, double setup_s,
+                     const recordings::RecordingSet& recordings) {
+    SummaryGroup group = measures::account_of_run(record, scene);
+    measures::add_times(group, setup_s, record.wall_s());
+    group.values["recordings"] = recordings::recordings_json(recordings);
+    measures::add_identity(group, scene);
     return group;
 }
 

@@ -4,25 +4,26 @@
 #include <optional>
 #include <vector>
 
+#include "measures/run_summary.hpp"
+#include "recordings/recording_set.hpp"
+
 #include "apps/console/output.hpp"
 #include "core/simulation.hpp"
-#include "stream/measures/run_summary.hpp"
-#include "stream/recordings/recording_set.hpp"
 
 namespace hertzline::app {
 
 /// Peaks and spectra, v_out's first. Warns of a record that shows less than it seems to. @param warnings the texts are appended to it
-std::vector<SummaryGroup> measure(const stream::RunRecord& record, const Scene& scene,
-                                  std::optional<double> band_from_hz, stream::Warnings& warnings);
+std::vector<SummaryGroup> measure(const measures::RunRecord& record, const Scene& scene,
+                                  std::optional<double> band_from_hz, measures::Warnings& warnings);
 
 /// What the contacts carried. Warns where that is beyond Hertz's law.
-SummaryGroup contacts(const stream::RunRecord& record, const Scene& scene, stream::Warnings& warnings);
+SummaryGroup contacts(const measures::RunRecord& record, const Scene& scene, measures::Warnings& warnings);
 
 /// What was warned of, for JSON: as text it has been printed.
-SummaryGroup warnings_group(const stream::Warnings& warnings);
+SummaryGroup warnings_group(const measures::Warnings& warnings);
 
 /// What was run, how long it took, and where it was saved.
-SummaryGroup account(const stream::RunRecord& record, const Scene& scene, double setup_s,
-                     const stream::RecordingSet& recordings);
+SummaryGroup account(const measures::RunRecord& record, const Scene& scene, double setup_s,
+                     const recordings::RecordingSet& recordings);
 
 }  // namespace hertzline::app

@@ -16,7 +16,7 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/sources/control/control_client.hpp"
+#include "stream/control/control_client.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::app {

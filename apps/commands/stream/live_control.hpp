@@ -11,8 +11,8 @@
 
 #include "apps/commands/publish_session.hpp"
 #include "core/step_choice/resolve.hpp"
-#include "stream/sources/control/control_server.hpp"
-#include "stream/sources/control/scene_control.hpp"
+#include "stream/control/control_server.hpp"
+#include "stream/control/scene_control.hpp"
 
 namespace hertzline::app {
 

@@ -6,23 +6,23 @@
 #include <utility>
 #include <vector>
 
+#include "measures/resources.hpp"
+#include "measures/scene_report.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/row_builder.hpp"
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/listen/scope/scope_child.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/publish_session.hpp"
 #include "apps/commands/stream/live_control.hpp"
+#include "apps/commands/stream/scope_child.hpp"
 #include "apps/commands/stream/stream_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/measures/scene_report.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/recordings/row_builder.hpp"
-#include "stream/resources.hpp"
-#include "stream/sources/simulation_source.hpp"
+#include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
@@ -76,7 +76,7 @@ void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
     const double memory = stream::SimulationSource::memory_bytes(scene) +
                           stream_bytes(stream::SimulationSource::format_of(scene), options.pace, publishing) +
                           memory_of_recordings(scene, recorded, arguments.recordings.size());
-    if (const auto shortage = stream::memory_shortage("streaming this scene", memory)) {
+    if (const auto shortage = measures::memory_shortage("streaming this scene", memory)) {
         throw std::runtime_error(*shortage);
     }
     if (options.samples) {
@@ -114,7 +114,7 @@ CheckedArguments checked(const StreamArguments& arguments) {
 
 void warn_of_contacts(const StreamArguments& arguments, const Scene& scene) {
     for (const std::string& text :
-         stream::contact_warnings(scene, stream::peak_overlaps(scene, stream::first_burst_s(scene)))) {
+         measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene)))) {
         spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
     }
 }
@@ -147,19 +147,20 @@ Exit stream(const StreamArguments& arguments) {
     stream::SimulationSource source(scene, asked.recorded);
     stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
-    stream::RecordingSet recordings(
+    recordings::RecordingSet recordings(
         arguments.recordings,
-        {.columns = stream::recorded_columns(asked.recorded, static_cast<std::size_t>(scene.chain.spheres)),
+        {.columns =
+             recordings::recorded_columns(asked.recorded, static_cast<std::size_t>(scene.chain.spheres)),
          .sample_rate_hz = rate,
          .provenance = options.about,
          .full_scale = arguments.wav_scale.value_or(1)},
-        options.pace.is_flat_out() ? stream::RecordingPatience::of_a_second(stop_asked())
-                                   : stream::RecordingPatience::none(stop_asked()),
+        options.pace.is_flat_out() ? recordings::RecordingPatience::of_a_second(stop_asked())
+                                   : recordings::RecordingPatience::none(stop_asked()),
         [&line](const std::string& text) {
             line.clear();
             spdlog::error("{}; the stream continues", text);
         });
-    stream::RowBuilder row_builder(recordings, asked.recorded);
+    recordings::RowBuilder row_builder(recordings, asked.recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
     const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source);
     const std::unique_ptr<ScopeChild> scope =
@@ -183,7 +184,7 @@ Run stream_command(CLI::App& app) {
     add_scene_options(app, arguments->scene)->required();
     add_repeatable_option(app, "--record", arguments->recordings,
                           "save the samples as well; the ending picks the format: " +
-                              stream::recording_endings() + "; repeatable")
+                              recordings::recording_endings() + "; repeatable")
         ->check(missing_name)
         ->type_name("FILE");
     add_columns_option(app, arguments->columns, streamed_taps);

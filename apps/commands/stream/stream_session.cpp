@@ -3,22 +3,22 @@
 #include <chrono>
 #include <utility>
 
+#include "measures/provenance.hpp"
 #include <spdlog/spdlog.h>
 
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
-#include "stream/provenance.hpp"
 
 namespace hertzline::app {
 
 Json provenance_of_stream(const ResolvedScene& resolved, const std::string& run) {
-    return stream::provenance_json(
-        {resolved.scene, resolved.estimate, stream::utc_text(std::chrono::system_clock::now()), run});
+    return measures::provenance_json(
+        {resolved.scene, resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), run});
 }
 
 StreamSession::StreamSession(const std::string& name, ResolvedScene resolved, Json about,
-                             stream::RecordingSet& recordings, ProgressLine& line, LiveControl* control)
+                             recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control)
     : name_(printable(name)),
       now_(std::make_unique<SceneNow>(std::move(resolved))),
       about_(std::move(about)),
@@ -38,7 +38,7 @@ Json StreamSession::told(const stream::EstimateWatch::News& news) {
     }
     Json changed = Json::object();
     if (news.estimated_again) {
-        stream::add_estimate(changed, now_->estimate.estimate());
+        measures::add_estimate(changed, now_->estimate.estimate());
     }
     return changed;
 }
@@ -69,13 +69,13 @@ void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
     }
     told(now_->estimate.finish(meters.motion));
     const Scene& last = now_->resolved.scene;
-    summary["recordings"] = stream::recordings_json(recordings_);
+    summary["recordings"] = recordings::recordings_json(recordings_);
     summary["steps"] = meters.account.steps;
     summary["step_s"] = *last.numerics.step_s;
     summary["integrator"] = word(*last.numerics.integrator);
-    stream::add_estimate(summary, now_->estimate.estimate());
+    measures::add_estimate(summary, now_->estimate.estimate());
     summary["scene_hash"] = scene_hash(last);
-    summary["version"] = stream::program_version();
+    summary["version"] = measures::program_version();
 }
 
 PublishedSource StreamSession::callbacks() {

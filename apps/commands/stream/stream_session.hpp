@@ -4,12 +4,13 @@
 #include <memory>
 #include <string>
 
+#include "recordings/recording_set.hpp"
+
 #include "apps/commands/publish_session.hpp"
 #include "apps/commands/stream/live_control.hpp"
 #include "apps/console/progress.hpp"
 #include "core/step_choice/resolve.hpp"
-#include "stream/recordings/recording_set.hpp"
-#include "stream/sources/estimate_watch.hpp"
+#include "stream/inputs/estimate_watch.hpp"
 
 namespace hertzline::app {
 
@@ -22,7 +23,7 @@ public:
     /// @param name the scene's, as the user gave it @param about provenance_of_stream() of the first scene
     /// @param control null: nobody controls
     StreamSession(const std::string& name, ResolvedScene resolved, Json about,
-                  stream::RecordingSet& recordings, ProgressLine& line, LiveControl* control);
+                  recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control);
 
     /// Sees to all of it.
     PublishedSource callbacks();
@@ -43,7 +44,7 @@ private:
     std::string name_;
     std::unique_ptr<SceneNow> now_;
     Json about_;
-    stream::RecordingSet& recordings_;
+    recordings::RecordingSet& recordings_;
     ProgressLine& line_;
     LiveControl* control_;
 };

@@ -10,6 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "measures/resources.hpp"
+#include "recordings/recording_formats.hpp"
+#include "studies/sweep/journal.hpp"
+#include "studies/sweep/workers.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -25,10 +29,6 @@
 #include "apps/console/signals.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/scene/text.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/resources.hpp"
-#include "stream/sweep/journal.hpp"
-#include "stream/sweep/workers.hpp"
 
 namespace hertzline::app {
 
@@ -36,15 +36,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using stream::Journal;
-using stream::PointCounts;
-using stream::PointStatus;
-using stream::Sweep;
+using studies::Journal;
+using studies::PointCounts;
+using studies::PointStatus;
+using studies::Sweep;
 
 constexpr const char* journal_ending = ".journal";
 
 /// Beside the file: FILE.journal, or FILE.1-of-4.journal.
-fs::path journal_path(const SweepOptions& options, const stream::Shard& shard) {
+fs::path journal_path(const SweepOptions& options, const studies::Shard& shard) {
     return options.files.front() +
            (shard.parts > 1 ? fmt::format(".{}-of-{}", shard.part, shard.parts) : std::string()) +
            journal_ending;
@@ -61,7 +61,7 @@ Journal open_journal(const SweepOptions& options, const Sweep& sweep) {
 std::string target_advice(const std::string& journal) {
     std::string target;
     try {
-        target = stream::maker_of_journal(journal).at("simd_target").get<std::string>();
+        target = studies::maker_of_journal(journal).at("simd_target").get<std::string>();
     } catch (const std::runtime_error&) {
         return {};  // of another format
     }
@@ -72,13 +72,13 @@ std::string target_advice(const std::string& journal) {
 
 /// Gives it its beginning, or finds out that it has the right one.
 void prepare(Journal& journal, const Sweep& sweep, bool resume) {
-    const std::string text = stream::journal_text(sweep);
+    const std::string text = studies::journal_text(sweep);
     if (journal.is_new()) {
         if (resume) {
             spdlog::info("{} is not there; the sweep begins with its first point", journal.path().string());
         }
-        journal.begin(text, stream::payload_bytes(sweep.demand));
-    } else if (const auto difference = stream::journal_difference(journal.text(), text)) {
+        journal.begin(text, studies::payload_bytes(sweep.demand));
+    } else if (const auto difference = studies::journal_difference(journal.text(), text)) {
         throw WrongUse(
             fmt::format("{}: found {}, allowed: the journal of the same sweep, made by the same program{}",
                         journal.path().string(), *difference, target_advice(journal.text())));
@@ -109,21 +109,21 @@ void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std:
     const double points_bytes = 16 * static_cast<double>(sweep.plan.size());  // the journal's index
     const double memory = crew.threads_here() * sound.survey.memory_bytes + points_bytes;
     if (const auto shortage =
-            stream::memory_shortage(fmt::format("a sweep with {} jobs", crew.threads_here()), memory)) {
+            measures::memory_shortage(fmt::format("a sweep with {} jobs", crew.threads_here()), memory)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
-    const double journal = Journal::bytes(static_cast<double>(missing), stream::payload_bytes(sweep.demand));
+    const double journal = Journal::bytes(static_cast<double>(missing), studies::payload_bytes(sweep.demand));
     const double tables = sweep.shard.parts > 1 ? 0 : table_bytes(options.files, sweep);
     const fs::path path = options.files.empty() ? fs::temp_directory_path() / "hertzline-sweep"
                                                 : fs::path(options.files.front());
-    if (const auto shortage = stream::disk_shortage(path, journal + tables)) {
+    if (const auto shortage = measures::disk_shortage(path, journal + tables)) {
         throw std::runtime_error(*shortage);
     }
     spdlog::info("{}; {} to run, on {}; about {} of disk and {} of memory", sweep.plan.text(), missing,
-                 crew.text(), stream::human_bytes(journal + tables), stream::human_bytes(memory));
+                 crew.text(), measures::human_bytes(journal + tables), measures::human_bytes(memory));
 }
 
-void tell_of_refused(const stream::SweepSurvey& survey, std::int64_t points) {
+void tell_of_refused(const studies::SweepSurvey& survey, std::int64_t points) {
     if (survey.refused > 0) {
         spdlog::warn("{} of {} points cannot be simulated; {}", survey.refused, points, survey.first_refused);
     }
@@ -136,8 +136,8 @@ PointCounts run_missing(const Sweep& sweep, Journal& journal, const std::vector<
     SweepProgress progress(static_cast<std::int64_t>(missing.size()));
     PointCounts first;
     if (!missing.empty()) {
-        first = stream::run_points(sweep, journal, std::span(missing).first(1), 1, stop,
-                                   [](const PointCounts&) {});
+        first = studies::run_points(sweep, journal, std::span(missing).first(1), 1, stop,
+                                    [](const PointCounts&) {});
         const double left = progress.elapsed_s() * static_cast<double>(missing.size() - 1) / crew.threads();
         spdlog::info("the first point took {}: about {} for all", time_text(progress.elapsed_s()),
                      time_text(progress.elapsed_s() + left));
@@ -179,7 +179,7 @@ PointCounts run_or_tell(const SweepOptions& options, const Sweep& sweep, Journal
 
 /// Writes the files from a journal that has all rows. @returns whether all is written
 bool finish(const SweepOptions& options, const Sweep& sweep, Journal& journal, std::int64_t failed) {
-    if (!write_result(options, stream::SweepTable(sweep, {&journal}))) {
+    if (!write_result(options, studies::SweepTable(sweep, {&journal}))) {
         return false;
     }
     if (options.files.empty()) {
@@ -199,7 +199,7 @@ Exit run_sweep(const SweepOptions& options, SweepCrew& crew) {
     const Sweep& sweep = sound.sweep;
     const bool whole = sweep.shard.parts == 1;
     if (whole) {
-        std::ranges::for_each(options.files, stream::require_writable);
+        std::ranges::for_each(options.files, recordings::require_writable);
     }
     tell_of_refused(sound.survey, sweep.plan.size());
     crew.muster(options, sweep);

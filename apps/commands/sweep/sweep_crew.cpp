@@ -6,7 +6,7 @@
 
 namespace hertzline::app {
 
-void ThreadCrew::muster(const SweepOptions& options, const stream::Sweep& /*sweep*/) {
+void ThreadCrew::muster(const SweepOptions& options, const studies::Sweep& /*sweep*/) {
     threads_ = jobs_of(options);
 }
 
@@ -14,9 +14,9 @@ std::string ThreadCrew::text() const {
     return fmt::format("{} {}", threads_, threads_ == 1 ? "thread" : "threads");
 }
 
-stream::PointCounts ThreadCrew::run(const stream::Sweep& sweep, stream::Journal& journal,
-                                    std::span<const std::int64_t> points, const News& news) {
-    return stream::run_points(sweep, journal, points, threads_, stop_asked(), news);
+studies::PointCounts ThreadCrew::run(const studies::Sweep& sweep, studies::Journal& journal,
+                                     std::span<const std::int64_t> points, const News& news) {
+    return studies::run_points(sweep, journal, points, threads_, stop_asked(), news);
 }
 
 }  // namespace hertzline::app

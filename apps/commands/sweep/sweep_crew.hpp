@@ -6,15 +6,16 @@
 #include <span>
 #include <string>
 
+#include "studies/sweep/journal.hpp"
+#include "studies/sweep/workers.hpp"
+
 #include "apps/commands/sweep/sweep_options.hpp"
-#include "stream/sweep/journal.hpp"
-#include "stream/sweep/workers.hpp"
 
 namespace hertzline::app {
 
 class SweepCrew {
 public:
-    using News = std::function<void(const stream::PointCounts&)>;
+    using News = std::function<void(const studies::PointCounts&)>;
 
     virtual ~SweepCrew() = default;
     SweepCrew() = default;
@@ -22,7 +23,7 @@ public:
     SweepCrew& operator=(const SweepCrew&) = delete;
 
     /// Makes ready for a sound sweep, before its journal is opened. @throws WrongUse when some process cannot run its points
-    virtual void muster(const SweepOptions& options, const stream::Sweep& sweep) = 0;
+    virtual void muster(const SweepOptions& options, const studies::Sweep& sweep) = 0;
 
     /// In all processes.
     virtual int threads() const = 0;
@@ -32,19 +33,19 @@ public:
     virtual std::string text() const = 0;
 
     /// As stream::run_points(), until stop_asked().
-    virtual stream::PointCounts run(const stream::Sweep& sweep, stream::Journal& journal,
-                                    std::span<const std::int64_t> points, const News& news) = 0;
+    virtual studies::PointCounts run(const studies::Sweep& sweep, studies::Journal& journal,
+                                     std::span<const std::int64_t> points, const News& news) = 0;
 };
 
 /// The threads of this process.
 class ThreadCrew : public SweepCrew {
 public:
-    void muster(const SweepOptions& options, const stream::Sweep& sweep) override;
+    void muster(const SweepOptions& options, const studies::Sweep& sweep) override;
     int threads() const override { return threads_; }
     int threads_here() const override { return threads_; }
     std::string text() const override;
-    stream::PointCounts run(const stream::Sweep& sweep, stream::Journal& journal,
-                            std::span<const std::int64_t> points, const News& news) override;
+    studies::PointCounts run(const studies::Sweep& sweep, studies::Journal& journal,
+                             std::span<const std::int64_t> points, const News& news) override;
 
 private:
     int threads_ = 1;

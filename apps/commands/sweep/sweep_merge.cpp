@@ -11,28 +11,28 @@
 #include <utility>
 #include <vector>
 
+#include "recordings/recording_formats.hpp"
+#include "studies/sweep/journal.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/sweep/sweep_result.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/sweep/journal.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-using stream::Journal;
-using stream::PointCounts;
-using stream::Sweep;
+using studies::Journal;
+using studies::PointCounts;
+using studies::Sweep;
 
 /// @throws WrongUse when two names are those of one file
 void refuse_repeated(const std::vector<std::string>& names) {
     std::set<std::filesystem::path> seen;
     for (const std::string& name : names) {
-        if (!seen.insert(stream::recording_name(name)).second) {
+        if (!seen.insert(recordings::recording_name(name)).second) {
             throw WrongUse(
                 fmt::format("--merge: found {} a second time, allowed: each journal once", printable(name)));
         }
@@ -43,14 +43,14 @@ void refuse_repeated(const std::vector<std::string>& names) {
 std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep) {
     refuse_repeated(options.parts);
     std::map<std::int64_t, Journal> parts;  // a journal may say that there are millions
-    const std::string text = stream::journal_text(sweep);
+    const std::string text = studies::journal_text(sweep);
     for (const std::string& name : options.parts) {
         Journal journal(name, Journal::Use::read);
-        if (const auto difference = stream::journal_difference(journal.text(), text, true)) {
+        if (const auto difference = studies::journal_difference(journal.text(), text, true)) {
             throw WrongUse(
                 fmt::format("{}: found {}, allowed: parts of one sweep", printable(name), *difference));
         }
-        const stream::Shard shard = stream::sweep_of_journal(journal.text()).shard;
+        const studies::Shard shard = studies::sweep_of_journal(journal.text()).shard;
         const bool again = parts.contains(shard.part);
         if (shard.parts != sweep.shard.parts || again) {
             throw WrongUse(fmt::format("{}: found part {}/{}{}, allowed: each of {} parts once",
@@ -86,7 +86,7 @@ void refuse_options_beside_merge(const SweepOptions& options) {
 Sweep first_sweep(const std::string& name) {
     const Journal journal(name, Journal::Use::read);
     try {
-        return stream::sweep_of_journal(journal.text());
+        return studies::sweep_of_journal(journal.text());
     } catch (const std::runtime_error& error) {
         throw std::runtime_error(fmt::format("cannot read {}: {}", printable(name), error.what()));
     }
@@ -101,7 +101,7 @@ Exit merge_parts(const SweepOptions& options) {
     const std::vector<Journal> parts = open_parts(options, sweep);
     std::vector<const Journal*> journals;
     std::ranges::transform(parts, std::back_inserter(journals), [](const Journal& part) { return &part; });
-    const stream::SweepTable table(sweep, journals);
+    const studies::SweepTable table(sweep, journals);
     if (const std::int64_t point = table.first_missing(); point >= 0) {
         const Journal& part = parts[static_cast<std::size_t>(point % sweep.shard.parts)];
         throw std::runtime_error(fmt::format("{} lacks {}: run that part to its end with --resume",

@@ -13,6 +13,8 @@
 #include <thread>
 #include <utility>
 
+#include "recordings/files/input_file.hpp"
+#include "studies/sweep/sweep_files.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -20,8 +22,6 @@
 #include "apps/command.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
 #include "core/scene/text.hpp"
-#include "stream/files/input_file.hpp"
-#include "stream/sweep/sweep_files.hpp"
 
 namespace hertzline::app {
 
@@ -52,7 +52,7 @@ constexpr double max_points_bytes = 1U << 30;
 }
 
 std::string points_text(const std::string& name) {
-    stream::InputFile file(name);
+    recordings::InputFile file(name);
     if (static_cast<double>(file.size()) > max_points_bytes) {
         throw WrongUse(fmt::format("--points: found {} bytes, allowed: at most {} bytes", file.size(),
                                    number_text(max_points_bytes)));
@@ -65,11 +65,11 @@ std::string points_text(const std::string& name) {
 }
 
 /// What `--set` says is not what varies.
-void refuse_set_keys(const SweepOptions& options, const stream::SweepPlan& plan) {
+void refuse_set_keys(const SweepOptions& options, const studies::SweepPlan& plan) {
     Faults faults;
     for (const std::string& setting : options.scene.settings) {
         const std::string key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
-        if (std::ranges::find(plan.keys(), key, &stream::SceneKeyInfo::name) != plan.keys().end()) {
+        if (std::ranges::find(plan.keys(), key, &SceneKeyInfo::name) != plan.keys().end()) {
             faults.of([&] {
                 throw WrongUse(fmt::format("--set {}: found a key that varies, allowed: one that does not",
                                            printable(setting)));
@@ -79,13 +79,13 @@ void refuse_set_keys(const SweepOptions& options, const stream::SweepPlan& plan)
     faults.refuse();
 }
 
-stream::SweepPlan plan_of(const SweepOptions& options) {
+studies::SweepPlan plan_of(const SweepOptions& options) {
     const ParsedScene base = parsed_scene(options.scene);
-    stream::PlanRequest request{options.vary, "", printable(options.points), options.sobol};
+    studies::PlanRequest request{options.vary, "", printable(options.points), options.sobol};
     if (!options.points.empty()) {
         request.points = points_text(options.points);
     }
-    auto plan = stream::SweepPlan::make(base.scene, request);
+    auto plan = studies::SweepPlan::make(base.scene, request);
     if (!plan) {
         refuse(plan.error());
     }
@@ -107,7 +107,7 @@ std::optional<std::int64_t> slurm_number(const char* name) {
 }
 
 /// The task of an array of jobs: --array=1-8 has parts 1/8 to 8/8.
-stream::Shard shard_of_slurm_task() {
+studies::Shard shard_of_slurm_task() {
     const auto task = slurm_number("SLURM_ARRAY_TASK_ID");
     const auto tasks = slurm_number("SLURM_ARRAY_TASK_COUNT");
     const auto first = slurm_number("SLURM_ARRAY_TASK_MIN");
@@ -117,7 +117,7 @@ stream::Shard shard_of_slurm_task() {
             "--shard slurm: found no SLURM_ARRAY_TASK_ID with its COUNT, MIN and MAX, allowed: in a job of "
             "sbatch --array=1-N");
     }
-    if (*last - *first + 1 != *tasks || *task < *first || *task > *last || *tasks > stream::max_points) {
+    if (*last - *first + 1 != *tasks || *task < *first || *task > *last || *tasks > studies::max_points) {
         throw WrongUse(fmt::format(
             "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps, as 1-8; "
             "--shard I/N names a part of it",
@@ -126,8 +126,8 @@ stream::Shard shard_of_slurm_task() {
     return {*task - *first + 1, *tasks};
 }
 
-stream::Shard shard_of(const std::string& text) {
-    stream::Shard shard;
+studies::Shard shard_of(const std::string& text) {
+    studies::Shard shard;
     if (text.empty()) {
         return shard;
     }
@@ -139,15 +139,15 @@ stream::Shard shard_of(const std::string& text) {
     const bool divided = part.ec == std::errc{} && part.ptr != end && *part.ptr == '/';
     const auto parts = divided ? std::from_chars(part.ptr + 1, end, shard.parts) : part;
     if (!divided || parts.ec != std::errc{} || parts.ptr != end || shard.part < 1 ||
-        shard.part > shard.parts || shard.parts > stream::max_points) {
+        shard.part > shard.parts || shard.parts > studies::max_points) {
         throw WrongUse(fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm",
                                    quoted_briefly(text)));
     }
     return shard;
 }
 
-std::vector<stream::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
-    auto columns = stream::chosen_columns(stream::number_columns(measured, modal), options.quantities);
+std::vector<studies::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
+    auto columns = studies::chosen_columns(studies::number_columns(measured, modal), options.quantities);
     if (!columns) {
         std::string text;
         for (const std::string& fault : columns.error()) {
@@ -198,17 +198,18 @@ int jobs_of(const SweepOptions& options) {
 
 SoundSweep sound_sweep(const SweepOptions& options) {
     Faults faults;
-    std::optional<stream::SweepPlan> plan;
-    stream::Shard shard;
+    std::optional<studies::SweepPlan> plan;
+    studies::Shard shard;
     faults.of([&] { refuse_wrong_output(options); });
     faults.of([&] { jobs_of(options); });
     faults.of([&] { shard = shard_of(options.shard); });
     faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.of([&] { plan = plan_of(options); });
-    stream::SweepSurvey survey =
-        plan ? stream::survey_of(*plan, stream::measurable_among(options.measures)) : stream::SweepSurvey{};
+    studies::SweepSurvey survey =
+        plan ? studies::survey_of(*plan, measures::measurable_among(options.measures))
+             : studies::SweepSurvey{};
     const TapSet there = survey.measurable();
-    stream::PointDemand demand;
+    studies::PointDemand demand;
     demand.band_from_hz = options.band_from_hz;
     demand.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(survey.rows);
     faults.of([&] { demand.measured = tap_arguments("--measure", options.measures, there); });
@@ -218,8 +219,9 @@ SoundSweep sound_sweep(const SweepOptions& options) {
         }
     });
     faults.of([&] {
-        demand.columns = columns_of(
-            options, (demand.measured | stream::measured_unasked) & (there | demand.measured), survey.modal);
+        demand.columns =
+            columns_of(options, (demand.measured | measures::measured_unasked) & (there | demand.measured),
+                       survey.modal);
     });
     faults.refuse();
     survey.memory_bytes += sizeof(float) * static_cast<double>(demand.waveform_samples);

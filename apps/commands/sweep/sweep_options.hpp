@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "studies/sweep/survey.hpp"
+#include "studies/sweep/sweep.hpp"
 #include <CLI/CLI.hpp>
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/console/output.hpp"
-#include "stream/sweep/survey.hpp"
-#include "stream/sweep/sweep.hpp"
 
 namespace hertzline::app {
 
@@ -39,8 +39,8 @@ void add_sweep_options(CLI::App& app, SweepOptions& options);
 
 /// A sweep whose plan is sound.
 struct SoundSweep {
-    stream::Sweep sweep;
-    stream::SweepSurvey survey;
+    studies::Sweep sweep;
+    studies::SweepSurvey survey;
 };
 
 /// Looks at the scene of every point. @throws WrongUse that names every fault at once

@@ -13,7 +13,7 @@ namespace {
 constexpr auto between_messages = std::chrono::seconds(10);
 }  // namespace
 
-std::string sweep_progress_text(const stream::PointCounts& done, std::int64_t all, double elapsed_s) {
+std::string sweep_progress_text(const studies::PointCounts& done, std::int64_t all, double elapsed_s) {
     const auto points = static_cast<double>(done.all());
     const double rate = elapsed_s > 0 ? points / elapsed_s : 0;
     const double left = rate > 0 ? (static_cast<double>(all) - points) / rate : INFINITY;
@@ -29,7 +29,7 @@ double SweepProgress::elapsed_s() const {
     return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
-void SweepProgress::tell(const stream::PointCounts& done) {
+void SweepProgress::tell(const studies::PointCounts& done) {
     if (line_.due()) {
         line_.show(sweep_progress_text(done, all_, elapsed_s()));
     }

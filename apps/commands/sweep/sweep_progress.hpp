@@ -5,20 +5,21 @@
 #include <cstdint>
 #include <string>
 
+#include "studies/sweep/workers.hpp"
+
 #include "apps/console/progress.hpp"
-#include "stream/sweep/workers.hpp"
 
 namespace hertzline::app {
 
 /// " 42 %  420 of 1000 points, 251 points/s, 2.31 s left; 3 refused"
-std::string sweep_progress_text(const stream::PointCounts& done, std::int64_t all, double elapsed_s);
+std::string sweep_progress_text(const studies::PointCounts& done, std::int64_t all, double elapsed_s);
 
 class SweepProgress {
 public:
     /// @param all points that are to be run
     explicit SweepProgress(std::int64_t all);
 
-    void tell(const stream::PointCounts& done);
+    void tell(const studies::PointCounts& done);
 
     /// Since it was made [s].
     double elapsed_s() const;

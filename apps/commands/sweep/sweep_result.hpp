@@ -5,9 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "studies/sweep/sweep_table.hpp"
+#include "studies/sweep/workers.hpp"
+
 #include "apps/commands/sweep/sweep_options.hpp"
-#include "stream/sweep/sweep_table.hpp"
-#include "stream/sweep/workers.hpp"
 
 namespace hertzline::app {
 
@@ -18,22 +19,22 @@ void refuse_no_output(const SweepOptions& options);
 void refuse_wrong_tables(std::span<const std::string> files, bool with_waveforms);
 
 /// @throws std::runtime_error when the journal's rows are not as long as those of the sweep
-void require_rows_of(const stream::Sweep& sweep, const stream::Journal& journal);
+void require_rows_of(const studies::Sweep& sweep, const studies::Journal& journal);
 
 /// Bytes of all the files, from above.
-double table_bytes(std::span<const std::string> files, const stream::Sweep& sweep);
+double table_bytes(std::span<const std::string> files, const studies::Sweep& sweep);
 
 /// Writes the tables. @returns whether all are written: false once the user stops it
-bool write_tables(std::span<const std::string> files, const stream::SweepTable& table);
+bool write_tables(std::span<const std::string> files, const studies::SweepTable& table);
 
 /// The same, and prints the rows where --json asks for them.
-bool write_result(const SweepOptions& options, const stream::SweepTable& table);
+bool write_result(const SweepOptions& options, const studies::SweepTable& table);
 
 /// As summaries name them: a text, or several.
 Json names_json(const std::vector<std::string>& files);
 
 /// The summary, unless stdout has the rows.
-void print_counts(const SweepOptions& options, const stream::PointCounts& counts,
+void print_counts(const SweepOptions& options, const studies::PointCounts& counts,
                   const std::vector<std::string>& files);
 
 }  // namespace hertzline::app

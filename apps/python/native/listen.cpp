@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "measures/run_record.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/text.hpp"
 #include "core/taps.hpp"
-#include "stream/measures/run_record.hpp"
-#include "stream/sources/received_run.hpp"
+#include "stream/listening/received_run.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/security/certificate.hpp"
 #include "stream/wire/subscriber.hpp"
@@ -166,7 +166,7 @@ py::dict totals_of(const Listener& listener) {
     dict["samples"] = received.totals().samples;
     dict.attr("update")(python_object(received.account()));
     dict["gapless"] = received.sound();
-    dict["ended_by"] = stream::word(received.end_reason());
+    dict["ended_by"] = word(received.end_reason());
     return dict;
 }
 

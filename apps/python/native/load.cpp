@@ -7,13 +7,13 @@
 #include <utility>
 #include <vector>
 
+#include "recordings/recording.hpp"
+#include "recordings/recording_formats.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/taps.hpp"
-#include "stream/recordings/recording.hpp"
-#include "stream/recordings/recording_formats.hpp"
 
 namespace hertzline::python {
 
@@ -28,15 +28,15 @@ struct Stretch {
 };
 
 struct Recording {
-    stream::RecordingHead head;
+    recordings::RecordingHead head;
     std::vector<double> values;  ///< row-major, [row][column]
     std::vector<Stretch> stretches;
 
     std::size_t rows() const { return values.size() / head.columns.size(); }
 };
 
-void read_rows(stream::RecordingReader& reader, Recording& recording, const std::atomic<bool>& stop) {
-    stream::RecordedRows rows;
+void read_rows(recordings::RecordingReader& reader, Recording& recording, const std::atomic<bool>& stop) {
+    recordings::RecordedRows rows;
     std::int64_t due = -1;  // the sample that follows
     while (!stop && reader.read(rows, portion)) {
         if (rows.first != due) {
@@ -48,12 +48,12 @@ void read_rows(stream::RecordingReader& reader, Recording& recording, const std:
 }
 
 std::shared_ptr<Recording> load(const std::string& path) {
-    if (const auto fault = stream::recording_fault(path)) {
+    if (const auto fault = recordings::recording_fault(path)) {
         throw py::value_error(*fault);
     }
     auto recording = std::make_shared<Recording>();
     with_os_errors([&] {
-        const std::unique_ptr<stream::RecordingReader> reader = stream::open_reader(path);
+        const std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(path);
         recording->head = reader->head();
         interruptible([&](const std::atomic<bool>& stop) { read_rows(*reader, *recording, stop); },
                       [&] { reader->interrupt(); });
@@ -63,12 +63,12 @@ std::shared_ptr<Recording> load(const std::string& path) {
 
 /// Whose columns are `quantity`: the first of them, and how many follow it without a break.
 std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const std::string& quantity) {
-    const std::vector<stream::Column>& columns = recording.head.columns;
-    const auto named = std::ranges::find(columns, quantity, &stream::Column::name);
+    const std::vector<recordings::Column>& columns = recording.head.columns;
+    const auto named = std::ranges::find(columns, quantity, &recordings::Column::name);
     if (named != columns.end()) {
         return {static_cast<std::size_t>(named - columns.begin()), 1};
     }
-    const auto is_its = [&](const stream::Column& column) { return column.quantity == quantity; };
+    const auto is_its = [&](const recordings::Column& column) { return column.quantity == quantity; };
     const auto first = std::ranges::find_if(columns, is_its);
     return {static_cast<std::size_t>(first - columns.begin()),
             static_cast<std::size_t>(std::ranges::count_if(columns, is_its))};
@@ -77,7 +77,7 @@ std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const
 /// [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain. @param name of a quantity or of a column
 py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
     const auto [first, count] = columns_of(*recording, name);
-    const std::vector<stream::Column>& columns = recording->head.columns;
+    const std::vector<recordings::Column>& columns = recording->head.columns;
     if (count == 0) {
         throw py::key_error("found \"" + name + "\", which the recording does not hold");
     }
@@ -111,7 +111,7 @@ void add_load(py::module_& module) {
             "columns",
             [](const Recording& recording) {
                 py::list columns;
-                for (const stream::Column& column : recording.head.columns) {
+                for (const recordings::Column& column : recording.head.columns) {
                     columns.append(py::make_tuple(column.name, column.quantity, column.unit));
                 }
                 return columns;

@@ -1,5 +1,6 @@
 // The module hertzline._native: what Python's package hertzline is made of. The package beside it is what users see.
 
+#include "measures/provenance.hpp"
 #include <pybind11/pybind11.h>
 
 #include "apps/python/native/listen.hpp"
@@ -8,11 +9,10 @@
 #include "apps/python/native/scene_object.hpp"
 #include "apps/python/native/spectrum.hpp"
 #include "apps/python/native/sweep.hpp"
-#include "stream/provenance.hpp"
 
 PYBIND11_MODULE(_native, module) {
     module.doc() = "What the package hertzline is made of: use the package.";
-    module.attr("version") = hertzline::stream::program_version();
+    module.attr("version") = hertzline::measures::program_version();
     hertzline::python::add_scene(module);
     hertzline::python::add_run(module);
     hertzline::python::add_spectrum(module);

@@ -1,35 +1,37 @@
 #include "apps/python/native/python_values.hpp"
 
-#include "stream/measures/run_record.hpp"
-#include "stream/resources.hpp"
+#include "measures/resources.hpp"
+#include "measures/run_record.hpp"
+
+#include "core/scene/json.hpp"
 
 namespace hertzline::python {
 
-py::object python_object(const nlohmann::ordered_json& json) {
+py::object python_object(const Json& json) {
     switch (json.type()) {
-        case nlohmann::ordered_json::value_t::object: {
+        case Json::value_t::object: {
             py::dict dict;
             for (const auto& [key, value] : json.items()) {
                 dict[py::str(key)] = python_object(value);
             }
             return dict;
         }
-        case nlohmann::ordered_json::value_t::array: {
+        case Json::value_t::array: {
             py::list list;
             for (const auto& value : json) {
                 list.append(python_object(value));
             }
             return list;
         }
-        case nlohmann::ordered_json::value_t::string:
+        case Json::value_t::string:
             return py::str(json.get_ref<const std::string&>());
-        case nlohmann::ordered_json::value_t::boolean:
+        case Json::value_t::boolean:
             return py::bool_(json.get<bool>());
-        case nlohmann::ordered_json::value_t::number_integer:
+        case Json::value_t::number_integer:
             return py::int_(json.get<std::int64_t>());
-        case nlohmann::ordered_json::value_t::number_unsigned:
+        case Json::value_t::number_unsigned:
             return py::int_(json.get<std::uint64_t>());
-        case nlohmann::ordered_json::value_t::number_float:
+        case Json::value_t::number_float:
             return py::float_(json.get<double>());
         default:
             return py::none();
@@ -57,7 +59,7 @@ TapSet taps_named(const char* argument, const std::vector<std::string>& names, T
                   ArgumentFaults& faults) {
     TapSet taps;
     for (const std::string& name : names) {
-        if (const auto tap = stream::find_tap(name, allowed)) {
+        if (const auto tap = measures::find_tap(name, allowed)) {
             taps |= *tap;
         } else {
             faults.add(std::string(argument) + ": " + tap.error());
@@ -78,7 +80,7 @@ void with_os_errors(const std::function<void()>& work) {
 }
 
 void require_memory(const std::string& what, double bytes) {
-    if (const auto shortage = stream::memory_shortage(what, bytes)) {
+    if (const auto shortage = measures::memory_shortage(what, bytes)) {
         PyErr_SetString(PyExc_MemoryError, shortage->c_str());
         throw py::error_already_set();
     }

@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
 #include "core/scene/fault.hpp"
+#include "core/scene/json.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::python {
@@ -22,7 +22,7 @@ namespace hertzline::python {
 namespace py = pybind11;
 
 /// dict, list, str, int, float, bool or None.
-py::object python_object(const nlohmann::ordered_json& json);
+py::object python_object(const Json& json);
 
 /// The faults, a line each, as messages call them. Those of settings name the key alone.
 std::string fault_text(std::vector<Fault> faults);

@@ -5,14 +5,15 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "recordings/columns.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
+#include "recordings/row_builder.hpp"
+
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/samples.hpp"
 #include "core/scene/text.hpp"
-#include "stream/recordings/columns.hpp"
-#include "stream/recordings/recording_formats.hpp"
-#include "stream/recordings/recording_set.hpp"
-#include "stream/recordings/row_builder.hpp"
 
 namespace hertzline::python {
 
@@ -33,12 +34,12 @@ void fill(Samples& block, const RunResult& result, TapSet taps, std::size_t firs
 }
 
 /// @throws std::runtime_error when one of the recordings has failed
-void write(const RunResult& result, const std::vector<std::string>& paths, const stream::RecordingHead& head,
-           TapSet taps, const std::atomic<bool>& stop) {
-    stream::RecordingSet recordings(
-        paths, head, stream::RecordingPatience::endless(stop), [](const std::string&) {},
-        stream::Appearance::when_complete);
-    stream::RowBuilder rows(recordings, taps);
+void write(const RunResult& result, const std::vector<std::string>& paths,
+           const recordings::RecordingHead& head, TapSet taps, const std::atomic<bool>& stop) {
+    recordings::RecordingSet recordings(
+        paths, head, recordings::RecordingPatience::endless(stop), [](const std::string&) {},
+        recordings::Appearance::when_complete);
+    recordings::RowBuilder rows(recordings, taps);
     Samples block(taps, result.spheres, block_rows);
     for (std::size_t first = 0; first < result.rows && !stop; first += block.count) {
         fill(block, result, taps, first);
@@ -50,7 +51,7 @@ void write(const RunResult& result, const std::vector<std::string>& paths, const
     }
     recordings.commit();
     std::string failures;
-    for (const stream::RecordingSet::Status& status : recordings.status()) {
+    for (const recordings::RecordingSet::Status& status : recordings.status()) {
         if (!status.failure.empty()) {
             failures += (failures.empty() ? "" : "\n") + status.failure;
         }
@@ -63,7 +64,7 @@ void write(const RunResult& result, const std::vector<std::string>& paths, const
 /// The HDF5 library may be entered by one thread at a time, and h5py holds the GIL when it does.
 bool needs_the_gil(const std::vector<std::string>& paths) {
     return std::ranges::any_of(
-        paths, [](const std::string& path) { return stream::recording_ending(path) == ".h5"; });
+        paths, [](const std::string& path) { return recordings::recording_ending(path) == ".h5"; });
 }
 
 }  // namespace
@@ -73,7 +74,7 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
     ArgumentFaults faults;
     const TapSet taps = names ? taps_named("taps", *names, result->held, faults) : result->asked;
     for (const std::string& path : paths) {
-        if (const auto fault = stream::recording_fault(path)) {
+        if (const auto fault = recordings::recording_fault(path)) {
             faults.add(*fault);
         }
     }
@@ -84,10 +85,10 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
         faults.add("taps: found none, allowed: at least one");
     }
     faults.refuse();
-    const stream::RecordingHead head{.columns = stream::recorded_columns(taps, result->spheres),
-                                     .sample_rate_hz = result->sample_rate_hz,
-                                     .provenance = result->provenance,
-                                     .full_scale = wav_scale};
+    const recordings::RecordingHead head{.columns = recordings::recorded_columns(taps, result->spheres),
+                                         .sample_rate_hz = result->sample_rate_hz,
+                                         .provenance = result->provenance,
+                                         .full_scale = wav_scale};
     with_os_errors([&] {
         if (needs_the_gil(paths)) {
             const std::atomic<bool> never{false};

@@ -8,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <nlohmann/json.hpp>
-
+#include "core/scene/json.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::python {
@@ -22,8 +21,8 @@ struct RunResult {
     TapSet asked;  ///< taps that the caller named, or those of a recording
     TapSet held;   ///< taps that have samples: also those that are measured
     std::array<std::vector<double>, tap_count> columns;  ///< row-major, [sample][channel]
-    nlohmann::ordered_json summary;
-    nlohmann::ordered_json provenance;
+    Json summary;
+    Json provenance;
     std::vector<std::string> warnings;
 
     std::vector<double>& column(Tap tap) noexcept { return columns[static_cast<std::size_t>(tap)]; }

@@ -5,16 +5,17 @@
 #include <optional>
 #include <utility>
 
+#include "measures/run_summary.hpp"
+#include "measures/scene_report.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
 #include "core/simulation.hpp"
-#include "stream/measures/run_summary.hpp"
-#include "stream/measures/scene_report.hpp"
-#include "stream/scene_json.hpp"
 
 namespace hertzline::python {
 
@@ -42,15 +43,15 @@ std::string unknown_scene(const std::string& name) {
 py::object check(SceneObject& object) {
     const std::shared_ptr<const ResolvedScene> resolved = object.resolved();
     const Scene& scene = resolved->scene;
-    std::vector<stream::ReportRow> report;
-    std::vector<std::string> warnings = stream::scene_warnings(*resolved);
+    std::vector<measures::ReportRow> report;
+    std::vector<std::string> warnings = measures::scene_warnings(*resolved);
     interruptible([&](const std::atomic<bool>&) {
         const auto peaks =
-            stream::peak_overlaps(scene, std::min(scene.output.duration_s, stream::first_burst_s(scene)));
-        report = stream::scene_report(*resolved, peaks);
-        std::ranges::move(stream::contact_warnings(scene, peaks), std::back_inserter(warnings));
+            measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
+        report = measures::scene_report(*resolved, peaks);
+        std::ranges::move(measures::contact_warnings(scene, peaks), std::back_inserter(warnings));
     });
-    nlohmann::ordered_json json = stream::report_json(report);
+    Json json = measures::report_json(report);
     json["scene_hash"] = scene_hash(scene);
     json["warnings"] = std::move(warnings);
     return python_object(json);
@@ -79,8 +80,7 @@ void add_scene(py::module_& module) {
         .def_property_readonly("origin", &SceneObject::origin)
         .def("toml", [](const SceneObject& object) { return to_toml(object.scene()); })
         .def("hash", [](const SceneObject& object) { return scene_hash(object.scene()); })
-        .def("values",
-             [](const SceneObject& object) { return python_object(stream::scene_json(object.scene())); })
+        .def("values", [](const SceneObject& object) { return python_object(scene_json(object.scene())); })
         .def("resolved",
              [](SceneObject& object) {
                  return std::make_shared<SceneObject>(

@@ -4,12 +4,12 @@
 #include <span>
 #include <utility>
 
+#include "measures/spectrum.hpp"
+#include "measures/spectrum_json.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
-#include "stream/measures/spectrum.hpp"
-#include "stream/measures/spectrum_json.hpp"
 
 namespace hertzline::python {
 
@@ -25,18 +25,19 @@ py::tuple spectrum(const Record& samples, double sample_rate_hz, std::optional<d
                               " dimensions, allowed: one channel, which has one");
     }
     const std::span<const double> record(samples.data(), static_cast<std::size_t>(samples.size()));
-    require_memory("a spectrum", stream::SpectrumAnalyser::bytes_needed(static_cast<double>(record.size())));
-    stream::MagnitudeSpectrum lines;
-    std::optional<stream::SpectrumSummary> summary;
+    require_memory("a spectrum",
+                   measures::SpectrumAnalyser::bytes_needed(static_cast<double>(record.size())));
+    measures::MagnitudeSpectrum lines;
+    std::optional<measures::SpectrumSummary> summary;
     interruptible([&](const std::atomic<bool>&) {
-        stream::SpectrumAnalyser analyser(record.size(), sample_rate_hz);
+        measures::SpectrumAnalyser analyser(record.size(), sample_rate_hz);
         lines = analyser.magnitudes(record);
         if (fundamental_hz) {
             summary = analyser.analyse(record, *fundamental_hz, band_from_hz);
         }
     });
     return py::make_tuple(array_of(std::move(lines.frequencies_hz)), array_of(std::move(lines.amplitudes)),
-                          summary ? python_object(stream::spectrum_json(*summary)) : py::none());
+                          summary ? python_object(measures::spectrum_json(*summary)) : py::none());
 }
 
 }  // namespace

@@ -11,17 +11,17 @@
 #include <variant>
 #include <vector>
 
+#include "studies/sweep/journal.hpp"
+#include "studies/sweep/survey.hpp"
+#include "studies/sweep/sweep.hpp"
+#include "studies/sweep/sweep_table.hpp"
+#include "studies/sweep/workers.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/scene_object.hpp"
 #include "core/scene/text.hpp"
-#include "stream/sweep/journal.hpp"
-#include "stream/sweep/survey.hpp"
-#include "stream/sweep/sweep.hpp"
-#include "stream/sweep/sweep_table.hpp"
-#include "stream/sweep/workers.hpp"
 
 namespace hertzline::python {
 
@@ -31,7 +31,7 @@ constexpr int max_jobs = 1024;
 
 /// As Python gives it.
 struct SweepRequest {
-    stream::PlanRequest plan;
+    studies::PlanRequest plan;
     std::vector<std::string> measure;
     std::vector<std::string> quantities;
     std::optional<double> band_from_hz;
@@ -58,10 +58,10 @@ int jobs_of(const SweepRequest& request, ArgumentFaults& faults) {
 }
 
 /// What is kept of each point. What is wrong goes to the faults.
-stream::PointDemand demand_of(const SweepRequest& request, const stream::SweepSurvey& survey,
-                              ArgumentFaults& faults) {
+studies::PointDemand demand_of(const SweepRequest& request, const studies::SweepSurvey& survey,
+                               ArgumentFaults& faults) {
     const TapSet there = survey.measurable();
-    stream::PointDemand demand;
+    studies::PointDemand demand;
     demand.measured = taps_named("measure", request.measure, there, faults);
     demand.band_from_hz = request.band_from_hz;
     if (const auto from = demand.band_from_hz; from && !(*from >= 0 && std::isfinite(*from))) {
@@ -72,8 +72,8 @@ stream::PointDemand demand_of(const SweepRequest& request, const stream::SweepSu
         demand.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
         demand.waveform_samples = static_cast<std::size_t>(survey.rows);
     }
-    auto columns = stream::chosen_columns(
-        stream::number_columns((demand.measured | stream::measured_unasked) & there, survey.modal),
+    auto columns = studies::chosen_columns(
+        studies::number_columns((demand.measured | measures::measured_unasked) & there, survey.modal),
         request.quantities);
     if (columns) {
         demand.columns = *std::move(columns);
@@ -85,12 +85,12 @@ stream::PointDemand demand_of(const SweepRequest& request, const stream::SweepSu
     return demand;
 }
 
-std::vector<TableColumn> empty_columns(const stream::SweepTable& table) {
+std::vector<TableColumn> empty_columns(const studies::SweepTable& table) {
     std::vector<TableColumn> columns;
-    for (const stream::RecordField& field : table.columns()) {
-        if (field.kind == stream::RecordKind::integer) {
+    for (const recordings::RecordField& field : table.columns()) {
+        if (field.kind == recordings::RecordKind::integer) {
             columns.emplace_back(std::vector<std::int64_t>());
-        } else if (field.kind == stream::RecordKind::number) {
+        } else if (field.kind == recordings::RecordKind::number) {
             columns.emplace_back(std::vector<double>());
         } else {
             columns.emplace_back(std::vector<std::string>());
@@ -99,11 +99,11 @@ std::vector<TableColumn> empty_columns(const stream::SweepTable& table) {
     return columns;
 }
 
-Rows rows_of(const stream::SweepTable& table, bool with_waveforms) {
+Rows rows_of(const studies::SweepTable& table, bool with_waveforms) {
     Rows rows{empty_columns(table), {}};
     for (std::int64_t point = 0; point < table.sweep().plan.size(); ++point) {
         std::vector<float> waveform;
-        std::vector<stream::Cell> cells = table.row(point, with_waveforms ? &waveform : nullptr);
+        std::vector<studies::Cell> cells = table.row(point, with_waveforms ? &waveform : nullptr);
         for (std::size_t i = 0; i < cells.size(); ++i) {
             std::visit(
                 [&](auto& cell) {
@@ -117,17 +117,17 @@ Rows rows_of(const stream::SweepTable& table, bool with_waveforms) {
 }
 
 /// Runs all points. @returns nothing when it was stopped
-std::optional<Rows> run(const stream::Sweep& sweep, int jobs, const std::atomic<bool>& stop) {
-    stream::Journal journal = stream::Journal::passing();
-    journal.begin(stream::journal_text(sweep), stream::payload_bytes(sweep.demand));
+std::optional<Rows> run(const studies::Sweep& sweep, int jobs, const std::atomic<bool>& stop) {
+    studies::Journal journal = studies::Journal::passing();
+    journal.begin(studies::journal_text(sweep), studies::payload_bytes(sweep.demand));
     journal.load(sweep.plan.size());
     std::vector<std::int64_t> points(static_cast<std::size_t>(sweep.plan.size()));
     std::iota(points.begin(), points.end(), std::int64_t{0});
-    stream::run_points(sweep, journal, points, jobs, stop, [](const stream::PointCounts&) {});
+    studies::run_points(sweep, journal, points, jobs, stop, [](const studies::PointCounts&) {});
     if (stop) {
         return std::nullopt;
     }
-    return rows_of(stream::SweepTable(sweep, {&journal}), sweep.demand.waveform.has_value());
+    return rows_of(studies::SweepTable(sweep, {&journal}), sweep.demand.waveform.has_value());
 }
 
 py::object python_column(TableColumn& column) {
@@ -141,11 +141,11 @@ py::object python_column(TableColumn& column) {
 }
 
 /// [(name, unit, values)], waveforms or None, and where it all comes from.
-py::tuple python_table(const stream::Sweep& sweep, Rows& rows) {
-    const stream::SweepTable empty(sweep, {});
+py::tuple python_table(const studies::Sweep& sweep, Rows& rows) {
+    const studies::SweepTable empty(sweep, {});
     py::list columns;
     for (std::size_t i = 0; i < rows.columns.size(); ++i) {
-        const stream::RecordField& field = empty.columns()[i];
+        const recordings::RecordField& field = empty.columns()[i];
         columns.append(py::make_tuple(field.name, field.unit, python_column(rows.columns[i])));
     }
     py::object waveforms = py::none();
@@ -154,27 +154,27 @@ py::tuple python_table(const stream::Sweep& sweep, Rows& rows) {
             array_of(std::move(rows.waveforms), {static_cast<py::ssize_t>(sweep.plan.size()),
                                                  static_cast<py::ssize_t>(sweep.demand.waveform_samples)});
     }
-    return py::make_tuple(columns, waveforms, python_object(stream::sweep_provenance(sweep)));
+    return py::make_tuple(columns, waveforms, python_object(studies::sweep_provenance(sweep)));
 }
 
 py::tuple sweep(const SceneObject& scene, const SweepRequest& request) {
     ArgumentFaults faults;
     const int jobs = jobs_of(request, faults);
-    auto plan = stream::SweepPlan::make(scene.scene(), request.plan);
+    auto plan = studies::SweepPlan::make(scene.scene(), request.plan);
     if (!plan) {
         faults.add(fault_text(std::move(plan.error())));
         faults.refuse();
     }
-    stream::SweepSurvey survey;
+    studies::SweepSurvey survey;
     interruptible([&](const std::atomic<bool>&) {
-        survey = stream::survey_of(*plan, stream::measurable_among(request.measure));
+        survey = studies::survey_of(*plan, measures::measurable_among(request.measure));
     });
-    stream::PointDemand demand = demand_of(request, survey, faults);
+    studies::PointDemand demand = demand_of(request, survey, faults);
     faults.refuse();
     const auto points = static_cast<double>(plan->size());
-    const double kept = points * static_cast<double>(stream::payload_bytes(demand));
+    const double kept = points * static_cast<double>(studies::payload_bytes(demand));
     require_memory("the sweep", jobs * survey.memory_bytes + 2 * kept);
-    const stream::Sweep wanted{*std::move(plan), std::move(demand), {}};
+    const studies::Sweep wanted{*std::move(plan), std::move(demand), {}};
     std::optional<Rows> rows;
     with_os_errors(
         [&] { interruptible([&](const std::atomic<bool>& stop) { rows = run(wanted, jobs, stop); }); });

@@ -9,13 +9,13 @@
 #include <system_error>
 #include <utility>
 
+#include "recordings/files/write_all.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/scene/text.hpp"
-#include "stream/files/write_all.hpp"
 
 namespace hertzline::stream {
 namespace fs = std::filesystem;
@@ -54,7 +54,7 @@ void write_new_file(const fs::path& file, mode_t mode, std::string_view text) {
     if (descriptor.number() < 0) {
         throw std::system_error(errno, std::generic_category(), "cannot make " + file.string());
     }
-    const int not_written = write_all(descriptor.number(), std::as_bytes(std::span(text)));
+    const int not_written = recordings::write_all(descriptor.number(), std::as_bytes(std::span(text)));
     const int not_closed = descriptor.close();
     if (const int error = not_written != 0 ? not_written : not_closed) {
         ::unlink(file.c_str());

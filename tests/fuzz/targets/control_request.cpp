@@ -6,16 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "stream/files/json_from_outside.hpp"
-#include "stream/sources/control/scene_change.hpp"
+#include "core/scene/json.hpp"
+#include "stream/control/scene_change.hpp"
 #include "tests/fuzz/claim.hpp"
 #include "tests/fuzz/scene_claims.hpp"
 
 namespace hertzline::fuzz {
 
 using namespace stream;
-using Json = nlohmann::ordered_json;
-
 namespace {
 
 constexpr std::size_t longest_message = 2000;  // what is allowed may be a list of names
@@ -85,9 +83,9 @@ void claim_changes(const Json& list) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace hertzline::fuzz;
-    Json request;
+    hertzline::Json request;
     try {
-        request = hertzline::stream::json_from_outside({reinterpret_cast<const char*>(data), size});
+        request = hertzline::json_from_outside({reinterpret_cast<const char*>(data), size});
     } catch (const std::runtime_error& error) {
         claim_message(error.what(), longest_message);
         return 0;

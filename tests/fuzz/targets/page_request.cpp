@@ -6,12 +6,13 @@
 #include <string>
 #include <string_view>
 
-#include "apps/commands/listen/scope/page_rules.hpp"
+#include "scope/server/page_rules.hpp"
+
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
 
-using namespace app;
+using namespace scope;
 
 namespace {
 
@@ -49,12 +50,12 @@ void claim_rules(const PageRequest& request, const PageAddress& address) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     namespace fuzz = hertzline::fuzz;
     std::string_view rest(reinterpret_cast<const char*>(data), size);
-    const auto address = hertzline::app::page_address(fuzz::next_line(rest));
+    const auto address = hertzline::scope::page_address(fuzz::next_line(rest));
     if (!address) {
         fuzz::claim_message(address.error(), fuzz::longest_message);
         return 0;
     }
-    hertzline::app::PageRequest request;
+    hertzline::scope::PageRequest request;
     request.method = fuzz::next_line(rest);
     request.target = fuzz::next_line(rest);
     request.host = fuzz::next_line(rest);

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
+#include "recordings/formats/hdf5/hdf5.hpp"
 #include <pthread.h>
 
-#include "stream/recordings/formats/hdf5/hdf5.hpp"
 #include "tests/fuzz/memory_folder.hpp"
 #include "tests/fuzz/recording_claims.hpp"
 
@@ -21,10 +21,10 @@ namespace {
 
 using namespace hertzline;
 
-std::unique_ptr<stream::RecordingReader> open_briefly(const std::filesystem::path& path) {
-    return stream::open_hdf5_reader(path, {.memory_bytes = 1024.0 * 1024 * 1024,
-                                           .processor = std::chrono::seconds(1),
-                                           .silence = std::chrono::seconds(10)});
+std::unique_ptr<recordings::RecordingReader> open_briefly(const std::filesystem::path& path) {
+    return recordings::open_hdf5_reader(path, {.memory_bytes = 1024.0 * 1024 * 1024,
+                                               .processor = std::chrono::seconds(1),
+                                               .silence = std::chrono::seconds(10)});
 }
 
 /// libFuzzer would save the input of a child that a sanitizer ends.

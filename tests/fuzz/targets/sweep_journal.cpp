@@ -6,9 +6,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "studies/sweep/sweep_table.hpp"
 #include <boost/crc.hpp>
 
-#include "stream/sweep/sweep_table.hpp"
+#include "core/scene/json.hpp"
 #include "tests/fuzz/claim.hpp"
 #include "tests/fuzz/memory_folder.hpp"
 
@@ -56,12 +57,12 @@ void put_right(std::string& bytes) {
     }
 }
 
-void claim_rows(const stream::Sweep& sweep, stream::Journal& journal) {
-    if (sweep.plan.size() > most_points || journal.payload_bytes() != stream::payload_bytes(sweep.demand)) {
+void claim_rows(const studies::Sweep& sweep, studies::Journal& journal) {
+    if (sweep.plan.size() > most_points || journal.payload_bytes() != studies::payload_bytes(sweep.demand)) {
         return;
     }
     journal.load(sweep.plan.size());
-    const stream::SweepTable table(sweep, {&journal});
+    const studies::SweepTable table(sweep, {&journal});
     for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
         if (!journal.has(point)) {
             continue;
@@ -71,9 +72,7 @@ void claim_rows(const stream::Sweep& sweep, stream::Journal& journal) {
               "a row has a cell in each column");
         claim(waveform.size() == (sweep.demand.waveform ? sweep.demand.waveform_samples : 0),
               "a waveform is as long as all are");
-        claim(!stream::row_json(table, point)
-                   .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-                   .empty(),
+        claim(!studies::row_json(table, point).dump(-1, ' ', false, Json::error_handler_t::replace).empty(),
               "a row is JSON");
     }
 }
@@ -81,13 +80,13 @@ void claim_rows(const stream::Sweep& sweep, stream::Journal& journal) {
 /// A sweep that is the same after it was written and read again, and its rows; or a fault.
 void claim_journal_or_fault(const std::filesystem::path& path) {
     try {
-        stream::Journal journal(path, stream::Journal::Use::read);
-        const stream::Sweep sweep = stream::sweep_of_journal(journal.text());
-        const std::string text = stream::journal_text(sweep);
-        const stream::Sweep again = stream::sweep_of_journal(text);
-        claim(stream::journal_text(again) == text, "a sweep reads back as it was written", text);
-        claim(!stream::journal_difference(text, stream::journal_text(again)), "equal sweeps do not differ");
-        const auto difference = stream::journal_difference(journal.text(), text);
+        studies::Journal journal(path, studies::Journal::Use::read);
+        const studies::Sweep sweep = studies::sweep_of_journal(journal.text());
+        const std::string text = studies::journal_text(sweep);
+        const studies::Sweep again = studies::sweep_of_journal(text);
+        claim(studies::journal_text(again) == text, "a sweep reads back as it was written", text);
+        claim(!studies::journal_difference(text, studies::journal_text(again)), "equal sweeps do not differ");
+        const auto difference = studies::journal_difference(journal.text(), text);
         if (difference) {
             fuzz::claim_message(*difference, longest_message);
         }

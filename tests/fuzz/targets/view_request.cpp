@@ -7,15 +7,17 @@
 #include <string>
 #include <string_view>
 
+#include "scope/pictures/picture.hpp"
+#include "scope/pictures/view.hpp"
+
 #include "core/model/bursts.hpp"
-#include "stream/files/json_from_outside.hpp"
-#include "stream/sources/scope/picture.hpp"
-#include "stream/sources/scope/view.hpp"
+#include "core/scene/json.hpp"
 #include "stream/wire/frame.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
 
+using namespace scope;
 using namespace stream;
 
 namespace {
@@ -65,6 +67,7 @@ void claim_picture(const std::string& bytes, const ViewRequest& request) {
 }  // namespace hertzline::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace hertzline::scope;
     using namespace hertzline::stream;
     namespace fuzz = hertzline::fuzz;
     static const HeardSamples heard = fuzz::some_samples();
@@ -77,7 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const std::string_view line = rest.substr(0, end);
         rest.remove_prefix(std::min(end + 1, rest.size()));
         try {
-            const auto request = view_request(json_from_outside(line));
+            const auto request = view_request(hertzline::json_from_outside(line));
             if (!request) {
                 fuzz::claim_message(request.error(), fuzz::longest_message);
                 continue;

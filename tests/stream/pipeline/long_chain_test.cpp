@@ -5,12 +5,12 @@
 #include <thread>
 #include <vector>
 
+#include "recordings/float32.hpp"
 #include <gtest/gtest.h>
 
 #include "core/step_choice/resolve.hpp"
-#include "stream/float32.hpp"
+#include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/pipeline.hpp"
-#include "stream/sources/simulation_source.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
@@ -21,6 +21,7 @@
 
 namespace hertzline::test {
 
+using namespace recordings;
 using namespace stream;
 namespace {
 

@@ -7,11 +7,12 @@
 #include <optional>
 #include <thread>
 
+#include "recordings/float32.hpp"
 #include <gtest/gtest.h>
 
+#include "core/scene/json.hpp"
 #include "core/step_choice/resolve.hpp"
-#include "stream/float32.hpp"
-#include "stream/sources/simulation_source.hpp"
+#include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
@@ -21,6 +22,7 @@
 
 namespace hertzline::test {
 
+using namespace recordings;
 using namespace stream;
 namespace {
 
@@ -82,8 +84,8 @@ struct Stream {
           publisher("tcp://127.0.0.1:*"),
           pipeline(std::move(with), source, publisher, nullptr) {}
 
-    using Watch = std::function<nlohmann::ordered_json(const MotionExtent&)>;
-    static nlohmann::ordered_json no_change(const MotionExtent& /*now*/) { return {}; }
+    using Watch = std::function<Json(const MotionExtent&)>;
+    static Json no_change(const MotionExtent& /*now*/) { return {}; }
 
     StreamMeters run(
         const std::function<void(const StreamMeters&)>& progress = [](const StreamMeters&) {},
@@ -184,13 +186,12 @@ TEST(Pipeline, WhatTheWatchFindsIsInMeta) {
         stream.stop = true;
     });
     double seen_s = 0;
-    const StreamMeters meters = stream.run(
-        [](const StreamMeters&) {},
-        [&](const MotionExtent& now) -> nlohmann::ordered_json {
-            const bool first = seen_s == 0 && now.time_s > 0;
-            seen_s = std::max(seen_s, now.time_s);
-            return first ? nlohmann::ordered_json{{"version", "changed"}} : nlohmann::ordered_json::object();
-        });
+    const StreamMeters meters = stream.run([](const StreamMeters&) {},
+                                           [&](const MotionExtent& now) -> Json {
+                                               const bool first = seen_s == 0 && now.time_s > 0;
+                                               seen_s = std::max(seen_s, now.time_s);
+                                               return first ? Json{{"version", "changed"}} : Json::object();
+                                           });
     listening.join();
     EXPECT_GT(seen_s, 0);
     EXPECT_GE(meters.motion.time_s, seen_s);

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "recordings/float32.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -18,7 +19,6 @@
 #include <unistd.h>
 #include <zmq.hpp>
 
-#include "stream/float32.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/frame_codec.hpp"
@@ -30,6 +30,7 @@
 
 namespace hertzline::test {
 
+using namespace recordings;
 using namespace stream;
 namespace {
 

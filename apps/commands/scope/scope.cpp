@@ -1,0 +1,130 @@
+// hertzline scope: listens to a stream as any analyser does, and shows it in a browser.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "scope/server/scope_session.hpp"
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/curve_arguments.hpp"
+#include "apps/arguments/options.hpp"
+#include "apps/command.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "stream/wire/endpoint.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Open the address that it prints in a browser. It ends in a word that others do\n"
+    "not know, and only this machine reaches it, unless --http-to-others. Ctrl-C\n"
+    "ends it.\n"
+    "Examples:\n"
+    "  hertzline scope\n"
+    "  hertzline scope --connect ipc:///tmp/hertzline --http 127.0.0.1:0\n"
+    "  hertzline scope --record-to /data/bursts";
+
+struct ScopeOptions {
+    std::string endpoint = "tcp://127.0.0.1:5573";
+    std::string control;
+    std::string http = "127.0.0.1:8573";
+    std::string folder = ".";
+    bool to_others = false;
+    CurveClientRequest curve;
+    Format format = Format::text;
+};
+
+void refuse_wrong_endpoint(const char* option, const std::string& endpoint) {
+    if (const auto fault = stream::endpoint_fault(endpoint, stream::EndpointUse::connect)) {
+        throw WrongUse(std::string(option) + ": " + *fault);
+    }
+}
+
+scope::PageAddress checked_address(const ScopeOptions& options) {
+    const auto address = scope::page_address(options.http);
+    if (!address) {
+        throw WrongUse("--http: " + address.error());
+    }
+    if (!address->loopback && !options.to_others) {
+        throw WrongUse(
+            "--http: found " + quoted_briefly(options.http) +
+            ", which other machines reach, and HTTP does not encrypt; allowed: an address of this machine "
+            "alone (127.0.0.1, through an SSH tunnel for others), or --http-to-others beside it");
+    }
+    return *address;
+}
+
+void refuse_wrong_folder(const std::string& folder) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(folder, error)) {
+        throw WrongUse("--record-to: found " + quoted_briefly(folder) + ", allowed: a folder that is there");
+    }
+}
+
+/// What the options ask for, checked. @throws WrongUse that names every fault
+std::pair<scope::ScopeTargets, scope::PageAddress> checked(const ScopeOptions& options) {
+    Faults faults;
+    scope::ScopeTargets targets{
+        .stream = options.endpoint, .control = {}, .curve = {}, .recordings = options.folder};
+    scope::PageAddress address;
+    faults.of([&] { refuse_wrong_endpoint("--connect", options.endpoint); });
+    faults.of([&] {
+        if (!options.control.empty()) {
+            refuse_wrong_endpoint("--control", options.control);
+            targets.control = options.control;
+        }
+    });
+    faults.of([&] { address = checked_address(options); });
+    faults.of([&] { refuse_wrong_folder(options.folder); });
+    faults.of([&] { targets.curve = curve_of(options.curve); });
+    faults.refuse();
+    return {targets, address};
+}
+
+Exit scope(const ScopeOptions& options) {
+    auto [targets, address] = checked(options);
+    const std::atomic<bool>& stop = stop_asked();
+    if (!address.loopback) {
+        spdlog::warn(
+            "the page is served to other machines without encryption: whoever reads the traffic can use it");
+    }
+    scope::PageServer server(address, scope::new_token());
+    scope::ScopeSession session(std::move(targets), server, stop);
+    spdlog::info("scope {}", server.url());
+    while (!stop) {
+        session.advance();
+    }
+    print_summary(session.summary(), options.format);
+    return Exit::done;
+}
+
+}  // namespace
+
+Run scope_command(CLI::App& app) {
+    auto options = std::make_shared<ScopeOptions>();
+    app.add_option("--connect", options->endpoint, "endpoint of a stream")
+        ->type_name("ENDPOINT")
+        ->capture_default_str();
+    app.add_option("--control", options->control,
+                   "endpoint where the stream takes changes (default: none, the knobs only show)")
+        ->type_name("ENDPOINT");
+    app.add_option("--http", options->http, "where the page is served; port 0: any free one")
+        ->type_name("ADDRESS:PORT")
+        ->capture_default_str();
+    app.add_flag("--http-to-others", options->to_others,
+                 "allow an --http address that other machines reach, unencrypted");
+    app.add_option("--record-to", options->folder, "folder for the recordings that a page asks for")
+        ->type_name("FOLDER")
+        ->capture_default_str();
+    add_curve_options(app, options->curve);
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return scope(*options); };
+}
+
+}  // namespace hertzline::app

@@ -1,0 +1,80 @@
+#include "core/scene/json.hpp"
+
+#include <array>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace hertzline {
+
+namespace {
+
+/// Passes over a text once, without making anything of it, and stops where it asks too much.
+class JsonBounds : public nlohmann::json_sax<Json> {
+public:
+    std::string fault;  // empty: none
+
+    bool null() override { return value(); }
+    bool boolean(bool) override { return value(); }
+    bool number_integer(number_integer_t) override { return value(); }
+    bool number_unsigned(number_unsigned_t) override { return value(); }
+    bool number_float(number_float_t, const string_t&) override { return value(); }
+    bool string(string_t&) override { return value(); }
+    bool binary(binary_t&) override { return value(); }
+    bool start_object(std::size_t) override { return open(); }
+    bool start_array(std::size_t) override { return open(); }
+    bool end_object() override { return close(); }
+    bool end_array() override { return close(); }
+    bool key(string_t&) override {
+        comparisons_ += keys_[depth_]++;  // an ordered object looks through all keys for a new one
+        return comparisons_ <= max_comparisons || stop("too many keys in one object");
+    }
+    bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
+        return stop("not JSON");
+    }
+
+private:
+    static constexpr std::size_t max_depth = 32;
+    static constexpr std::size_t max_values = 5'000'000;  // the columns of a million spheres, and more
+    static constexpr std::size_t max_comparisons = 20'000'000;
+
+    bool stop(const char* why) {
+        fault = why;
+        return false;
+    }
+    bool value() { return ++values_ <= max_values || stop("too many values"); }
+    bool open() {
+        if (depth_ == max_depth) {
+            return stop("nested too deeply");
+        }
+        keys_[++depth_] = 0;
+        return value();
+    }
+    bool close() {
+        --depth_;
+        return true;
+    }
+
+    std::array<std::size_t, max_depth + 1> keys_{};  // so far, of the objects that are open
+    std::size_t depth_ = 0;
+    std::size_t values_ = 0;
+    std::size_t comparisons_ = 0;
+};
+
+}  // namespace
+
+Json json_from_outside(std::string_view text) {
+    // First the bounds, then the objects. Json::parse with a callback does both at once, but looks through the whole
+    // array again behind each of its elements.
+    JsonBounds bounds;
+    if (!Json::sax_parse(text, &bounds)) {
+        throw std::runtime_error("description: " + bounds.fault);
+    }
+    return Json::parse(text);
+}
+
+std::string json_text(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace hertzline

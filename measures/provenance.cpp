@@ -1,0 +1,159 @@
+#include "measures/provenance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "git_hash.hpp"
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "core/integrators/kernels.hpp"
+#include "core/model/end.hpp"
+#include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "core/taps.hpp"
+
+namespace hertzline::measures {
+
+namespace {
+
+constexpr std::array<std::string_view, 19> keys{"program",
+                                                "version",
+                                                "git_hash",
+                                                "compiler",
+                                                "simd_target",
+                                                "start_time",
+                                                "run",
+                                                "scene_hash",
+                                                "integrator",
+                                                "step_s",
+                                                "estimated_error",
+                                                "estimated_over_s",
+                                                "p_axis_travel_s",
+                                                "scene",
+                                                "epoch",
+                                                "epoch_sample",
+                                                "epoch_burst",
+                                                "changes",
+                                                "changes_left_out"};
+
+}  // namespace
+
+const char* program_version() noexcept {
+    return HERTZLINE_VERSION;
+}
+
+const char* git_hash() noexcept {
+    return HERTZLINE_GIT_HASH;
+}
+
+const char* compiler() noexcept {
+    return HERTZLINE_COMPILER;
+}
+
+std::string utc_text(std::chrono::system_clock::time_point time) {
+    using std::chrono::milliseconds;
+    const auto since_epoch = std::chrono::floor<milliseconds>(time.time_since_epoch());
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
+    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z", fmt::gmtime(static_cast<std::time_t>(seconds.count())),
+                       (since_epoch - seconds).count());
+}
+
+Json provenance_json(const Provenance& provenance) {
+    const Scene& scene = provenance.scene;
+    Json json{{"program", "hertzline"},
+              {"version", program_version()},
+              {"git_hash", git_hash()},
+              {"compiler", compiler()},
+              {"simd_target", kernels::kernel_target()},
+              {"start_time", provenance.start_time}};
+    if (provenance.run) {
+        json["run"] = *provenance.run;
+    }
+    json["scene_hash"] = scene_hash(scene);
+    json["integrator"] =
+        scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
+    json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
+    add_estimate(json, provenance.estimate);
+    if (provides(scene.end, Requires::modal_plate)) {
+        json["p_axis_travel_s"] = plate_parameters(scene).travel_s();
+    }
+    json["scene"] = scene_json(scene);
+    return json;
+}
+
+void add_estimate(Json& json, const std::optional<ErrorEstimate>& estimate) {
+    json["estimated_error"] = estimate ? Json(estimate->error) : Json(nullptr);
+    json["estimated_over_s"] = estimate ? Json(estimate->over_s) : Json(nullptr);
+}
+
+Json provenance_of_meta(const Json& meta) {
+    Json json = Json::object();
+    for (const std::string_view key : keys) {
+        if (meta.is_object() && meta.contains(key)) {
+            json[std::string(key)] = meta[std::string(key)];
+        }
+    }
+    if (json.value("epoch", Json(0)) == 0) {  // the first one, as where nothing is said
+        for (const char* key : {"epoch", "epoch_sample", "epoch_burst"}) {
+            json.erase(key);
+        }
+    }
+    return json;
+}
+
+std::optional<double> repetition_of(const Json& provenance) {
+    const Json::json_pointer path("/scene/drive/repetition_hz");
+    if (!provenance.contains(path)) {
+        return std::nullopt;
+    }
+    const auto& value = provenance.at(path);
+    constexpr double most = 1e9;  // as in a scene
+    const bool usable = value.is_number() && value.get<double>() >= 0 && value.get<double>() <= most;
+    return usable ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+namespace {
+
+std::int64_t count_in(const Json& object, const char* key) {
+    constexpr std::int64_t most = 9'000'000'000'000'000'000;
+    const auto found = object.find(key);
+    return found != object.end() && found->is_number_integer()
+               ? std::clamp(found->get<std::int64_t>(), std::int64_t{0}, most)
+               : 0;
+}
+
+}  // namespace
+
+std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz) {
+    const auto repetition = repetition_of(provenance);
+    if (!repetition) {
+        return {};
+    }
+    std::vector<Epoch> epochs{{.number = count_in(provenance, "epoch"),
+                               .first_sample = count_in(provenance, "epoch_sample"),
+                               .first_burst = count_in(provenance, "epoch_burst"),
+                               .repetition_hz = *repetition}};
+    const Json changes = provenance.value("changes", Json::array());
+    for (const Json& change : changes) {
+        const Epoch before = epochs.back();
+        if (!change.is_object() || count_in(change, "epoch") <= before.number ||
+            count_in(change, "sample") <= before.first_sample) {
+            continue;
+        }
+        const auto set = change.find("set");
+        const Json rate = set != change.end() && set->is_object()
+                              ? set->value("drive.repetition_hz", Json(nullptr))
+                              : Json(nullptr);
+        const auto its = repetition_of({{"scene", {{"drive", {{"repetition_hz", rate}}}}}});
+        epochs.push_back(
+            before.next(sample_rate_hz, count_in(change, "sample"), its.value_or(before.repetition_hz)));
+        epochs.back().number = count_in(change, "epoch");
+    }
+    return epochs;
+}
+
+}  // namespace hertzline::measures

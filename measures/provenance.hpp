@@ -1,0 +1,52 @@
+#pragma once
+// Where samples come from: all that is needed to make the same bits again. Part of every recording and of the topic meta.
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/bursts.hpp"
+#include "core/scene/json.hpp"
+#include "core/scene/scene.hpp"
+#include "core/step_choice/reference_pilot.hpp"
+
+namespace hertzline::measures {
+
+const char* program_version() noexcept;
+
+/// The commit that was built, with "-dirty" when files differed from it; "unknown" without git.
+const char* git_hash() noexcept;
+
+/// The compiler and its version.
+const char* compiler() noexcept;
+
+/// UTC as ISO 8601 with milliseconds: "2026-01-31T12:00:00.123Z".
+std::string utc_text(std::chrono::system_clock::time_point time);
+
+/// Where samples come from; provenance_json() turns it into JSON.
+struct Provenance {
+    const Scene& scene;                     ///< resolved (core/step_choice/resolve.hpp)
+    std::optional<ErrorEstimate> estimate;  ///< of the velocities; unset: unknown
+    std::string start_time;                 ///< when the run was set up (utc_text)
+    std::optional<std::string> run = {};    ///< its id; unset: it has none
+};
+
+/// Adds estimated_error and estimated_over_s; null: unknown.
+void add_estimate(Json& json, const std::optional<ErrorEstimate>& estimate);
+
+/// program, version, git_hash, compiler, simd_target, start_time, run (if any), scene_hash, integrator,
+/// step_s, estimated_error and estimated_over_s (null: unknown), scene.
+Json provenance_json(const Provenance& provenance);
+
+/// The provenance in a message of the topic meta: those of the keys above that it has.
+Json provenance_of_meta(const Json& meta);
+
+/// drive.repetition_hz of the scene in this provenance [Hz], 0 for a single burst; nothing when it holds no scene.
+std::optional<double> repetition_of(const Json& provenance);
+
+/// The epochs of a run as far as its provenance tells: the one in which its first samples lie, and those that "changes" began
+/// later; none when it holds no scene.
+std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz);
+
+}  // namespace hertzline::measures

@@ -1,0 +1,40 @@
+#pragma once
+// Whether a record is long and fine enough for what is read off it.
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "measures/spectrum.hpp"
+
+#include "core/scene/scene.hpp"
+
+namespace hertzline::measures {
+
+/// A record rings when its last period of the drive still reaches this share of its peak.
+inline constexpr double ringing_share = 0.01;
+/// A line belongs to the switching of v_out when it is this much lower without [dB]: half of its amplitude.
+inline constexpr double switching_limit_db = 6;
+
+/// The part of the burst that lies within the run: 1 where all of it does.
+double burst_shown_ratio(const Scene& scene) noexcept;
+
+/// What v_out still reaches in the record's last period of the drive, over its peak. Nothing where bursts repeat, where v_out is silent,
+/// and where the record ends less than two periods after the burst.
+std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept;
+
+/// What keeps a record of v_out, from the start of the scene on, from showing the whole burst: a burst that is
+/// not over or has not arrived, an end that still rings, harmonics above half the sample rate. A sentence each, which
+/// names the setting that would do.
+std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out);
+
+/// What the bands and harmonics of an output leave out below the frequency from which on they are looked for. Empty: nothing that matters.
+std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum);
+
+/// Which harmonics of v_out are there because the paper's formula jumps when the last contact opens or closes. Empty:
+/// none. @param switching_db how much larger each of them is with the jumps than without
+std::vector<std::string> switching_warnings(std::span<const double> switching_db);
+
+}  // namespace hertzline::measures

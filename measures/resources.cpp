@@ -1,0 +1,165 @@
+#include "measures/resources.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include <sys/statvfs.h>
+
+namespace hertzline::measures {
+namespace fs = std::filesystem;
+namespace {
+
+/// The number that follows `key` in a file of "key number ..." lines; the first number of the file for an empty key.
+std::optional<std::uint64_t> number_in(const fs::path& file, const std::string& key) {
+    std::ifstream in(file);
+    std::string word;
+    while (key.empty() || in >> word) {
+        if (key.empty() || word == key) {
+            std::uint64_t number = 0;
+            return in >> number ? std::optional(number) : std::nullopt;  // "max" is no number: no limit
+        }
+        in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+    }
+    return std::nullopt;
+}
+
+/// What one control group leaves. Its page cache counts as used but is given back on demand.
+std::optional<std::uint64_t> left_in_group(const fs::path& limit_file, const fs::path& usage_file,
+                                           const fs::path& stat_file, const std::string& cache_key) {
+    // Groups of the first version without a limit show its largest number.
+    constexpr std::uint64_t no_limit = std::uint64_t{1} << 60;
+    const auto limit = number_in(limit_file, "");
+    if (!limit || *limit > no_limit) {
+        return std::nullopt;
+    }
+    const auto usage = number_in(usage_file, "");
+    if (!usage) {
+        return std::nullopt;
+    }
+    const std::uint64_t cache = number_in(stat_file, cache_key).value_or(0);
+    const std::uint64_t used = *usage - std::min(cache, *usage);
+    return *limit - std::min(used, *limit);
+}
+
+std::optional<std::uint64_t> smaller(std::optional<std::uint64_t> a, std::optional<std::uint64_t> b) {
+    return a && b ? std::min(*a, *b) : (a ? a : b);
+}
+
+/// The tightest of a group and all groups above it. In a container the group's own path may not be visible;
+/// the root of the hierarchy then is the container's group.
+std::optional<std::uint64_t> left_up_the_tree(const fs::path& hierarchy, std::string_view group,
+                                              bool unified) {
+    std::optional<std::uint64_t> left;
+    fs::path relative = fs::path(group).relative_path().lexically_normal();
+    for (;; relative = relative.parent_path()) {
+        const fs::path d = hierarchy / relative;
+        left = smaller(left, unified ? left_in_group(d / "memory.max", d / "memory.current",
+                                                     d / "memory.stat", "inactive_file")
+                                     : left_in_group(d / "memory.limit_in_bytes", d / "memory.usage_in_bytes",
+                                                     d / "memory.stat", "total_inactive_file"));
+        if (relative.empty()) {
+            return left;
+        }
+    }
+}
+
+/// Lines of /proc/self/cgroup: "0::/path" (v2) or "7:memory,other:/path" (v1), cgroups(7).
+std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
+    std::ifstream groups(root / "proc/self/cgroup");
+    std::optional<std::uint64_t> left;
+    for (std::string line; std::getline(groups, line);) {
+        const auto first = line.find(':');
+        const auto second = line.find(':', first + 1);
+        if (first == std::string::npos || second == std::string::npos) {
+            continue;
+        }
+        const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+        const std::string group = line.substr(second + 1);
+        if (controllers == ",,") {
+            left = smaller(left, left_up_the_tree(root / "sys/fs/cgroup", group, true));
+        } else if (controllers.find(",memory,") != std::string::npos) {
+            left = smaller(left, left_up_the_tree(root / "sys/fs/cgroup/memory", group, false));
+        }
+    }
+    return left;
+}
+
+bool fits(double needed, std::optional<std::uint64_t> available) {
+    return std::isfinite(needed) && (!available || needed <= static_cast<double>(*available));
+}
+
+std::string amount(std::optional<std::uint64_t> available) {
+    return available ? human_bytes(static_cast<double>(*available)) : "an unknown amount";
+}
+
+}  // namespace
+
+std::optional<std::uint64_t> available_memory_bytes(const fs::path& root) {
+    auto available = number_in(root / "proc/meminfo", "MemAvailable:");
+    if (available) {
+        *available *= 1024;
+    }
+    return smaller(available, left_by_control_groups(root));
+}
+
+std::optional<std::uint64_t> free_disk_bytes(const fs::path& path) {
+    std::error_code error;
+    if (fs::exists(path, error) && !fs::is_regular_file(path, error)) {
+        return std::nullopt;
+    }
+    const fs::path target = fs::weakly_canonical(path, error);  // a link's target is where the bytes go
+    const fs::path parent = (error ? path : target).parent_path();
+    struct statvfs system {};
+    if (::statvfs(parent.empty() ? "." : parent.c_str(), &system) != 0) {
+        return std::nullopt;
+    }
+    return static_cast<std::uint64_t>(system.f_bavail) * system.f_frsize;
+}
+
+std::string human_bytes(double bytes) {
+    constexpr std::array units{"bytes", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"};
+    std::size_t unit = 0;
+    double number = bytes;
+    while (number >= 1024 && unit + 1 < units.size()) {
+        number /= 1024;
+        ++unit;
+    }
+    std::array<char, 64> text{};
+    if (!(number < 1024)) {
+        std::snprintf(text.data(), text.size(), "%.1e bytes", bytes);
+    } else if (unit == 0) {
+        std::snprintf(text.data(), text.size(), "%.0f bytes", number);
+    } else {
+        std::snprintf(text.data(), text.size(), "%.1f %s", number, units[unit]);
+    }
+    return text.data();
+}
+
+std::optional<std::string> memory_shortage(std::string_view purpose, double needed_bytes,
+                                           std::optional<std::uint64_t> available) {
+    if (fits(needed_bytes, available)) {
+        return std::nullopt;
+    }
+    return std::string(purpose) + " needs " + human_bytes(needed_bytes) + " of memory, " + amount(available) +
+           " is available";
+}
+
+std::optional<std::string> disk_shortage(const fs::path& path, double needed_bytes,
+                                         std::optional<std::uint64_t> available) {
+    if (fits(needed_bytes, available)) {
+        return std::nullopt;
+    }
+    return path.string() + " needs " + human_bytes(needed_bytes) + " of disk, " + amount(available) +
+           " is free";
+}
+
+std::optional<std::string> disk_shortage(const fs::path& path, double needed_bytes) {
+    return disk_shortage(path, needed_bytes, free_disk_bytes(path));
+}
+
+}  // namespace hertzline::measures

@@ -1,0 +1,267 @@
+#include "measures/scene_report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/integrators/stability.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/coupling.hpp"
+#include "core/model/hertz.hpp"
+#include "core/model/strength.hpp"
+#include "core/model/validity.hpp"
+#include "core/scene/json.hpp"
+#include "core/scene/scene_words.hpp"
+#include "core/simulation.hpp"
+
+namespace hertzline::measures {
+
+namespace {
+
+using Value = decltype(ReportRow::value);
+using Report = std::vector<ReportRow>;
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+Value if_any(bool exists, double value) {
+    return exists ? Value(value) : Value();
+}
+
+void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
+    const double mass = 1 / chain.inv_mass[0];
+    const bool several = scene.chain.spheres > 1;
+    const double slope = several ? tangent_stiffness(chain.stiffness[1], chain.static_overlap[1]) : 0;
+    report.push_back({"spheres", "mass", "sphere_mass_kg", "kg", mass});
+    report.push_back({"spheres", "wave speed, long small waves", "wave_speed_m_per_s", "m/s",
+                      if_any(several, scene.chain.diameter_m * std::sqrt(slope / mass))});
+    report.push_back({"spheres", "cut-off frequency, small waves", "cutoff_hz", "Hz",
+                      if_any(several, std::sqrt(4 * slope / mass) / two_pi)});
+}
+
+void add_contacts(Report& report, const Scene& scene, const Chain& chain,
+                  const std::optional<Eigen::ArrayXd>& peaks) {
+    struct Kind {
+        const char* label;
+        const char* name;
+        Eigen::Index contact;
+        bool exists;
+    };
+    if (scene.chain.damping_law != DampingLaw::dashpot) {
+        report.push_back({"contacts", "law of damping", "damping_law", "",
+                          std::string(word(scene.chain.damping_law))});
+    }
+    const std::array<Kind, 3> kinds{
+        {{"horn - sphere", "horn", 0, true},
+         {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1},
+         {"sphere - end", "end", chain.spheres(), scene.end.kind != EndKind::free}}};
+    for (const Kind& kind : kinds) {
+        report.push_back({"contacts", std::string(kind.label) + ", stiffness",
+                          std::string(kind.name) + "_contact_stiffness_n_per_m1_5", "N/m^1.5",
+                          if_any(kind.exists, chain.stiffness[kind.contact])});
+    }
+    for (const Kind& kind : kinds) {
+        report.push_back({"contacts", std::string(kind.label) + ", static overlap",
+                          std::string(kind.name) + "_contact_static_overlap_m", "m",
+                          if_any(kind.exists, chain.static_overlap[kind.contact])});
+    }
+    const double radius = scene.chain.diameter_m / 2;
+    const ContactLoad rest = contact_load(chain, chain.static_overlap, radius);
+    const ContactLoad most = peaks ? contact_load(chain, *peaks, radius) : rest;
+    const PressureLimits limits = pressure_limits(scene);
+    for (std::size_t i = 0; i < kinds.size(); ++i) {
+        const Kind& kind = kinds[i];
+        const auto& limit = limits[i];
+        const auto add = [&](const char* label, const char* name, Value value) {
+            report.push_back({"contacts", fmt::format("{}, {}", kind.label, label),
+                              fmt::format("{}_contact_{}", kind.name, name), "Pa", std::move(value)});
+        };
+        add("pressure at rest", "static_pressure_pa", if_any(kind.exists, rest.pressures_pa[i]));
+        add("peak pressure", "peak_pressure_pa", if_any(kind.exists && peaks, most.pressures_pa[i]));
+        add("its limit", "pressure_limit_pa", if_any(kind.exists && limit, limit ? limit->pressure_pa : 0));
+    }
+}
+
+/// A plate with modes in its fluid, and how well its poles say what they do.
+void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& scene) {
+    for (std::size_t n = 0; n < plate.modes.size(); ++n) {
+        const PlateMode& mode = plate.modes[n];
+        const auto add = [&](const char* label, const char* key, const char* unit, double value) {
+            report.push_back({"modes", fmt::format("mode {}, {}", n + 1, label),
+                              fmt::format("mode_{}_{}", n + 1, key), unit, value});
+        };
+        add("in a vacuum", "dry_hz", "Hz", mode.dry_hz);
+        add("with the fluid's mass", "wet_hz", "Hz", mode.wet_hz);
+        add("modal mass", "mass_kg", "kg", mode.mass_kg);
+        add("k_b h", "kb_h", "", mode.kb_h);
+    }
+    const auto add = [&](const char* label, const char* key, const char* unit, Value value) {
+        report.push_back({"fluid", label, key, unit, std::move(value)});
+    };
+    add("poles", "poles", "", scene.numerics.poles.value_or(0));
+    add("fitted up to", "fit_band_hz", "Hz", plate.parameters.band_hz);
+    add("error of the velocity's fit", "fit_velocity_error", "", plate.velocity_error);
+    add("error of the pressure's fit", "fit_pressure_error", "", plate.pressure_error);
+    add("least resistance over mobility", "fit_least_resistance", "", plate.least_resistance);
+    add("travel time to the hydrophone", "travel_s", "s", plate.parameters.travel_s());
+}
+
+void add_end(Report& report, const Scene& scene, const Chain& chain) {
+    if (chain.end.plate) {
+        add_modal_plate(report, *chain.end.plate, scene);
+        return;
+    }
+    const bool plate = scene.end.kind == EndKind::plate;
+    double mass = 0;
+    double stiffness = 0;
+    if (plate) {
+        const Solid& material = solid_of(scene, scene.end.material);
+        mass = plate_mass(material, scene.end);
+        stiffness = plate_stiffness(material, scene.end);
+    }
+    report.push_back({"plate", "mass", "plate_mass_kg", "kg", if_any(plate, mass)});
+    report.push_back(
+        {"plate", "moving mass (a quarter)", "plate_moving_mass_kg", "kg", if_any(plate, mass / 4)});
+    report.push_back({"plate", "stiffness", "plate_stiffness_n_per_m", "N/m", if_any(plate, stiffness)});
+    report.push_back({"plate", "natural frequency, alone", "plate_frequency_hz", "Hz",
+                      if_any(plate, std::sqrt(stiffness / (mass / 4)) / two_pi)});
+    report.push_back(
+        {"plate", "transmission sqrt(Tm Tw)", "transmission", "", if_any(plate, chain.end.transmission)});
+}
+
+void add_time_scales(Report& report, const Scene& scene, const Chain& chain,
+                     const std::optional<Eigen::ArrayXd>& peaks) {
+    report.push_back({"time", "duration of a burst", "burst_duration_s", "s",
+                      scene.drive.cycles / scene.drive.frequency_hz});
+    report.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
+                      fastest_frequency(chain, chain.static_overlap) / two_pi});
+    report.push_back({"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz",
+                      if_any(peaks.has_value(), peaks ? fastest_frequency(chain, *peaks) / two_pi : 0)});
+}
+
+void add_accuracy(Report& report, const ResolvedScene& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    const ErrorEstimate estimate = resolved.estimate.value_or(ErrorEstimate{});
+    const bool known = resolved.estimate.has_value();
+    report.push_back({"accuracy", "requested relative error", "wanted_accuracy", "", advice.accuracy});
+    report.push_back(
+        {"accuracy", "estimated with this step", "estimated_error", "", if_any(known, estimate.error)});
+    report.push_back(
+        {"accuracy", "estimated over the first", "estimated_over_s", "s", if_any(known, estimate.over_s)});
+    report.push_back({"accuracy", "request can be met", "accuracy_met", "",
+                      advice.accuracy_met && !resolved.misses_accuracy()});
+    report.push_back({"accuracy", "pilot runs", "pilots", "", static_cast<std::int64_t>(resolved.pilots)});
+    report.push_back(
+        {"accuracy", "pilots choose the step over", "pilot_duration_s", "s", advice.pilot_duration_s});
+}
+
+std::string reason_text(IntegratorReason reason) {
+    switch (reason) {
+        case IntegratorReason::set_by_scene:
+            return "set by the scene";
+        case IntegratorReason::fastest:
+            return "fastest at this accuracy: series of order 8";
+        case IntegratorReason::high_accuracy:
+            return fmt::format("accuracy below {:g}: series of order 12", high_accuracy);
+    }
+    return {};
+}
+
+void add_step(Report& report, const ResolvedScene& resolved) {
+    const Scene& scene = resolved.scene;
+    const StepAdvice& advice = resolved.advice;
+    const double step = *scene.numerics.step_s;
+    const bool series = is_series(*scene.numerics.integrator);
+    report.push_back(
+        {"step", "integrator", "integrator", "", std::string(word(*scene.numerics.integrator))});
+    report.push_back({"step", "reason", "integrator_reason", "", reason_text(resolved.integrator_reason)});
+    report.push_back({"step", "step", "step_s", "s", step});
+    report.push_back(
+        {"step", "kind of step", "step_role", "", std::string(series ? "longest piece" : "step")});
+    report.push_back({"step", "chosen by", "step_chosen_by", "",
+                      std::string(resolved.step_set_by_scene ? "scene" : "accuracy")});
+    report.push_back({"step", series ? "pieces per burst, about" : "steps per burst, about",
+                      "steps_per_burst", "", report_count(resolved.steps_per_burst)});
+    report.push_back(
+        {"step", "steps per sample", "steps_per_sample", "", 1 / (scene.output.sample_rate_hz * step)});
+    report.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
+    report.push_back({"step", "estimated error of that step", "recommended_step_estimated_error", "",
+                      advice.estimated_error});
+    report.push_back(
+        {"step", "largest stable step", "largest_stable_step_s", "s", advice.largest_stable_step_s});
+}
+
+}  // namespace
+
+double first_burst_s(const Scene& scene) {
+    return 1.5 * scene.drive.cycles / scene.drive.frequency_hz;
+}
+
+std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s) {
+    constexpr double max_body_steps = 3e7;
+    const double body_steps = duration_s / *scene.numerics.step_s * static_cast<double>(scene.chain.spheres);
+    if (body_steps > max_body_steps) {
+        return std::nullopt;
+    }
+    Simulation simulation(scene);
+    const double samples = std::max(1.0, duration_s * scene.output.sample_rate_hz);
+    if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
+        return std::nullopt;
+    }
+    return simulation.state().peak_overlap;
+}
+
+std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks) {
+    const Chain chain(scene);
+    const ContactLoad load =
+        contact_load(chain, peaks ? *peaks : chain.static_overlap, scene.chain.diameter_m / 2);
+    std::vector<std::string> warnings;
+    if (peaks) {  // those at rest are judged with the scene
+        warnings = validity_warnings(load);
+    }
+    if (auto beyond = strength_warning(scene, chain, load)) {
+        warnings.push_back(*std::move(beyond));
+    }
+    return warnings;
+}
+
+std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
+                                    const std::optional<Eigen::ArrayXd>& peaks) {
+    const Scene& scene = resolved.scene;
+    const Chain chain(scene);
+    Report report;
+    add_spheres(report, scene, chain);
+    add_contacts(report, scene, chain, peaks);
+    add_end(report, scene, chain);
+    add_time_scales(report, scene, chain, peaks);
+    add_accuracy(report, resolved);
+    add_step(report, resolved);
+    return report;
+}
+
+Value report_count(double number) {
+    constexpr double most = 9e18;
+    return number < most ? Value(static_cast<std::int64_t>(std::llround(number))) : Value(number);
+}
+
+Json report_json(std::span<const ReportRow> report) {
+    struct Converted {
+        Json operator()(std::monostate) const { return nullptr; }
+        Json operator()(bool yes) const { return yes; }
+        Json operator()(const std::string& text) const { return text; }
+        Json operator()(std::int64_t number) const { return number; }
+        Json operator()(double number) const { return number; }
+    };
+    Json json;
+    for (const ReportRow& row : report) {
+        json[row.name] = std::visit(Converted{}, row.value);
+    }
+    return json;
+}
+
+}  // namespace hertzline::measures

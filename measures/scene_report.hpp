@@ -1,0 +1,50 @@
+#pragma once
+// What follows from a scene: masses, stiffnesses, frequencies, what contacts carry, accuracy and step.
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/scene/json.hpp"
+#include "core/scene/scene.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace hertzline::measures {
+
+/// A row of the report: a quantity, its value and its unit.
+struct ReportRow {
+    std::string group;  ///< "spheres", "contacts", ...
+    std::string label;  ///< "mass"
+    std::string name;   ///< "sphere_mass_kg", for machines
+    std::string unit;   ///< "kg"; "bytes" is shown in KiB and so on
+    /// Empty when this scene has no such thing (a wall's mass).
+    std::variant<std::monostate, double, std::int64_t, bool, std::string> value;
+};
+
+/// The first burst and half as long again [s].
+double first_burst_s(const Scene& scene);
+
+/// Overlaps of the contacts at their largest in so many seconds [m]; nothing when that takes too many steps, or fails.
+/// Simulates them. @param scene is resolved
+std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s);
+
+/// What is to be warned of at these overlaps: contacts that are pressed too deep, or harder than their materials bear; at rest
+/// where overlaps are not known.
+std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks);
+
+/// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
+std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
+                                    const std::optional<Eigen::ArrayXd>& peaks);
+
+/// A whole number, or what is beyond all counting.
+decltype(ReportRow::value) report_count(double number);
+
+/// One flat object; null where this scene has no such thing.
+Json report_json(std::span<const ReportRow> report);
+
+}  // namespace hertzline::measures

@@ -1,0 +1,79 @@
+#pragma once
+// A file that exists under its name only when it is complete (staged_file), written through a buffer.
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "recordings/files/staged_file.hpp"
+
+namespace hertzline::recordings {
+
+/// Buffered, sequential. Errors are std::system_error (a std::runtime_error): what() names the path and the
+/// system's reason ("cannot write out.csv: No space left on device"). After an error every later write or
+/// commit fails again, until resume_at().
+class OutputFile {
+public:
+    /// Opens the temporary or the device, as StagedFile does.
+    explicit OutputFile(std::filesystem::path path,
+                        StagedFile::Devices devices = StagedFile::Devices::allowed);
+
+    // Without commit() or keep() the temporary is removed; bytes still in the buffer are dropped.
+
+    /// Flushes by itself only when the bytes do not fit().
+    void write(std::string_view text);
+    void write(std::span<const std::byte> bytes);
+    bool fits(std::size_t bytes) const noexcept;
+
+    /// Replaces bytes written before, as a header whose counts are known only at the end. Not for devices.
+    void rewrite(std::uint64_t offset, std::string_view text);
+
+    /// Writes out the buffer: what the disk has no room for is known now.
+    void flush();
+
+    /// Writes out the buffer and closes: what the system tells only then is known now. After it commit() and keep()
+    /// are left.
+    void close();
+
+    /// Closes, unless it is closed, and gives the file its name.
+    void commit();
+
+    /// Bytes that lie in the file: after a failed flush a part of what it was to write.
+    std::uint64_t size() const noexcept;
+
+    /// What lies in the file from there on.
+    std::string text_from(std::uint64_t offset) const;
+
+    /// Cuts the file there and goes on from there; forgets a failure. Not for devices.
+    void resume_at(std::uint64_t size);
+
+    /// Closes it; what lies in the file stays under the temporary's name. @returns that name
+    std::filesystem::path keep() noexcept;
+
+    /// Closes it and removes what was written.
+    void abandon() noexcept { file_.abandon(); }
+
+    /// See StagedFile.
+    bool is_closed() const noexcept { return file_.is_closed(); }
+    bool is_doubtful() const noexcept { return file_.is_doubtful(); }
+
+    /// As the user named it.
+    const std::filesystem::path& path() const noexcept { return file_.path(); }
+
+    /// It has no name to be given: a device, a FIFO.
+    bool is_device() const noexcept { return file_.temporary().empty(); }
+
+    /// Bytes taken by write() so far.
+    std::uint64_t bytes() const noexcept { return bytes_; }
+
+private:
+    StagedFile file_;
+    std::vector<std::byte> buffer_;
+    std::uint64_t bytes_ = 0;
+};
+
+}  // namespace hertzline::recordings

@@ -1,0 +1,85 @@
+#pragma once
+// A file that gets its name only when it is complete; for those who write its bytes themselves.
+//
+// The bytes go to a temporary beside the target (FILE.partial-...), which commit() renames over it. Without
+// commit the temporary is removed and the target is as it was. What is not a regular file (/dev/null, a FIFO,
+// the program's own /dev/stdout) cannot be replaced by renaming: it is written straight to, or refused.
+
+#include <filesystem>
+
+namespace hertzline::recordings {
+
+/// Errors are std::system_error (a std::runtime_error): what() names the path and the system's reason
+/// ("cannot write out.csv: No space left on device").
+class StagedFile {
+public:
+    enum class Devices { allowed, refused };
+
+    /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or
+    /// unwritable directory, a target that is a directory or read-only. A FIFO waits for its reader.
+    /// A symbolic link is followed, not replaced; a stranger's in a folder like /tmp is refused. A new file gets the
+    /// permissions that any new file would; one that replaces another gets its permissions, and its owner where the
+    /// system lets us. At no moment, nor with another group, is it open to more users than that one was.
+    StagedFile(std::filesystem::path path, Devices devices);
+
+    /// Without commit(), appear() or keep(): removes the temporary.
+    ~StagedFile();
+    StagedFile(const StagedFile&) = delete;
+    StagedFile& operator=(const StagedFile&) = delete;
+
+    /// As the user named it.
+    const std::filesystem::path& path() const noexcept { return path_; }
+
+    /// Where the bytes go: for libraries that open files by name. Empty for a device.
+    const std::filesystem::path& temporary() const noexcept { return temporary_; }
+
+    /// Open for reading and writing (a device: for writing), or -1 once it is over.
+    int descriptor() const noexcept { return descriptor_; }
+
+    /// Closes it; then only commit(), keep() and abandon() are left. Some file systems (NFS) tell of a full disk or
+    /// quota only here.
+    void close();
+
+    /// Closes, unless it is closed, and gives the file its name. Does not wait for the disk (no fsync): a power cut
+    /// may still lose the file, a crash of the program may not.
+    void commit();
+
+    /// Gives the file its name now, while it goes on growing; what it replaces is gone. From here on what was
+    /// written stays under that name, unless it is abandoned.
+    void appear();
+
+    /// Closes it where it is: what was written stays under the temporary's name, after appear() under its own.
+    void keep() noexcept;
+
+    /// Closes it and removes what was written. Does nothing after commit() or keep().
+    void abandon() noexcept;
+
+    bool is_closed() const noexcept { return descriptor_ < 0; }
+    /// The system reported an error when it was closed: nobody knows how much of what was written is in it.
+    bool is_doubtful() const noexcept { return doubtful_; }
+
+    /// @throws std::system_error of that errno; from then on commit() and require_open() throw it again. The
+    /// file stays open: resume(), keep() or abandon() it.
+    [[noreturn]] void fail(int reason);
+    /// Forgets the failure, to save what can be saved.
+    void resume() noexcept { failure_ = 0; }
+
+    /// @throws std::system_error after a failure, std::logic_error after commit, where it is misuse.
+    void require_open() const;
+
+private:
+    void open_straight();
+    void open_temporary();
+    int close_descriptor() noexcept;
+
+    std::filesystem::path path_;
+    std::filesystem::path target_;     // path_ with symbolic links followed
+    std::filesystem::path temporary_;  // empty: written straight; target_ after appear()
+    int descriptor_ = -1;
+    bool appeared_ = false;
+    bool doubtful_ = false;
+    bool settled_ = false;  // the temporary is there no more, or shall stay
+    int failure_ = 0;       // errno of the first error
+};
+
+}  // namespace hertzline::recordings

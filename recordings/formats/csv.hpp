@@ -1,0 +1,35 @@
+#pragma once
+// Samples as comma-separated text: a line of column names, the time t_s first, then a line for each sample. A
+// gap shows in the times.
+//
+// What a CSV cannot say (units, rate, provenance) lies beside it in FILE.csv-metadata.json, as the W3C
+// recommendations for CSV on the Web have it ("Metadata Vocabulary for Tabular Data", 2015, and the place of
+// that file in "Model for Tabular Data and Metadata on the Web", section 5.3); not beside a device or FIFO.
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "recordings/recording.hpp"
+
+namespace hertzline::recordings {
+
+class OutputFile;
+
+/// The first column.
+inline constexpr const char* csv_time_column = "t_s";
+
+/// Appends the shortest text of `number` that reads back the same bits; independent of the locale.
+void append_csv_number(std::string& text, double number);
+
+/// Gives a CSV that is whole, and its metadata, their names.
+void commit_csv(OutputFile& csv, OutputFile& metadata, const std::filesystem::path& path);
+
+/// A CSV, under its name once it is complete.
+std::unique_ptr<RecordingWriter> open_csv_writer(const std::filesystem::path& path,
+                                                 const RecordingHead& head);
+
+/// Reads a CSV whose first column is t_s. Without its metadata the rate is taken from the first times, up to a thousand.
+std::unique_ptr<RecordingReader> open_csv_reader(const std::filesystem::path& path);
+
+}  // namespace hertzline::recordings

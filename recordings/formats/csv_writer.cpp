@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "recordings/checked_writer.hpp"
+#include "recordings/files/output_file.hpp"
+#include "recordings/formats/csv.hpp"
+#include "recordings/formats/csv_metadata.hpp"
+
+#include "core/scene/json.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string metadata_text(const fs::path& path, const RecordingHead& head) {
+    const char* datatype = head.numbers == NumberType::float32 ? "float" : "double";
+    std::vector<CsvColumn> columns{{{csv_time_column, "t", "s"}, "double"}};
+    for (const Column& column : head.columns) {
+        columns.push_back({column, datatype});
+    }
+    return csv_metadata(path, columns, head.provenance, head.sample_rate_hz);
+}
+
+class CsvWriter final : public CheckedWriter {
+public:
+    CsvWriter(const fs::path& path, const RecordingHead& head) : CheckedWriter(path, head), file_(path) {
+        if (!file_.is_device()) {
+            metadata_.emplace(csv_metadata_path(path), StagedFile::Devices::refused);
+            metadata_->write(metadata_text(path, head));
+            metadata_->flush();  // fails now rather than at the end
+        }
+        line_ = csv_time_column;
+        for (const Column& column : head.columns) {
+            line_ += ',' + column.name;
+        }
+        write_line();
+    }
+
+private:
+    void changed(const Json& /*change*/) override { metadata_is_stale_ = true; }
+
+    void renew_metadata() {
+        if (metadata_ && metadata_is_stale_) {
+            metadata_.emplace(csv_metadata_path(path()), StagedFile::Devices::refused);
+            metadata_->write(metadata_text(path(), head()));
+            metadata_is_stale_ = false;
+        }
+    }
+
+    void append(std::int64_t first, std::span<const double> values) override {
+        const std::size_t columns = head().columns.size();
+        for (; !values.empty(); values = values.subspan(columns)) {
+            line_.clear();
+            append_csv_number(line_, static_cast<double>(first++) / head().sample_rate_hz);  // counted
+            for (const double value : values.first(columns)) {
+                line_ += ',';
+                append_csv_number(line_, value);
+            }
+            write_line();
+        }
+    }
+
+    void write_line() {
+        line_ += '\n';
+        if (!file_.fits(line_.size())) {
+            flush();
+        }
+        file_.write(line_);
+        ++lines_;
+    }
+
+    void flush() {
+        file_.flush();
+        flushed_bytes_ = file_.bytes();
+        flushed_lines_ = lines_;
+    }
+
+    void finish() override {
+        flush();
+        renew_metadata();
+        file_.close();
+        if (metadata_) {
+            metadata_->close();  // what was there before goes only when all is in the new files
+            // the old ones first: nobody shall find them beside the new samples
+            fs::remove(csv_metadata_path(path()));
+        }
+        file_.commit();
+        committed_ = true;
+        if (metadata_) {
+            metadata_->commit();
+        }
+    }
+
+    /// Of the lines that a failed flush was to write, those that are whole lie in the file, too.
+    KeptRows rescue() override {
+        if (committed_) {  // only the metadata are missing
+            return {rows(), path()};
+        }
+        if (file_.is_closed()) {
+            return kept_as_it_is(rows());
+        }
+        try {
+            flush();
+        } catch (const std::exception&) {  // the disk is full: what it has taken counts
+        }
+        constexpr std::int64_t names = 1;  // line
+        if (file_.is_device()) {
+            return kept_as_it_is(std::max<std::int64_t>(0, flushed_lines_ - names));
+        }
+        const std::string tail = file_.text_from(flushed_bytes_);
+        const std::size_t whole = tail.rfind('\n') + 1;  // 0 when there is none
+        const std::int64_t rows = flushed_lines_ + std::count(tail.begin(), tail.end(), '\n') - names;
+        if (rows <= 0) {
+            remove();
+            return {};
+        }
+        file_.resume_at(flushed_bytes_ + whole);
+        return kept_as_it_is(rows);
+    }
+
+    KeptRows kept_as_it_is(std::int64_t rows) {
+        renew_metadata();
+        if (metadata_) {
+            metadata_->keep();
+        }
+        const fs::path temporary = file_.keep();
+        return {file_.is_doubtful() ? 0 : rows, file_.is_device() ? path() : temporary};
+    }
+
+    void remove() noexcept override {
+        file_.abandon();
+        metadata_.reset();
+    }
+
+    OutputFile file_;
+    std::optional<OutputFile> metadata_;  // of what is no device; in the file from the start on
+    bool metadata_is_stale_ = false;      // since then the scene has changed
+    std::string line_;
+    std::int64_t lines_ = 0;  // that of the names among them
+    std::int64_t flushed_lines_ = 0;
+    std::uint64_t flushed_bytes_ = 0;
+    bool committed_ = false;
+};
+
+}  // namespace
+
+void commit_csv(OutputFile& csv, OutputFile& metadata, const fs::path& path) {
+    csv.flush();
+    metadata.flush();
+    fs::remove(csv_metadata_path(path));  // the old ones first: nobody shall find them beside the new numbers
+    csv.commit();
+    metadata.commit();
+}
+
+void append_csv_number(std::string& text, double number) {
+    std::array<char, 32> digits{};  // sign, 17 digits, point, e-308: 24 at most
+    const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+    text.append(digits.data(), written.ptr);
+}
+
+std::unique_ptr<RecordingWriter> open_csv_writer(const fs::path& path, const RecordingHead& head) {
+    return std::make_unique<CsvWriter>(path, head);
+}
+
+}  // namespace hertzline::recordings

@@ -1,0 +1,124 @@
+#include "recordings/formats/sigmf/sigmf_files.hpp"
+
+#include <system_error>
+#include <utility>
+
+#include "measures/provenance.hpp"
+#include "recordings/files/output_file.hpp"
+#include "recordings/files/sha512.hpp"
+#include "recordings/float32.hpp"
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Json global_of(const RecordingHead& head, const std::vector<std::size_t>& chosen) {
+    std::string names;
+    Json columns = Json::array();
+    for (const std::size_t i : chosen) {
+        const Column& column = head.columns[i];
+        names += (names.empty() ? "" : ", ") + column.name;
+        columns.push_back({{"name", column.name}, {"quantity", column.quantity}, {"unit", column.unit}});
+    }
+    Json global{{"core:datatype", "rf32_le"},
+                {"core:version", sigmf_version},
+                {"core:num_channels", chosen.size()},
+                {"core:sample_rate", head.sample_rate_hz},
+                {"core:description", "A granular-chain ultrasound source: " + names},
+                {"core:hw", "none, simulated"},
+                {"core:recorder", fmt::format("hertzline {}", measures::program_version())},
+                {"core:extensions", sigmf_extensions()}};
+    for (const auto& [key, value] : head.provenance.items()) {
+        global["hertzline:" + key] = value;
+    }
+    global["hertzline:columns"] = columns;
+    return global;
+}
+
+}  // namespace
+
+Json sigmf_extensions() {
+    return Json::array({Json{{"name", "hertzline"}, {"version", "1.0.0"}, {"optional", true}}});
+}
+
+std::string sigmf_text(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+SigmfFiles::SigmfFiles(const SigmfPaths& paths, const RecordingHead& head, std::vector<std::size_t> columns)
+    : meta_path_(paths.meta),
+      data_(paths.data, columns.size() * sizeof(float)),
+      columns_(std::move(columns)),
+      all_columns_(head.columns.size()),
+      global_(global_of(head, columns_)) {
+    const OutputFile writable(meta_path_, StagedFile::Devices::refused);
+}
+
+void SigmfFiles::appear(const SigmfProgress& progress) {
+    fs::remove(meta_path_);
+    if (data_.is_closed()) {
+        data_.commit();
+    } else {
+        data_.appear();
+    }
+    appeared_ = true;
+    save_meta(progress);
+}
+
+void SigmfFiles::save_meta(const SigmfProgress& progress) {
+    const std::string text = meta_text(progress);
+    OutputFile file(meta_path_, StagedFile::Devices::refused);
+    file.write(text);
+    file.commit();
+    hash_ = sha512(text);
+}
+
+void SigmfFiles::write(std::span<const double> values, const std::function<void()>& make_room) {
+    floats_.resize(values.size() / all_columns_ * columns_.size());
+    float* to = floats_.data();
+    for (std::size_t row = 0; row < values.size(); row += all_columns_) {
+        for (const std::size_t column : columns_) {
+            *to++ = static_cast<float>(values[row + column]);
+        }
+    }
+    const std::span<const std::byte> bytes = wire_bytes(floats_);
+    if (!data_.fits(bytes.size())) {
+        make_room();
+    }
+    data_.write(bytes);
+}
+
+fs::path SigmfFiles::keep(const SigmfProgress& progress) {
+    fs::path file = data_.keep();
+    if (hash_.empty()) {
+        OutputFile meta(meta_path_, StagedFile::Devices::refused);
+        meta.write(meta_text(progress));
+        meta.flush();
+        meta.keep();
+    }
+    return file;
+}
+
+void SigmfFiles::remove() noexcept {
+    data_.abandon();
+    if (appeared_) {
+        std::error_code gone;
+        fs::remove(meta_path_, gone);
+    }
+}
+
+Json SigmfFiles::listed() const {
+    return {{"name", meta_path_.stem().string()}, {"hash", hash_}};
+}
+
+std::string SigmfFiles::meta_text(const SigmfProgress& progress) const {
+    return sigmf_text(
+        {{"global", global_}, {"captures", progress.captures}, {"annotations", progress.annotations}});
+}
+
+}  // namespace hertzline::recordings

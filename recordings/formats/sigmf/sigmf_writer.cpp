@@ -1,0 +1,318 @@
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "measures/provenance.hpp"
+#include "recordings/checked_writer.hpp"
+#include "recordings/files/errors.hpp"
+#include "recordings/files/output_file.hpp"
+#include "recordings/formats/sigmf/sigmf.hpp"
+#include "recordings/formats/sigmf/sigmf_bursts.hpp"
+#include "recordings/formats/sigmf/sigmf_files.hpp"
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using std::chrono::steady_clock;
+
+constexpr double flush_every_s = 0.5;         // of samples or by the clock, what comes first
+constexpr std::size_t max_captures = 10'000;  // each costs a hundred bytes, written anew with the next one
+
+/// What the specification allows.
+constexpr double lowest_rate_hz = 1;
+constexpr double highest_rate_hz = 1e12;
+
+constexpr std::size_t max_recordings = 100;  // of a collection: each has a descriptor and a buffer of 1 MiB
+
+class SigmfWriter final : public CheckedWriter {
+public:
+    /// A single recording, or a collection with one for each column.
+    enum class Kind { recording, collection };
+
+    SigmfWriter(const fs::path& path, const RecordingHead& head, Appearance appearance, Kind kind)
+        : CheckedWriter(path, {head.columns, head.sample_rate_hz, NumberType::float32, head.provenance}),
+          appearance_(appearance),
+          half_a_second_(static_cast<std::int64_t>(flush_every_s * head.sample_rate_hz)) {
+        epochs_ = measures::epochs_of(head.provenance, head.sample_rate_hz);
+        if (kind == Kind::collection) {
+            require_possible(max_recordings, "a SigMF collection, which has files for each");
+            begin_collection();
+        } else {
+            require_possible(sigmf_max_channels, "SigMF");
+            std::vector<std::size_t> all(head.columns.size());
+            std::iota(all.begin(), all.end(), std::size_t{0});
+            recordings_.emplace_back(sigmf_paths(path), head, std::move(all));
+        }
+    }
+
+private:
+    void require_possible(std::size_t max_columns, const char* format) const {
+        if (head().columns.size() > max_columns) {
+            cannot_write(path(), fmt::format("found {} columns, allowed: at most {} in {}",
+                                             head().columns.size(), max_columns, format));
+        }
+        if (!(head().sample_rate_hz >= lowest_rate_hz && head().sample_rate_hz <= highest_rate_hz)) {
+            cannot_write(path(), fmt::format("found {} samples per second, allowed: {} to {} in SigMF",
+                                             number_text(head().sample_rate_hz), number_text(lowest_rate_hz),
+                                             number_text(highest_rate_hz)));
+        }
+    }
+
+    void begin_collection() {
+        const OutputFile writable(path(), StagedFile::Devices::refused);  // fails now or not at all
+        const std::string name = path().stem().string();
+        try {
+            static_cast<void>(Json(name).dump());
+        } catch (const Json::exception&) {
+            cannot_write(path(), "its name is not UTF-8, as the names in a SigMF collection have to be");
+        }
+        collection_ = path();
+        for (std::size_t i = 0; i < head().columns.size(); ++i) {
+            const std::string base = name + '-' + head().columns[i].name;
+            const auto place = [&](std::string_view ending) {
+                return path().parent_path() / (base + std::string(ending));
+            };
+            recordings_.emplace_back(SigmfPaths{place(sigmf_meta_ending), place(sigmf_data_ending)}, head(),
+                                     std::vector<std::size_t>{i});
+            recordings_.back().name_collection(name);
+        }
+    }
+
+    void begin_capture(Capture capture) override {
+        if (progress_.captures.size() == max_captures) {
+            cannot_write(path(), fmt::format("found more than {} gaps", max_captures - 1));
+        }
+        if (!progress_.captures.empty() && progress_.captures.back()["core:sample_start"] == capture.row) {
+            progress_.captures.erase(progress_.captures.size() -
+                                     1);  // that of an epoch whose first samples are missing
+        }
+        progress_.captures.push_back(
+            {{"core:sample_start", capture.row},
+             {"core:global_index", capture.sample},
+             {"core:datetime", measures::utc_text(std::chrono::system_clock::now())}});
+        meta_is_stale_ = true;
+    }
+
+    /// A capture and an annotation of its own.
+    void changed(const Json& change) override {
+        const auto sample = change.value("sample", std::int64_t{0});
+        epochs_ = measures::epochs_of(head().provenance, head().sample_rate_hz);
+        for (SigmfFiles& recording : recordings_) {
+            recording.name_change(change);
+        }
+        if (rows() > 0 && sample == due()) {
+            begin_capture({rows(), sample});
+        }
+        changes_.push_back({{"core:sample_start", rows()},
+                            {"core:sample_count", 0},
+                            {"core:generator", "hertzline"},
+                            {"core:label", fmt::format("epoch {}", change.value("epoch", std::int64_t{0}))},
+                            {"hertzline:change", change}});
+        note_annotations();
+        meta_is_stale_ = true;
+    }
+
+    void append(std::int64_t, std::span<const double> values) override {
+        if (!appeared_ && appearance_ == Appearance::early) {
+            appear();
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.write(values, [this] { flush(); });
+        }
+        const auto now_held = rows() + static_cast<std::int64_t>(values.size() / head().columns.size());
+        const std::chrono::duration<double> waited = steady_clock::now() - last_flush_;
+        if (now_held - flushed_ >= half_a_second_ || waited.count() >= flush_every_s) {
+            flush();
+            flushed_ = now_held;
+        }
+    }
+
+    void finish() override {
+        if (appeared_) {
+            flush();
+            annotate(LastBurst::included, rows());
+            save_meta();
+            for (SigmfFiles& recording : recordings_) {
+                recording.commit();
+            }
+            return;
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.close();  // what was there before goes only when all is in the new files
+        }
+        annotate(LastBurst::included, rows());
+        appear();
+    }
+
+    KeptRows rescue() override {
+        const auto any = [this](bool (SigmfFiles::*is)() const noexcept) {
+            return std::any_of(recordings_.begin(), recordings_.end(),
+                               [is](const SigmfFiles& recording) { return (recording.*is)(); });
+        };
+        std::int64_t rows = this->rows();
+        if (!any(&SigmfFiles::is_closed)) {
+            try {
+                flush();
+            } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
+            }
+            rows = held_rows();
+            if (rows == 0 && !appeared_) {
+                remove();
+                return {};
+            }
+        }
+        annotate(LastBurst::included, rows);
+        std::vector<fs::path> files;
+        for (SigmfFiles& recording : recordings_) {
+            files.push_back(recording.keep(progress_));
+        }
+        const bool doubtful = any(&SigmfFiles::is_doubtful);
+        rows = doubtful ? 0 : rows;
+        if (appeared_) {
+            return {rows, rows > 0 || doubtful ? path() : fs::path()};
+        }
+        return {rows, files.front()};
+    }
+
+    void remove() noexcept override {
+        for (SigmfFiles& recording : recordings_) {
+            recording.remove();
+        }
+        if (appeared_ && collection_) {
+            std::error_code gone;
+            fs::remove(*collection_, gone);
+        }
+    }
+
+    /// A collection lists no recordings that are not its own: the old one goes first and the new one comes last.
+    void appear() {
+        if (collection_) {
+            fs::remove(*collection_);
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.appear(progress_);
+        }
+        appeared_ = true;
+        meta_is_stale_ = false;
+        save_collection();
+    }
+
+    /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
+    void flush() {
+        for (SigmfFiles& recording : recordings_) {
+            recording.require_present();  // else the metadata of that name are another recording's
+        }
+        if (meta_is_stale_ && appeared_) {
+            save_meta();
+        }
+        for (SigmfFiles& recording : recordings_) {
+            recording.flush();
+        }
+        if (annotate(LastBurst::left_out, held_rows()) && appeared_) {
+            save_meta();  // after the samples: there are no annotations of what is not there
+        }
+        last_flush_ = steady_clock::now();
+    }
+
+    void save_meta() {
+        for (SigmfFiles& recording : recordings_) {
+            recording.save_meta(progress_);
+        }
+        meta_is_stale_ = false;
+        save_collection();
+    }
+
+    /// Rows of which the system has taken all. Not of files that are closed.
+    std::int64_t held_rows() const {
+        std::int64_t rows = std::numeric_limits<std::int64_t>::max();
+        for (const SigmfFiles& recording : recordings_) {
+            rows = std::min(rows, recording.rows());
+        }
+        return rows;
+    }
+
+    /// @param rows that the files have @returns whether there are more annotations than before
+    bool annotate(LastBurst last, std::int64_t rows) {
+        const std::size_t before = bursts_.size();
+        if (epochs_.empty() || (last == LastBurst::left_out && before == max_burst_annotations)) {
+            return false;
+        }
+        bursts_ = burst_annotations({head().sample_rate_hz, epochs_}, progress_.captures, rows, last);
+        note_annotations();
+        return bursts_.size() > before;
+    }
+
+    /// Those of bursts and changes, in the order of their samples as SigMF wants it.
+    void note_annotations() {
+        const auto start = [](const Json& one) { return one["core:sample_start"].get<std::int64_t>(); };
+        Json all = Json::array();
+        std::merge(changes_.begin(), changes_.end(), bursts_.begin(), bursts_.end(), std::back_inserter(all),
+                   [&](const Json& a, const Json& b) { return start(a) < start(b); });
+        progress_.annotations = std::move(all);
+    }
+
+    void save_collection() const {
+        if (!collection_) {
+            return;
+        }
+        Json streams = Json::array();
+        for (const SigmfFiles& recording : recordings_) {
+            streams.push_back(recording.listed());
+        }
+        const Json collection{{"core:version", sigmf_version},
+                              {"core:description", "A granular-chain ultrasound source, an output each"},
+                              {"core:extensions", sigmf_extensions()},
+                              {"core:streams", std::move(streams)}};
+        OutputFile file(*collection_, StagedFile::Devices::refused);
+        file.write(sigmf_text(Json::object({{"collection", collection}})));
+        file.commit();
+    }
+
+    Appearance appearance_;
+    std::optional<fs::path> collection_;
+    std::deque<SigmfFiles> recordings_;  // of a collection one for each column
+    SigmfProgress progress_;
+    std::vector<Epoch> epochs_;     // none: the scene is not known
+    Json bursts_ = Json::array();   // annotations
+    Json changes_ = Json::array();  // the same
+    std::int64_t half_a_second_;    // in samples
+    std::int64_t flushed_ = 0;      // samples
+    steady_clock::time_point last_flush_ = steady_clock::now();
+    bool meta_is_stale_ = false;
+    bool appeared_ = false;
+};
+
+}  // namespace
+
+SigmfPaths sigmf_paths(const fs::path& either) {
+    fs::path meta = either;
+    fs::path data = either;
+    return {meta.replace_extension(sigmf_meta_ending), data.replace_extension(sigmf_data_ending)};
+}
+
+std::unique_ptr<RecordingWriter> open_sigmf_writer(const fs::path& either, const RecordingHead& head,
+                                                   Appearance appearance) {
+    return std::make_unique<SigmfWriter>(either, head, appearance, SigmfWriter::Kind::recording);
+}
+
+std::unique_ptr<RecordingWriter> open_sigmf_collection_writer(const fs::path& collection,
+                                                              const RecordingHead& head,
+                                                              Appearance appearance) {
+    return std::make_unique<SigmfWriter>(collection, head, appearance, SigmfWriter::Kind::collection);
+}
+
+}  // namespace hertzline::recordings

@@ -1,0 +1,123 @@
+#include "recordings/recording_formats.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <stdexcept>
+#include <string_view>
+
+#include "recordings/files/output_file.hpp"
+#include "recordings/formats/csv.hpp"
+#include "recordings/formats/hdf5/hdf5.hpp"
+#include "recordings/formats/npy.hpp"
+#include "recordings/formats/sigmf/sigmf.hpp"
+#include "recordings/formats/wav/wav.hpp"
+
+#include "core/scene/text.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Writer = std::unique_ptr<RecordingWriter>;
+
+/// For formats that have their name only when they are complete.
+template <Writer (*open)(const fs::path&, const RecordingHead&)>
+Writer when_complete(const fs::path& path, const RecordingHead& head, Appearance /*appearance*/) {
+    return open(path, head);
+}
+
+struct Format {
+    std::string_view ending;
+    double bytes_per_number;  // from above
+    Writer (*write)(const fs::path&, const RecordingHead&, Appearance);
+    std::unique_ptr<RecordingReader> (*read)(const fs::path&);
+};
+
+constexpr std::array formats{
+    Format{".csv", 24, when_complete<open_csv_writer>,
+           open_csv_reader},  // 17 digits, sign, point, exponent, comma
+    Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
+    Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
+    Format{sigmf_collection_ending, 4, open_sigmf_collection_writer, open_sigmf_collection_reader},
+    Format{".h5", 8, when_complete<open_hdf5_writer>,
+           [](const fs::path& path) { return open_hdf5_reader(path); }},
+    Format{".wav", 4, when_complete<open_wav_writer>, open_wav_reader},
+    Format{".npy", 8, when_complete<open_npy_writer>, open_npy_reader},
+};
+
+/// nullptr for an unknown ending.
+const Format* format_of(const fs::path& path) {
+    const std::string ending = recording_ending(path);
+    std::error_code unknown;  // a name that cannot be asked about is no device
+    const bool device = fs::is_character_file(path, unknown) || fs::is_fifo(path, unknown);
+    const std::string_view wanted = ending.empty() && device ? ".csv" : std::string_view(ending);
+    const auto* const found = std::ranges::find(formats, wanted, &Format::ending);
+    return found != formats.end() ? found : nullptr;
+}
+
+const Format& format_or_refuse(const fs::path& path) {
+    const Format* format = format_of(path);
+    if (format == nullptr) {
+        throw std::runtime_error(*recording_fault(path));
+    }
+    return *format;
+}
+
+}  // namespace
+
+std::string recording_ending(const fs::path& path) {
+    std::string ending = path.extension().string();
+    std::ranges::transform(ending, ending.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return ending;
+}
+
+std::string recording_endings() {
+    std::string endings;
+    for (const Format& format : formats) {
+        endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
+    }
+    return endings;
+}
+
+std::optional<std::string> recording_fault(const fs::path& path) {
+    if (format_of(path) != nullptr) {
+        return std::nullopt;
+    }
+    return path.string() + ": found the ending \"" + recording_ending(path) +
+           "\", allowed: " + recording_endings();
+}
+
+fs::path recording_name(const fs::path& path) {
+    return (recording_ending(path) == sigmf_data_ending ? sigmf_paths(path).meta : path).lexically_normal();
+}
+
+double recording_bytes(const fs::path& path, double columns, double samples) noexcept {
+    constexpr double time_column = 1;  // of those formats that have one
+    const Format* format = format_of(path);
+    return format != nullptr ? samples * (columns + time_column) * format->bytes_per_number : 0;
+}
+
+void require_writable(const fs::path& path) {
+    std::error_code unknown;
+    if (fs::is_directory(path, unknown)) {
+        throw std::runtime_error("cannot write " + printable(path.string()) + ": it is a folder");
+    }
+    if (!fs::exists(path, unknown) || fs::is_regular_file(path, unknown)) {
+        const OutputFile writable(path);
+    }
+}
+
+std::unique_ptr<RecordingWriter> open_recording(const fs::path& path, const RecordingHead& head,
+                                                Appearance appearance) {
+    return format_or_refuse(path).write(path, head, appearance);
+}
+
+std::unique_ptr<RecordingReader> open_reader(const fs::path& path) {
+    return format_or_refuse(path).read(path);
+}
+
+}  // namespace hertzline::recordings

@@ -1,0 +1,106 @@
+#include "recordings/recording_head.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "recordings/files/errors.hpp"
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+/// Names become field names, links and keys: nothing that any of these formats would have to escape.
+bool usable_name(std::string_view name) {
+    constexpr std::string_view others = "_-";
+    return !name.empty() && std::ranges::all_of(name, [&](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               others.find(c) != std::string_view::npos;
+    });
+}
+
+}  // namespace
+
+std::optional<std::string> head_fault(const RecordingHead& head) {
+    if (head.columns.empty()) {
+        return "no columns";
+    }
+    if (!(head.sample_rate_hz > 0) || !std::isfinite(head.sample_rate_hz)) {
+        return fmt::format("sample rate: found {} Hz, allowed: more than 0", head.sample_rate_hz);
+    }
+    std::set<std::string_view> names{"t_s"};
+    for (const Column& column : head.columns) {
+        if (!usable_name(column.name) || !usable_name(column.quantity)) {
+            return fmt::format(R"(column "{}" of "{}": allowed in names: letters, digits, _ and -)",
+                               column.name, column.quantity);
+        }
+        if (!names.insert(column.name).second) {
+            return fmt::format("column \"{}\": found twice, or named like the time", column.name);
+        }
+    }
+    return std::nullopt;
+}
+
+void require_undamaged(const std::filesystem::path& path, std::int64_t row, std::span<const double> values,
+                       std::size_t columns) {
+    const auto bad = std::ranges::find_if_not(values, [](double v) { return std::isfinite(v); });
+    if (bad != values.end()) {
+        const auto at = static_cast<std::size_t>(bad - values.begin());
+        cannot_read(path, fmt::format("damaged: row {}, column {} is {}, allowed: finite numbers",
+                                      row + static_cast<std::int64_t>(at / columns), at % columns + 1, *bad));
+    }
+}
+
+Json describe(const RecordingHead& head) {
+    Json columns = Json::array();
+    for (const Column& column : head.columns) {
+        columns.push_back({column.name, column.quantity, column.unit});
+    }
+    return {{"sample_rate_hz", head.sample_rate_hz},
+            {"columns", std::move(columns)},
+            {"provenance", head.provenance}};
+}
+
+RecordingHead described_head(Json description, NumberType numbers) {
+    RecordingHead head;
+    head.numbers = numbers;
+    try {
+        description.at("sample_rate_hz").get_to(head.sample_rate_hz);
+        for (const Json& column : description.at("columns")) {
+            head.columns.push_back({column.at(0), column.at(1), printable(std::string(column.at(2)))});
+        }
+        head.provenance = std::move(description.at("provenance"));
+    } catch (const Json::exception&) {
+        throw std::runtime_error("description: expected sample_rate_hz, columns and provenance");
+    }
+    return head;
+}
+
+RecordingHead head_of(Json description, NumberType numbers) {
+    RecordingHead head = described_head(std::move(description), numbers);
+    if (const auto fault = head_fault(head)) {
+        throw std::runtime_error("description: " + *fault);
+    }
+    return head;
+}
+
+std::string text_of(const Json& json) {
+    return json.dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+}
+
+RecordingHead head_of_channels(std::size_t channels, double sample_rate_hz, NumberType numbers) {
+    RecordingHead head{{}, sample_rate_hz, numbers, {}};
+    for (std::size_t i = 1; i <= channels; ++i) {
+        const std::string name = "channel_" + std::to_string(i);
+        head.columns.push_back({name, name, ""});
+    }
+    return head;
+}
+
+}  // namespace hertzline::recordings

@@ -1,0 +1,57 @@
+#pragma once
+// What one page sees of one stream: finds the trigger, and makes the picture of the window around it.
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "scope/pictures/heard_samples.hpp"
+#include "scope/pictures/level_trigger.hpp"
+#include "scope/pictures/view_request.hpp"
+
+namespace hertzline::scope {
+
+/// For one page, in one thread.
+class View {
+public:
+    /// What is to be seen from now on.
+    void ask(const ViewRequest& request);
+    const ViewRequest& request() const noexcept { return request_; }
+
+    /// The bytes of the next picture; nothing when the page has the latest one.
+    /// @param now_s since 1970 [s]
+    std::optional<std::string> picture(const HeardSamples& heard, double now_s);
+
+    /// Pictures stand still.
+    bool is_held() const noexcept { return held_ != nullptr; }
+
+private:
+    struct Trigger {
+        std::uint64_t sample = 0;
+        std::uint64_t burst = 0;
+        bool free = false;
+        bool operator==(const Trigger&) const = default;
+    };
+    struct Window {
+        std::int64_t from = 0;  // samples after the trigger
+        std::uint64_t count = 0;
+    };
+
+    Window window(double fs, std::size_t capacity) const noexcept;
+    std::optional<Trigger> trigger(const HeardSamples& heard, const Window& window, double now_s);
+    std::optional<Trigger> found_trigger(const HeardSamples& heard, std::uint64_t latest);
+    bool is_to_be_held(const Trigger& trigger) const noexcept;
+    std::string bytes(const HeardSamples& heard, const Window& window, const Trigger& trigger) const;
+
+    ViewRequest request_;
+    LevelTrigger level_;
+    std::shared_ptr<const HeardSamples> held_;
+    std::optional<Trigger> shown_;
+    std::optional<Trigger> found_;  // the last one, and since when it is the last
+    double triggered_at_s_ = 0;
+    bool changed_ = true;
+    std::optional<std::uint64_t> single_from_;  // a single shot shows a trigger from this sample on
+};
+
+}  // namespace hertzline::scope

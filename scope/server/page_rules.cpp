@@ -1,0 +1,150 @@
+#include "scope/server/page_rules.hpp"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <sys/random.h>
+
+#include "core/scene/text.hpp"
+
+namespace hertzline::scope {
+
+namespace {
+
+constexpr unsigned default_port = 80;
+
+/// inet_pton() reads to the first NUL, behind which anything may stand.
+bool is_address(int family, const std::string& text) {
+    in6_addr address{};
+    return text.find('\0') == std::string::npos && ::inet_pton(family, text.c_str(), &address) == 1;
+}
+
+bool is_ipv4(const std::string& text) {
+    return is_address(AF_INET, text);
+}
+
+bool is_ipv6(const std::string& text) {
+    return is_address(AF_INET6, text);
+}
+
+std::optional<unsigned> port_in(std::string_view text) {
+    unsigned port = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+    constexpr unsigned largest = 65535;
+    const bool whole = error == std::errc() && end == text.data() + text.size() && port <= largest;
+    return whole ? std::optional(port) : std::nullopt;
+}
+
+/// "HOST:PORT" in two; without a colon after the host the port is empty.
+std::pair<std::string_view, std::string_view> host_and_port(std::string_view text) {
+    const std::size_t colon = text.rfind(':');
+    const std::size_t bracket = text.rfind(']');
+    if (colon == std::string_view::npos || (bracket != std::string_view::npos && colon < bracket)) {
+        return {text, {}};
+    }
+    return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+std::string without_brackets(std::string_view host) {
+    const bool bracketed = host.size() > 2 && host.front() == '[' && host.back() == ']';
+    return std::string(bracketed ? host.substr(1, host.size() - 2) : host);
+}
+
+bool is_ours(std::string_view host_header, const PageAddress& address) {
+    const auto [host, port_text] = host_and_port(host_header);
+    const auto port = port_text.empty() ? std::optional(default_port) : port_in(port_text);
+    if (!port || *port != address.port) {
+        return false;
+    }
+    const std::string name = without_brackets(host);
+    if (name == "localhost" || name == address.host) {
+        return true;
+    }
+    // A name can be pointed anywhere by its owner, an address cannot.
+    return !address.loopback && (is_ipv4(name) || is_ipv6(name));
+}
+
+/// Takes as long for any text of that length.
+bool equal(std::string_view a, std::string_view b) {
+    if (a.size() != b.size()) {
+        return false;
+    }
+    unsigned difference = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        difference |= static_cast<unsigned char>(a[i]) ^ static_cast<unsigned char>(b[i]);
+    }
+    return difference == 0;
+}
+
+tl::unexpected<PageRefusal> refused(unsigned status, std::string text) {
+    return tl::unexpected(PageRefusal{status, std::move(text)});
+}
+
+}  // namespace
+
+tl::expected<PageAddress, std::string> page_address(std::string_view text) {
+    const auto wrong = [&] {
+        return tl::unexpected(
+            "found " + quoted_briefly(text) +
+            ", allowed: ADDRESS:PORT, as 127.0.0.1:8573, [::1]:8573 or localhost:8573; port 0 "
+            "is any free one");
+    };
+    const auto [host, port_text] = host_and_port(text);
+    const auto port = port_in(port_text);
+    const std::string name = host == "localhost" ? "127.0.0.1" : without_brackets(host);
+    const bool bracketed = host.starts_with('[');
+    if (!port || (bracketed ? !is_ipv6(name) : !is_ipv4(name))) {
+        return wrong();
+    }
+    const bool loopback = bracketed ? name == "::1" : name.starts_with("127.");
+    return PageAddress{name, static_cast<std::uint16_t>(*port), loopback};
+}
+
+std::string host_in_url(const PageAddress& address) {
+    return address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]";
+}
+
+tl::expected<std::string, PageRefusal> admitted(const PageRequest& request, const PageAddress& address,
+                                                std::string_view token) {
+    if (!is_ours(request.host, address)) {
+        return refused(421, "This is not the host that was asked for.");
+    }
+    if (!request.origin.empty() && request.origin != "http://" + std::string(request.host)) {
+        return refused(403, "Pages of another origin are not served.");
+    }
+    if (request.opens_a_socket && request.origin.empty()) {
+        return refused(403, "A WebSocket needs the page's origin.");
+    }
+    const std::string_view target = request.target;
+    if (target.size() < token.size() + 2 || target.front() != '/' ||
+        !equal(target.substr(1, token.size()), token) || target[token.size() + 1] != '/') {
+        return refused(
+            403,
+            "Open the address that hertzline scope has printed: it ends in a word that others do not know.");
+    }
+    if (request.method != "GET" && request.method != "HEAD") {
+        return refused(405, "Pages can only be read.");
+    }
+    return std::string(target.substr(token.size() + 2));
+}
+
+std::string new_token() {
+    std::array<unsigned char, 16> bits{};
+    std::size_t count = 0;
+    while (count < bits.size()) {
+        const ssize_t more = ::getrandom(bits.data() + count, bits.size() - count, 0);
+        if (more < 0 && errno != EINTR) {
+            throw std::system_error(errno, std::generic_category(), "random numbers");
+        }
+        count += more > 0 ? static_cast<std::size_t>(more) : 0;
+    }
+    return fmt::format("{:02x}", fmt::join(bits, ""));
+}
+
+}  // namespace hertzline::scope

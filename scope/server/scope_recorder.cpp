@@ -1,0 +1,120 @@
+#include "scope/server/scope_recorder.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "measures/provenance.hpp"
+#include "recordings/columns.hpp"
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+namespace hertzline::scope {
+
+namespace {
+
+constexpr std::array<std::string_view, 5> endings{"sigmf-meta", "csv", "h5", "npy", "wav"};
+
+std::string new_name(std::string_view stream) {
+    const auto now = std::chrono::system_clock::now();
+    return fmt::format("scope-{}-{:%Y%m%dT%H%M%SZ}", stream,
+                       fmt::gmtime(std::chrono::system_clock::to_time_t(now)));
+}
+
+}  // namespace
+
+ScopeRecorder::ScopeRecorder(std::optional<std::filesystem::path> folder, const std::atomic<bool>& stop)
+    : folder_(std::move(folder)), stop_(stop) {}
+
+ScopeRecorder::~ScopeRecorder() {
+    end();
+}
+
+std::string ScopeRecorder::begin(Tap tap, const std::string& ending) {
+    if (is_on()) {
+        return "a recording is being made already";
+    }
+    if (!folder_) {
+        return "this scope records nothing: it was started without --record-to FOLDER";
+    }
+    if (std::ranges::find(endings, ending) == endings.end()) {
+        return fmt::format("a recording's ending is one of {}", fmt::join(endings, ", "));
+    }
+    const std::string name = new_name(row_of(tap).name);
+    const auto path = [&](int number) {
+        return *folder_ / fmt::format("{}{}.{}", name, number == 1 ? "" : fmt::format("-{}", number), ending);
+    };
+    int number = 1;
+    while (std::filesystem::exists(path(number))) {  // the second of one second
+        ++number;
+    }
+    file_ = path(number).string();
+    tap_ = tap;
+    run_.clear();
+    text_ = "waiting for the first samples";
+    samples_ = 0;
+    missing_ = 0;
+    return "";
+}
+
+void ScopeRecorder::end() {
+    if (set_) {
+        set_->commit();
+        const auto& status = set_->status().front();
+        text_ = status.failure.empty() ? "saved" : status.failure;
+        set_.reset();
+    } else if (is_on()) {
+        text_ = "nothing was heard, nothing is saved";
+    }
+    tap_.reset();
+}
+
+void ScopeRecorder::take(stream::ReceivedRun& run, const stream::ReceivedFrame& frame, const Json& meta) {
+    const std::vector<Json> changes = run.take_changes();
+    if (run.tap() != tap_) {
+        return;
+    }
+    if (set_ && (run.run() != run_ || samples_ >= most_samples)) {
+        end();
+        return;
+    }
+    if (!set_) {
+        run_ = run.run();
+        const recordings::RecordingHead head{
+            .columns = recordings::recorded_columns(*tap_, spheres_of(*tap_, frame.header.channels)),
+            .sample_rate_hz = frame.header.fs,
+            .numbers = recordings::NumberType::float32,
+            .provenance = measures::provenance_of_meta(meta)};
+        try {
+            set_ = std::make_unique<recordings::RecordingSet>(
+                std::array{file_}, head, recordings::RecordingPatience::none(stop_),
+                [this](const std::string& text) { text_ = text; });
+        } catch (const std::exception& error) {
+            tap_.reset();
+            text_ = error.what();
+            return;
+        }
+        text_ = "recording";
+    } else {
+        missing_ += frame.missing;
+        for (const Json& change : changes) {
+            set_->note_change(change);
+        }
+    }
+    set_->write(static_cast<std::int64_t>(frame.header.sample), {frame.values.begin(), frame.values.end()});
+    samples_ += static_cast<std::int64_t>(frame.header.n);
+}
+
+Json ScopeRecorder::state() const {
+    return {{"allowed", folder_.has_value()},
+            {"on", is_on()},
+            {"file", file_},
+            {"text", text_},
+            {"samples", samples_},
+            {"missing_samples", missing_}};
+}
+
+}  // namespace hertzline::scope

@@ -1,0 +1,33 @@
+#pragma once
+// A controller: asks a running stream, and waits for its reply.
+
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include <zmq.hpp>
+
+#include "core/scene/json.hpp"
+#include "stream/wire/security/curve.hpp"
+
+namespace hertzline::stream {
+
+/// Where a stream on this machine is controlled.
+inline constexpr const char* usual_control_endpoint = "tcp://127.0.0.1:5574";
+
+/// A socket of a controller, connected. @throws std::runtime_error that names the endpoint
+zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
+                             const std::optional<CurveClient>& curve);
+
+struct ControlConnection {
+    std::string endpoint = usual_control_endpoint;
+    std::optional<CurveClient> curve{};
+    std::chrono::milliseconds timeout{10'000};
+};
+
+/// Sends the request and returns the reply, an object. @param stop gives up when it becomes true
+/// @throws std::runtime_error that names the endpoint when there is none in time, or it is no object
+Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop);
+
+}  // namespace hertzline::stream

@@ -1,0 +1,116 @@
+#pragma once
+// The scene of a running stream, as controllers change it: requests are judged, prepared one after another in a thread of their own,
+// and handed over to the simulating thread.
+
+#include <atomic>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/scene/json.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/control/scene_change.hpp"
+#include "stream/inputs/simulation_source.hpp"
+
+namespace hertzline::stream {
+
+/// As the system's tools list it (top -H).
+inline constexpr const char* preparing_thread_name = "preparing";
+
+/// An epoch that a change begins, as whoever sends its samples needs it.
+struct EpochOfChange {
+    SceneChange change;
+    ResolvedScene resolved;
+    std::vector<std::string> warnings;  ///< of its contacts
+};
+
+/// Takes requests and gives replies; for one thread, except take_epochs().
+class SceneControl {
+public:
+    using Reply = std::function<void(const Json&)>;
+
+    /// Requests that may wait for the one that is being prepared.
+    static constexpr std::size_t most_waiting = 64;
+    /// Changes that can be undone, the latest.
+    static constexpr std::size_t most_undone = 1000;
+
+    /// @param requested the scene as the user gave it @param resolved what the source began with
+    /// @param source outlives this
+    SceneControl(Scene requested, Scene resolved, SimulationSource& source);
+    /// Waits a little for a change that is being prepared. Pilots that take longer are left behind.
+    ~SceneControl();
+    SceneControl(const SceneControl&) = delete;
+    SceneControl& operator=(const SceneControl&) = delete;
+
+    /// A request as messages have it. Its reply comes at once or in a later turn().
+    void take(const Json& request, Reply reply);
+
+    /// Goes on with what waits: to be called often while busy(), and when requests have come.
+    void turn();
+    /// Something is being prepared, or waits.
+    bool busy() const noexcept { return job_ != nullptr || !waiting_.empty(); }
+
+    /// Pilots of some change were left behind, so the program cannot end in the ordinary way: std::_Exit.
+    static bool any_abandoned() noexcept;
+
+    /// The epochs that changes began up to this one, and that were not taken yet; from any thread.
+    std::vector<EpochOfChange> take_epochs(const Epoch& until);
+
+private:
+    struct Request {
+        Json set;  ///< null: undo
+        Reply reply;
+        bool alone = false;  ///< with others it was refused, and nobody knows whose fault it was
+    };
+    struct Step {
+        Scene requested;  ///< before
+        Json values;      ///< before
+    };
+    /// A change on its way. The thread's until ready; lives as long as the thread or its owner.
+    struct Job {
+        StreamFormat format;
+        SimulationOptions options;
+        Scene from;       ///< resolved
+        Scene requested;  ///< changed
+        Json asked;
+        bool undo = false;
+        std::vector<Request> requests;
+
+        std::vector<Fault> faults;
+        ResolvedScene resolved;
+        std::vector<std::string> warnings;
+        std::unique_ptr<NextSimulation> next;
+        std::atomic<bool> ready{false};
+        bool offered = false;
+        std::thread thread;
+    };
+
+    void get(const Json& keys, const Reply& reply) const;
+    void begin();
+    std::optional<Json> merge(Scene& scene, std::vector<Request>& requests);
+    void start(Scene requested, Json asked, bool undo, std::vector<Request> requests);
+    static void prepare(Job& job);
+    static void prepare_or_explain(Job& job) noexcept;
+    void go_on();
+    void refuse();
+    void offer();
+    void conclude(std::int64_t sample);
+
+    Scene requested_;
+    Scene resolved_;
+    std::int64_t epoch_ = 0;
+    SimulationSource& source_;
+    std::deque<Request> waiting_;
+    std::vector<Step> history_;
+    std::shared_ptr<Job> job_;
+    std::mutex mutex_;  // of the epochs
+    std::deque<EpochOfChange> epochs_;
+};
+
+}  // namespace hertzline::stream

@@ -1,0 +1,115 @@
+#include "stream/inputs/estimate_watch.hpp"
+
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "stream/inputs/background_thread.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+// The motion goes on while the error is estimated; reaching further at once also keeps the number of estimates small.
+constexpr double ahead = 2;
+
+constexpr int least_priority = 19;
+
+}  // namespace
+
+EstimateWatch::EstimateWatch(const ResolvedScene& resolved) noexcept
+    : resolved_(resolved),
+      estimate_(resolved.estimate),
+      seen_(resolved.seen),
+      event_rate_(resolved.scene.drive),
+      watching_(resolved.estimate && resolved.scene.chain.spheres <= pilot_spheres),
+      warned_(resolved.misses_accuracy()) {}
+
+EstimateWatch::~EstimateWatch() {
+    end_thread();
+}
+
+/// Makes the thread; throws what a thread and its memory may.
+void EstimateWatch::estimate_to(double time_s) {
+    if (!longer_) {
+        longer_ = std::make_unique<LongEstimate>(resolved_.scene, resolved_.advice.accuracy, &stop_);
+    }
+    ready_.store(false, std::memory_order_relaxed);
+    thread_ = std::thread([this, time_s] {
+        begin_background_thread(estimating_thread_name, least_priority);
+        reached_ = longer_->reach(time_s);
+        ready_.store(true, std::memory_order_release);
+    });
+}
+
+void EstimateWatch::end_thread() noexcept {
+    stop_.store(true, std::memory_order_relaxed);
+    if (thread_.joinable()) {
+        thread_.join();
+    }
+}
+
+EstimateWatch::News EstimateWatch::given_up(double time_s) {
+    watching_ = false;
+    return {.warning =
+                fmt::format("after {:.3g} s the motion has left what the estimate of the error was made "
+                            "on; the estimate holds for the first {:.3g} s only, later errors are not known",
+                            time_s, estimate_->over_s)};
+}
+
+EstimateWatch::News EstimateWatch::news_of_estimate() {
+    estimate_ = longer_->estimate();
+    seen_ = longer_->seen();
+    ++estimates_;
+    News news{.estimated_again = true, .warning = {}};
+    const double asked = resolved_.advice.accuracy;
+    if (!resolved_.step_set_by_scene && !warned_ && !(estimate_->error <= asked)) {
+        warned_ = true;
+        news.warning = fmt::format(
+            "the motion has left what was seen at first: the estimated error over the "
+            "first {:.3g} s is {:.2g}, above the requested accuracy of {:g}",
+            estimate_->over_s, estimate_->error, asked);
+    }
+    return news;
+}
+
+EstimateWatch::News EstimateWatch::look(const MotionExtent& now) {
+    event_rate_.note(now.time_s, now.contact_events);
+    if (!watching_) {
+        return {};
+    }
+    if (estimating()) {
+        if (!ready_.load(std::memory_order_acquire)) {
+            return {};
+        }
+        thread_.join();
+        return reached_ ? news_of_estimate() : given_up(now.time_s);
+    }
+    if (!seen_.left_by(now, event_rate_)) {
+        return {};
+    }
+    try {
+        if (!longer_ || estimate_->over_s < longer_->longest_s()) {
+            estimate_to(ahead * now.time_s);
+            return {};
+        }
+    } catch (const std::exception&) {  // too little memory, or no thread to be had
+        thread_ = {};
+    }
+    return given_up(now.time_s);
+}
+
+EstimateWatch::News EstimateWatch::finish(const MotionExtent& now) {
+    News news;
+    if (estimating() && ready_.load(std::memory_order_acquire)) {
+        news = look(now);
+    }
+    event_rate_.note(now.time_s, now.contact_events);
+    if (watching_ && (estimating() || seen_.left_by(now, event_rate_))) {
+        end_thread();
+        news.warning += (news.warning.empty() ? "" : "; ") + given_up(now.time_s).warning;
+    }
+    return news;
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,62 @@
+#pragma once
+// A scene that is simulated while it is streamed, and may change on the way.
+
+#include <atomic>
+#include <memory>
+
+#include "core/simulation.hpp"
+#include "stream/control/hand_over.hpp"
+#include "stream/inputs/sample_source.hpp"
+
+namespace hertzline::stream {
+
+/// read(), skip() and whatever else the simulating thread calls allocate nothing and make no system call.
+class SimulationSource : public SampleSource {
+public:
+    /// @param scene resolved (core/step_choice/resolve.hpp)
+    /// @param always taps that are computed although nobody subscribes to them, if there is room for them
+    SimulationSource(const Scene& scene, TapSet always);
+
+    StreamFormat format() const override { return format_; }
+    bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
+    bool skip(std::int64_t count) noexcept override;
+    void interrupt() noexcept override { stop_.store(true, std::memory_order_relaxed); }
+    std::int64_t samples_to_change() noexcept override;
+    Epoch epoch() const noexcept override { return epoch_; }
+    std::int64_t next_sample() const noexcept override { return now().next_sample(); }
+    SourceAccount account() const noexcept override;
+    MotionExtent motion() noexcept override { return current_->simulation.extent(); }
+    std::string failure() const override { return now().failure(); }
+
+    /// Where scenes that are to follow are offered. A simulation of them is made with options(); its stream has the same format but
+    /// for the repetition of bursts.
+    HandOver& hand_over() noexcept { return hand_over_; }
+    SimulationOptions options() const noexcept { return {.taps = format_.taps, .stop = &stop_}; }
+
+    /// The sample at which a change takes effect that becomes known now: a burst's start, or at once where bursts do not repeat.
+    /// @param from the first sample that it can be
+    static std::int64_t change_at(const Epoch& epoch, double sample_rate_hz, std::int64_t from) noexcept;
+
+    /// The format that a scene's stream has.
+    static StreamFormat format_of(const Scene& scene) noexcept;
+
+    /// Bytes that a source of this scene needs, roughly from above.
+    static double memory_bytes(const Scene& scene) noexcept;
+
+private:
+    const Simulation& now() const noexcept { return current_->simulation; }
+    void take_up() noexcept;
+    void change() noexcept;
+
+    StreamFormat format_;
+    TapSet always_;
+    std::atomic<bool> stop_{false};
+    HandOver hand_over_;
+    std::unique_ptr<NextSimulation> current_;
+    std::unique_ptr<NextSimulation> next_;
+    std::int64_t change_at_ = 0;  // of the next one
+    Epoch epoch_;
+    SourceAccount before_;  // the present simulation
+};
+
+}  // namespace hertzline::stream

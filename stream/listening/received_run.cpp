@@ -1,0 +1,305 @@
+#include "stream/listening/received_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "measures/provenance.hpp"
+#include "recordings/float32.hpp"
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
+#include "core/scene/scene.hpp"
+#include "core/scene/text.hpp"
+#include "stream/wire/frame_codec.hpp"
+
+namespace hertzline::stream {
+
+namespace {
+
+constexpr std::size_t largest_json = 1 << 20;  // of meta and end; a scene has at most 64 KiB
+constexpr int most_notices = 3;                // of a kind; what goes wrong often is only counted
+
+/// An object, or null when the text is none.
+Json parsed_object(std::string_view text) {
+    if (text.size() > largest_json) {
+        return nullptr;
+    }
+    try {
+        Json json = json_from_outside(text);
+        return json.is_object() ? json : Json(nullptr);
+    } catch (const std::runtime_error&) {
+        return nullptr;
+    }
+}
+
+std::string text_in(const Json& object, const char* key) {
+    const auto found = object.is_object() ? object.find(key) : object.end();
+    return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+/// A whole number above 0; 0 when there is none.
+std::uint64_t count_in(const Json& object, const char* key) {
+    const auto found = object.find(key);
+    const bool whole = found != object.end() && found->is_number_integer();
+    return whole ? static_cast<std::uint64_t>(std::max(std::int64_t{0}, found->get<std::int64_t>())) : 0;
+}
+
+/// The message about a frame; empty when there is nothing to say.
+/// @param expected the sample that was due @param before the totals without this frame, `now` with it
+std::string notice(Arrival arrival, const FrameHeader& frame, std::uint64_t expected,
+                   const ContinuityTotals& before, const ContinuityTotals& now) {
+    switch (arrival) {
+        case Arrival::joined:
+        case Arrival::new_run:
+        case Arrival::in_order:
+            return "";
+        case Arrival::gap:
+            return fmt::format(
+                "{} samples are missing before sample {}: {} frames dropped by the sender, {} lost on the "
+                "way",
+                frame.sample - expected, frame.sample, now.dropped_by_sender - before.dropped_by_sender,
+                now.lost_on_the_way - before.lost_on_the_way);
+        case Arrival::repeated:
+            return fmt::format("frame {} arrived twice", frame.seq);
+        case Arrival::out_of_order:
+            return fmt::format("frame {} arrived after a later one", frame.seq);
+        case Arrival::inconsistent:
+            return fmt::format("frame {} is inconsistent: found sample {}, expected {}", frame.seq,
+                               frame.sample, expected);
+    }
+    return "";
+}
+
+}  // namespace
+
+const char* word(EndReason reason) {
+    switch (reason) {
+        case EndReason::none:
+            return "";
+        case EndReason::end_of_run:
+            return "end of run";
+        case EndReason::heard_enough:
+            return "duration";
+        case EndReason::stopped:
+            return "stopped";
+        case EndReason::silence:
+            return "timeout";
+        case EndReason::run_broke_off:
+            return "run broke off";
+        case EndReason::no_such_stream:
+            return "no such stream";
+        case EndReason::refused:
+            return "refused";
+    }
+    return "";
+}
+
+ReceivedRun::ReceivedRun(Tap tap, Notify notify) : tap_(tap), notify_(std::move(notify)) {}
+
+ReceivedFrame* ReceivedRun::take(const Message& message) {
+    if (message.topic() == topic()) {
+        return take_frame(message);
+    }
+    if (message.topic() == meta_topic) {
+        take_meta(message);
+    } else if (message.topic() == end_topic) {
+        take_end(message);
+    }
+    return nullptr;
+}
+
+void ReceivedRun::note_malformed(const std::string& reason) {
+    if (++malformed_ == 1) {  // a peer that sends nonsense sends a lot of it
+        notify_("malformed message: " + reason);
+    }
+}
+
+void ReceivedRun::note_arrival(Arrival arrival, const std::string& text) {
+    if (int& told = notices_[arrival]; !text.empty() && ++told <= most_notices) {
+        notify_(text + (told == most_notices ? " (more of these are only counted)" : ""));
+    }
+}
+
+void ReceivedRun::note_refusal(const Refusal& refusal) {
+    if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
+        notify_(refusal.reason);
+        refusal_ = refusal.reason;
+    }
+    if (refusal.final) {
+        end(EndReason::refused);
+    }
+}
+
+void ReceivedRun::take_meta(const Message& message) {
+    if (message.parts() != 1) {
+        return;
+    }
+    const Json meta = parsed_object(message.text(0));
+    if (heard_samples()) {
+        note_changes(meta);
+        return;
+    }
+    if (!meta.is_object() || !meta.contains("streams") || !meta["streams"].is_array()) {
+        note_malformed("meta has no streams");
+        return;
+    }
+    knows_the_run_ = true;
+    epoch_ = static_cast<std::int64_t>(count_in(meta, "epoch"));
+    provenance_ = measures::provenance_of_meta(meta);
+    streams_.clear();
+    for (const Json& stream : meta["streams"]) {
+        streams_.push_back(printable(text_in(stream, "name")));
+        if (streams_.back() == row_of(tap_).name && stream.contains("channels") &&
+            stream["channels"].is_number_unsigned()) {
+            announced_channels_ = stream["channels"].get<std::size_t>();
+        }
+    }
+    if (std::ranges::find(streams_, row_of(tap_).name) == streams_.end()) {
+        notify_(fmt::format("this run has no stream {}; it has {}", row_of(tap_).name,
+                            comma_separated(streams_)));
+        end(EndReason::no_such_stream);
+    }
+}
+
+/// Meta comes before the first frame of an epoch.
+void ReceivedRun::note_changes(const Json& meta) {
+    if (!meta.is_object() || text_in(meta, "run") != run_ || !meta.contains("changes") ||
+        !meta["changes"].is_array()) {
+        return;
+    }
+    for (const Json& change : meta["changes"]) {
+        const auto number =
+            change.is_object() ? static_cast<std::int64_t>(count_in(change, "epoch")) : std::int64_t{0};
+        if (number > epoch_) {
+            epoch_ = number;
+            changes_.push_back(change);
+        }
+    }
+}
+
+void ReceivedRun::take_end(const Message& message) {
+    const Json summary = message.parts() == 1 ? parsed_object(message.text(0)) : Json(nullptr);
+    if (!summary.is_object()) {
+        note_malformed("end has no summary");
+        return;
+    }
+    if (heard_samples() && text_in(summary, "run") != run_) {
+        return;
+    }
+    // No later frame shows what is missing after the last one that came.
+    if (heard_samples()) {
+        if (const std::uint64_t total = count_in(summary, "samples"); total > next_sample_) {
+            missing_at_end_ = total - next_sample_;
+            notify_(fmt::format("{} samples are missing before the end", missing_at_end_));
+        }
+        if (const std::uint64_t dropped = check_.take_end(count_in(summary, "dropped_frames")); dropped > 0) {
+            notify_(fmt::format("{} frames were dropped by the sender before the end", dropped));
+        }
+    }
+    end(EndReason::end_of_run);
+}
+
+void ReceivedRun::begin(const FrameHeader& header) {
+    run_ = header.run;
+    fs_ = header.fs;
+    channels_ = header.channels;
+    first_sample_ = header.sample;
+    if (first_sample_ > 0) {
+        notify_(fmt::format("joined run {} at sample {}", run_, first_sample_));
+    }
+}
+
+bool ReceivedRun::belongs_to_run(const FrameHeader& header) {
+    if (!heard_samples()) {
+        return true;
+    }
+    if (header.run != run_) {
+        notify_(fmt::format("run {} broke off and another one began", run_));
+        end(EndReason::run_broke_off);
+        return false;
+    }
+    if (header.fs != fs_ || header.channels != channels_) {
+        note_malformed("rate or channels changed within the run");
+        return false;
+    }
+    return true;
+}
+
+ReceivedFrame* ReceivedRun::take_frame(const Message& message) {
+    if (message.parts() != 2) {
+        note_malformed(fmt::format("found {} parts after the topic, expected 2", message.parts()));
+        return nullptr;
+    }
+    const auto header = decode_header(message.text(0), message.bytes(1).size());
+    if (!header) {
+        note_malformed(header.error());
+        return nullptr;
+    }
+    if (!belongs_to_run(*header)) {
+        return nullptr;
+    }
+    if (const auto fault = samples_fault(*header, message.bytes(1))) {
+        note_malformed(*fault);
+        return nullptr;
+    }
+    const ContinuityTotals before = check_.totals();
+    const Arrival arrival = check_.take(*header);
+    note_arrival(arrival, notice(arrival, *header, next_sample_, before, check_.totals()));
+    if (arrival == Arrival::repeated || arrival == Arrival::out_of_order ||
+        arrival == Arrival::inconsistent) {
+        return nullptr;
+    }
+    if (arrival == Arrival::joined || arrival == Arrival::new_run) {
+        begin(*header);
+    }
+    frame_.missing = arrival == Arrival::gap ? header->sample - next_sample_ : 0;
+    frame_.header = *header;
+    next_sample_ = header->sample + header->n;
+    return &frame_;
+}
+
+std::optional<std::string> ReceivedRun::samples_fault(const FrameHeader& header,
+                                                      std::span<const std::byte> payload) {
+    const std::size_t most =
+        announced_channels_.value_or(channels_of(tap_, static_cast<std::size_t>(max_spheres)));
+    if (header.channels > most || (announced_channels_ && header.channels != most)) {
+        return fmt::format("found {} channels, expected {}{}", header.channels,
+                           announced_channels_ ? "" : "at most ", most);
+    }
+    if (!recordings::decode_samples(payload, frame_.values)) {
+        return "the payload does not fill whole samples";
+    }
+    if (!std::ranges::all_of(frame_.values, [](float value) { return std::isfinite(value); })) {
+        return fmt::format("a number of frame {} is not finite", header.seq);
+    }
+    return std::nullopt;
+}
+
+bool ReceivedRun::sound() const noexcept {
+    const bool whole = end_reason_ != EndReason::silence && end_reason_ != EndReason::run_broke_off &&
+                       end_reason_ != EndReason::refused;
+    return heard_samples() && check_.gapless() && missing_at_end_ == 0 && malformed_ == 0 && whole;
+}
+
+Json ReceivedRun::account() const {
+    const ContinuityTotals& counted = totals();
+    return {{"frames", counted.frames},
+            {"missing_samples", counted.missing_samples + missing_at_end_},
+            {"frames_dropped_by_sender", counted.dropped_by_sender},
+            {"frames_lost_on_the_way", counted.lost_on_the_way},
+            {"frames_repeated", counted.repeated},
+            {"frames_out_of_order", counted.out_of_order},
+            {"frames_inconsistent", counted.inconsistent},
+            {"messages_malformed", malformed_}};
+}
+
+std::string ReceivedRun::text() const {
+    return check_.text() +
+           (missing_at_end_ > 0 ? fmt::format(", {} samples missing at the end", missing_at_end_) : "") +
+           (malformed_ > 0 ? fmt::format(", {} messages malformed", malformed_) : "");
+}
+
+}  // namespace hertzline::stream

@@ -1,0 +1,74 @@
+#pragma once
+// A search at work: its points are rows of a sweep, evaluated in batches on several threads and kept in a journal. Resumed, it asks for
+// the same points again and finds their rows there.
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "studies/sweep/journal.hpp"
+#include "studies/optimise/search.hpp"
+#include "studies/sweep/sweep.hpp"
+#include "studies/sweep/workers.hpp"
+
+namespace hertzline::studies {
+
+struct SearchRequest {
+    Scene base;
+    std::vector<Axis> axes;  ///< ranges without a count, and lists
+    Goal goal;
+    std::int64_t evaluations = 0;  ///< at least fewest_evaluations()
+    std::uint64_t seed = 0;
+    PointDemand demand;  ///< its columns have the measures of the goal
+};
+
+/// The search as the text of its journal: all that its points and rows hang on, and what makes them.
+std::string journal_text(const SearchRequest& request);
+
+/// In what a journal is of another search, as "found another --vary"; nothing when it is of this one.
+std::optional<std::string> search_difference(const std::string& journal, const std::string& wanted);
+
+/// What a search is about to tell while it works.
+using SearchNews = std::function<void(std::int64_t evaluations)>;
+
+class SearchJob {
+public:
+    /// @param journal loaded, with room for all evaluations; outlives this
+    SearchJob(SearchRequest request, Journal& journal, int jobs, const std::atomic<bool>& stop,
+              SearchNews news);
+
+    /// Searches to the end, or until `stop` is set (evaluations().stopped()).
+    /// @throws std::runtime_error when the journal cannot be written, or the machine lacks what a point needs
+    void run();
+
+    const SearchRequest& request() const noexcept { return request_; }
+    const SearchSpace& space() const noexcept { return space_; }
+    const Evaluations& evaluations() const noexcept { return evaluations_; }
+    const SearchResult& result() const noexcept { return result_; }
+    /// Points by status, of all evaluations.
+    const PointCounts& counts() const noexcept { return counts_; }
+
+    /// The evaluations as a sweep, in their order; complete once run() has returned.
+    const Sweep& sweep() const noexcept { return sweep_; }
+    PointResult row(std::int64_t evaluation) const;
+
+private:
+    std::optional<std::vector<Score>> evaluate(std::span<const std::vector<SceneValue>> points);
+
+    SearchRequest request_;
+    Journal& journal_;
+    int jobs_;
+    const std::atomic<bool>& stop_;
+    SearchNews news_;
+    SearchSpace space_;
+    Judge judge_;
+    Sweep sweep_;
+    Evaluations evaluations_;
+    SearchResult result_;
+    PointCounts counts_;
+};
+
+}  // namespace hertzline::studies

@@ -1,0 +1,211 @@
+#include "studies/sweep/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "core/scene/json.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::studies {
+
+namespace {
+
+/// From 0 to 1, without 1.
+double share_of(boost::random::sobol::result_type number) {
+    constexpr int mantissa = 53;
+    return std::ldexp(static_cast<double>(number >> (64 - mantissa)), -mantissa);
+}
+
+Fault only_one_way(const PlanRequest& request) {
+    if (request.vary.empty()) {
+        return {"", request.sobol ? "--sobol without --vary" : "nothing that varies", "--vary or --points"};
+    }
+    return {"", "--points together with --vary", "one of them"};
+}
+
+}  // namespace
+
+tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, const PlanRequest& request) {
+    SweepPlan plan;
+    plan.base_ = base;
+    plan.request_ = request;
+    if (request.vary.empty() == request.points.empty() || (request.sobol && request.vary.empty())) {
+        return tl::unexpected(std::vector{only_one_way(request)});
+    }
+    if (!request.points.empty()) {
+        auto list = parse_points(base, request.points, request.points_origin);
+        if (!list) {
+            return tl::unexpected(std::move(list).error());
+        }
+        plan.keys_ = list->keys;
+        plan.size_ = static_cast<std::int64_t>(list->size());
+        plan.list_ = *std::move(list);
+        return plan;
+    }
+    std::vector<Fault> faults;
+    plan.request_.vary.clear();
+    for (const std::string& option : request.vary) {
+        auto axis = parse_axis(base, option, request.sobol ? Sampling::anywhere : Sampling::grid);
+        if (!axis) {
+            faults.insert(faults.end(), axis.error().begin(), axis.error().end());
+            continue;
+        }
+        if (std::ranges::find(plan.keys_, axis->key.name, &SceneKeyInfo::name) != plan.keys_.end()) {
+            faults.push_back(
+                {axis->key.name, "it a second time", "each key once", {"--vary " + printable(option), 0}});
+        }
+        plan.keys_.push_back(axis->key);
+        plan.request_.vary.push_back(axis->text());
+        plan.axes_.push_back(*std::move(axis));
+    }
+    if (faults.empty()) {
+        if (auto fault = plan.size_fault()) {
+            faults.push_back(*std::move(fault));
+        }
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    return plan;
+}
+
+SweepPlan SweepPlan::growing(const Scene& base, std::vector<SceneKeyInfo> keys) {
+    SweepPlan plan;
+    plan.base_ = base;
+    plan.keys_ = std::move(keys);
+    plan.list_ = PointList{plan.keys_, {}};
+    return plan;
+}
+
+void SweepPlan::add(const std::vector<SceneValue>& values) {
+    list_->values.insert(list_->values.end(), values.begin(), values.end());
+    ++size_;
+}
+
+/// Counts the points. @returns what is wrong with their number
+std::optional<Fault> SweepPlan::size_fault() {
+    const std::string allowed = number_text(max_points);
+    if (request_.sobol) {
+        if (*request_.sobol < 1 || *request_.sobol > max_points) {
+            return Fault{"", number_text(*request_.sobol) + " points", "1 to " + allowed, {"--sobol", 0}};
+        }
+        size_ = *request_.sobol;
+        sequence_.emplace(axes_.size());
+        return std::nullopt;
+    }
+    double points = 1;  // counted in double: no product overflows
+    for (const Axis& axis : axes_) {
+        points *= static_cast<double>(axis.count);
+    }
+    if (points > static_cast<double>(max_points)) {
+        return Fault{"", "a grid of " + number_text(points) + " points", "at most " + allowed, {"--vary", 0}};
+    }
+    size_ = static_cast<std::int64_t>(points);
+    return std::nullopt;
+}
+
+SweepPlan SweepPlan::from_json(const Json& json) {
+    PlanRequest request;
+    std::string text;
+    try {
+        text = json.at("scene").get<std::string>();
+        request.vary = json.at("vary").get<std::vector<std::string>>();
+        request.points = json.at("points").get<std::string>();
+        request.points_origin = "the points of the plan";
+        if (!json.at("sobol").is_null()) {
+            request.sobol = json.at("sobol").get<std::int64_t>();
+        }
+    } catch (const Json::exception&) {
+        throw std::runtime_error("it holds no plan");
+    }
+    const auto scene = parse_scene(text, "the scene of the plan");
+    if (!scene) {
+        throw std::runtime_error(scene.error().front().message());
+    }
+    auto plan = make(scene->scene, request);
+    if (!plan) {
+        throw std::runtime_error(plan.error().front().message());
+    }
+    return *std::move(plan);
+}
+
+Json SweepPlan::json() const {
+    return {{"scene", to_toml(base_)},
+            {"vary", Json(request_.vary)},
+            {"points", request_.points},
+            {"sobol", request_.sobol ? Json(*request_.sobol) : Json(nullptr)}};
+}
+
+std::vector<SceneValue> SweepPlan::values(std::int64_t point) const {
+    std::vector<SceneValue> values;
+    values.reserve(keys_.size());
+    if (list_) {
+        for (std::size_t key = 0; key < keys_.size(); ++key) {
+            values.push_back(list_->value(static_cast<std::size_t>(point), key));
+        }
+    } else if (sequence_) {
+        boost::random::sobol sequence = *sequence_;
+        sequence.seed(static_cast<boost::random::sobol::result_type>(point));
+        for (const Axis& axis : axes_) {
+            values.push_back(axis.at(share_of(sequence())));
+        }
+    } else {
+        values.resize(keys_.size());
+        for (std::size_t key = keys_.size(); key-- > 0; point /= axes_[key].count) {
+            values[key] = axes_[key].value(point % axes_[key].count);
+        }
+    }
+    return values;
+}
+
+Scene SweepPlan::scene(std::int64_t point) const {
+    Scene scene = base_;
+    const std::vector<SceneValue> here = values(point);
+    for (std::size_t key = 0; key < keys_.size(); ++key) {
+        set_value(scene, keys_[key].name, here[key]);
+    }
+    return scene;
+}
+
+std::string SweepPlan::name(std::int64_t point) const {
+    const std::vector<SceneValue> here = values(point);
+    std::string text;
+    for (std::size_t key = 0; key < keys_.size(); ++key) {
+        text += (text.empty() ? "" : ", ") + keys_[key].name + '=' + value_text(here[key]);
+    }
+    return "point " + number_text(point) + " (" + text + ')';
+}
+
+std::size_t SweepPlan::longest_word(std::size_t key) const {
+    std::size_t longest = 1;
+    const auto look = [&](const SceneValue& value) { longest = std::max(longest, value_text(value).size()); };
+    if (list_) {
+        for (std::size_t point = 0; point < list_->size(); ++point) {
+            look(list_->value(point, key));
+        }
+    } else {
+        std::ranges::for_each(axes_[key].list, look);
+    }
+    return longest;
+}
+
+std::string SweepPlan::text() const {
+    std::string counts;
+    if (!list_ && !sequence_) {
+        for (const Axis& axis : axes_) {
+            counts += (counts.empty() ? "" : " x ") + number_text(axis.count);
+        }
+    } else {
+        counts = number_text(size_);
+    }
+    std::vector<std::string> names;
+    for (const SceneKeyInfo& key : keys_) {
+        names.push_back(key.name);
+    }
+    return counts + (size_ == 1 ? " point" : " points") + " of " + comma_separated(names);
+}
+
+}  // namespace hertzline::studies

@@ -1,0 +1,30 @@
+#pragma once
+// Points one by one, as a CSV has them: a line of keys, then a line of values for each point.
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "core/scene/scene_key.hpp"
+#include <tl/expected.hpp>
+
+namespace hertzline::studies {
+
+/// Points and what varies in them.
+struct PointList {
+    std::vector<SceneKeyInfo> keys;
+    std::vector<SceneValue> values;  ///< point by point
+
+    std::size_t size() const noexcept { return values.size() / keys.size(); }
+    const SceneValue& value(std::size_t point, std::size_t key) const {
+        return values[point * keys.size() + key];
+    }
+};
+
+/// Reads the text of a CSV. Cells may be quoted. Each value must be allowed for its key, whatever the other keys say.
+/// @param scene what is varied @param origin as messages call the file
+/// @returns the points, at least one, or the faults with their lines, the first dozen of them
+tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std::string_view text,
+                                                         std::string_view origin);
+
+}  // namespace hertzline::studies

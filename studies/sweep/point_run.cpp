@@ -1,0 +1,242 @@
+#include "studies/sweep/point_run.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <limits>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "core/model/validity.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
+#include "core/simulation.hpp"
+#include "core/step_choice/resolve.hpp"
+
+namespace hertzline::studies {
+
+namespace {
+
+std::string joined(const std::vector<Fault>& faults) {
+    std::string text;
+    for (const Fault& fault : faults) {
+        text += (text.empty() ? "" : "; ") + fault.message();
+    }
+    return text;
+}
+
+TapSet waveform_taps(const Scene& scene, const PointDemand& demand) noexcept {
+    return demand.waveform ? TapSet(*demand.waveform) & taps_of(scene.end) : TapSet();
+}
+
+/// Takes the samples of the waveform from a block, from that sample on.
+void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::vector<float>& waveform) {
+    const std::span<const double> values = block[tap];
+    const std::size_t room = waveform.size() - std::min(first, waveform.size());
+    std::transform(values.begin(),
+                   values.begin() + static_cast<std::ptrdiff_t>(std::min(room, values.size())),
+                   waveform.begin() + static_cast<std::ptrdiff_t>(std::min(first, waveform.size())),
+                   [](double value) { return static_cast<float>(value); });
+}
+
+PointStatus status_of(const ResolvedScene& resolved) {
+    if (resolved.may_miss_accuracy()) {
+        return PointStatus::inaccurate;
+    }
+    if (!resolved.misses_accuracy()) {
+        return PointStatus::ok;
+    }
+    return resolved.estimate && resolved.estimate->amplifies ? PointStatus::chaotic : PointStatus::inaccurate;
+}
+
+}  // namespace
+
+std::string scene_refusal(const Scene& scene) {
+    std::string faults = joined(validate(scene));
+    if (faults.empty() && measures::rows_of_run(scene) > measures::max_run_rows) {
+        faults = "output.duration_s: found " + number_text(measures::rows_of_run(scene)) +
+                 " samples, allowed: at most " + number_text(measures::max_run_rows) +
+                 ", the longest record of a spectrum";
+    }
+    return faults;
+}
+
+TapSet measured_of(const Scene& scene, TapSet measured) noexcept {
+    return (measured | measures::measured_unasked) & taps_of(scene.end);
+}
+
+double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcept {
+    const TapSet measured = measured_of(scene, demand.measured);
+    const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, demand));
+    const double records = 2 + static_cast<double>(measured.size());  // v_out with and without its jumps
+    const double rows = measures::rows_of_run(scene);
+    const double block = static_cast<double>(measures::block_of_run(scene, taps)) *
+                         channels_of(taps, static_cast<double>(scene.chain.spheres));
+    // twice: a FinerRun goes beside
+    return 2 * Simulation::memory_bytes(scene, taps) + sizeof(double) * (2 * block + records * rows) +
+           measures::SpectrumAnalyser::bytes_needed(rows);
+}
+
+PointRunner::PointRunner(const PointDemand& demand, const std::atomic<bool>& stop)
+    : demand_(demand), stop_(stop), places_(demand.columns) {}
+
+PointResult PointRunner::row(std::int64_t point) const {
+    PointResult result;
+    result.point = point;
+    result.numbers.assign(demand_.columns.size(), no_number);
+    if (demand_.waveform) {
+        result.waveform.assign(demand_.waveform_samples, std::numeric_limits<float>::quiet_NaN());
+    }
+    return result;
+}
+
+std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& scene) noexcept {
+    PointResult result = row(point);
+    try {
+        if (!try_run(scene, result)) {
+            return std::nullopt;
+        }
+    } catch (const std::exception& error) {
+        const bool memory = dynamic_cast<const std::bad_alloc*>(&error) != nullptr;
+        result = row(point);
+        result.status = PointStatus::failed;
+        result.message = memory ? "not enough memory" : error.what();
+    }
+    return result;
+}
+
+measures::SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz) {
+    if (!analyser_ || analysed_rows_ != rows || analysed_rate_hz_ != sample_rate_hz) {
+        analyser_.reset();  // its memory first
+        analyser_ = std::make_unique<measures::SpectrumAnalyser>(rows, sample_rate_hz);
+        analysed_rows_ = rows;
+        analysed_rate_hz_ = sample_rate_hz;
+    }
+    return *analyser_;
+}
+
+PointRunner::Attempt PointRunner::make_attempt(ResolvedScene resolved) const {
+    const Scene& scene = resolved.scene;
+    const TapSet measured = measured_of(scene, demand_.measured);
+    const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, demand_));
+    Simulation simulation(scene, {.taps = taps, .stop = &stop_});
+    measures::RunRecord record = measures::empty_record(
+        measured, simulation.chain().end, static_cast<std::size_t>(measures::rows_of_run(scene)));
+    return {std::move(resolved), std::move(simulation), std::move(record), std::nullopt};
+}
+
+/// @returns whether all samples are there
+bool PointRunner::simulate(Attempt& attempt, PointResult& result) {
+    const Scene& scene = attempt.simulation.scene();
+    result.integrator = word(*scene.numerics.integrator);
+    result.scene_hash = scene_hash(scene);
+    const TapSet waveform = waveform_taps(scene, demand_);
+    const Status status = measures::simulate(attempt.simulation, attempt.record, [&](const Samples& block) {
+        for (const Tap tap : waveform) {
+            keep_waveform(block, tap, attempt.record.rows() - block.count, result.waveform);
+        }
+        return !attempt.finer || attempt.finer->follow(block);
+    });
+    return status == Status::running;
+}
+
+/// With a step that pilots have found; nothing when that was refused or has failed.
+std::optional<PointRunner::Attempt> PointRunner::attempt_with_pilots(const Scene& scene,
+                                                                     PointResult& result) {
+    ResolvedScene resolved = resolve(scene, &stop_);
+    if (!resolved.faults.empty()) {
+        result.status = PointStatus::refused;
+        result.message = joined(resolved.faults);
+        return std::nullopt;
+    }
+    std::optional<Attempt> attempt = make_attempt(std::move(resolved));
+    if (!simulate(*attempt, result)) {
+        std::ranges::fill(result.waveform, std::numeric_limits<float>::quiet_NaN());
+        result.status = PointStatus::unstable;
+        result.message = attempt->simulation.failure();
+        return std::nullopt;
+    }
+    return attempt;
+}
+
+/// Without pilots; nothing when they have to find a step.
+std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene& scene, PointResult& result) {
+    std::optional<ResolvedScene> resolved = resolve_unmeasured(scene);
+    for (int tries = 1; resolved && tries <= max_tries && !stop_; ++tries) {
+        const double accuracy = resolved->advice.accuracy;
+        std::optional<Attempt> attempt = make_attempt(*std::move(resolved));
+        attempt->finer.emplace(attempt->resolved.scene,
+                               measures::block_of_run(scene, attempt->simulation.taps()), &stop_);
+        if (!simulate(*attempt, result)) {
+            return std::nullopt;
+        }
+        attempt->resolved.estimate = attempt->finer->estimate();
+        if (auto stable = with_stable_step(attempt->resolved, attempt->simulation.chain(),
+                                           attempt->simulation.state().peak_overlap)) {
+            resolved = std::move(stable);
+            continue;
+        }
+        if (attempt->finer->convinces(accuracy)) {
+            check(result.point, attempt->resolved);
+            return attempt;
+        }
+        resolved = with_shorter_step(attempt->resolved, attempt->resolved.estimate->error);
+    }
+    return std::nullopt;
+}
+
+/// Pilots estimate the error of one point of a hundred, too, drawn by its number. The larger estimate holds.
+void PointRunner::check(std::int64_t point, ResolvedScene& resolved) const {
+    constexpr std::uint64_t one_of = 100;
+    if (std::mt19937_64(static_cast<std::uint64_t>(point))() % one_of != 0) {
+        return;
+    }
+    const ResolvedScene measured = resolve(resolved.scene, &stop_);
+    if (measured.estimate && measured.estimate->error > resolved.estimate->error) {
+        resolved.estimate = measured.estimate;
+    }
+}
+
+void PointRunner::measure(Attempt& attempt, PointResult& result) {
+    const Scene& scene = attempt.resolved.scene;
+    const measures::RunRecord& record = attempt.record;
+    result.status = status_of(attempt.resolved);
+    measures::Warnings warnings = validity_warnings(scene, attempt.simulation.chain());
+    if (auto missed = measures::missed_accuracy(attempt.resolved)) {
+        warnings.insert(warnings.begin(), *std::move(missed));
+    }
+    const auto put = [&](const measures::SummaryGroup& group) { places_.put(group, result.numbers); };
+    std::ranges::for_each(
+        measures::measures_of_run(record, scene, analyser(record.rows(), scene.output.sample_rate_hz),
+                                  demand_.band_from_hz, warnings),
+        put);
+    put(measures::contacts_of_run(record, scene, warnings));
+    put(measures::trust_of_run(record, attempt.resolved));
+    put(measures::account_of_run(record, scene));
+    for (const std::string& text : warnings) {
+        result.message += (result.message.empty() ? "" : "; ") + text;
+    }
+}
+
+/// @returns false when it was stopped
+bool PointRunner::try_run(const Scene& scene, PointResult& result) {
+    result.message = scene_refusal(scene);
+    if (!result.message.empty()) {
+        result.status = PointStatus::refused;
+        return true;
+    }
+    std::optional<Attempt> attempt = attempt_unmeasured(scene, result);
+    if (!attempt && !stop_) {
+        attempt = attempt_with_pilots(scene, result);
+    }
+    if (stop_) {
+        return false;
+    }
+    if (attempt) {
+        measure(*attempt, result);
+    }
+    return true;
+}
+
+}  // namespace hertzline::studies

@@ -1,0 +1,69 @@
+#include "core/scene/json.hpp"
+
+#include <string>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/error_of.hpp"
+#include "tests/support/sanitized.hpp"
+
+namespace hertzline::test {
+
+using testing::HasSubstr;
+
+namespace {
+
+/// Objects of so many different keys, in an array until the text has that many bytes.
+std::string objects(int keys, std::size_t bytes) {
+    std::string object = "{";
+    for (int i = 0; i < keys; ++i) {
+        object += fmt::format("{}\"{:x}\":0", i == 0 ? "" : ",", i);
+    }
+    object += '}';
+    std::string text = "[" + object;
+    while (text.size() + object.size() < bytes) {
+        text += ',' + object;
+    }
+    return text + ']';
+}
+
+TEST(JsonFromOutside, KeepsTheOrderOfWhatItReads) {
+    EXPECT_EQ(json_from_outside(R"({"b": [1, {"c": null}], "a": "x"})").dump(),
+              R"({"b":[1,{"c":null}],"a":"x"})");
+}
+
+TEST(JsonFromOutside, ReadsTheColumnsOfAMillionSpheres) {
+    std::string text = "[";
+    constexpr int spheres = repeated(1'000'000);
+    for (int i = 0; i < spheres; ++i) {
+        text += fmt::format("{}{{\"name\":\"v{}\",\"quantity\":\"v_chain\",\"unit\":\"m/s\"}}",
+                            i == 0 ? "" : ",", i);
+    }
+    EXPECT_EQ(json_from_outside(text + "]").size(), std::size_t{spheres});
+}
+
+TEST(JsonFromOutside, RefusesWhatIsNestedTooDeeplyOrNoJson) {
+    const std::string deep(100'000, '[');
+    EXPECT_THAT(error_of([&] { json_from_outside(deep); }), HasSubstr("nested too deeply"));
+    EXPECT_THAT(error_of([] { json_from_outside("{"); }), HasSubstr("not JSON"));
+    EXPECT_THAT(error_of([] { json_from_outside("{} x"); }), HasSubstr("not JSON"));
+}
+
+// Read in quadratic time some of them would take hours: the test's own time limit is enough.
+TEST(JsonFromOutside, AnswersSoonWhateverIsMadeToBeSlow) {
+    constexpr std::size_t large = repeated(std::size_t{64} << 20);
+    for (const int keys : {5'000'000, 100'000, 10'000, 1000, 100}) {
+        EXPECT_THAT(error_of([&] { json_from_outside(objects(keys, large)); }), HasSubstr("too many keys"))
+            << keys;
+    }
+    std::string values = "[0";
+    while (values.size() < std::size_t{16} << 20) {
+        values += ",0";
+    }
+    EXPECT_THAT(error_of([&] { json_from_outside(values + "]"); }), HasSubstr("too many values"));
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,22 @@
+#include "measures/provenance.hpp"
+
+#include <gtest/gtest.h>
+
+namespace hertzline::test {
+
+using namespace measures;
+namespace {
+
+TEST(Provenance, TellsHowOftenBurstsCome) {
+    Scene scene;
+    scene.drive.repetition_hz = 250;
+    const auto json = provenance_json({scene, {}, utc_text({}), {}});
+    EXPECT_EQ(repetition_of(json), 250);
+    EXPECT_FALSE(repetition_of({}));
+    EXPECT_FALSE(repetition_of({{"scene", {{"drive", 7}}}}));
+    EXPECT_FALSE(repetition_of({{"scene", {{"drive", {{"repetition_hz", "often"}}}}}}));
+    EXPECT_FALSE(repetition_of({{"scene", {{"drive", {{"repetition_hz", -1}}}}}}));
+}
+
+}  // namespace
+}  // namespace hertzline::test

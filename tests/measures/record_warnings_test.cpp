@@ -1,0 +1,141 @@
+#include "measures/record_warnings.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace hertzline {
+
+using namespace measures;
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A burst of 10 cycles at 100 kHz, so of 100 us, in 500 us at 10 MS/s.
+Scene short_burst() {
+    Scene scene;
+    scene.drive.frequency_hz = 100e3;
+    scene.drive.cycles = 10;
+    scene.output.duration_s = 500e-6;
+    scene.output.sample_rate_hz = 10e6;
+    return scene;
+}
+
+/// A tone while the burst lasts, then one that falls by e in tau_s.
+std::vector<double> ringing_record(const Scene& scene, double tau_s, double duration_s) {
+    const auto samples = static_cast<std::size_t>(duration_s * scene.output.sample_rate_hz) + 1;
+    const double burst_s = scene.drive.cycles / scene.drive.frequency_hz;
+    std::vector<double> record;
+    for (std::size_t i = 0; i < samples; ++i) {
+        const double t = static_cast<double>(i) / scene.output.sample_rate_hz;
+        const double envelope = t < burst_s ? 1 : std::exp(-(t - burst_s) / tau_s);
+        record.push_back(0.3 * envelope * std::sin(2 * std::numbers::pi * scene.drive.frequency_hz * t));
+    }
+    return record;
+}
+
+std::vector<std::string> warnings_of_ringing(double tau_s) {
+    const Scene scene = short_burst();
+    return record_warnings(scene, ringing_record(scene, tau_s, scene.output.duration_s));
+}
+
+TEST(RecordWarnings, ABurstThatHasRungDownIsComplete) {
+    EXPECT_THAT(warnings_of_ringing(50e-6), IsEmpty());  // 400 us are 8 tau
+}
+
+TEST(RecordWarnings, RingingIsToldWithADurationThatEndsIt) {
+    // exp(-390/200) = 14 % in the last period; 1 % after 4.6 tau, at 1.02 ms
+    EXPECT_THAT(
+        warnings_of_ringing(200e-6),
+        ElementsAre(testing::AllOf(HasSubstr("rings at 14.1 %"), HasSubstr("output.duration_s=0.0011"))));
+    Scene longer = short_burst();
+    longer.output.duration_s = 0.0011;
+    EXPECT_THAT(record_warnings(longer, ringing_record(longer, 200e-6, 0.0011)), IsEmpty());
+}
+
+TEST(RecordWarnings, TheirNumbersAreThere) {
+    Scene scene = short_burst();
+    EXPECT_NEAR(*ringing_ratio(scene, ringing_record(scene, 200e-6, 500e-6)), 0.141, 0.001);
+    EXPECT_LT(*ringing_ratio(scene, ringing_record(scene, 50e-6, 500e-6)), 1e-3);
+    EXPECT_EQ(burst_shown_ratio(scene), 1);
+    EXPECT_FALSE(ringing_ratio(scene, ringing_record(scene, 200e-6, 110e-6)).has_value());
+    EXPECT_FALSE(ringing_ratio(scene, std::vector<double>(5001, 0.0)).has_value());
+    scene.drive.repetition_hz = 1000;
+    EXPECT_FALSE(ringing_ratio(scene, ringing_record(scene, 200e-6, 500e-6)).has_value());
+    scene.output.duration_s = 25e-6;
+    EXPECT_DOUBLE_EQ(burst_shown_ratio(scene), 0.25);
+}
+
+TEST(BandWarnings, TellOfWhatLiesBelow) {
+    SpectrumSummary spectrum;
+    spectrum.lowest_hz = 36.5e3;
+    spectrum.below_db = -3;
+    spectrum.band_20db = Band{50e3, 300e3, 40e3};
+    EXPECT_THAT(band_warnings("v_out", spectrum), IsEmpty());
+    spectrum.band_20db->low_hz = spectrum.lowest_hz;
+    EXPECT_THAT(band_warnings("v_out", spectrum),
+                ElementsAre(HasSubstr("the -20 dB band of v_out begins at 36500 Hz")));
+    spectrum.below_db = 25.3;
+    EXPECT_THAT(band_warnings("p_axis", spectrum),
+                ElementsAre(HasSubstr("p_axis is 25.3 dB stronger below 36500 Hz than anywhere above")));
+    EXPECT_THAT(band_warnings("v_out", {}), IsEmpty());
+}
+
+TEST(RecordWarnings, RingingThatDoesNotFallHasNoDuration) {
+    EXPECT_THAT(warnings_of_ringing(INFINITY), ElementsAre(HasSubstr("it has not fallen")));
+}
+
+TEST(RecordWarnings, BurstsThatRepeatAreNotJudgedByTheirEnd) {
+    Scene scene = short_burst();
+    scene.drive.repetition_hz = 1000;
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 200e-6, 500e-6)), IsEmpty());
+}
+
+TEST(RecordWarnings, ARunThatEndsWithinTheBurstIsTold) {
+    Scene scene = short_burst();
+    scene.output.duration_s = 99e-6;
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 1, 99e-6)),
+                ElementsAre(testing::AllOf(HasSubstr("within the burst of 0.0001 s"),
+                                           HasSubstr("output.duration_s=0.00015"))));
+}
+
+TEST(RecordWarnings, ARunThatEndsJustAfterTheBurstIsTold) {
+    Scene scene = short_burst();
+    scene.output.duration_s = 110e-6;
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 1e-6, 110e-6)),
+                ElementsAre(testing::AllOf(HasSubstr("before its ringing shows"),
+                                           HasSubstr("output.duration_s=0.00022"))));
+}
+
+TEST(RecordWarnings, SilenceIsToldUnlessTheHornIsSilent) {
+    Scene scene = short_burst();
+    const std::vector<double> nothing(5001, 1e-30);
+    EXPECT_THAT(record_warnings(scene, nothing), ElementsAre(HasSubstr("v_out is silent")));
+    scene.drive.amplitude_m = 0;
+    EXPECT_THAT(record_warnings(scene, nothing), IsEmpty());
+}
+
+TEST(RecordWarnings, HarmonicsAboveHalfTheSampleRateAreTold) {
+    Scene scene = short_burst();
+    scene.output.sample_rate_hz = 1.9e6;
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 50e-6, 500e-6)),
+                ElementsAre(testing::AllOf(HasSubstr("half the sample rate (950000 Hz)"),
+                                           HasSubstr("output.sample_rate_hz=4e+06"))));
+    scene.output.sample_rate_hz = 2e6;
+    EXPECT_THAT(record_warnings(scene, ringing_record(scene, 50e-6, 500e-6)), IsEmpty());
+}
+
+TEST(SwitchingWarnings, NameTheHarmonicsThatOweHalfOfThemselvesToJumps) {
+    EXPECT_THAT(switching_warnings({}), IsEmpty());
+    EXPECT_THAT(switching_warnings(std::vector<double>{0, 5.9, -20}), IsEmpty());
+    EXPECT_THAT(switching_warnings(std::vector<double>{0, 6, -20, 15}),
+                ElementsAre(HasSubstr("harmonics 2, 4 of v_out")));
+    EXPECT_THAT(switching_warnings(std::vector<double>{7}), ElementsAre(HasSubstr("harmonic 1 of v_out")));
+}
+
+}  // namespace
+}  // namespace hertzline

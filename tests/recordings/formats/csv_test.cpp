@@ -1,0 +1,278 @@
+#include "recordings/formats/csv.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <fstream>
+#include <limits>
+#include <random>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+#include "recordings/formats/csv_metadata.hpp"
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/support/error_of.hpp"
+#include "tests/support/recordings.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+
+using namespace recordings;
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+std::string text_of(double number) {
+    std::string text;
+    append_csv_number(text, number);
+    return text;
+}
+
+TEST(CsvNumber, IsTheShortestThatReadsBackTheSame) {
+    EXPECT_EQ(text_of(0.1), "0.1");
+    EXPECT_EQ(text_of(1.0 / 3), "0.3333333333333333");
+    EXPECT_EQ(text_of(-2.5e-9), "-2.5e-09");
+    EXPECT_EQ(text_of(0), "0");
+    EXPECT_EQ(text_of(10e6), "1e+07");
+}
+
+TEST(CsvNumber, ReadsBackBitForBit) {
+    std::mt19937_64 random(7);
+    std::uniform_real_distribution<double> exponent(-308, 308);
+    std::uniform_real_distribution<double> mantissa(-1, 1);
+    for (int i = 0; i < 20'000; ++i) {
+        const double number = mantissa(random) * std::pow(10.0, exponent(random));
+        EXPECT_EQ(std::strtod(text_of(number).c_str(), nullptr), number);
+    }
+    for (const double number :
+         {std::numeric_limits<double>::denorm_min(), -std::numeric_limits<double>::max()}) {
+        EXPECT_EQ(std::strtod(text_of(number).c_str(), nullptr), number);
+    }
+}
+
+TEST(Csv, IsALineOfNamesAndALineForEachSample) {
+    const TemporaryFolder folder;
+    const auto writer =
+        open_csv_writer(folder.file("a.csv"), recording_head({"v_last_m_per_s", "v_out_m_per_s"}, 2));
+    writer->write(0, std::vector{0.0, 0.0, 1.0, -2.0});
+    writer->write(5, std::vector{0.25, 0.5});
+    EXPECT_FALSE(fs::exists(folder.file("a.csv")));
+    writer->commit();
+    EXPECT_EQ(contents(folder.file("a.csv")),
+              "t_s,v_last_m_per_s,v_out_m_per_s\n0,0,0\n0.5,1,-2\n2.5,0.25,0.5\n");
+}
+
+TEST(Csv, MetadataBesideItSayWhatTheColumnsAreAndWhereTheyComeFrom) {
+    const TemporaryFolder folder;
+    RecordingHead head = recording_head({"v_last_m_per_s", "x1_m"}, 2);
+    head.provenance = {{"version", "1.2.3"}};
+    open_csv_writer(folder.file("a.csv"), head)->commit();
+    const json metadata = json::parse(contents(folder.file("a.csv-metadata.json")));
+    EXPECT_EQ(metadata["@context"], "http://www.w3.org/ns/csvw");
+    EXPECT_EQ(metadata["url"], "a.csv");
+    EXPECT_EQ(metadata["urn:hertzline:provenance"]["version"], "1.2.3");
+    const json& columns = metadata["tableSchema"]["columns"];
+    ASSERT_EQ(columns.size(), 3U);
+    EXPECT_EQ(columns[0]["name"], "t_s");
+    EXPECT_EQ(columns[1]["schema:unitText"], "m/s");
+    EXPECT_EQ(columns[2]["name"], "x1_m");
+    EXPECT_EQ(columns[2]["schema:unitText"], "m");
+}
+
+TEST(Csv, ADeviceGetsNoMetadata) {
+    open_csv_writer("/dev/null", recording_head({"v"}, 1))->commit();
+    EXPECT_FALSE(fs::exists("/dev/null-metadata.json"));
+}
+
+TEST(Csv, WithoutCommitNothingIsLeftAndWhatWasThereStays) {
+    const TemporaryFolder folder;
+    open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1))->commit();
+    const std::string metadata = contents(folder.file("a.csv-metadata.json"));
+    open_csv_writer(folder.file("a.csv"), recording_head({"w"}, 1))->write(0, std::vector{1.0});
+    EXPECT_EQ(contents(folder.file("a.csv")), "t_s,v\n");
+    EXPECT_EQ(contents(folder.file("a.csv-metadata.json")), metadata);
+}
+
+TEST(Csv, AFullDiskIsToldOfWithPathAndReason) {
+    const auto writer = open_csv_writer("/dev/full", recording_head({"v"}, 1));
+    writer->write(0, std::vector{1.0});
+    EXPECT_THAT(error_of([&] { writer->commit(); }),
+                testing::AllOf(HasSubstr("/dev/full"), HasSubstr("No space left")));
+    const auto large = open_csv_writer("/dev/full", recording_head({"v"}, 1));
+    EXPECT_THAT(error_of([&] { large->write(0, std::vector<double>(100'000, 1.0 / 3)); }),
+                HasSubstr("No space left"));
+}
+
+TEST(Csv, MetadataThatCannotBeWrittenAreToldOfBeforeAnythingIsReplaced) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "old");
+    fs::create_directories(folder.file("a.csv-metadata.json/full"));
+    EXPECT_THAT(error_of([&] { open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1)); }),
+                HasSubstr("a.csv-metadata.json"));
+    fs::remove_all(folder.file("a.csv-metadata.json"));
+    const auto writer = open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1));
+    writer->write(0, std::vector{1.0});
+    fs::create_directories(folder.file("a.csv-metadata.json/full"));  // meanwhile
+    EXPECT_NE(error_of([&] { writer->commit(); }), "");
+    EXPECT_EQ(contents(folder.file("a.csv")), "old");
+    EXPECT_EQ(writer->kept().rows, 1);
+    EXPECT_EQ(contents(writer->kept().file), "t_s,v\n0,1\n");
+}
+
+/// In a process of its own: the limit on the size of files cannot be raised again.
+TEST(Csv, AFullDiskLeavesWholeLines) {
+    const TemporaryFolder folder;
+    const pid_t child = fork();
+    if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit small{2'000'001, 2'000'001};
+        setrlimit(RLIMIT_FSIZE, &small);
+        const auto writer = open_csv_writer(folder.file("a.csv"), recording_head({"v"}, 1));
+        std::string error;
+        for (std::int64_t first = 0; first < 1'000'000 && error.empty(); first += 100) {
+            error = error_of([&] { writer->write(first, std::vector<double>(100, 0.5)); });
+        }
+        const KeptRows& kept = writer->kept();
+        const std::string text = contents(kept.file);
+        const bool whole = text.ends_with(",0.5\n") && text.size() > 1'999'980 &&
+                           std::count(text.begin(), text.end(), '\n') == kept.rows + 1;
+        _exit(error.find("File too large") != std::string::npos && whole ? 0 : 1);
+    }
+    int status = -1;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    EXPECT_EQ(status, 0);
+}
+
+TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"),
+               "t_s,v_out_m_per_s,other\n3e-07,1,2\n3.9999999999999998e-07,3,4\r\n9e-07,5,6\n");
+    const auto reader = open_csv_reader(folder.file("a.csv"));
+    EXPECT_EQ(reader->head().sample_rate_hz, 10e6);
+    EXPECT_EQ(reader->head().columns[0].unit, "m/s");
+    EXPECT_EQ(reader->head().columns[1].quantity, "other");
+    RecordedRows rows;
+    ASSERT_TRUE(reader->read(rows, 100));
+    EXPECT_EQ(rows.first, 3);
+    EXPECT_THAT(rows.values, ElementsAre(1, 2, 3, 4));
+    ASSERT_TRUE(reader->read(rows, 100));
+    EXPECT_EQ(rows.first, 9);
+    EXPECT_FALSE(reader->read(rows, 100));
+}
+
+TEST(CsvReader, TheRateIsRightHoweverLateTheRecordingBegins) {
+    const TemporaryFolder folder;
+    for (const double rate : {10e6, 1e6, 44'100.0, 12'345.678, 2.5e6, 1 / 3.0}) {
+        for (const double begin_s : {0.0, 10.0, 100.0, 3600.0, 86'400.0}) {
+            const auto first = static_cast<std::int64_t>(begin_s * rate);
+            const std::string file = folder.file("a.csv");
+            const auto writer = open_csv_writer(file, recording_head({"v"}, rate));
+            writer->write(first, std::vector<double>(3000, 0.5));
+            writer->write(first + 5000, std::vector<double>(10, 0.5));
+            writer->commit();
+            fs::remove(csv_metadata_path(file));
+            const auto rows = read_rows(*open_csv_reader(file));
+            ASSERT_EQ(rows.size(), 2U) << rate << " Hz from " << begin_s << " s on";
+            EXPECT_EQ(rows[0].first, first) << rate << " Hz from " << begin_s << " s on";
+            EXPECT_EQ(rows[1].first, first + 5000) << rate << " Hz from " << begin_s << " s on";
+        }
+    }
+}
+
+TEST(CsvReader, ALineWithoutEndIsRefused) {
+    const TemporaryFolder folder;
+    EXPECT_THAT(error_of([&] { open_csv_reader("/dev/zero"); }), HasSubstr("/dev/zero:1: found a byte 0"));
+    write_text(folder.file("a.csv"), "t_s,v\n0,1\n");
+    fs::resize_file(folder.file("a.csv"), std::uintmax_t{1} << 40);  // with a hole in it
+    EXPECT_THAT(error_of([&] { read_rows(*open_csv_reader(folder.file("a.csv"))); }),
+                HasSubstr("a.csv:3: found a byte 0"));
+}
+
+TEST(CsvReader, ALineBeyondHalfAGigabyteIsRefused) {
+    const TemporaryFolder folder;
+    std::ofstream file(folder.file("a.csv"));
+    file << "t_s,v\n";
+    const std::string mebibyte(1 << 20, '1');
+    for (int i = 0; i < 512; ++i) {
+        file << mebibyte;
+    }
+    file << '\n';
+    file.close();
+    EXPECT_THAT(error_of([&] { read_rows(*open_csv_reader(folder.file("a.csv"))); }),
+                HasSubstr("a.csv:2: the line is too long"));
+}
+
+TEST(CsvReader, APipeNeedsMetadata) {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("a.csv");
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::jthread writer([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
+    EXPECT_THAT(error_of([&] { open_csv_reader(pipe); }), HasSubstr("no metadata"));
+}
+
+TEST(CsvReader, ALineMayBeLongerThanTheBuffer) {
+    const TemporaryFolder folder;
+    for (const std::size_t columns : {10, 6000, 9361, 9362, 9363, 20'000}) {
+        std::vector<std::string> names;
+        for (std::size_t i = 0; i < columns; ++i) {
+            names.push_back(fmt::format("c{:05}", i));
+        }
+        const RecordingHead head = recording_head(names, 10);
+        const std::vector<RecordedRows> rows{recorded_rows(head, 0, 3)};
+        const auto writer = open_csv_writer(folder.file("a.csv"), head);
+        write_rows(*writer, rows);
+        writer->commit();
+        EXPECT_EQ(read_rows(*open_csv_reader(folder.file("a.csv"))).at(0).values, rows[0].values);
+    }
+}
+
+TEST(CsvReader, NamesTheLineThatIsWrong) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    const auto fault = [&](const std::string& text) {
+        write_text(file, text);
+        return error_of([&] { read_rows(*open_csv_reader(file)); });
+    };
+    EXPECT_THAT(fault(""), HasSubstr("a.csv:1"));
+    EXPECT_THAT(fault("time,v\n"), HasSubstr("allowed: t_s"));
+    EXPECT_THAT(fault("t_s\n0\n"), HasSubstr("a.csv:1"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,\n"), HasSubstr("a.csv:3: expected 2 numbers"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,2,3\n"), HasSubstr("a.csv:3"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1\n"), HasSubstr("a.csv:3"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n0,1\n"), HasSubstr("does not increase"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,1\n2,1\n1,1\n"), HasSubstr("a.csv:5: the time does not increase"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,1\n2.5,1\n"), HasSubstr("a.csv:4: found the time 2.5"));
+    EXPECT_THAT(fault("t_s,v\n-1,1\n0,1\n"), HasSubstr("a.csv:2: found the time -1"));
+    EXPECT_THAT(fault("t_s,v\nnan,1\n0,1\n"), HasSubstr("a.csv"));
+    EXPECT_THAT(fault("t_s,v\n0,inf\n1,1\n"), HasSubstr("a.csv"));
+    EXPECT_EQ(fault("t_s,v\n0,1\n"), "");
+    EXPECT_EQ(fault("t_s,v\n"), "");
+    EXPECT_THAT(error_of([&] { open_csv_reader(folder.file("none.csv")); }), HasSubstr("none.csv"));
+}
+
+TEST(CsvReader, RefusesMetadataThatAreNone) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    write_text(file, "t_s,v\n0,1\n");
+    for (
+        const char* text :
+        {"", "[]", "{}", "7", R"({"urn:hertzline:sample_rate_hz": "x"})",
+         R"({"urn:hertzline:sample_rate_hz": 0, "urn:hertzline:provenance": 0, "tableSchema": {"columns": []}})"}) {
+        write_text(file + "-metadata.json", text);
+        EXPECT_THAT(error_of([&] { open_csv_reader(file); }), HasSubstr("a.csv-metadata.json")) << text;
+    }
+}
+
+}  // namespace
+}  // namespace hertzline::test

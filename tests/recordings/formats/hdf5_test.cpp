@@ -1,0 +1,145 @@
+#include "recordings/formats/hdf5/hdf5.hpp"
+
+#include <array>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include "tests/support/recordings.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline {
+
+using namespace recordings;
+namespace {
+using testing::HasSubstr;
+
+class Hdf5 : public testing::Test {
+protected:
+    test::TemporaryFolder folder;
+    std::string file = folder.file("a.h5");
+    RecordingHead head = test::recording_head(NumberType::float64, 1);
+
+    void record(const std::vector<RecordedRows>& rows) const {
+        const auto writer = open_hdf5_writer(file, head);
+        test::write_rows(*writer, rows);
+        writer->commit();
+    }
+    std::string refusal() const {
+        try {
+            test::read_rows(*open_hdf5_reader(file));
+            return {};
+        } catch (const std::runtime_error& error) {
+            return error.what();
+        }
+    }
+    /// Changes the file with the library itself.
+    void change(const std::function<void(hid_t)>& work) const {
+        const hid_t id = H5Fopen(file.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+        ASSERT_GE(id, 0);
+        work(id);
+        ASSERT_GE(H5Fclose(id), 0);
+    }
+};
+
+TEST_F(Hdf5, RowsLongerThanAChunkRoundTrip) {
+    head = test::recording_head(NumberType::float64, 40'000);
+    const std::vector<RecordedRows> rows{test::recorded_rows(head, 0, 3)};
+    record(rows);
+    const auto reader = open_hdf5_reader(file);
+    EXPECT_EQ(reader->head().columns, head.columns);
+    EXPECT_TRUE(test::read_rows(*reader).at(0).values == rows[0].values);
+    // 1.9 MB of samples, 2.7 MB of names: the chunks fit the rows
+    EXPECT_LT(std::filesystem::file_size(file), 5'000'000);
+}
+
+TEST_F(Hdf5, OneSphereIsStillARowForEachSample) {
+    record({test::recorded_rows(head, 0, 3)});
+    change([](hid_t id) {
+        const hid_t chain = H5Dopen2(id, "v_chain", H5P_DEFAULT);
+        const hid_t space = H5Dget_space(chain);
+        EXPECT_EQ(H5Sget_simple_extent_ndims(space), 2);
+        H5Sclose(space);
+        H5Dclose(chain);
+    });
+}
+
+TEST_F(Hdf5, ThousandsOfGapsRoundTrip) {
+    std::vector<RecordedRows> rows;
+    for (std::int64_t i = 0; i < 3000; ++i) {
+        rows.push_back(test::recorded_rows(head, 2 * i, 1));
+    }
+    record(rows);
+    const auto read = test::read_rows(*open_hdf5_reader(file));
+    ASSERT_EQ(read.size(), rows.size());
+    EXPECT_EQ(read.back().first, rows.back().first);
+}
+
+TEST_F(Hdf5, LongProvenanceRoundTrips) {
+    head.provenance["scene"] = std::string(200'000, 's');
+    record({});
+    EXPECT_EQ(open_hdf5_reader(file)->head().provenance, head.provenance);
+}
+
+TEST_F(Hdf5, WritersInSeveralThreadsWaitForOneAnother) {
+    constexpr int many = 4;
+    const auto name = [this](int i) { return folder.file(std::to_string(i) + ".h5"); };
+    const auto rows = [this](int i) { return test::recorded_rows(head, i, 2000); };
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < many; ++i) {
+            threads.emplace_back([&, i] {
+                for (int k = 0; k < 10; ++k) {
+                    const auto writer = open_hdf5_writer(name(i), head);
+                    test::write_rows(*writer, {rows(i)});
+                    if (k % 3 == 0) {
+                        writer->commit();
+                    }  // else given up
+                }
+            });
+        }
+    }
+    for (int i = 0; i < many; ++i) {
+        EXPECT_TRUE(test::read_rows(*open_hdf5_reader(name(i))).at(0).values == rows(i).values);
+    }
+}
+
+TEST_F(Hdf5, NothingIsReadThatTheFileDoesNotHoldItself) {
+    const RecordedRows rows = test::recorded_rows(head, 0, 100);
+    record({rows});
+    std::filesystem::copy_file(file, folder.file("b.h5"));
+    change([&](hid_t id) {
+        H5Ldelete(id, "v_out", H5P_DEFAULT);
+        H5Lcreate_external(folder.file("b.h5").c_str(), "v_out", id, "v_out", H5P_DEFAULT, H5P_DEFAULT);
+    });
+    EXPECT_THAT(refusal(), HasSubstr("dataset v_out: missing, or in another file"));
+    record({rows});
+    change([](hid_t id) {  // longer than what was ever written
+        for (const char* name : {"v_out", "v_last", "v_chain", "x_chain"}) {
+            const hid_t dataset = H5Dopen2(id, name, H5P_DEFAULT);
+            const std::array<hsize_t, 2> size{1'000'000, 1};
+            H5Dset_extent(dataset, size.data());
+            H5Dclose(dataset);
+        }
+    });
+    EXPECT_THAT(refusal(), HasSubstr("chunks are there"));
+}
+
+TEST_F(Hdf5, DatasetsThatDoNotFitTogetherAreRefused) {
+    record({test::recorded_rows(head, 0, 100)});
+    change([](hid_t id) {
+        const hid_t dataset = H5Dopen2(id, "v_out", H5P_DEFAULT);
+        const hsize_t size = 99;
+        H5Dset_extent(dataset, &size);
+        H5Dclose(dataset);
+    });
+    EXPECT_THAT(refusal(), HasSubstr("dataset v_out: rows or number type"));
+    record({test::recorded_rows(head, 0, 100)});
+    change([](hid_t id) { H5Adelete(id, "columns"); });
+    EXPECT_THAT(refusal(), testing::StartsWith("cannot read " + file + ": "));
+}
+
+}  // namespace
+}  // namespace hertzline

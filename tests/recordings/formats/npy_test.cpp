@@ -1,0 +1,138 @@
+#include "recordings/formats/npy.hpp"
+
+#include <cstring>
+#include <fstream>
+
+#include "recordings/files/input_file.hpp"
+#include "recordings/formats/npy_header.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/recordings.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline {
+
+using namespace recordings;
+namespace {
+using testing::HasSubstr;
+
+class Npy : public testing::Test {
+protected:
+    test::TemporaryFolder folder;
+    std::string file = folder.file("a.npy");
+
+    template <class Number>
+    void put(const NpyHeader& header, const std::vector<Number>& numbers) const {
+        std::string bytes = npy_header(header);
+        bytes.append(reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number));
+        put(bytes);
+    }
+    void put(const std::string& bytes) const { std::ofstream(file, std::ios::binary) << bytes; }
+
+    std::string refusal() const {
+        try {
+            test::read_rows(*open_npy_reader(file));
+            return {};
+        } catch (const std::runtime_error& error) {
+            return error.what();
+        }
+    }
+};
+
+TEST_F(Npy, HeaderReadsBackAndIsAlignedInBothVersions) {
+    const NpyHeader plain{{{"", "<f4"}}, {3, 5}, true};
+    NpyHeader longest{{{"t_s", "<f8"}}, {7}, false};
+    for (int i = 0; i < 10'000; ++i) {
+        longest.fields.push_back({"x" + std::to_string(i) + "_m", "<f4"});
+    }
+    for (const NpyHeader& header : {plain, longest, NpyHeader{{{"", "|S9"}}, {}, false}}) {
+        const std::string bytes = npy_header(header);
+        EXPECT_EQ(bytes.size() % 64, 0);
+        EXPECT_EQ(bytes[6], bytes.size() > 0xffff ? 2 : 1);
+        put(bytes);
+        InputFile in(file);
+        EXPECT_TRUE(read_npy_header(in) == header);
+        EXPECT_EQ(in.left(), 0);
+    }
+}
+
+TEST_F(Npy, HeaderTakesAsManyBytesForAnyCount) {
+    const auto bytes = [](std::uint64_t rows) { return npy_header({{{"", "<f4"}}, {rows}, false}).size(); };
+    EXPECT_EQ(bytes(0), bytes(~std::uint64_t{0}));
+}
+
+TEST_F(Npy, TenThousandSpheresRoundTrip) {
+    const RecordingHead head = test::recording_head(NumberType::float64, 10'000);
+    const RecordedRows rows = test::recorded_rows(head, 0, 20);
+    const auto writer = open_npy_writer(file, head);
+    writer->write(rows.first, rows.values);
+    writer->commit();
+    const auto reader = open_npy_reader(file);
+    EXPECT_EQ(reader->head().columns, head.columns);
+    EXPECT_TRUE(test::read_rows(*reader).at(0).values == rows.values);
+}
+
+TEST_F(Npy, PlainArraysOfOthersHaveChannels) {
+    put<float>({{{"", "<f4"}}, {2, 3}, false}, {1, 2, 3, 4, 5, 6});
+    const auto two = open_npy_reader(file);
+    EXPECT_EQ(two->head().columns.at(2), (Column{"channel_3", "channel_3", ""}));
+    EXPECT_EQ(two->head().numbers, NumberType::float32);
+    EXPECT_EQ(two->head().sample_rate_hz, 0);
+    EXPECT_THAT(test::read_rows(*two).at(0).values, testing::ElementsAre(1, 2, 3, 4, 5, 6));
+    put<double>({{{"", "<f8"}}, {4}, false}, {0.5, 1, 2, 3});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(0.5, 1, 2, 3));
+}
+
+TEST_F(Npy, WhatIsNotAcceptedIsNamed) {
+    put<float>({{{"", "<f4"}}, {2, 3}, true}, {1, 2, 3, 4, 5, 6});
+    EXPECT_THAT(refusal(), HasSubstr("Fortran order"));
+    put<std::int32_t>({{{"", "<i4"}}, {2}, false}, {1, 2});
+    EXPECT_THAT(refusal(), HasSubstr("type \"<i4\""));
+    put<float>({{{"", "<f4"}}, {3}, false}, {1, 2});
+    EXPECT_THAT(refusal(), HasSubstr("cut short: 3 rows of 4 bytes, 8 bytes are there"));
+    put<float>({{{"", "<f4"}}, {1ULL << 62, 1ULL << 62}, false}, {1, 2});
+    EXPECT_THAT(refusal(), HasSubstr("columns"));
+    put<double>({{{"", "<f8"}}, {3}, false}, {1, std::nan(""), 3});
+    EXPECT_THAT(refusal(), HasSubstr("row 1, column 1 is nan"));
+    put<double>({{{"t_s", "<f8"}, {"v", "<f8"}}, {1}, false}, {0, 1});
+    EXPECT_THAT(refusal(), HasSubstr("magic number"));  // no description behind it
+}
+
+TEST_F(Npy, HostileHeadersAreRefused) {
+    const auto header = [&](const std::string& text) {
+        put("\x93NUMPY\x01" + std::string(1, '\0') + static_cast<char>(text.size()) + std::string(1, '\0') +
+            text);
+        return refusal();
+    };
+    EXPECT_EQ(header("{'descr': '<f4', 'fortran_order': False, 'shape': (0,)}"), "");
+    EXPECT_THAT(header("{'descr': '<f4', 'fortran_order': False, 'shape': (0,)"), HasSubstr("expected }"));
+    EXPECT_THAT(header("{'descr': '<f4', 'shape': (0,)}"), HasSubstr("expected descr, fortran_order"));
+    EXPECT_THAT(header("{'descr': __import__('os')}"), HasSubstr("expected '"));
+    EXPECT_THAT(header("{'descr': '<f4', 'fortran_order': False, 'shape': (-1,)}"), HasSubstr("a length"));
+    EXPECT_THAT(header("{'descr': '<f4', 'fortran_order': False, 'shape': (99999999999999999999,)}"),
+                HasSubstr("a length"));
+    put("\x93NUMPY\x02" + std::string(1, '\0') + "\xff\xff\xff\xff");
+    EXPECT_THAT(refusal(), HasSubstr("4294967295 bytes"));
+}
+
+TEST_F(Npy, TimeThatIsNoSamplesIsDamage) {
+    const RecordingHead head = test::recording_head(NumberType::float64);
+    const auto writer = open_npy_writer(file, head);
+    writer->write(0, std::vector<double>{1, 2, 3, 4});
+    writer->commit();
+    const std::size_t second_row =
+        npy_header({{{"t_s", "<f8"}, {"v_last_m_per_s", "<f8"}, {"v_out_m_per_s", "<f8"}}, {2}, false})
+            .size() +
+        24;
+    for (const double t : {1.00001e-7, 0.0, -1e-7, 1e300, std::nan("")}) {
+        std::fstream change(file, std::ios::binary | std::ios::in | std::ios::out);
+        change.seekp(static_cast<std::streamoff>(second_row));
+        change.write(reinterpret_cast<const char*>(&t), sizeof t);
+        change.close();
+        EXPECT_THAT(refusal(), HasSubstr("damaged: row 1 has the time")) << t;
+    }
+}
+
+}  // namespace
+}  // namespace hertzline

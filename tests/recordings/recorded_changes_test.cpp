@@ -1,0 +1,97 @@
+// Recordings of a stream whose scene changes: each format keeps the changes, and no row is missing where they are.
+
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/json.hpp"
+#include "tests/support/recordings.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+
+using namespace recordings;
+
+namespace {
+
+Json change(std::int64_t sample, std::int64_t epoch) {
+    return {
+        {"sample", sample}, {"epoch", epoch}, {"set", {{"drive.cycles", 3.0 + static_cast<double>(epoch)}}}};
+}
+
+RecordingHead head_of_run() {
+    RecordingHead head = recording_head({"v_out_m_per_s"}, 1000, NumberType::float32);
+    head.provenance["run"] = "01234567-89ab-4cde-8f01-23456789abcd";
+    head.provenance["scene"]["drive"]["repetition_hz"] = 10;
+    return head;
+}
+
+class RecordedChanges : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Formats, RecordedChanges,
+                         testing::Values("a.sigmf-meta", "a.sigmf-collection", "a.h5", "a.npy", "a.wav",
+                                         "a.csv"));
+
+TEST_P(RecordedChanges, ComeBackAndLeaveNoGap) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file(GetParam());
+    const RecordingHead head = head_of_run();
+    {
+        RecordingSet set(std::vector{file}, head, {}, [](const std::string& text) { ADD_FAILURE() << text; });
+        set.note_change(change(0, 1));
+        set.write(0, recorded_rows(head, 0, 150).values);
+        set.note_change(change(150, 2));
+        set.write(150, recorded_rows(head, 150, 250).values);
+        set.note_change(change(400, 3));
+        set.commit();
+        EXPECT_TRUE(set.sound());
+    }
+    const auto reader = open_reader(file);
+    EXPECT_EQ(reader->head().provenance["changes"], Json({change(0, 1), change(150, 2), change(400, 3)}));
+    const auto rows = read_rows(*reader);
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows[0].values, recorded_rows(head, 0, 400).values);
+}
+
+TEST_P(RecordedChanges, AreNotThoseOfAnOlderFile) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file(GetParam());
+    const RecordingHead head = head_of_run();
+    for (const bool changes : {true, false}) {
+        const auto writer = open_recording(file, head);
+        writer->write(0, recorded_rows(head, 0, 10).values);
+        if (changes) {
+            writer->note_change(change(10, 1));
+        }
+        writer->write(10, recorded_rows(head, 10, 10).values);
+        writer->commit();
+    }
+    EXPECT_FALSE(open_reader(file)->head().provenance.contains("changes"));
+}
+
+TEST(RecordedChanges, SigmfMarksThem) {
+    const TemporaryFolder folder;
+    const RecordingHead head = head_of_run();
+    const auto writer = open_recording(folder.file("a.sigmf-meta"), head);
+    writer->write(0, recorded_rows(head, 0, 150).values);
+    writer->note_change(change(150, 1));
+    writer->write(150, recorded_rows(head, 150, 250).values);
+    writer->commit();
+    const Json meta = Json::parse(contents(folder.file("a.sigmf-meta")));
+    ASSERT_EQ(meta["captures"].size(), 2U);
+    EXPECT_EQ(meta["captures"][1]["core:sample_start"], 150);
+    EXPECT_EQ(meta["captures"][1]["core:global_index"], 150);
+    std::vector<std::string> labels;
+    std::vector<std::int64_t> starts;
+    for (const Json& one : meta["annotations"]) {
+        labels.push_back(one["core:label"]);
+        starts.push_back(one["core:sample_start"]);
+    }
+    // bursts of 100 samples begin anew with the epoch
+    EXPECT_THAT(labels,
+                testing::ElementsAre("burst 0", "burst 1", "epoch 1", "burst 2", "burst 3", "burst 4"));
+    EXPECT_THAT(starts, testing::ElementsAre(0, 100, 150, 150, 250, 350));
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,206 @@
+// What pictures are made of: no sample is missed, triggers are exact, gaps show.
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "scope/pictures/burst_marks.hpp"
+#include "scope/pictures/envelope.hpp"
+#include "scope/pictures/history.hpp"
+#include "scope/pictures/level_trigger.hpp"
+#include "scope/pictures/view.hpp"
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "core/model/bursts.hpp"
+#include "core/scene/json.hpp"
+
+namespace hertzline::scope {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr float missing = std::numeric_limits<float>::quiet_NaN();
+
+/// v of sample i is i, so that a sample out of place shows.
+std::vector<float> counted(std::uint64_t first, std::size_t count) {
+    std::vector<float> values(count);
+    std::ranges::generate(values, [&, next = first]() mutable { return static_cast<float>(next++); });
+    return values;
+}
+
+RC_GTEST_PROP(History, HoldsTheLastSamplesWhateverTheFramesAndGaps, ()) {
+    const auto capacity = *rc::gen::inRange<std::size_t>(1, 50);
+    History history(capacity);
+    std::vector<float> all;
+    const auto frames = *rc::gen::container<std::vector<std::pair<int, int>>>(
+        rc::gen::pair(rc::gen::inRange(0, 30), rc::gen::inRange(1, 70)));
+    for (const auto& [gap, count] : frames) {
+        const std::size_t skipped = all.empty() ? 0 : static_cast<std::size_t>(gap);
+        all.insert(all.end(), skipped, missing);
+        const std::vector<float> values = counted(all.size(), static_cast<std::size_t>(count));
+        history.append(all.size(), values);
+        all.insert(all.end(), values.begin(), values.end());
+        RC_ASSERT(history.end() == all.size());
+        RC_ASSERT(history.end() - history.begin() <= capacity);
+    }
+    for (std::uint64_t sample = history.begin(); sample < history.end(); ++sample) {
+        const float held = history.at(sample);
+        RC_ASSERT(held == all[sample] || (std::isnan(held) && std::isnan(all[sample])));
+    }
+}
+
+RC_GTEST_PROP(Envelope, EverySampleLiesInExactlyOneColumn, ()) {
+    const auto count = *rc::gen::inRange<std::uint64_t>(1, 400);
+    const auto columns = *rc::gen::inRange<std::size_t>(1, 60);
+    const auto first = *rc::gen::inRange<std::int64_t>(-20, 100);
+    const auto spike = *rc::gen::inRange<std::uint64_t>(0, count);
+    History history(1000);
+    std::vector<float> values(600, 0.0F);
+    const std::int64_t place = first + static_cast<std::int64_t>(spike);
+    if (place >= 0) {
+        values[static_cast<std::size_t>(place)] = 1;
+    }
+    history.append(0, values);
+    const Envelope pixels = envelope(history, first, count, columns);
+    RC_ASSERT(std::ranges::count(pixels.high, 1.0F) == (place >= 0 ? 1 : 0));
+    RC_ASSERT(std::ranges::none_of(pixels.low, [](float low) { return low > 0 && low < 1; }));
+}
+
+TEST(Envelope, ColumnsWithoutSamplesShowNothing) {
+    History history(100);
+    history.append(10, counted(10, 10));
+    history.append(30, counted(30, 10));
+    const Envelope pixels = envelope(history, 0, 50, 5);
+    EXPECT_THAT(pixels.low, ::testing::ElementsAre(::testing::NanSensitiveFloatEq(missing), 10.0F,
+                                                   ::testing::NanSensitiveFloatEq(missing), 30.0F,
+                                                   ::testing::NanSensitiveFloatEq(missing)));
+    EXPECT_EQ(pixels.high[1], 19.0F);
+}
+
+stream::FrameHeader header_at(std::uint64_t sample, const Bursts& bursts, double fs, std::size_t n) {
+    const BurstPlace place = bursts.at(static_cast<std::int64_t>(sample));
+    stream::FrameHeader header;
+    header.sample = sample;
+    header.burst = static_cast<std::uint64_t>(place.burst);
+    header.burst_sample = static_cast<std::uint64_t>(place.sample);
+    header.fs = fs;
+    header.n = n;
+    return header;
+}
+
+RC_GTEST_PROP(BurstMarks, AreEveryBurstsFirstSampleWhateverTheFrames, ()) {
+    constexpr double fs = 1e6;
+    const auto repetition_hz = static_cast<double>(*rc::gen::inRange(900, 90'000));
+    const auto n = *rc::gen::inRange<std::size_t>(1, 5000);
+    const Bursts bursts(fs, repetition_hz);
+    BurstMarks marks;
+    std::uint64_t sample = *rc::gen::inRange<std::uint64_t>(0, 100'000);
+    const BurstPlace first = bursts.at(static_cast<std::int64_t>(sample));
+    BurstPlace last = first;
+    for (int frame = 0; frame < 20; ++frame, sample += n) {
+        marks.take(header_at(sample, bursts, fs, n), repetition_hz);
+        last = bursts.at(static_cast<std::int64_t>(sample));
+    }
+    for (std::int64_t burst = first.burst; burst <= last.burst; ++burst) {
+        const auto start = static_cast<std::uint64_t>(bursts.first_sample(burst));
+        RC_ASSERT(marks.latest_by(start) == (BurstMark{static_cast<std::uint64_t>(burst), start}));
+    }
+    RC_ASSERT(marks.latest()->burst == static_cast<std::uint64_t>(last.burst));
+}
+
+TEST(LevelTrigger, TakesTheFirstCrossingAndNoneInTheHoldOff) {
+    History history(1000);
+    LevelTrigger trigger;
+    trigger.ask({0.5, Slope::rising, 10});
+    history.append(0, std::vector<float>{0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0});
+    trigger.look_at(history);
+    EXPECT_EQ(trigger.latest_by(100), 1U);
+    history.append(11, std::vector<float>{0, 0.5F, 1, missing, 1, 0});
+    trigger.look_at(history);
+    EXPECT_EQ(trigger.latest_by(100), 12U) << "a sample at the level has reached it";
+    EXPECT_EQ(trigger.latest_by(11), 1U);
+    trigger.ask({0.5, Slope::falling, 0});
+    trigger.look_at(history);
+    EXPECT_EQ(trigger.latest_by(100), 16U);
+}
+
+TEST(ViewRequest, RefusesWhatItDoesNotKnow) {
+    EXPECT_EQ(*view_request(Json::object()), ViewRequest());
+    for (const char* wrong :
+         {R"({"stream": "v_chain"})", R"({"stream": 1})", R"({"span_s": -1})", R"({"span_s": "1"})",
+          R"({"columns": 1e9})", R"({"trigger": "edge"})", R"({"average": 0})", R"({"chain": 1})",
+          R"({"chain": "v_out"})", R"({"chain": "x_chain"})", "[]"}) {
+        const auto request = view_request(Json::parse(wrong));
+        ASSERT_FALSE(request) << wrong;
+        EXPECT_THAT(request.error(), HasSubstr("allowed")) << wrong;
+    }
+}
+
+/// Ten bursts of a thousand samples; each begins with an impulse of one sample.
+HeardSamples ten_bursts(double now_s) {
+    HeardSamples heard;
+    const Bursts bursts(1e6, 1000);
+    for (std::uint64_t burst = 0; burst < 10; ++burst) {
+        stream::ReceivedFrame frame;
+        frame.header = header_at(1000 * burst, bursts, 1e6, 1000);
+        frame.values.assign(1000, 0);
+        frame.values.front() = static_cast<float>(burst + 1);
+        heard.take(frame, 1000, now_s);
+    }
+    return heard;
+}
+
+float number_at(const std::string& bytes, std::size_t index) {
+    float number = 0;
+    std::memcpy(&number, bytes.data() + 64 + sizeof(float) * index, sizeof(number));
+    return number;
+}
+
+std::int64_t trigger_of(const std::string& bytes) {
+    std::int64_t trigger = 0;
+    std::memcpy(&trigger, bytes.data() + 16, sizeof(trigger));
+    return trigger;
+}
+
+TEST(View, ShowsTheLatestBurstWhoseWindowIsWholeAndEachPictureOnce) {
+    View view;
+    ViewRequest request;
+    request.span_s = 1.5e-3;
+    request.columns = 100;
+    view.ask(request);
+    const HeardSamples heard = ten_bursts(5);
+    const auto picture = view.picture(heard, 5);
+    ASSERT_TRUE(picture);
+    EXPECT_EQ(trigger_of(*picture), 8000);
+    EXPECT_EQ(number_at(*picture, 100), 9.0F) << "one sample of 1500, in the first column's largest";
+    EXPECT_FALSE(view.picture(heard, 5));
+}
+
+TEST(View, HoldsAllSamplesAroundATrigger) {
+    View view;
+    ViewRequest request;
+    request.columns = 100;
+    view.ask(request);
+    HeardSamples heard = ten_bursts(5);
+    ASSERT_TRUE(view.picture(heard, 5));
+    request.mode = ViewMode::hold;
+    view.ask(request);
+    const auto held = view.picture(heard, 5);
+    ASSERT_TRUE(held);
+    EXPECT_TRUE(view.is_held());
+    heard = HeardSamples();  // the stream is gone
+    request.span_s = 20e-6;
+    request.from_s = -10e-6;
+    view.ask(request);
+    const auto close = view.picture(heard, 6);
+    ASSERT_TRUE(close);
+    EXPECT_EQ(trigger_of(*close), trigger_of(*held));
+    EXPECT_EQ(number_at(*close, 10), 10.0F);
+}
+
+}  // namespace
+}  // namespace hertzline::scope

@@ -1,0 +1,326 @@
+// A scene that is changed while it is streamed: requests and replies, epochs in frames, nothing missing, nothing allocated.
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/json.hpp"
+#include "core/scene/scene_toml.hpp"
+#include "core/step_choice/resolve.hpp"
+#include "stream/control/control_client.hpp"
+#include "stream/control/control_server.hpp"
+#include "stream/control/scene_control.hpp"
+#include "stream/pipeline/pipeline.hpp"
+#include "stream/wire/continuity.hpp"
+#include "stream/wire/frame_codec.hpp"
+#include "stream/wire/subscriber.hpp"
+#include "stream/wire/topics.hpp"
+#include "tests/support/allocation_count.hpp"
+#include "tests/support/seen_scenes.hpp"
+#include "tests/support/sockets.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+
+namespace {
+
+using testing::HasSubstr;
+
+/// A burst each 2000 samples.
+Scene small_scene() {
+    Scene scene = steady_scene();
+    scene.output.sample_rate_hz = 2e6;
+    return scene;
+}
+
+struct Controlled {
+    Scene requested = small_scene();
+    Scene resolved = resolve(requested, std::nullopt).scene;
+    SimulationSource source{resolved, TapSet()};
+    SceneControl control{requested, resolved, source};
+
+    /// Asks, and goes on with the stream until there is a reply.
+    Json ask(const Json& request) {
+        std::optional<Json> reply;
+        control.take(request, [&](const Json& json) { reply = json; });
+        EXPECT_TRUE(eventually([&] {
+            control.turn();
+            if (!reply && control.busy()) {
+                advance(100);
+            }
+            return reply.has_value();
+        }));
+        return reply.value_or(Json());
+    }
+
+    void advance(std::int64_t most) {
+        ASSERT_TRUE(source.skip(std::min(most, source.samples_to_change()))) << source.failure();
+    }
+    void advance_to(std::int64_t sample) {
+        while (source.next_sample() < sample) {
+            advance(sample - source.next_sample());
+        }
+    }
+};
+
+TEST(SceneControl, ChangesTakeEffectAtTheNextBurst) {
+    Controlled stream;
+    // By hundreds from here it never stands where a burst begins: there a change applies at once.
+    stream.advance(50);
+    const Json reply = stream.ask({{"set", {{"drive.amplitude_m", 1e-6}}}});
+    const auto sample = reply["applies_at_sample"].get<std::int64_t>();
+    EXPECT_EQ(sample % 2000, 0);
+    EXPECT_EQ(reply["epoch"], 1);
+    stream.advance_to(sample);
+    EXPECT_EQ(stream.source.epoch().number, 0);
+    stream.advance(1);
+    EXPECT_EQ(stream.source.epoch(), (Epoch{1, sample, sample / 2000, 1000}));
+    const std::vector<EpochOfChange> epochs = stream.control.take_epochs(stream.source.epoch());
+    ASSERT_EQ(epochs.size(), 1U);
+    EXPECT_EQ(epochs[0].change.sample, sample);
+    EXPECT_TRUE(epochs[0].change.goes_on);
+    EXPECT_EQ(epochs[0].change.was["drive.amplitude_m"], stream.requested.drive.amplitude_m);
+    EXPECT_EQ(scene_hash(epochs[0].resolved.scene), reply["scene_hash"]);
+    const Json now = stream.ask({{"get", {"drive.amplitude_m"}}});
+    EXPECT_EQ(now["values"]["drive.amplitude_m"]["value"], 1e-6);
+    EXPECT_EQ(now["epoch"], 1);
+    EXPECT_EQ(now["scene_hash"], reply["scene_hash"]);
+}
+
+TEST(SceneControl, ChangesTakeEffectAtOnceWhereBurstsDoNotRepeat) {
+    Scene scene = small_scene();
+    scene.drive.repetition_hz = 0;
+    Controlled stream{scene};
+    std::int64_t last = 0;
+    for (int change = 1; change <= 20; ++change) {  // some where a piece of the motion ends, some within one
+        stream.advance(37);
+        const Json reply = stream.ask({{"set", {{"drive.amplitude_m", 1e-6 + 1e-9 * change}}}});
+        ASSERT_EQ(reply["epoch"], change) << reply;
+        const auto sample = reply["applies_at_sample"].get<std::int64_t>();
+        EXPECT_GT(sample, last);
+        EXPECT_LE(sample, stream.source.next_sample() + 2);
+        last = sample;
+    }
+}
+
+TEST(SceneControl, EndsWhileAChangeIsPrepared) {  // the pilots of this one may go on for a while
+    auto stream = std::make_unique<Controlled>();
+    stream->control.take({{"set", {{"numerics.integrator", "leapfrog"}, {"numerics.accuracy", 1e-9}}}},
+                         [](const Json& reply) { FAIL() << reply; });
+    stream->control.turn();
+    ASSERT_TRUE(stream->control.busy());
+    stream.reset();
+}
+
+TEST(SceneControl, WhatIsNoDriveBeginsAnewAtStaticEquilibrium) {
+    Controlled stream;
+    const Json reply = stream.ask({{"set", {{"chain.preload_n", 0.2}}}});
+    const auto sample = reply["applies_at_sample"].get<std::int64_t>();
+    stream.advance_to(sample);
+    Samples block = stream.source.make_block(TapSet(Tap::v_last));
+    Scene scene = stream.requested;
+    scene.chain.preload_n = 0.2;
+    Simulation alone(resolve(scene, std::nullopt).scene, stream.source.options());
+    Samples expected = alone.make_samples(1000);
+    ASSERT_EQ(alone.advance(expected, 1000, TapSet(Tap::v_last)), Status::running);
+    ASSERT_GE(stream.source.samples_to_change(), 1000);
+    ASSERT_TRUE(stream.source.read(block, 1000, TapSet(Tap::v_last)));
+    EXPECT_EQ(block.first, sample);
+    EXPECT_TRUE(std::ranges::equal(block[Tap::v_last], expected[Tap::v_last].first(block.count)));
+}
+
+TEST(SceneControl, UndoGoesBackStepByStep) {
+    Controlled stream;
+    const std::string first = stream.ask({{"get", Json::array()}})["scene_hash"];
+    const std::string second = stream.ask({{"set", {{"drive.cycles", 5}}}})["scene_hash"];
+    stream.ask({{"set", {{"end.stiffness_n_per_m", 1e6}}}});
+    EXPECT_EQ(stream.ask({{"undo", true}})["scene_hash"], second);
+    EXPECT_EQ(stream.ask({{"undo", true}})["scene_hash"], first);
+    EXPECT_THAT(stream.ask({{"undo", true}})["faults"][0]["found"].get<std::string>(),
+                HasSubstr("nothing to undo"));
+}
+
+TEST(SceneControl, RefusesWhatIsWrongAndStaysAsItIs) {
+    Controlled stream;
+    const Json before = stream.ask({{"get", Json::array()}});
+    EXPECT_EQ(stream.ask({{"set", {{"drive.amplitude_m", -1}, {"nothing", 2}}}})["faults"].size(), 2U);
+    EXPECT_EQ(stream.ask({{"set", {{"chain.spheres", 7}}}})["faults"][0]["key"], "chain.spheres");
+    EXPECT_EQ(
+        stream.ask({{"set", {{"numerics.integrator", "leapfrog"}, {"numerics.step_s", 1e-6}}}})["faults"]
+            .size(),
+        1U);
+    for (const Json& nonsense :
+         {Json(3), Json(nullptr), Json::object(), Json{{"set", 3}}, Json{{"set", Json::object()}},
+          Json{{"undo", false}}, Json{{"get", "all"}}, Json{{"undo", true}, {"get", Json::array()}}}) {
+        EXPECT_EQ(stream.ask(nonsense)["faults"].size(), 1U) << nonsense;
+    }
+    EXPECT_EQ(stream.ask({{"get", Json::array()}}), before);
+}
+
+TEST(SceneControl, MergesWhatWaitsAndBoundsIt) {
+    Controlled stream;
+    std::vector<Json> replies;
+    const auto note = [&](const Json& reply) { replies.push_back(reply); };
+    for (std::size_t i = 0; i < SceneControl::most_waiting + 3; ++i) {
+        stream.control.take({{"set", {{"drive.cycles", 2.0 + 0.1 * static_cast<double>(i)}}}}, note);
+    }
+    EXPECT_EQ(replies.size(), 3U);  // there was no room
+    ASSERT_TRUE(eventually([&] {
+        stream.control.turn();
+        stream.advance(100);
+        return replies.size() == SceneControl::most_waiting + 3;
+    }));
+    EXPECT_EQ(replies.back()["epoch"], 1);  // all of them are one change
+}
+
+TEST(SceneControl, OfWhatWasMergedOnlyTheWrongIsRefused) {
+    Controlled stream;
+    std::map<int, Json> replies;
+    const auto take = [&](int number, const Json& set) {
+        stream.control.take({{"set", set}},
+                            [&replies, number](const Json& reply) { replies[number] = reply; });
+    };
+    take(1, {{"drive.amplitude_m", 2e-6}});
+    take(2, {{"numerics.step_s", 1e-4}});  // beyond the stability limit, which pilots find
+    take(3, {{"drive.cycles", 5.0}});
+    ASSERT_TRUE(eventually([&] {
+        stream.control.turn();
+        stream.advance(100);
+        return replies.size() == 3;
+    }));
+    EXPECT_TRUE(replies[1].contains("applies_at_sample")) << replies[1];
+    EXPECT_EQ(replies[2]["faults"][0]["key"], "numerics.step_s") << replies[2];
+    EXPECT_TRUE(replies[3].contains("applies_at_sample")) << replies[3];
+}
+
+TEST(SceneControl, WithoutRepetitionAChangeFiresABurstAtOnce) {
+    EXPECT_EQ(SimulationSource::change_at({}, 1e6, 17), 17);
+    EXPECT_EQ(SimulationSource::change_at({.repetition_hz = 1000}, 1e6, 1), 1000);
+    EXPECT_EQ(SimulationSource::change_at({1, 500, 0, 1000}, 1e6, 1500), 1500);
+    EXPECT_EQ(SimulationSource::change_at({1, 500, 0, 1000}, 1e6, 1501), 2500);
+}
+
+TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
+    Controlled stream;
+    Publisher publisher("tcp://127.0.0.1:*");
+    const std::string address = publisher.endpoint();
+    Pipeline pipeline({.about = {{"version", "test"}},
+                       .start = StreamStart::with_first_subscriber,
+                       .on_overrun = OnOverrun::wait},
+                      stream.source, publisher, nullptr);
+    ControlServer server("tcp://127.0.0.1:*", std::nullopt, stream.control);
+    std::atomic<bool> stop{false};
+    std::vector<FrameHeader> headers;
+    std::vector<std::int64_t> metas;
+    ContinuityCheck check;
+    std::thread listener([&] {
+        Subscriber subscriber(address, {.receive_high_water_mark = 100'000});
+        subscriber.subscribe(meta_topic);
+        subscriber.subscribe(topics_of(Tap::v_out).np);
+        subscriber.subscribe(end_topic);
+        while (const Message* message = subscriber.receive(std::chrono::seconds(30))) {
+            if (message->topic() == end_topic) {
+                return;
+            }
+            if (message->topic() == meta_topic) {
+                metas.push_back(Json::parse(message->text(0))["epoch"].get<std::int64_t>());
+                continue;
+            }
+            const auto header = decode_header(message->text(0), message->bytes(1).size());
+            ASSERT_TRUE(header);
+            check.take(*header);
+            EXPECT_EQ(metas.back(), static_cast<std::int64_t>(header->epoch)) << "meta follows at once";
+            headers.push_back(*header);
+        }
+    });
+    std::vector<std::int64_t> begins;
+    std::thread controller([&] {
+        const std::atomic<bool> never{false};
+        for (int i = 0; i < 6; ++i) {
+            const Json request =
+                i % 3 == 2
+                    ? Json{{"set", {{"chain.preload_n", 0.1 + 0.01 * i}}}}
+                    : Json{{"set",
+                            {{"drive.amplitude_m", 1e-6 + 1e-7 * i}, {"drive.repetition_hz", 900 + 7 * i}}}};
+            const Json reply =
+                ask_control({.endpoint = server.endpoint(), .timeout = patience}, request, never);
+            EXPECT_EQ(reply["epoch"], i + 1) << reply;
+            begins.push_back(reply["applies_at_sample"]);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        stop = true;
+    });
+    std::optional<AllocationsOfThread> allocations;
+    pipeline.run(stop, {.progress =
+                            [&](const StreamMeters& meters) {
+                                if (!allocations && meters.frames > 0) {
+                                    allocations.emplace(simulating_thread_name);
+                                }
+                            },
+                        .warn = [](const std::string&) {},
+                        .summary = [](const StreamMeters&) { return std::string("{}"); }});
+    EXPECT_EQ(allocations->so_far(), 0U);
+    controller.join();
+    listener.join();
+    EXPECT_TRUE(check.gapless()) << check.text();
+    std::int64_t epoch = 0;
+    for (const FrameHeader& header : headers) {
+        if (static_cast<std::int64_t>(header.epoch) != epoch) {
+            EXPECT_EQ(static_cast<std::int64_t>(header.epoch), epoch + 1);
+            EXPECT_EQ(static_cast<std::int64_t>(header.sample), begins.at(static_cast<std::size_t>(epoch)));
+            EXPECT_EQ(header.burst_sample, 0U);
+            epoch = static_cast<std::int64_t>(header.epoch);
+        }
+    }
+    EXPECT_EQ(epoch, 6);
+}
+
+TEST(ControlServer, AnswersNonsenseAndOutlivesStrangers) {
+    Controlled stream;
+    ControlServer server("tcp://127.0.0.1:*", std::nullopt, stream.control);
+    zmq::context_t context;
+    zmq::socket_t stranger(context, zmq::socket_type::dealer);
+    stranger.set(zmq::sockopt::linger, 0);
+    stranger.connect(server.endpoint());
+    stranger.send(zmq::buffer(std::string(100'000, 'x')), zmq::send_flags::none);
+    zmq::socket_t request(context, zmq::socket_type::req);
+    request.set(zmq::sockopt::linger, 0);
+    request.set(zmq::sockopt::rcvtimeo, 60'000);
+    request.connect(server.endpoint());
+    for (const char* text : {"", "{", "[1]", "\xff", R"({"set": {}})"}) {
+        request.send(zmq::buffer(std::string(text)), zmq::send_flags::none);
+        zmq::message_t reply;
+        ASSERT_TRUE(request.recv(reply)) << text;
+        EXPECT_EQ(Json::parse(reply.to_string_view())["faults"].size(), 1U) << text;
+    }
+    const std::atomic<bool> never{false};
+    EXPECT_EQ(ask_control({.endpoint = server.endpoint()}, {{"get", Json::array()}}, never)["epoch"], 0);
+}
+
+TEST(ControlServer, LetsInListedControllersOnly) {
+    const KeyPair server_keys = make_key_pair();
+    const KeyPair controller = make_key_pair();
+    const KeyPair other = make_key_pair();
+    Controlled stream;
+    ControlServer server("tcp://127.0.0.1:*", CurveServer{server_keys, {controller.public_key}},
+                         stream.control);
+    const std::atomic<bool> never{false};
+    const auto ask = [&](const KeyPair& own, std::chrono::milliseconds timeout) {
+        return ask_control({server.endpoint(), CurveClient{own, server_keys.public_key}, timeout},
+                           {{"get", Json::array()}}, never);
+    };
+    EXPECT_EQ(ask(controller, patience)["epoch"], 0);
+    EXPECT_THROW(ask(other, std::chrono::milliseconds(500)), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace hertzline::test

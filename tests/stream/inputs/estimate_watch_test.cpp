@@ -1,0 +1,94 @@
+// The error of a stream is estimated again when its motion leaves what the pilots have seen, and only then.
+
+#include "stream/inputs/estimate_watch.hpp"
+
+#include <chrono>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/simulation.hpp"
+#include "tests/support/seen_scenes.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+using testing::HasSubstr;
+
+namespace {
+
+MotionExtent extent_after(const Scene& scene, double time_s) {
+    Simulation simulation(scene);
+    simulation.skip(static_cast<std::int64_t>(time_s * scene.output.sample_rate_hz));
+    return simulation.extent();
+}
+
+/// Looks until the estimate that is being made is there.
+EstimateWatch::News news_of(EstimateWatch& watch, const MotionExtent& now) {
+    EstimateWatch::News news;
+    while (watch.estimating()) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        news = watch.look(now);
+    }
+    return news;
+}
+
+TEST(EstimateWatch, EstimatesAgainWhenTheMotionGrows) {
+    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    EstimateWatch watch(resolved);
+    const MotionExtent grown = extent_after(resolved.scene, 4e-3);
+    EXPECT_FALSE(watch.look(grown).estimated_again);
+    ASSERT_TRUE(watch.estimating());
+    const EstimateWatch::News news = news_of(watch, grown);
+    EXPECT_TRUE(news.estimated_again);
+    EXPECT_THAT(news.warning, HasSubstr("above the requested accuracy of 0.0001"));
+    EXPECT_GE(watch.estimate()->over_s, 2 * 4e-3 * 0.999);
+    EXPECT_GT(watch.estimate()->error, 1e-3);
+    // what has been seen now reaches beyond
+    EXPECT_EQ(watch.finish(grown).warning, "");
+    EXPECT_EQ(watch.estimates(), 1);
+}
+
+TEST(EstimateWatch, DoesNothingWhileTheMotionIsSteady) {
+    const ResolvedScene resolved = resolve(steady_scene(), std::nullopt);
+    EstimateWatch watch(resolved);
+    Simulation simulation(resolved.scene);
+    for (int looks = 0; looks < 30; ++looks) {
+        simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
+        EXPECT_EQ(watch.look(simulation.extent()).warning, "");
+        ASSERT_FALSE(watch.estimating());
+    }
+    EXPECT_EQ(watch.finish(simulation.extent()).warning, "");
+    EXPECT_EQ(watch.estimate()->over_s, resolved.estimate->over_s);
+}
+
+TEST(EstimateWatch, SaysThatTheEstimateNoLongerHoldsWhenThereIsNoTimeForAnother) {
+    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    EstimateWatch watch(resolved);
+    MotionExtent grown = extent_after(resolved.scene, 4e-3);
+    grown.time_s = 1;  // to reach that takes seconds
+    watch.look(grown);
+    ASSERT_TRUE(watch.estimating());
+    EXPECT_THAT(watch.finish(grown).warning, HasSubstr("the estimate holds for the first 0.001 s only"));
+    EXPECT_FALSE(watch.estimating());
+    EXPECT_EQ(watch.estimate()->error, resolved.estimate->error);
+}
+
+TEST(EstimateWatch, AMotionThatLeavesAtTheVeryEndIsNamed) {
+    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    EstimateWatch watch(resolved);
+    EXPECT_THAT(watch.finish(extent_after(resolved.scene, 4e-3)).warning,
+                HasSubstr("later errors are not known"));
+}
+
+TEST(EstimateWatch, LeavesAloneWhatHasNoEstimate) {
+    ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    const MotionExtent grown = extent_after(resolved.scene, 4e-3);
+    resolved.estimate.reset();
+    EstimateWatch watch(resolved);
+    EXPECT_EQ(watch.look(grown).warning, "");
+    EXPECT_EQ(watch.finish(grown).warning, "");
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,267 @@
+#include "studies/sweep/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "tests/support/error_of.hpp"
+
+namespace hertzline::test {
+
+using namespace studies;
+
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::SizeIs;
+
+Scene base() {
+    return parse_scene("[materials.mine]\nyoungs_modulus_pa = 5e9\npoissons_ratio = 0.3\ndensity = 1200\n",
+                       "base")
+        ->scene;
+}
+
+/// Everything that is wrong with a request, a line each.
+std::string faults_of(const PlanRequest& request) {
+    const auto plan = SweepPlan::make(base(), request);
+    std::string text;
+    if (!plan) {
+        for (const Fault& fault : plan.error()) {
+            text += fault.message() + '\n';
+        }
+    }
+    return text;
+}
+
+std::string faults_of(const std::string& vary) {
+    return faults_of(PlanRequest{{vary}, "", "", std::nullopt});
+}
+
+SweepPlan plan_of(const PlanRequest& request) {
+    auto plan = SweepPlan::make(base(), request);
+    EXPECT_TRUE(plan) << faults_of(request);
+    return *std::move(plan);
+}
+
+SweepPlan grid_of(const std::vector<std::string>& vary) {
+    return plan_of({vary, "", "", std::nullopt});
+}
+
+std::vector<double> numbers_of(const SweepPlan& plan) {
+    std::vector<double> numbers;
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        numbers.push_back(std::get<double>(plan.values(point).front()));
+    }
+    return numbers;
+}
+
+TEST(SweepPlan, ARangeHasBothEndsAndEvenSteps) {
+    EXPECT_THAT(numbers_of(grid_of({"chain.preload_n=0.25..1.25:5"})), ElementsAre(0.25, 0.5, 0.75, 1, 1.25));
+    const auto numbers = numbers_of(grid_of({"chain.preload_n = 0.01 .. 10 : log : 4"}));
+    EXPECT_EQ(numbers.front(), 0.01);
+    EXPECT_EQ(numbers.back(), 10);
+    EXPECT_NEAR(numbers[1], 0.1, 1e-16);
+    EXPECT_NEAR(numbers[2], 1, 1e-15);
+}
+
+TEST(SweepPlan, TheLastKeyVariesFastest) {
+    const SweepPlan plan = grid_of({"end.material=pyrex,mine", "chain.spheres=2..4:3"});
+    EXPECT_EQ(plan.size(), 6);
+    EXPECT_EQ(plan.text(), "2 x 3 points of end.material, chain.spheres");
+    std::vector<std::string> names;
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        names.push_back(plan.name(point));
+        EXPECT_THAT(validate(plan.scene(point)), IsEmpty());
+    }
+    EXPECT_EQ(names.front(), "point 0 (end.material=pyrex, chain.spheres=2)");
+    EXPECT_EQ(names[1], "point 1 (end.material=pyrex, chain.spheres=3)");
+    EXPECT_EQ(names.back(), "point 5 (end.material=mine, chain.spheres=4)");
+    EXPECT_EQ(plan.scene(5).end.material, "mine");
+    EXPECT_EQ(plan.scene(5).chain.spheres, 4);
+}
+
+TEST(SweepPlan, EveryKeyOfASceneVaries) {
+    for (const SceneKey& key : scene_keys()) {
+        const auto info = scene_key_named(base(), key.key);
+        ASSERT_TRUE(info) << key.key;
+        EXPECT_EQ(info->allowed, key.allowed);
+    }
+    const SweepPlan plan =
+        grid_of({"materials.mine.density_kg_per_m3=1000,2000", "numerics.integrator=chin4a"});
+    EXPECT_EQ(std::get<Solid>(plan.scene(1).materials.at("mine")).density_kg_per_m3, 2000);
+    EXPECT_EQ(plan.scene(1).numerics.integrator, Integrator::chin4a);
+    EXPECT_EQ(grid_of({"numerics.step_s=1e-9,2e-9"}).scene(1).numerics.step_s, 2e-9);
+}
+
+TEST(SweepPlan, IntegersOfARangeAreRoundedAndComeOnce) {
+    std::vector<std::int64_t> spheres;
+    const SweepPlan plan = grid_of({"chain.spheres=1..100:log:5"});
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        spheres.push_back(plan.scene(point).chain.spheres);
+    }
+    EXPECT_THAT(spheres, ElementsAre(1, 3, 10, 32, 100));
+    EXPECT_THAT(faults_of("chain.spheres=1..10:log:9"), HasSubstr("twice"));
+    EXPECT_THAT(faults_of("chain.spheres=1..3:5"), HasSubstr("at most one for each integer"));
+}
+
+TEST(SweepPlan, SobolFillsTheRangesEvenly) {
+    const PlanRequest request{{"chain.preload_n=0..1", "end.thickness_m=1e-4..1e-2:log", "chain.spheres=1..4",
+                               "end.material=pyrex,acrylic"},
+                              "",
+                              "",
+                              256};
+    const SweepPlan plan = plan_of(request);
+    std::array<int, 4> quarters{};
+    std::array<int, 2> decades{};
+    std::array<int, 4> spheres{};
+    int pyrex = 0;
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        const Scene scene = plan.scene(point);
+        ++quarters.at(static_cast<std::size_t>(scene.chain.preload_n * 4));
+        ++decades.at(scene.end.thickness_m < 1e-3 ? 0 : 1);
+        ++spheres.at(static_cast<std::size_t>(scene.chain.spheres - 1));
+        pyrex += scene.end.material == "pyrex" ? 1 : 0;
+    }
+    for (const int count : quarters) {
+        EXPECT_NEAR(count, 64, 1);  // far more even than chance: +-7
+    }
+    EXPECT_NEAR(decades[0], 128, 1);
+    for (const int count : spheres) {
+        EXPECT_NEAR(count, 64, 1);
+    }
+    EXPECT_NEAR(pyrex, 128, 1);
+    PlanRequest longer = request;
+    longer.sobol = 1000;
+    EXPECT_EQ(plan_of(longer).name(200), plan.name(200));  // a point hangs on its number alone
+}
+
+TEST(SweepPlan, AListOfPointsIsTakenAsItIs) {
+    const SweepPlan plan =
+        plan_of({{},
+                 "\xEF\xBB\xBF"
+                 "chain.preload_n, \"end.material\"\r\n0.5,pyrex\r\n\r\n 1 , \"acrylic\"\n",
+                 "points.csv",
+                 std::nullopt});
+    EXPECT_EQ(plan.size(), 2);
+    EXPECT_EQ(plan.name(1), "point 1 (chain.preload_n=1, end.material=acrylic)");
+}
+
+TEST(SweepPlan, ReadsBackFromItsJson) {
+    const std::vector<PlanRequest> requests{
+        {{"chain.preload_n=1e-2..1e1:log:7", "chain.spheres=1..1000000:3", "end.material=pyrex,mine"},
+         "",
+         "",
+         {}},
+        {{"chain.preload_n=0..1", "drive.envelope=hann,tukey"}, "", "", 9},
+        {{}, "chain.spheres\n3\n4\n", "a.csv", {}}};
+    for (const PlanRequest& request : requests) {
+        const SweepPlan plan = plan_of(request);
+        const SweepPlan again = SweepPlan::from_json(plan.json());
+        EXPECT_EQ(again.json(), plan.json());
+        EXPECT_EQ(again.base(), plan.base());
+        for (std::int64_t point = 0; point < plan.size(); ++point) {
+            EXPECT_EQ(again.name(point), plan.name(point));
+            EXPECT_EQ(again.scene(point), plan.scene(point));
+        }
+    }
+    EXPECT_THAT(error_of([] { SweepPlan::from_json({{"scene", 1}}); }), HasSubstr("no plan"));
+}
+
+TEST(SweepPlan, EqualPlansHaveOneText) {
+    EXPECT_EQ(grid_of({"chain.preload_n=0.01..10:3:log"}).json(),
+              grid_of({"chain.preload_n=0.01..10:log:3"}).json());
+    EXPECT_EQ(grid_of({"chain.preload_n=0.010..10:lin:3"}).json(),
+              grid_of({"chain.preload_n=1e-2..1e1:3"}).json());
+}
+
+TEST(SweepPlan, KeysThatAreNotThereAreNamed) {
+    EXPECT_THAT(faults_of("chain.prelod_n=1,2"),
+                AllOf(HasSubstr("--vary chain.prelod_n=1,2"), HasSubstr("did you mean 'chain.preload_n'?")));
+    EXPECT_THAT(faults_of("materials.other.density_kg_per_m3=1,2"), HasSubstr("a key of the scene"));
+    EXPECT_THAT(faults_of("materials.mine.sound_speed_m_per_s=1,2"), HasSubstr("a key of the scene"));
+    EXPECT_THAT(faults_of("chain=1"), HasSubstr("a key of the scene"));
+    EXPECT_THAT(faults_of("nonsense"), HasSubstr("KEY=FROM..TO"));
+    EXPECT_THAT(faults_of("=1,2"), HasSubstr("a key of the scene"));
+}
+
+TEST(SweepPlan, ValuesThatTheKeyDoesNotAllowAreNamed) {
+    EXPECT_THAT(faults_of("chain.preload_n=1,-2,x"),
+                AllOf(HasSubstr("found -2, allowed: a number from 0 to 1e+09 N"), HasSubstr("found \"x\"")));
+    EXPECT_THAT(faults_of("chain.preload_n=-1..1:3"), HasSubstr("found -1, allowed: a number from 0"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..inf:3"), HasSubstr("found inf"));
+    EXPECT_THAT(faults_of("chain.spheres=1.5,2"), HasSubstr("found 1.5, allowed: an integer from 1"));
+    EXPECT_THAT(faults_of("end.material=pyrx"), HasSubstr("did you mean 'pyrex'?"));
+    EXPECT_THAT(faults_of("end.material=water"), HasSubstr("a fluid"));
+    EXPECT_THAT(faults_of("end.kind=wal"), HasSubstr("did you mean 'wall'?"));
+    EXPECT_THAT(faults_of("end.kind=1..2:2"), HasSubstr("a list of words"));
+    EXPECT_THAT(faults_of("chain.preload_n=1,,2"), HasSubstr("chain.preload_n"));
+    EXPECT_THAT(faults_of("chain.preload_n=1,1"), HasSubstr("each value once"));
+}
+
+TEST(SweepPlan, RangesThatAreNoneAreNamed) {
+    EXPECT_THAT(faults_of("chain.preload_n=10..0.01:5"), HasSubstr("a range that goes up"));
+    EXPECT_THAT(faults_of("chain.preload_n=1..1:5"), HasSubstr("a range that goes up"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..1:log:5"), HasSubstr("above 0, as it is logarithmic"));
+    for (const char* count : {"1", "0", "-3", "2.5", "many", "1000000000000"}) {
+        EXPECT_THAT(faults_of(std::string("chain.preload_n=0..1:") + count),
+                    HasSubstr("a count from 2 to 100000000"));
+    }
+    EXPECT_THAT(faults_of("chain.preload_n=0..1"), HasSubstr("KEY=FROM..TO:COUNT[:lin|log]"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..1:sqrt:3"), HasSubstr("KEY=FROM..TO:COUNT[:lin|log]"));
+    EXPECT_THAT(faults_of({{"chain.preload_n=0..1:9"}, "", "", 9}), HasSubstr("without a count"));
+}
+
+TEST(SweepPlan, TooManyPointsAreRefused) {
+    EXPECT_THAT(
+        faults_of({{"chain.preload_n=0..1:1000000", "end.thickness_m=1e-4..1e-3:1000000"}, "", "", {}}),
+        HasSubstr("a grid of 1e+12 points, allowed: at most 100000000"));
+    EXPECT_THAT(faults_of({{"chain.preload_n=0..1"}, "", "", 1'000'000'000'000}),
+                HasSubstr("1000000000000 points"));
+    EXPECT_THAT(faults_of({{"chain.preload_n=0..1"}, "", "", 0}), HasSubstr("0 points"));
+}
+
+TEST(SweepPlan, AllFaultsAreToldAtOnce) {
+    EXPECT_THAT(
+        faults_of(
+            {{"chain.preload_n=2..1:3", "end.kind=x", "chain.spheres=3,4", "chain.spheres=5"}, "", "", {}}),
+        AllOf(HasSubstr("goes up"), HasSubstr("end.kind"), HasSubstr("a second time")));
+    EXPECT_THAT(faults_of(PlanRequest{}), HasSubstr("--vary or --points"));
+    EXPECT_THAT(faults_of({{}, "", "", 4}), HasSubstr("--sobol without --vary"));
+    EXPECT_THAT(faults_of({{"chain.spheres=3"}, "chain.spheres\n4\n", "", {}}), HasSubstr("one of them"));
+}
+
+TEST(SweepPlan, FaultsOfPointsHaveTheirLines) {
+    const auto of = [](const std::string& text) { return faults_of({{}, text, "p.csv", std::nullopt}); };
+    EXPECT_THAT(of("chain.preload_n,chain.prelod\n1,2\n"), HasSubstr("p.csv:1: found \"chain.prelod\""));
+    EXPECT_THAT(of("chain.preload_n,chain.preload_n\n1,2\n"), HasSubstr("p.csv:1: chain.preload_n"));
+    EXPECT_THAT(of("chain.preload_n\n1\n-2\n1,2\nx\n"),
+                AllOf(HasSubstr("p.csv:3: chain.preload_n: found -2"),
+                      HasSubstr("p.csv:4: found 2 values, allowed: 1"),
+                      HasSubstr("p.csv:5: chain.preload_n: found \"x\"")));
+    EXPECT_THAT(of("chain.preload_n\n"), HasSubstr("p.csv: found no point"));
+    EXPECT_THAT(of(std::string("chain.preload_n\n1\0002\n", 21)), HasSubstr("p.csv:2"));
+    std::string many = "chain.preload_n\n";
+    for (int i = 0; i < 1000; ++i) {
+        many += "-1\n";
+    }
+    const auto plan = SweepPlan::make(base(), {{}, many, "p.csv", std::nullopt});
+    ASSERT_FALSE(plan);
+    EXPECT_THAT(plan.error(), SizeIs(12));
+}
+
+TEST(SweepPlan, WhatKeysSayTogetherIsForTheRowsToTell) {
+    const SweepPlan plan = grid_of({"drive.repetition_hz=0,5000", "drive.cycles=25,5"});
+    EXPECT_THAT(validate(plan.scene(2)), SizeIs(1));  // bursts overlap
+    EXPECT_THAT(validate(plan.scene(3)), IsEmpty());
+}
+
+}  // namespace
+
+}  // namespace hertzline::test
