@@ -74,8 +74,7 @@ Json provenance_json(const Provenance& provenance) {
         json["run"] = *provenance.run;
     }
     json["scene_hash"] = scene_hash(scene);
-    json["integrator"] =
-        scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
+    json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
     json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
     add_estimate(json, provenance.estimate);
     if (provides(scene.end, Requires::modal_plate)) {

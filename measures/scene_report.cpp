@@ -53,8 +53,8 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
         bool exists;
     };
     if (scene.chain.damping_law != DampingLaw::dashpot) {
-        report.push_back({"contacts", "law of damping", "damping_law", "",
-                          std::string(word(scene.chain.damping_law))});
+        report.push_back(
+            {"contacts", "law of damping", "damping_law", "", std::string(word(scene.chain.damping_law))});
     }
     const std::array<Kind, 3> kinds{
         {{"horn - sphere", "horn", 0, true},
@@ -177,8 +177,7 @@ void add_step(Report& report, const ResolvedScene& resolved) {
     const StepAdvice& advice = resolved.advice;
     const double step = *scene.numerics.step_s;
     const bool series = is_series(*scene.numerics.integrator);
-    report.push_back(
-        {"step", "integrator", "integrator", "", std::string(word(*scene.numerics.integrator))});
+    report.push_back({"step", "integrator", "integrator", "", std::string(word(*scene.numerics.integrator))});
     report.push_back({"step", "reason", "integrator_reason", "", reason_text(resolved.integrator_reason)});
     report.push_back({"step", "step", "step_s", "s", step});
     report.push_back(

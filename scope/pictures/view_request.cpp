@@ -121,8 +121,9 @@ tl::expected<ViewRequest, std::string> view_request(const Json& json) {
     constexpr double longest_s = 1000;
     ViewRequest request;
     Members members(json);
-    request.stream = members.stream("stream", streamed_taps & measures::measurable_taps, "a stream of one channel")
-                         .value_or(request.stream);
+    request.stream =
+        members.stream("stream", streamed_taps & measures::measurable_taps, "a stream of one channel")
+            .value_or(request.stream);
     members.word("trigger", triggers, request.trigger);
     members.word("slope", slopes, request.slope);
     members.word("mode", modes, request.mode);

@@ -5,10 +5,10 @@
 #include <limits>
 #include <utility>
 
-#include "core/scene/scene_key.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
 
@@ -41,8 +41,7 @@ std::string found_text(const Json& value) {
 std::optional<SceneValue> value_as(ValueKind kind, const Json& value) {
     constexpr double whole_below = 9e15;
     if (kind == ValueKind::word) {
-        return value.is_string() ? std::optional<SceneValue>(value.get<std::string>())
-                                 : std::nullopt;
+        return value.is_string() ? std::optional<SceneValue>(value.get<std::string>()) : std::nullopt;
     }
     if (!value.is_number()) {
         return std::nullopt;
@@ -71,9 +70,8 @@ std::optional<Fault> set_key(Scene& scene, const std::string& name, const Json& 
         return unknown(name, std::move(key).error());
     }
     if (json.is_null()) {
-        return unset_value(scene, name)
-                   ? std::nullopt
-                   : std::optional(Fault{name, "null", key->allowed + ", always"});
+        return unset_value(scene, name) ? std::nullopt
+                                        : std::optional(Fault{name, "null", key->allowed + ", always"});
     }
     const auto value = value_as(key->kind, json);
     if (!value) {
@@ -175,8 +173,7 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     const std::string allowed = "what the stream began with: frames hold it";
     std::vector<Fault> faults;
     const auto add = [&](const char* key) {
-        faults.push_back(
-            {key, value_text(value_of(to, key).value_or(std::string("none"))), allowed});
+        faults.push_back({key, value_text(value_of(to, key).value_or(std::string("none"))), allowed});
     };
     if (from.output.sample_rate_hz != to.output.sample_rate_hz) {
         add("output.sample_rate_hz");

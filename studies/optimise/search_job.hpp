@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "studies/sweep/journal.hpp"
 #include "studies/optimise/search.hpp"
+#include "studies/sweep/journal.hpp"
 #include "studies/sweep/sweep.hpp"
 #include "studies/sweep/workers.hpp"
 

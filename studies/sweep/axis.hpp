@@ -6,8 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene/scene_key.hpp"
 #include <tl/expected.hpp>
+
+#include "core/scene/scene_key.hpp"
 
 namespace hertzline::studies {
 

@@ -21,7 +21,9 @@ struct SweepSurvey {
     double rows = 0;            ///< of the longest
 
     /// The taps of one channel that some point has; all there are when no point can be run.
-    TapSet measurable() const noexcept { return taps.empty() ? measures::measurable_taps : taps & measures::measurable_taps; }
+    TapSet measurable() const noexcept {
+        return taps.empty() ? measures::measurable_taps : taps & measures::measurable_taps;
+    }
 };
 
 /// Looks at the scene of every point. @param measured beside v_out

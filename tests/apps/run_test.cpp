@@ -10,7 +10,6 @@
 
 namespace hertzline::test {
 
-
 namespace {
 
 using testing::ContainsRegex;

@@ -101,8 +101,8 @@ private:
                                      largest));
         }
         if (columns > max_columns) {
-            cannot_write(path(), fmt::format("found {} columns, allowed in WAV: at most {}", columns,
-                                             max_columns));
+            cannot_write(path(),
+                         fmt::format("found {} columns, allowed in WAV: at most {}", columns, max_columns));
         }
         if (const double bytes = rate * static_cast<double>(columns * sizeof(float)); bytes > largest) {
             cannot_write(path(), fmt::format("{} columns of {} Hz are {} bytes a second, allowed in WAV: {}",
