@@ -13,7 +13,8 @@ import sys
 import tempfile
 
 SLOW = {"long-chain", "paper-stream", "paper-stream-symplectic"}
-INTEGRATORS = ["leapfrog", "chin4a", "taylor8", "taylor12"]
+SERIES = ["taylor8", "taylor12"]
+INTEGRATORS = ["leapfrog", "chin4a", *SERIES]
 FORMATS = ["csv", "h5", "npy", "wav", "sigmf-meta", "sigmf-collection"]
 
 
@@ -41,7 +42,8 @@ def calls(quick):
     scenes = sorted(path.stem for path in (pathlib.Path(__file__).parent.parent / "scenes").glob("*.toml"))
     for scene in scenes:
         short = ["--set", "output.duration_s=2e-4"] if scene in SLOW else []
-        for integrator in [""] + ([] if quick else INTEGRATORS):
+        known = SERIES if scene.startswith("wet-") else INTEGRATORS  # grids refuse modal plates
+        for integrator in [""] + ([] if quick else known):
             chosen = ["--set", f"numerics.integrator={integrator}"] if integrator else []
             yield f"run {scene} {integrator}", ["run", scene, "--all", *short, *chosen, "-o"], "a.csv"
     if quick:

@@ -58,9 +58,8 @@ void Simulation::reset() noexcept {
 }
 
 bool Simulation::can_hand_over(const Scene& scene) noexcept {
-    const bool modal = provides(scene.end, Requires::modal_plate);
     return is_series(*scene.numerics.integrator) ||
-           (!modal && steps_per_sample(*scene.numerics.step_s, scene.output.sample_rate_hz) > 0);
+           steps_per_sample(*scene.numerics.step_s, scene.output.sample_rate_hz) > 0;
 }
 
 Status Simulation::continue_from(Simulation& before, std::int64_t first) noexcept {

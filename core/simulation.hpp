@@ -33,8 +33,8 @@ public:
     // One simulation after another in the same run: the first one is told where it ends, gives all samples before, and hands its motion
     // over. Both drives begin their bursts anew at the sample that is the first one of the second.
 
-    /// Whether the motion of a scene can be handed over to one with another drive. A series' can; of a grid the steps have to divide
-    /// the sample period, and no modal plate may hang on it. @param scene with integrator and step
+    /// Whether the motion of a scene can be handed over to one with another drive: that of a series, and that of a grid whose steps
+    /// divide the sample period. @param scene with integrator and step
     static bool can_hand_over(const Scene& scene) noexcept;
     /// The first sample at which end_at() can let it end: the motion has not gone further.
     std::int64_t first_open_sample() const noexcept { return first_sample_ + solver_->first_open_sample(); }

@@ -60,10 +60,6 @@ Kernel pick(Integrator integrator, std::size_t rows) {
     return nullptr;
 }
 
-Kernel pick_with_plate(Integrator integrator) {
-    return integrator == Integrator::leapfrog ? Kernel(advance_leapfrog<0>) : pick(integrator, 0);
-}
-
 std::size_t vector_lanes() {
     return lanes();
 }
@@ -80,16 +76,11 @@ HWY_AFTER_NAMESPACE();
 namespace hertzline::kernels {
 
 HERTZLINE_EXPORT(pick);
-HERTZLINE_EXPORT(pick_with_plate);
 HERTZLINE_EXPORT(vector_lanes);
 HERTZLINE_EXPORT(target);
 
 Kernel kernel(Integrator integrator, std::size_t rows) noexcept {
     return HERTZLINE_DISPATCH(pick)(integrator, rows);
-}
-
-Kernel plate_kernel(Integrator integrator) noexcept {
-    return HERTZLINE_DISPATCH(pick_with_plate)(integrator);
 }
 
 std::size_t kernel_lanes() noexcept {

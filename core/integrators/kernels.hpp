@@ -25,9 +25,6 @@ using Kernel = int (*)(SimdChain& chain, const ToneBurst& burst, const HornStep*
 /// A series has none: null.
 Kernel kernel(Integrator integrator, std::size_t rows) noexcept;
 
-/// The same for chains with a modal plate (SimdChain::plate), whatever their rows.
-Kernel plate_kernel(Integrator integrator) noexcept;
-
 /// Doubles in a vector register of those instructions.
 std::size_t kernel_lanes() noexcept;
 

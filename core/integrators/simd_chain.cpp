@@ -20,8 +20,7 @@ std::size_t linear_rows(Eigen::Index bodies, std::size_t lanes) {
 }
 
 Layout layout_for(const Chain& chain, Integrator integrator, std::size_t lanes) {
-    // the sweeps know no plate but one mass on a spring
-    const bool in_memory = rows_for(chain.bodies(), lanes) > max_register_rows && !chain.end.plate;
+    const bool in_memory = rows_for(chain.bodies(), lanes) > max_register_rows;
     return in_memory && method(integrator).sweeps_long_chain ? Layout::linear : Layout::striped;
 }
 

@@ -30,10 +30,6 @@
 #include "core/model/state.hpp"
 #include "core/model/tone_burst.hpp"
 
-namespace hertzline {
-class PlateSteps;
-}  // namespace hertzline
-
 namespace hertzline::kernels {
 
 /// Columns of a SimdChain. The first groups mirror Chain and ChainState, the others belong to the kernels.
@@ -121,8 +117,6 @@ public:
     double step_s = 0;
     Tension tension = Tension::allowed;
     DampingLaw damping_law = DampingLaw::dashpot;
-    PlateSteps* plate =
-        nullptr;          ///< modal, behind the last contact; for grid kernels in memory (plate_kernel())
     bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
 
 private:

@@ -43,12 +43,6 @@ double squared_frequency(const Chain& chain, Eigen::Index bodies, Overlap overla
         [&](Eigen::Index c) { return 1.5 * chain.stiffness[c] * std::sqrt(std::max(overlap(c), 0.0)); }, 1);
 }
 
-/// Frequency [rad/s] above those of a modal plate, where kicks meet it: in the fluid its modes are slower. 0: series kick nothing.
-double fastest_mode(const Chain& chain, Eigen::Index bodies, Integrator integrator) noexcept {
-    const bool kicked = chain.end.plate && bodies == chain.bodies() && !is_series(integrator);
-    return kicked ? 2 * std::numbers::pi * chain.end.plate->modes.back().dry_hz : 0;
-}
-
 /// @param overlap of a contact [m]
 template <class Overlap>
 double stable_step(const Chain& chain, Eigen::Index bodies, Overlap overlap, Integrator integrator) noexcept {
@@ -58,7 +52,7 @@ double stable_step(const Chain& chain, Eigen::Index bodies, Overlap overlap, Int
         [&](Eigen::Index c) { return chain.damping[c] * damping_power(chain.damping_law, overlap(c)); }, 0);
     const Method& bounds = method(integrator);
     const double a = omega_squared / (bounds.oscillation_bound * bounds.oscillation_bound);
-    const double b = gamma / bounds.decay_bound + fastest_mode(chain, bodies, integrator) / std::numbers::pi;
+    const double b = gamma / bounds.decay_bound;
     if (std::isnan(a) || std::isnan(b)) {
         return 0;
     }

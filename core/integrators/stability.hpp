@@ -12,9 +12,6 @@ namespace hertzline {
 /// An integrator's bounds for oscillation and decay (integrator.hpp) are taken together, on the safe side:
 /// (h omega / bound)^2 + h gamma / bound <= 1. omega and gamma are Gershgorin's bounds, exact for a long
 /// uniform chain. NaN overlaps give 0. Fewer overlaps than contacts: the bound of the first bodies only.
-///
-/// A grid moves a modal plate exactly between its kicks, so the plate is stable on its own. But kicks that come
-/// half a period of a mode apart swing it up, so the sum has one more term, h omega / pi of its fastest mode.
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,
                            Integrator integrator) noexcept;
 

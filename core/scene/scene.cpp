@@ -131,6 +131,10 @@ void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
         note("end.preload", quoted(word(scene.end.preload)) + R"( with end.model = "modal")",
              R"("balanced")");
     }
+    if (scene.numerics.integrator && !is_series(*scene.numerics.integrator)) {
+        note("numerics.integrator", quoted(word(*scene.numerics.integrator)) + R"( with end.model = "modal")",
+             R"("taylor8" or "taylor12", the series)");
+    }
     constexpr double most_samples = 1e7;  // on the way to the hydrophone
     const auto* fluid = find_material(scene, scene.medium.material);
     const auto* medium = fluid == nullptr ? nullptr : std::get_if<Fluid>(fluid);

@@ -31,6 +31,10 @@ std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain,
     if (is_series(*scene.numerics.integrator)) {
         return std::make_unique<SeriesSolver>(scene, chain, options);
     }
+    if (chain.end.plate || chain.damping_law != DampingLaw::dashpot) {
+        throw std::invalid_argument(
+            "make_solver: modal plates and laws of damping other than the dashpot need a series");
+    }
     return std::make_unique<SteppedSolver>(scene, chain, options);
 }
 

@@ -22,13 +22,6 @@ SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const Simul
       horn_(ToneBurst::batch_steps),
       sampler_(chain_, scene, step_s_, options.taps) {
     simd_chain_.step_s = step_s_;
-    if (chain.end.plate) {
-        if (PlateSamples::any_of(options.taps)) {
-            plate_samples_ = std::make_unique<PlateSamples>(chain, scene, step_s_, options.taps);
-            sampler_.show(plate_samples_.get());
-        }
-        plate_ = std::make_unique<PlateSteps>(*chain.end.plate, step_s_, plate_samples_.get());
-    }
     reset();
 }
 
@@ -40,12 +33,6 @@ void SteppedSolver::reset() noexcept {
     status_ = Status::running;
     horn_first_ = -1;
     front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
-    if (plate_) {
-        plate_->reset();
-    }
-    if (plate_samples_) {
-        plate_samples_->reset();
-    }
     lay_out(front_);
     sampler_.reset();
     begin_batch();
@@ -53,14 +40,7 @@ void SteppedSolver::reset() noexcept {
 
 void SteppedSolver::lay_out(Eigen::Index active) noexcept {
     simd_chain_.load(chain_, state_, active);
-    kernel_ =
-        plate_ ? kernels::plate_kernel(integrator_) : kernels::kernel(integrator_, simd_chain_.kernel_rows());
-    simd_chain_.plate = nullptr;
-    if (plate_ && active == chain_.bodies()) {  // before the wave is there the plate stands still
-        simd_chain_.plate = plate_.get();
-        plate_->last_slot = simd_chain_.slot(active - 2);
-        plate_->end_slot = simd_chain_.slot(active - 1);
-    }
+    kernel_ = kernels::kernel(integrator_, simd_chain_.kernel_rows());
 }
 
 const ChainState& SteppedSolver::state() noexcept {
@@ -103,16 +83,10 @@ Ledger SteppedSolver::ledger() noexcept {
         const double* const column = simd_chain_.column(field);
         return std::accumulate(column, column + slots, before);
     };
-    Ledger now{.work = booked(kernels::ChainField::work, simd_chain_.lanes(), ledger_.work),
-               .gross_work = booked(kernels::ChainField::gross_work, simd_chain_.lanes(), ledger_.gross_work),
-               .lost = booked(kernels::ChainField::lost, simd_chain_.ledger_slots(), ledger_.lost),
-               .at_start = ledger_.at_start};
-    if (plate_) {
-        now.passed = plate_->passed();
-        now.plate_lost = plate_->lost();
-        now.plate_held = plate_->energy();
-    }
-    return now;
+    return {.work = booked(kernels::ChainField::work, simd_chain_.lanes(), ledger_.work),
+            .gross_work = booked(kernels::ChainField::gross_work, simd_chain_.lanes(), ledger_.gross_work),
+            .lost = booked(kernels::ChainField::lost, simd_chain_.ledger_slots(), ledger_.lost),
+            .at_start = ledger_.at_start};
 }
 
 double SteppedSolver::horn_displacement() const noexcept {
@@ -226,9 +200,6 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
         const int count = static_cast<int>(std::min({left_in_batch, step - state_.step, most}));
         const int taken = take_steps(count, trace);
         state_.step += taken;
-        if (plate_samples_ && simd_chain_.plate == nullptr) {
-            plate_samples_->rest_until(state_.step);
-        }
         if (!stable()) {
             status_ = Status::unstable;
             return;
@@ -260,8 +231,7 @@ Status SteppedSolver::produce(Samples* samples, std::int64_t count) noexcept {
         if (next_sample() == end || status_ != Status::running) {
             return status_;
         }
-        const std::int64_t kept = plate_samples_ ? plate_samples_->steps_kept() : last_step;
-        run_until(std::min(last_step, state_.step + kept), sampler_.wanted_from(state_.step));
+        run_until(last_step, sampler_.wanted_from(state_.step));
     }
 }
 

@@ -2,14 +2,11 @@
 // Integrates on a grid of equal steps, with the kernels of leapfrog and chin4a. Only the part of the chain
 // that the wave has reached is worked on.
 
-#include <memory>
 #include <vector>
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/tone_burst.hpp"
-#include "core/plate/plate_steps.hpp"
-#include "core/solvers/sampling/plate_samples.hpp"
 #include "core/solvers/sampling/sampler.hpp"
 #include "core/solvers/solver.hpp"
 
@@ -53,8 +50,6 @@ private:
     ToneBurst burst_;
     ChainState state_;
     kernels::SimdChain simd_chain_;
-    std::unique_ptr<PlateSamples> plate_samples_;  ///< of a modal plate, when they may be wanted
-    std::unique_ptr<PlateSteps> plate_;            ///< of a modal plate
     kernels::Kernel kernel_ = nullptr;
     std::vector<HornStep> horn_;
     std::int64_t horn_first_ = -1;

@@ -190,8 +190,7 @@ void SceneControl::prepare(Job& job) {
         job.faults.push_back({"end", "other streams", "the streams that there are"});
     } else if (goes_on && !(Simulation::can_hand_over(job.from) && Simulation::can_hand_over(scene))) {
         job.faults.push_back({"numerics.integrator", "a grid whose motion cannot be handed over",
-                              "for other drives: a series, or steps that divide the sample period without a "
-                              "modal plate"});
+                              "for other drives: a series, or steps that divide the sample period"});
     }
     job.warnings =
         measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene)));

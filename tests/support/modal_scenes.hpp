@@ -22,12 +22,6 @@ inline Scene modal_scene() {
     return scene;
 }
 
-inline Scene with_integrator(Scene scene, Integrator integrator, double accuracy) {
-    scene.numerics.integrator = integrator;
-    scene.numerics.accuracy = accuracy;
-    return scene;
-}
-
 /// A scene that has a file there.
 struct Wet {
     const char* file;  ///< without .csv

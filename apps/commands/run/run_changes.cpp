@@ -77,7 +77,7 @@ void add_steps(Session& session, Scene scene, const std::string& origin) {
             throw WrongUse(
                 where +
                 ": the motion of this grid cannot be handed over; allowed: a series, or steps that "
-                "divide the sample period without a modal plate");
+                "divide the sample period");
         }
         change.set = stream::values_of_change(after, asked);
         change.was = stream::values_of_change(before, asked);

@@ -83,9 +83,6 @@ int advance_chin4a(SimdChain& chain, const ToneBurst& burst, const HornStep* hor
     while (taken < count && trace.has_room()) {
         const HornStep& now = horn[taken];
         const bool smooth = !now.fresh && !now.breaks;
-        if (PlateSteps* const plate = plate_behind(chin.rows); plate != nullptr) {
-            plate->enter(first + taken);
-        }
         if (HWY_LIKELY(smooth && try_step(chin, half_drift, now.middle, now.end))) {
             accept(chin, chain.step_s);
         } else {

@@ -8,7 +8,6 @@
 
 #include "core/integrators/chin4a/chin4a_chain-inl.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
-#include "core/integrators/simd/plate_body-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -27,10 +26,6 @@ HWY_INLINE void drift(Chin4aChain<K>& c, double time, const Decay<K>& decay) {
     using Scratch = typename Chin4aChain<K>::Scratch;
     Col<K> term = c.rows.scratch(Scratch::drift_term);
     Col<K> following = c.rows.scratch(Scratch::drift_following);
-    PlateSteps* const plate = plate_behind(c.rows);
-    if (plate != nullptr) {
-        plate->begin_drift(time);
-    }
     HERTZLINE_EACH_ROW(k, c.rows.count()) {
         term.set(k, c.next.v[k]);
         c.next.x.set(k, MulAdd(splat(time), c.next.v[k], c.next.x[k]));
@@ -45,10 +40,6 @@ HWY_INLINE void drift(Chin4aChain<K>& c, double time, const Decay<K>& decay) {
             const Vec with_right = MulAdd(decay.right[k], c.rows.right(term, k), own);
             following.set(k, MulAdd(decay.left[k], c.rows.left(term, k), with_right));
         }
-        if (plate != nullptr) {
-            const double by_dashpot = value_in(following, plate->end_slot);
-            put_in(following, plate->end_slot, by_dashpot + plate->derivative(power, by_dashpot));
-        }
         HERTZLINE_EACH_ROW(k, c.rows.count()) {
             term.set(k, following[k]);
             c.next.v.set(k, MulAdd(velocity_weight, following[k], c.next.v[k]));
@@ -56,10 +47,6 @@ HWY_INLINE void drift(Chin4aChain<K>& c, double time, const Decay<K>& decay) {
                 c.next.x.set(k, MulAdd(position_weight, following[k], c.next.x[k]));
             }
         }
-    }
-    if (plate != nullptr) {
-        plate->end_drift();
-        follow_plate(*plate, c.next.x, c.next.v);
     }
 }
 
@@ -116,48 +103,16 @@ HWY_INLINE void add_let_go(const Chin4aChain<K>& c, std::size_t k, Vec w, Vec w_
     node.loss_dot.set(k, node.loss_dot[k] - slope);
 }
 
-/// The kick that the last body has got goes to the plate's states.
-template <std::size_t K>
-HWY_INLINE void kick_plate(const Chin4aChain<K>& c) {
-    if (PlateSteps* const plate = plate_behind(c.rows); plate != nullptr) {
-        plate->kick(value_in(c.next.v, plate->end_slot));
-    }
-}
-
-/// The last contact as the plate feels it.
-template <std::size_t K>
-HWY_INLINE void observe_plate(const Chin4aChain<K>& c, const Motion<K>& motion, const Node<K>& node,
-                              PlateSteps::At at) {
-    PlateSteps* const plate = plate_behind(c.rows);
-    if (plate == nullptr) {
-        return;
-    }
-    const std::size_t end = plate->end_slot;
-    const double v = value_in(motion.v, end);
-    const double a = value_in(node.total_accel, end);
-    const double w = value_in(motion.v, plate->last_slot) - v;
-    const double w_dot = value_in(node.total_accel, plate->last_slot) - a;
-    const double tangent = 1.5 * value_in(c.root_stiffness, end);
-    plate->observe(at, {.force = (a - plate->reaction(at)) / plate->mobility(),
-                        .force_dot = tangent * w + value_in(c.closed_damping, end) * w_dot,
-                        .velocity = v,
-                        .acceleration = a});
-}
-
 /// Fills in a node from motion, overlap and the forces just computed. None of it feeds back into the motion.
 template <std::size_t K>
 HWY_INLINE void observe(const Chin4aChain<K>& c, const Motion<K>& motion, Node<K>& node,
-                        const HornMotion& horn, PlateSteps::At at) {
+                        const HornMotion& horn) {
     const Vec per_half = splat(c.per_half_step);
     HERTZLINE_EACH_ROW(k, c.rows.count()) {
         const Vec own = c.decay.self[k] * motion.v[k];
         const Vec with_right = MulAdd(c.decay.right[k], c.rows.right(motion.v, k), own);
         const Vec dashpots = MulAdd(c.decay.left[k], c.rows.left(motion.v, k), with_right);
         node.total_accel.set(k, MulAdd(per_half, dashpots, motion.a[k]));
-    }
-    if (const PlateSteps* const plate = plate_behind(c.rows); plate != nullptr) {
-        const std::size_t end = plate->end_slot;
-        put_in(node.total_accel, end, value_in(node.total_accel, end) + plate->reaction(at));
     }
     HERTZLINE_EACH_ROW(k, c.rows.count()) {
         const Vec w = c.rows.difference(motion.v, k, horn.v);
@@ -176,7 +131,6 @@ HWY_INLINE void observe(const Chin4aChain<K>& c, const Motion<K>& motion, Node<K
             node.work_dot = MulAdd(force_dot, c.rows.horn(horn.v), force * c.rows.horn(horn.a));
         }
     }
-    observe_plate(c, motion, node, at);
 }
 
 /// V/6, A/2, 2V~/3, A/2, V/6 with the contacts as they are, from now to next.
@@ -189,19 +143,13 @@ HWY_INLINE void frozen_step(Chin4aChain<K>& c, double h, const HalfDrift& half_d
         c.next.x.set(k, c.now.x[k]);
         c.next.v.set(k, MulAdd(sixth, c.now.a[k], c.now.v[k]));
     }
-    if (PlateSteps* const plate = plate_behind(c.rows); plate != nullptr) {
-        plate->begin();
-    }
-    kick_plate(c);
     half_drift(c);
     forces(c, c.next.x, c.next.a, c.next_node.overlap, middle);
     kick_with_gradient(c, h);
-    kick_plate(c);
     half_drift(c);
     forces(c, c.next.x, c.next.a, c.next_node.overlap, end);
     HERTZLINE_EACH_ROW(k, c.rows.count()) c.next.v.set(k, MulAdd(sixth, c.next.a[k], c.next.v[k]));
-    kick_plate(c);
-    observe(c, c.next, c.next_node, end, PlateSteps::At::now);
+    observe(c, c.next, c.next_node, end);
 }
 
 /// Next becomes now; the ledger takes the powers at both ends and their slopes (Hermite's rule).
@@ -226,9 +174,6 @@ HWY_INLINE void accept(Chin4aChain<K>& c, double h) {
     c.rows.copy(c.node.loss_dot, c.next_node.loss_dot);
     c.node.work = c.next_node.work;
     c.node.work_dot = c.next_node.work_dot;
-    if (PlateSteps* const plate = plate_behind(c.rows); plate != nullptr) {
-        plate->accept(h);
-    }
 }
 
 /// Works out anew what depends on the set of closed contacts: stiffnesses, dashpots, forces.
@@ -248,7 +193,7 @@ HWY_INLINE void rebuild(Chin4aChain<K>& c, const HornMotion& horn) {
         c.decay.self.set(k, Neg(c.decay.left[k] + c.decay.right[k]));
     }
     forces(c, c.now.x, c.now.a, c.node.overlap, horn);
-    observe(c, c.now, c.node, horn, PlateSteps::At::begin);
+    observe(c, c.now, c.node, horn);
 }
 
 }  // namespace HWY_NAMESPACE

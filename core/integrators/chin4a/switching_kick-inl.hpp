@@ -16,7 +16,6 @@
 
 #include "core/integrators/chin4a/chin4a_chain-inl.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
-#include "core/integrators/simd/plate_body-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -118,18 +117,11 @@ public:
         left_ = left;
         cut_ = false;
         c.work.add(in_ledger[0] * c.rows.horn(horn_v));
-        PlateSteps* const plate = plate_behind(c.rows);
-        if (plate != nullptr) {
-            plate->add_passed(value_in(in_ledger, plate->end_slot) * value_in(c.now.v, plate->end_slot));
-        }
         HERTZLINE_EACH_ROW(k, c.rows.count()) {
             const Vec net = impulse[k] - c.rows.right(impulse, k);
             c.now.v.set(k, MulAdd(c.inv_mass[k], net, c.now.v[k]));
             const Vec way = missed[k] - c.rows.right(missed, k);
             c.now.x.set(k, MulAdd(c.inv_mass[k], way, c.now.x[k]));
-        }
-        if (plate != nullptr) {
-            plate->kick_between_steps(value_in(c.now.v, plate->end_slot));
         }
     }
 

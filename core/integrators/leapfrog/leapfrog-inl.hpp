@@ -15,7 +15,6 @@
 #include <limits>
 
 #include "core/integrators/simd/contact-inl.hpp"
-#include "core/integrators/simd/plate_body-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
 #include "core/integrators/simd/work-inl.hpp"
@@ -50,9 +49,7 @@ public:
           force_(rows_.scratch(Scratch::force)),
           middle_v_(rows_.scratch(Scratch::middle_v)) {}
 
-    /// @param number of the step
-    HWY_INLINE void step(const HornStep& horn, std::int64_t number) {
-        begin_with_plate(number);
+    HWY_INLINE void step(const HornStep& horn) {
         drift(0.5 * h_);
         contacts(horn.middle);
         dashpots(v_, horn.middle);
@@ -60,9 +57,7 @@ public:
         dashpots(middle_v_, horn.middle);
         account(horn.middle);
         kick(v_, h_);
-        kick_plate();
         drift(0.5 * h_);
-        end_with_plate(horn.end);
     }
 
     /// Writes what moved back to the chain.
@@ -82,58 +77,21 @@ public:
     HWY_INLINE void save_accelerations(const HornMotion& horn) {
         Col<K> a = rows_.scratch(Scratch::accel);
         HERTZLINE_EACH_ROW(k, rows_.count()) {
-            force_.set(k, force_now(k, horn));
+            const Vec overlap = rows_.difference(static_overlap_[k], x_, k, horn.x);
+            const Vec dashpot = damping_[k] * rows_.difference(v_, k, horn.v);
+            const Vec pulled = IfThenElseZero(Gt(overlap, zero()), dashpot);
+            const Vec force = Max(elastic_force(stiffness_[k], overlap) + pulled, splat(lowest_));
+            force_.set(k, force - static_force_[k]);
         }
         HERTZLINE_EACH_ROW(k, rows_.count()) a.set(k, acceleration(k));
-        if (const PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
-            const double reaction = plate->reaction(PlateSteps::At::begin);
-            put_in(a, plate->end_slot, value_in(a, plate->end_slot) + reaction);
-        }
         rows_.store(ChainField::total_accel, a);
     }
 
 private:
     enum class Scratch { overlap, elastic, force, middle_v, accel, count };
 
-    /// Forces of contacts, relative to the static ones, at the end of a step.
-    HWY_INLINE Vec force_now(std::size_t k, const HornMotion& horn) const {
-        const Vec overlap = rows_.difference(static_overlap_[k], x_, k, horn.x);
-        const Vec dashpot = damping_[k] * rows_.difference(v_, k, horn.v);
-        const Vec pulled = IfThenElseZero(Gt(overlap, zero()), dashpot);
-        const Vec force = Max(elastic_force(stiffness_[k], overlap) + pulled, splat(lowest_));
-        return force - static_force_[k];
-    }
-
     HWY_INLINE void drift(double time) {
         HERTZLINE_EACH_ROW(k, rows_.count()) x_.set(k, MulAdd(splat(time), v_[k], x_[k]));
-        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
-            plate->drift(time);
-            follow_plate(*plate, x_, v_);
-        }
-    }
-
-    HWY_INLINE void begin_with_plate(std::int64_t number) {
-        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
-            plate->enter(number);
-            plate->begin();
-        }
-    }
-    HWY_INLINE void kick_plate() {
-        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
-            plate->kick(value_in(v_, plate->end_slot));
-        }
-    }
-    HWY_INLINE void end_with_plate(const HornMotion& horn) {
-        if (PlateSteps* const plate = plate_behind(rows_); plate != nullptr) {
-            const std::size_t lane = plate->end_slot % lanes();
-            const double force = hn::ExtractLane(force_now(plate->end_slot / lanes(), horn), lane);
-            plate->observe(PlateSteps::At::now, {.force = force,
-                                                 .force_dot = 0,  // not asked for
-                                                 .velocity = plate->velocity(),
-                                                 .acceleration = plate->mobility() * force +
-                                                                 plate->reaction(PlateSteps::At::now)});
-            plate->accept_kicked(h_);
-        }
     }
 
     /// Overlaps and elastic forces, relative to the static ones, at mid-step.
@@ -201,7 +159,7 @@ int advance_leapfrog(SimdChain& chain, const ToneBurst&, const HornStep* horn, s
     Leapfrog<K> leapfrog(chain);
     int taken = 0;
     while (taken < count && trace.has_room()) {
-        leapfrog.step(horn[taken], first + taken);
+        leapfrog.step(horn[taken]);
         ++taken;
         if (trace.between) {
             leapfrog.save_accelerations(horn[taken - 1].end);

@@ -31,10 +31,9 @@ class Sampler::Writer {
 public:
     /// @param bodies in a row of the trace; the last is the end
     Writer(Samples& samples, EndTaps& end_taps, ContactForces& contact_forces, const Chain& chain,
-           const PlateSamples* plate, std::size_t bodies) noexcept
+           std::size_t bodies) noexcept
         : end_taps_(end_taps, samples),
           contact_forces_(contact_forces),
-          plate_(plate),
           v_chain_(samples.holds.contains(Tap::v_chain) ? samples.room(Tap::v_chain).data() : nullptr),
           x_chain_(samples.holds.contains(Tap::x_chain) ? samples.room(Tap::x_chain).data() : nullptr),
           f_chain_(samples.holds.contains(Tap::f_chain) ? samples.room(Tap::f_chain).data() : nullptr),
@@ -90,26 +89,10 @@ private:
             motion.x_last[i] = moment.displacement(end_ - 1);
             motion.x_end[i] = moment.displacement(end_);
         }
-        if (plate_ != nullptr) [[unlikely]] {
-            put_plate(motion);
-        }
-    }
-
-    /// Out of line: chains without a modal plate have nothing to do with it.
-    [[gnu::noinline]] void put_plate(const EndMotion& motion) const noexcept {
-        const std::size_t i = motion.count;
-        const std::int64_t sample = motion.first + static_cast<std::int64_t>(i);
-        if (motion.v_face != nullptr) {
-            motion.v_face[i] = plate_->v_face(sample);
-        }
-        if (motion.p_axis != nullptr) {
-            motion.p_axis[i] = plate_->p_axis(sample);
-        }
     }
 
     EndTapsWriter end_taps_;
     ContactForces& contact_forces_;
-    const PlateSamples* plate_;
     double* v_chain_;
     double* x_chain_;
     double* f_chain_;
@@ -125,11 +108,6 @@ int steps_per_sample(double step_s, double sample_rate_hz) noexcept {
     return on_grid ? static_cast<int>(whole) : 0;
 }
 
-FixedTime sample_period(double step_s, double sample_rate_hz) noexcept {
-    const int grid = steps_per_sample(step_s, sample_rate_hz);
-    return grid > 0 ? FixedTime{grid, 0} : FixedTime::of(1 / (sample_rate_hz * step_s));
-}
-
 double exact_step(double step_s, double sample_rate_hz) noexcept {
     const int grid = steps_per_sample(step_s, sample_rate_hz);
     return grid > 0 ? 1 / (sample_rate_hz * grid) : step_s;
@@ -138,7 +116,8 @@ double exact_step(double step_s, double sample_rate_hz) noexcept {
 Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps)
     : chain_(chain),
       grid_(steps_per_sample(step_s, scene.output.sample_rate_hz)),
-      sample_period_(sample_period(step_s, scene.output.sample_rate_hz)),
+      sample_period_(grid_ > 0 ? FixedTime{grid_, 0}
+                               : FixedTime::of(1 / (scene.output.sample_rate_hz * step_s))),
       step_s_(step_s),
       end_taps_(chain, scene.drive, scene.output.sample_rate_hz),
       contact_forces_(chain, end_taps_.horn()) {
@@ -201,7 +180,7 @@ void Sampler::passed_over(std::int64_t end) noexcept {
 void Sampler::emit(Samples* samples, std::int64_t end) noexcept {
     std::optional<Writer> writer;
     if (samples != nullptr) {
-        writer.emplace(*samples, end_taps_, contact_forces_, chain_, plate_, trace_.row_size() / 3);
+        writer.emplace(*samples, end_taps_, contact_forces_, chain_, trace_.row_size() / 3);
     }
     if (grid_ > 0) {
         emit_rows(writer ? &*writer : nullptr, end);

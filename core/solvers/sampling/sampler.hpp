@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/integrators/trace.hpp"
+#include "core/model/state.hpp"
 #include "core/samples.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/contact_forces.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
-#include "core/solvers/sampling/plate_samples.hpp"
 
 namespace hertzline {
 
@@ -20,9 +20,6 @@ class Sampler {
 public:
     /// @param chain outlives the sampler @param taps all that samples will be made of
     Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps);
-
-    /// What a modal plate sends out. @param plate outlives the sampler
-    void show(const PlateSamples* plate) noexcept { plate_ = plate; }
 
     /// Back to sample 0, the static equilibrium.
     void reset() noexcept;
@@ -63,7 +60,6 @@ private:
     int grid_;                 ///< steps per sample when that is a whole number; 0: samples lie between steps
     FixedTime sample_period_;  ///< in steps
     double step_s_;
-    const PlateSamples* plate_ = nullptr;  ///< null: not wanted
     EndTaps end_taps_;
     ContactForces contact_forces_;
     std::vector<double> rows_, fractions_;
@@ -75,8 +71,6 @@ private:
 
 /// Whole steps per sample, or 0 when samples do not fall on steps.
 int steps_per_sample(double step_s, double sample_rate_hz) noexcept;
-/// The sample period in steps.
-FixedTime sample_period(double step_s, double sample_rate_hz) noexcept;
 
 /// The step that is used when `step_s` is asked for: one that divides the sample period but for rounding is taken
 /// to divide it.

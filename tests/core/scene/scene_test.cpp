@@ -18,6 +18,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double inf = std::numeric_limits<double>::infinity();
@@ -281,13 +282,27 @@ TEST(Scene, OwnMaterialsHideBuiltInOnes) {
     EXPECT_THAT(faulty_keys(scene), ElementsAre("drive.material"));
 }
 
-TEST(Scene, AModalPlateIsWhatItsModesSayAndEveryIntegratorTakesIt) {
+TEST(Scene, AModalPlateNeedsASeries) {
     Scene scene;
     scene.end.model = PlateModel::modal;
+    EXPECT_THAT(validate(scene), IsEmpty());
     for (const Method& row : methods) {
         scene.numerics.integrator = row.integrator;
-        EXPECT_THAT(faulty_keys(scene), ElementsAre()) << row.word;
+        const std::vector<Fault> faults = validate(scene);
+        if (row.family == Family::series) {
+            EXPECT_THAT(faults, IsEmpty()) << row.word;
+            continue;
+        }
+        ASSERT_THAT(faults, SizeIs(1)) << row.word;
+        EXPECT_EQ(faults[0].message(), "numerics.integrator: found \"" + std::string(row.word) +
+                                           "\" with end.model = \"modal\", allowed: \"taylor8\" or "
+                                           "\"taylor12\", the series");
     }
+}
+
+TEST(Scene, NothingButItsModesSaysWhatAModalPlateIs) {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
     scene.end.kind = EndKind::wall;
     scene.end.stiffness_n_per_m = 1e5;
     scene.end.preload = PlatePreload::as_printed;
