@@ -26,7 +26,6 @@ set(core_headers
   core/plate/rational_fit.hpp
   core/model/energy.hpp
   core/model/state.hpp
-  core/solvers/extent.hpp
   core/solvers/solver.hpp
   core/step_choice/pilot.hpp
   core/step_choice/reference_pilot.hpp

@@ -1,50 +1,42 @@
 #include "core/simulation.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
 
-#include "core/solvers/sampling/sampler.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "core/model/energy.hpp"
+#include "core/solvers/series_solver.hpp"
+#include "core/solvers/stepped_solver.hpp"
 
 namespace hertzline {
 
 namespace {
-
-[[noreturn]] void refuse(const std::vector<Fault>& faults) {
-    std::string all = "the scene cannot be simulated";
-    for (const Fault& fault : faults) {
-        all += '\n' + fault.message();
-    }
-    throw std::invalid_argument(all);
-}
-
-/// The scene as it can be simulated: what it leaves open is chosen. One that leaves nothing open has been through resolve().
-Scene simulable(const Scene& scene) {
-    if (scene.numerics.integrator && scene.numerics.step_s) {
-        return scene;
-    }
-    if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
-        refuse(faults);
-    }
-    ResolvedScene result = resolve(scene);
-    if (!result.faults.empty()) {
-        refuse(result.faults);
-    }
-    return std::move(result.scene);
-}
 
 SimulationOptions possible(SimulationOptions options, const End& end) noexcept {
     options.taps &= taps_of(end);
     return options;
 }
 
+std::unique_ptr<Solver> make_solver(const ResolvedScene& scene, const Chain& chain,
+                                    const SimulationOptions& options) {
+    if (is_series(scene.integrator())) {
+        return std::make_unique<SeriesSolver>(scene, chain, options);
+    }
+    if (chain.end.plate || chain.damping_law != DampingLaw::dashpot) {
+        throw std::invalid_argument(
+            "modal plates and laws of damping other than the dashpot need a series (taylor8 or taylor12)");
+    }
+    return std::make_unique<SteppedSolver>(scene, chain, options);
+}
+
 }  // namespace
 
-Simulation::Simulation(const Scene& scene, const SimulationOptions& options)
-    : scene_(simulable(scene)),
-      options_(possible(options, scene.end)),
-      chain_(std::make_unique<const Chain>(scene_)),
-      step_s_(exact_step(*scene_.numerics.step_s, scene_.output.sample_rate_hz)),
+Simulation::Simulation(ResolvedScene scene, const SimulationOptions& options)
+    : scene_(std::move(scene)),
+      options_(possible(options, this->scene().end)),
+      chain_(std::make_unique<const Chain>(this->scene())),
+      step_s_(exact_step(scene_.step_s(), this->scene().output.sample_rate_hz)),
       solver_(make_solver(scene_, *chain_, options_)) {}
 
 Samples Simulation::make_samples(std::size_t capacity) const {
@@ -57,14 +49,17 @@ void Simulation::reset() noexcept {
     status_ = Status::running;
 }
 
-bool Simulation::can_hand_over(const Scene& scene) noexcept {
-    return is_series(*scene.numerics.integrator) ||
-           steps_per_sample(*scene.numerics.step_s, scene.output.sample_rate_hz) > 0;
+bool Simulation::can_hand_over(const ResolvedScene& scene) noexcept {
+    return is_series(scene.integrator()) ||
+           steps_per_sample(scene.step_s(), scene.scene().output.sample_rate_hz) > 0;
 }
 
 Status Simulation::continue_from(Simulation& before, std::int64_t first) noexcept {
     first_sample_ = first;
-    status_ = before.status_ = solver_->continue_from(*before.solver_);
+    status_ = before.status_ = before.solver_->reach_end();
+    if (status_ == Status::running) {
+        solver_->begin_with(before.solver_->motion());
+    }
     return status_;
 }
 
@@ -73,13 +68,20 @@ std::string Simulation::failure() const {
 }
 
 Status Simulation::advance(Samples& samples, std::size_t count, TapSet wanted) noexcept {
+    samples.first = solver_->next_sample();  // solvers count from 0
+    samples.count = 0;
     if (status_ == Status::running) {
-        status_ = solver_->fill(samples, count, wanted);
-        samples.first += first_sample_;
-    } else {
-        samples.first = next_sample();
-        samples.count = 0;
+        samples.holds = wanted & samples.taps();
+        const auto block = static_cast<std::int64_t>(std::min(count, samples.capacity()));
+        const bool nothing = samples.holds.empty();
+        status_ = solver_->produce(nothing ? nullptr : &samples, block);
+        if (status_ != Status::running) {
+            samples.count = 0;
+        } else if (nothing) {
+            samples.count = static_cast<std::size_t>(solver_->next_sample() - samples.first);
+        }
     }
+    samples.first += first_sample_;
     return status_;
 }
 
@@ -90,10 +92,46 @@ Status Simulation::skip(std::int64_t count) noexcept {
     return status_;
 }
 
+double Simulation::energy_missing() noexcept {
+    const Ledger now = ledger();
+    const double held =
+        kinetic_energy(*chain_, state()) + stored_energy(*chain_, state(), solver_->horn_displacement());
+    return std::abs(held - now.at_start - now.work + now.lost + now.passed);
+}
+
+double Simulation::energy_residual() noexcept {
+    const Ledger now = ledger();
+    const double moved = std::max({now.gross_work, now.lost, kinetic_energy(*chain_, state())});
+    return moved > 0 ? energy_missing() / moved : 0;
+}
+
+MotionExtremes Simulation::extremes() noexcept {
+    MotionExtremes extremes{
+        .time_s = time_s(), .contact_events = contact_events(), .energy_residual = energy_residual()};
+    const Eigen::ArrayXd& peaks = state().peak_overlap;
+    for (Eigen::Index c = 0; c < chain_->bodies(); ++c) {
+        if (chain_->stiffness[c] > 0) {  // the contact of a free end never pushes
+            extremes.last_press_m = peaks[c] - chain_->static_overlap[c];
+            extremes.largest_press_m = std::max(extremes.largest_press_m, extremes.last_press_m);
+        }
+    }
+    return extremes;
+}
+
 double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
     constexpr double columns = 11;  // of Chain and ChainState, a double for each body
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
-    return bodies * columns * sizeof(double) + solver_bytes(scene, taps & taps_of(scene.end));
+    const TapSet given = taps & taps_of(scene.end);
+    double delayed = 0;  // samples on their way to the hydrophone
+    if (given.contains(Tap::p_axis)) {
+        const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
+        delayed = (scene.output.hydrophone_m + scene.end.radius_m) / fluid.sound_speed_m_per_s *
+                  scene.output.sample_rate_hz;
+    }
+    const bool series = scene.numerics.integrator && is_series(*scene.numerics.integrator);
+    const double solver = series ? SeriesSolver::memory_bytes(bodies, scene.chain.damping_law)
+                                 : SteppedSolver::memory_bytes(bodies, given);
+    return bodies * columns * sizeof(double) + (solver + PlateOutputs::bytes(delayed));
 }
 
 }  // namespace hertzline

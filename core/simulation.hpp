@@ -8,18 +8,25 @@
 #include "core/model/chain.hpp"
 #include "core/model/state.hpp"
 #include "core/scene/scene.hpp"
-#include "core/solvers/extent.hpp"
 #include "core/solvers/solver.hpp"
 
 namespace hertzline {
 
+/// How far a motion has gone from its start to some moment.
+struct MotionExtremes {
+    double time_s = 0;                ///< the moment [s]
+    double largest_press_m = 0;       ///< largest overlap of any contact so far, beyond that at rest [m]
+    double last_press_m = 0;          ///< the same of the last contact [m]
+    std::int64_t contact_events = 0;  ///< openings and closings so far
+    double energy_residual = 0;       ///< as Simulation::energy_residual()
+};
+
 /// A scene in motion. Owns all that it needs; not for several threads at once.
 class Simulation {
 public:
-    /// @param scene what it leaves open (integrator, step) is chosen by resolve(), which takes as long as simulating a few bursts.
-    /// One that leaves nothing open is taken as it is: it has passed validate() and resolve().
-    /// @throws std::invalid_argument with every fault of the scene, a line each; std::bad_alloc
-    explicit Simulation(const Scene& scene, const SimulationOptions& options = {});
+    /// Takes a Resolution of resolve(), too. @throws std::bad_alloc; std::invalid_argument where a grid is to integrate a modal plate or
+    /// a law of damping other than the dashpot, which validate() refuses
+    explicit Simulation(ResolvedScene scene, const SimulationOptions& options = {});
 
     /// A block for advance(), with room for all taps of the options. @throws std::bad_alloc
     Samples make_samples(std::size_t capacity) const;
@@ -30,18 +37,19 @@ public:
     /// From here on the first sample has this number instead of 0; for a simulation that has not begun.
     void begin_at(std::int64_t sample) noexcept { first_sample_ = sample; }
 
-    // One simulation after another in the same run: the first one is told where it ends, gives all samples before, and hands its motion
-    // over. Both drives begin their bursts anew at the sample that is the first one of the second.
+    // One simulation after another in the same run: end_at() sets the end of the first one, which gives all samples before and hands its
+    // motion over. Both drives begin their bursts anew at the sample that is the first one of the second.
 
     /// Whether the motion of a scene can be handed over to one with another drive: that of a series, and that of a grid whose steps
     /// divide the sample period. @param scene with integrator and step
-    static bool can_hand_over(const Scene& scene) noexcept;
+    static bool can_hand_over(const ResolvedScene& scene) noexcept;
     /// The first sample at which end_at() can let it end: the motion has not gone further.
     std::int64_t first_open_sample() const noexcept { return first_sample_ + solver_->first_open_sample(); }
     /// The motion will end at this sample, which belongs to the simulation that follows. @param sample first_open_sample() or later
     void end_at(std::int64_t sample) noexcept { solver_->end_at(sample - first_sample_); }
     /// Begins at sample `first`, where `before` ends, with its motion and account of energy. Allocates nothing.
-    /// @param before can_hand_over(); its scene differs in drive and step only; has given all samples before `first`, and is done with
+    /// @param before can_hand_over(); its scene differs in drive and step only; has given all samples before `first`
+    /// @returns what became of `before` on the way to its end
     Status continue_from(Simulation& before, std::int64_t first) noexcept;
 
     /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room. Allocates nothing. If
@@ -55,7 +63,7 @@ public:
     /// Passes over the next `count` samples: the motion goes on, nothing is put down.
     Status skip(std::int64_t count) noexcept;
 
-    const Scene& scene() const noexcept { return scene_; }  ///< with integrator and step
+    const Scene& scene() const noexcept { return scene_.scene(); }  ///< with integrator and step
     TapSet taps() const noexcept { return options_.taps; }
     const Chain& chain() const noexcept { return *chain_; }
     /// Step of a grid, or the longest piece of a series [s].
@@ -70,11 +78,12 @@ public:
     /// Its time since the simulation's first sample [s]. Steps do not end where samples lie.
     double time_s() const noexcept { return solver_->time_s(); }
     Ledger ledger() noexcept { return solver_->ledger(); }
-    /// As the functions of that name in solvers/extent.hpp.
-    double energy_missing() noexcept { return hertzline::energy_missing(*solver_, *chain_); }
-    double energy_residual() noexcept { return hertzline::energy_residual(*solver_, *chain_); }
-    /// How far the motion has gone. Not cheap, as state().
-    MotionExtent extent() noexcept { return extent_of(*solver_, *chain_); }
+    /// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost + passed| [J].
+    double energy_missing() noexcept;
+    /// The same over what came and went: the horn's work back and forth, or the losses, or the kinetic energy, whichever is largest.
+    double energy_residual() noexcept;
+    /// Takes a pass over the chain. Allocates nothing.
+    MotionExtremes extremes() noexcept;
 
     /// What went wrong, for a human; empty when nothing did.
     std::string failure() const;
@@ -83,7 +92,7 @@ public:
     static double memory_bytes(const Scene& scene, TapSet taps) noexcept;
 
 private:
-    Scene scene_;
+    ResolvedScene scene_;
     SimulationOptions options_;
     std::unique_ptr<const Chain> chain_;
     double step_s_;

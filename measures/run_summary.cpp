@@ -34,7 +34,7 @@ void append(Warnings& warnings, const Warnings& more) {
 
 }  // namespace
 
-Warnings scene_warnings(const ResolvedScene& resolved) {
+Warnings scene_warnings(const Resolution& resolved) {
     Warnings warnings = validity_warnings(resolved.scene, Chain(resolved.scene));
     if (auto missed = missed_accuracy(resolved)) {
         warnings.push_back(*std::move(missed));
@@ -90,7 +90,7 @@ SummaryGroup contacts_of_run(const RunRecord& record, const Scene& scene, Warnin
     return {"contacts", std::move(values), ""};
 }
 
-SummaryGroup trust_of_run(const RunRecord& record, const ResolvedScene& resolved) {
+SummaryGroup trust_of_run(const RunRecord& record, const Resolution& resolved) {
     Json values;
     add_estimate(values, resolved.estimate);
     values["energy_residual"] = record.account.energy_residual;
@@ -138,7 +138,7 @@ Json summary_json(std::span<const SummaryGroup> groups) {
     return summary;
 }
 
-std::optional<std::string> missed_accuracy(const ResolvedScene& resolved) {
+std::optional<std::string> missed_accuracy(const Resolution& resolved) {
     const StepAdvice& advice = resolved.advice;
     if (resolved.may_miss_accuracy()) {
         return fmt::format(

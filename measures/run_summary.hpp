@@ -27,7 +27,7 @@ struct SummaryGroup {
 using Warnings = std::vector<std::string>;
 
 /// What is odd about a scene before it runs, and whether it keeps the accuracy that was asked for.
-Warnings scene_warnings(const ResolvedScene& resolved);
+Warnings scene_warnings(const Resolution& resolved);
 
 /// Peaks and spectra, v_out's first. Warns of a record that shows less than it seems to.
 /// @param analyser for records of that length and rate @param band_from_hz as SpectrumAnalyser::analyse
@@ -39,7 +39,7 @@ std::vector<SummaryGroup> measures_of_run(const RunRecord& record, const Scene& 
 SummaryGroup contacts_of_run(const RunRecord& record, const Scene& scene, Warnings& warnings);
 
 /// How far the result can be trusted.
-SummaryGroup trust_of_run(const RunRecord& record, const ResolvedScene& resolved);
+SummaryGroup trust_of_run(const RunRecord& record, const Resolution& resolved);
 
 /// What was run: simulated time, rows, integrator and steps.
 SummaryGroup account_of_run(const RunRecord& record, const Scene& scene);
@@ -54,6 +54,6 @@ void add_identity(SummaryGroup& account, const Scene& scene);
 Json summary_json(std::span<const SummaryGroup> groups);
 
 /// Of a scene whose accuracy is missed: by how much, and why; of one that may miss it: what is not known. Nothing when it is met.
-std::optional<std::string> missed_accuracy(const ResolvedScene& resolved);
+std::optional<std::string> missed_accuracy(const Resolution& resolved);
 
 }  // namespace hertzline::measures

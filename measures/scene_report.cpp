@@ -144,7 +144,7 @@ void add_time_scales(Report& report, const Scene& scene, const Chain& chain,
                       if_any(peaks.has_value(), peaks ? fastest_frequency(chain, *peaks) / two_pi : 0)});
 }
 
-void add_accuracy(Report& report, const ResolvedScene& resolved) {
+void add_accuracy(Report& report, const Resolution& resolved) {
     const StepAdvice& advice = resolved.advice;
     const ErrorEstimate estimate = resolved.estimate.value_or(ErrorEstimate{});
     const bool known = resolved.estimate.has_value();
@@ -172,7 +172,7 @@ std::string reason_text(IntegratorReason reason) {
     return {};
 }
 
-void add_step(Report& report, const ResolvedScene& resolved) {
+void add_step(Report& report, const Resolution& resolved) {
     const Scene& scene = resolved.scene;
     const StepAdvice& advice = resolved.advice;
     const double step = *scene.numerics.step_s;
@@ -229,8 +229,7 @@ std::vector<std::string> contact_warnings(const Scene& scene, const std::optiona
     return warnings;
 }
 
-std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
-                                    const std::optional<Eigen::ArrayXd>& peaks) {
+std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<Eigen::ArrayXd>& peaks) {
     const Scene& scene = resolved.scene;
     const Chain chain(scene);
     Report report;

@@ -38,8 +38,7 @@ std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_
 std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks);
 
 /// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
-std::vector<ReportRow> scene_report(const ResolvedScene& resolved,
-                                    const std::optional<Eigen::ArrayXd>& peaks);
+std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<Eigen::ArrayXd>& peaks);
 
 /// A whole number, or what is beyond all counting.
 decltype(ReportRow::value) report_count(double number);

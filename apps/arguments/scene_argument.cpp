@@ -108,14 +108,14 @@ ParsedScene parsed_scene(const SceneRequest& request) {
     return *std::move(parsed);
 }
 
-ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting) {
+Resolution resolved_scene(const SceneRequest& request, Lasting lasting) {
     const ParsedScene parsed = parsed_scene(request);
     if (const auto shortage = measures::memory_shortage("simulating " + parsed.origin,
                                                         Simulation::memory_bytes(parsed.scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    ResolvedScene resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
-                                                          : hertzline::resolve(parsed.scene, std::nullopt);
+    Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
+                                                       : hertzline::resolve(parsed.scene, std::nullopt);
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
             fault = parsed.placed(fault);

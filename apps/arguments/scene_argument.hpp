@@ -29,6 +29,6 @@ enum class Lasting { duration, endless };
 /// The scene with integrator and step settled. Warns where the requested accuracy is out of reach. Takes as
 /// long as the pilot runs of core/step_choice do.
 /// @throws WrongUse that names every fault at once, std::runtime_error when there is too little memory
-ResolvedScene resolved_scene(const SceneRequest& request, Lasting lasting = Lasting::duration);
+Resolution resolved_scene(const SceneRequest& request, Lasting lasting = Lasting::duration);
 
 }  // namespace hertzline::app

@@ -56,8 +56,8 @@ using EpochBegins = std::function<Json(const Epoch&)>;
 /// What only the caller knows.
 struct PublishedSource {
     std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
-    std::function<Json(const MotionExtent&)> watch = {};  ///< as in StreamEvents
-    EpochBegins epoch_begins = {};                        ///< as in StreamEvents
+    std::function<Json(const MotionExtremes&)> watch = {};  ///< as in StreamEvents
+    EpochBegins epoch_begins = {};                          ///< as in StreamEvents
 };
 
 /// Publishes to the end, shows progress and warnings, and prints the summary.

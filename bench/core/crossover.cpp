@@ -55,7 +55,7 @@ Cost cost(Scene scene, Integrator integrator) {
     scene.numerics.integrator = integrator;
     const double accuracy = *scene.numerics.accuracy;
     const double begin = processor_seconds();
-    const ResolvedScene resolved = resolve(scene);
+    const Resolution resolved = resolve(scene);
     Cost result{processor_seconds() - begin, std::numeric_limits<double>::infinity(),
                 resolved.estimate && resolved.estimate->error <= accuracy};
     const auto samples = static_cast<std::int64_t>(scene.output.duration_s * scene.output.sample_rate_hz);

@@ -80,7 +80,7 @@ std::vector<Contender> hertzline_contenders(const Scene& scene) {
         for (const Numerics& numerics : ladder(integrator.choice)) {
             Scene asked = scene;
             asked.numerics = numerics;
-            const ResolvedScene settled = resolve(asked);
+            const Resolution settled = resolve(asked);
             if (settled.faults.empty()) {  // else the step is beyond the stability limit
                 list.push_back(hertzline_contender(settled.scene));
                 list.back().setting = setting_text(numerics);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
 #include "core/scene/scene_fields.hpp"
@@ -192,6 +193,14 @@ std::vector<Fault> validate(const Scene& scene) {
     check_damping_law(scene, faults);
     check_materials(scene, faults);
     return faults;
+}
+
+ResolvedScene::ResolvedScene(Scene scene) : scene_(std::move(scene)) {
+    if (!scene_.numerics.integrator || !scene_.numerics.step_s) {
+        throw std::invalid_argument(
+            "numerics.integrator or numerics.step_s of a scene to be simulated is open: resolve() chooses "
+            "them");
+    }
 }
 
 const Material* find_material(const Scene& scene, std::string_view name) {

@@ -109,6 +109,21 @@ struct Scene {
 /// the stability limit: that needs the dynamics, see step_choice/resolve.hpp.
 std::vector<Fault> validate(const Scene& scene);
 
+/// A valid scene that leaves nothing open: integrator and step are set, by the user or by resolve() (core/step_choice).
+class ResolvedScene {
+public:
+    /// Implicit: a scene with both is one. @throws std::invalid_argument where one of them is open
+    ResolvedScene(Scene scene);
+
+    const Scene& scene() const noexcept { return scene_; }
+    Integrator integrator() const noexcept { return *scene_.numerics.integrator; }
+    /// Step of a grid, or the longest piece of a series [s].
+    double step_s() const noexcept { return *scene_.numerics.step_s; }
+
+private:
+    Scene scene_;
+};
+
 /// The material of that name, the scene's own first; nullptr when there is none.
 const Material* find_material(const Scene& scene, std::string_view name);
 

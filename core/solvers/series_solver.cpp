@@ -41,33 +41,35 @@ double SeriesSolver::phase_for(double tolerance) noexcept {
     return std::pow(tolerance / at_one, 1 / exponent);
 }
 
-SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
+SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
+                           const SimulationOptions& options)
     : chain_(chain),
       options_(options),
-      sample_period_s_(1 / scene.output.sample_rate_hz),
-      burst_(scene.drive, sample_period_s_),
+      sample_period_s_(1 / resolved.scene().output.sample_rate_hz),
+      burst_(resolved.scene().drive, sample_period_s_),
       frequencies_hz_(burst_.frequencies_hz()),
       state_(chain),
-      integrator_(*scene.numerics.integrator),
+      integrator_(resolved.integrator()),
       simd_chain_(chain, integrator_, kernels::kernel_lanes()),
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
-             kernels::series_degree(integrator_), kernels::HornWaves(frequencies_hz_, *scene.numerics.step_s),
+             kernels::series_degree(integrator_), kernels::HornWaves(frequencies_hz_, resolved.step_s()),
              chain.damping_law),
       plate_(chain.end.plate ? std::make_unique<kernels::PlateMotion>(
                                    *chain.end.plate, kernels::kernel_lanes(),
-                                   kernels::series_degree(integrator_), *scene.numerics.step_s)
+                                   kernels::series_degree(integrator_), resolved.step_s())
                              : nullptr),
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
       plate_outputs_(chain, plate_.get(), piece_, integrator_, sample_period_s_, options.taps),
-      end_taps_(chain, scene.drive, scene.output.sample_rate_hz),
+      end_taps_(chain, resolved.scene().drive, resolved.scene().output.sample_rate_hz),
       contact_forces_(chain, end_taps_.horn()) {
-    const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
+    const Drive& drive = resolved.scene().drive;
+    const Eigen::ArrayXd overlaps = expected_overlaps(chain, drive);
     const double omega = fastest_frequency(chain, overlaps);
-    const double unit = *scene.numerics.step_s;
+    const double unit = resolved.step_s();
     simd_chain_.step_s = unit;
     piece_.unit_s = unit;
     piece_.per_unit = 1 / unit;
-    scale_ = velocity_scale(chain, scene.drive, omega);
+    scale_ = velocity_scale(chain, drive, omega);
     relative_tolerance_ = std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest);
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
@@ -76,7 +78,7 @@ SeriesSolver::SeriesSolver(const Scene& scene, const Chain& chain, const Simulat
     active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest
                            ? std::min(chain.bodies(), laid_out_at_least)
                            : chain.bodies();
-    rest_tolerance_ = chain.preload_n > 0 && starts_at_rest ? scene.numerics.rest_tolerance : 0;
+    rest_tolerance_ = chain.preload_n > 0 && starts_at_rest ? resolved.scene().numerics.rest_tolerance : 0;
     reset();
 }
 
@@ -297,6 +299,51 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
         }
     }
     return finite() ? Status::running : Status::unstable;
+}
+
+void SeriesSolver::end_at(std::int64_t sample) noexcept {
+    last_moment_ = {sample, 0};
+    if (asleep_ && end_.rounded_up() > sample) {
+        end_ = last_moment_;
+    }
+}
+
+Status SeriesSolver::reach_end() noexcept {
+    while (difference(last_moment_, end_) >= sliver) {
+        if (const Status status = take_piece(); status != Status::running) {
+            return status;
+        }
+    }
+    plate_outputs_.leave_piece({begin_, end_});
+    return finite() ? Status::running : Status::unstable;
+}
+
+Motion SeriesSolver::motion() noexcept {
+    return {.sample = last_moment_.whole,
+            .state = state(),
+            .moving = simd_chain_.active(),
+            .ledger = ledger(),
+            .horn_m = horn_displacement(),
+            .overlaps = simd_chain_.column(kernels::ChainField::overlap),
+            .plate = plate_.get(),
+            .sound = &plate_outputs_};
+}
+
+void SeriesSolver::begin_with(const Motion& motion) noexcept {
+    reset();
+    state_.take_motion(motion.state);
+    // a horn that has become next to silent does not ask for the last digit of what still rings
+    constexpr double smallest_share = 1e-6;
+    judge_by(std::max(scale_, smallest_share * state_.v.abs().maxCoeff()));
+    if (plate_) {
+        plate_->continue_from(*motion.plate);
+    }
+    lay_out(motion.moving);
+    // which contacts have just closed is told from their overlaps before
+    std::copy_n(motion.overlaps, simd_chain_.slots(), simd_chain_.column(kernels::ChainField::overlap));
+    plate_outputs_.continue_from(*motion.sound, motion.sample);
+    ledger_ = motion.ledger;
+    add_work_of_jump(motion.horn_m);
 }
 
 double SeriesSolver::time_s() const noexcept {

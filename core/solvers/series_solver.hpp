@@ -19,7 +19,7 @@ namespace hertzline {
 
 class SeriesSolver final : public Solver {
 public:
-    SeriesSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options);
+    SeriesSolver(const ResolvedScene& resolved, const Chain& chain, const SimulationOptions& options);
 
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
@@ -28,7 +28,9 @@ public:
         return asleep_ ? next_sample_ : end_.rounded_up();
     }
     void end_at(std::int64_t sample) noexcept override;
-    Status continue_from(Solver& before) noexcept override;
+    Status reach_end() noexcept override;
+    Motion motion() noexcept override;
+    void begin_with(const Motion& motion) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override;
@@ -48,7 +50,6 @@ private:
     void follow_the_wave() noexcept;
     void next_piece() noexcept;
     Status take_piece() noexcept;
-    Status reach_last_moment() noexcept;
     void set_horn(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;

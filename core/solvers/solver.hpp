@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <string>
 
 #include "core/model/energy.hpp"
@@ -48,6 +47,24 @@ struct SimulationOptions {
     }
 };
 
+namespace kernels {
+class PlateMotion;
+}
+class PlateOutputs;
+
+/// The motion at the sample at which a solver was to end. Views of that solver, for the one that continues the motion.
+struct Motion {
+    std::int64_t sample;
+    const ChainState& state;
+    Eigen::Index moving;  ///< bodies from here on are at rest
+    Ledger ledger;
+    double horn_m;  ///< displacement of the horn [m]
+    // of a series alone
+    const double* overlaps = nullptr;  ///< of the contacts before the last piece, by slots of a SimdChain [m]
+    const kernels::PlateMotion* plate = nullptr;  ///< null: there is no modal plate
+    const PlateOutputs* sound = nullptr;          ///< on its way to the hydrophone
+};
+
 class Solver {
 public:
     virtual ~Solver() = default;
@@ -58,21 +75,19 @@ public:
     /// Appends the next `count` samples; without a sink they are passed over. Allocates nothing.
     virtual Status produce(Samples* samples, std::int64_t count) noexcept = 0;
 
-    /// The next samples of the wanted taps, in place of what the block held; at most its capacity. When the solver fails the block
-    /// comes back empty. Allocates nothing.
-    Status fill(Samples& samples, std::size_t count, TapSet wanted) noexcept;
-
     virtual std::int64_t next_sample() const noexcept = 0;
 
     /// The first sample that the motion has not gone beyond: from here on end_at() can hold it.
     virtual std::int64_t first_open_sample() const noexcept = 0;
-    /// No step or piece goes beyond the time of this sample, which is an open one. For continue_from().
+    /// No step or piece goes beyond the time of this sample, which is an open one.
     virtual void end_at(std::int64_t sample) noexcept = 0;
-    /// Its sample 0 becomes the moment at which another solver was to end, with the motion of that moment and the account of
-    /// energy. That solver is done with. Allocates nothing. @param before of a scene that Simulation::can_hand_over(), same integrator, equal chain, has given
-    /// all samples before its end
-    /// @returns what has become of the other one
-    virtual Status continue_from(Solver& before) noexcept = 0;
+    /// Takes the motion to the sample of end_at(); all samples before have been given. Allocates nothing.
+    virtual Status reach_end() noexcept = 0;
+    /// The motion there. Valid while this solver is left alone.
+    virtual Motion motion() noexcept = 0;
+    /// Begins with another solver's motion, which becomes that of sample 0, and with its account of energy. Allocates nothing.
+    /// @param motion of the same integrator and an equal chain, of a scene that Simulation::can_hand_over()
+    virtual void begin_with(const Motion& motion) noexcept = 0;
 
     virtual std::int64_t contact_events() const noexcept = 0;
 
@@ -85,11 +100,5 @@ public:
     /// What went wrong, for a human.
     virtual std::string failure() const = 0;
 };
-
-/// The solver for a resolved scene. @throws std::invalid_argument if integrator or step are not set; std::bad_alloc
-std::unique_ptr<Solver> make_solver(const Scene& scene, const Chain& chain, const SimulationOptions& options);
-
-/// Bytes that the solver for a scene needs, roughly from above.
-double solver_bytes(const Scene& scene, TapSet taps) noexcept;
 
 }  // namespace hertzline

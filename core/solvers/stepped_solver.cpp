@@ -10,17 +10,18 @@
 
 namespace hertzline {
 
-SteppedSolver::SteppedSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options)
+SteppedSolver::SteppedSolver(const ResolvedScene& resolved, const Chain& chain,
+                             const SimulationOptions& options)
     : chain_(chain),
-      integrator_(*scene.numerics.integrator),
-      step_s_(exact_step(*scene.numerics.step_s, scene.output.sample_rate_hz)),
+      integrator_(resolved.integrator()),
+      step_s_(exact_step(resolved.step_s(), resolved.scene().output.sample_rate_hz)),
       options_(options),
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
-      burst_(scene.drive, step_s_),
+      burst_(resolved.scene().drive, step_s_),
       state_(chain_),
       simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
       horn_(ToneBurst::batch_steps),
-      sampler_(chain_, scene, step_s_, options.taps) {
+      sampler_(chain_, resolved.scene(), step_s_, options.taps) {
     simd_chain_.step_s = step_s_;
     reset();
 }
@@ -233,6 +234,37 @@ Status SteppedSolver::produce(Samples* samples, std::int64_t count) noexcept {
         }
         run_until(last_step, sampler_.wanted_from(state_.step));
     }
+}
+
+std::int64_t SteppedSolver::first_open_sample() const noexcept {
+    const std::int64_t grid = std::max(1, sampler_.grid());
+    return std::max(next_sample(), (state_.step + grid - 1) / grid);
+}
+
+Status SteppedSolver::reach_end() noexcept {
+    if (sampler_.pass_over()) {
+        run_until(last_sample_ * sampler_.grid(), sampler_.trace());
+    }
+    return status_;
+}
+
+Motion SteppedSolver::motion() noexcept {
+    return {.sample = last_sample_,
+            .state = state(),
+            .moving = std::max(front_, simd_chain_.active()),
+            .ledger = ledger(),
+            .horn_m = horn_displacement()};
+}
+
+void SteppedSolver::begin_with(const Motion& motion) noexcept {
+    reset();
+    state_.take_motion(motion.state);
+    front_ = motion.moving;
+    ledger_ = motion.ledger;
+    ledger_.add_work(work_of_jump(chain_, state_.x[0], motion.horn_m, 0));
+    lay_out(front_);
+    sampler_.begin_with(state_);
+    begin_batch();
 }
 
 double SteppedSolver::memory_bytes(double bodies, TapSet taps) noexcept {

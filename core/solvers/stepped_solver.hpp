@@ -14,14 +14,16 @@ namespace hertzline {
 
 class SteppedSolver final : public Solver {
 public:
-    SteppedSolver(const Scene& scene, const Chain& chain, const SimulationOptions& options);
+    SteppedSolver(const ResolvedScene& resolved, const Chain& chain, const SimulationOptions& options);
 
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return sampler_.next_sample(); }
     std::int64_t first_open_sample() const noexcept override;
     void end_at(std::int64_t sample) noexcept override { last_sample_ = sample; }
-    Status continue_from(Solver& before) noexcept override;
+    Status reach_end() noexcept override;
+    Motion motion() noexcept override;
+    void begin_with(const Motion& motion) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
     const ChainState& state() noexcept override;
     double time_s() const noexcept override { return static_cast<double>(state_.step) * step_s_; }

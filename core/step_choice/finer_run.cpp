@@ -21,21 +21,20 @@ constexpr std::size_t estimate_block = 16;  // samples; the last one, which is n
 constexpr double convincing = 0.7;          // of the accuracy: a difference may be less than the error
 constexpr double lowest_slope = 10;         // of log(error) over log(step), from below
 
-Scene with_finer_steps(Scene scene) {
-    const bool series = is_series(*scene.numerics.integrator);
-    scene.numerics.step_s = (series ? finer_pieces : finer_grid) * *scene.numerics.step_s;
-    return never_at_rest(std::move(scene));
+Scene with_finer_steps(const ResolvedScene& scene) {
+    const double finer = is_series(scene.integrator()) ? finer_pieces : finer_grid;
+    return never_at_rest(with_step(scene.scene(), scene.integrator(), finer * scene.step_s()));
 }
 
-/// Of what a run differs from one with finer steps, how much its error may be.
+/// The largest error of a run, relative to its difference from one with finer steps.
 double error_per_difference(const Scene& scene) noexcept {
     return is_series(*scene.numerics.integrator) ? 1 : 1 / (1 - finer_grid);
 }
 
 }  // namespace
 
-std::optional<ResolvedScene> resolve_unmeasured(const Scene& asked) {
-    ResolvedScene result;
+std::optional<Resolution> resolve_unmeasured(const Scene& asked) {
+    Resolution result;
     const IntegratorChoice choice = integrator_choice(asked);
     result.integrator_reason = choice.reason;
     result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
@@ -53,7 +52,7 @@ std::optional<ResolvedScene> resolve_unmeasured(const Scene& asked) {
     return result;
 }
 
-std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double error) noexcept {
+std::optional<Resolution> with_shorter_step(Resolution missed, double error) noexcept {
     if (!(error <= chaotic_error)) {
         return std::nullopt;
     }
@@ -62,8 +61,8 @@ std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double erro
     return missed;
 }
 
-std::optional<ResolvedScene> with_stable_step(ResolvedScene tried, const Chain& chain,
-                                              const Eigen::ArrayXd& peak_overlap) {
+std::optional<Resolution> with_stable_step(Resolution tried, const Chain& chain,
+                                           const Eigen::ArrayXd& peak_overlap) {
     constexpr double safety = 0.95;  // pilots may press the contacts a little further
     const double limit = safety * largest_stable_step(chain, peak_overlap, *tried.scene.numerics.integrator);
     if (*tried.scene.numerics.step_s <= limit || !(limit > 0)) {
@@ -73,49 +72,37 @@ std::optional<ResolvedScene> with_stable_step(ResolvedScene tried, const Chain& 
     return tried;
 }
 
-FinerRun::FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop,
+FinerRun::FinerRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
                    std::int64_t max_steps)
-    : scene_(with_finer_steps(scene)),
-      chain_(std::make_unique<const Chain>(scene_)),
-      solver_(make_solver(scene_, *chain_,
-                          {.taps = judged_outputs & taps_of(scene.end),
-                           .ledger = LedgerKeeping::off,
-                           .stop = stop,
-                           .max_steps = max_steps})),
-      block_(judged_outputs & taps_of(scene.end), 0, capacity) {}
+    : run_(with_finer_steps(scene), capacity, stop, max_steps) {}
 
 bool FinerRun::follow(const Samples& run) noexcept {
-    if (solver_->fill(block_, run.count, block_.taps()) != Status::running) {
+    if (!run_.advance(run.count)) {
         return false;
     }
-    errors_.add(run, block_);
-    compared_ += block_.count;
+    errors_.add(run, run_.block);
+    compared_ += run_.block.count;
     return true;
 }
 
 ErrorEstimate FinerRun::estimate() const noexcept {
-    const double of_fit = chain_->end.plate ? chain_->end.plate->fit_error() : 0;
-    return {.error = error_per_difference(scene_) * errors_.worst() + of_fit,
+    const Scene& scene = run_.simulation.scene();
+    return {.error = error_per_difference(scene) * errors_.worst() + run_.fit_error(),
             .over_s = static_cast<double>(compared_ - std::min<std::size_t>(compared_, 1)) /
-                      scene_.output.sample_rate_hz,
+                      scene.output.sample_rate_hz,
             .amplifies = false};
 }
 
-ErrorEstimate estimate_of_run(const Scene& scene, double run_s, const std::atomic<bool>* stop) {
-    const double wanted = std::ceil(run_s * scene.output.sample_rate_hz) + 1;
+ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop) {
+    const double wanted = std::ceil(run_s * scene.scene().output.sample_rate_hz) + 1;
     const auto samples = static_cast<std::int64_t>(std::min(wanted, affordable_samples));
-    const Chain chain(scene);
-    const auto max_steps =
-        static_cast<std::int64_t>(affordable_body_steps / static_cast<double>(chain.bodies()));
-    const TapSet taps = judged_outputs & taps_of(scene.end);
-    const auto run = make_solver(
-        scene, chain, {.taps = taps, .ledger = LedgerKeeping::off, .stop = stop, .max_steps = max_steps});
-    Samples block(taps, 0, estimate_block);
+    const double bodies = static_cast<double>(scene.scene().chain.spheres) + 1;
+    const auto max_steps = static_cast<std::int64_t>(affordable_body_steps / bodies);
+    JudgedRun run(scene, estimate_block, stop, max_steps);
     FinerRun follower(scene, estimate_block, stop, max_steps);
-    while (run->next_sample() < samples) {
-        const auto count =
-            static_cast<std::size_t>(std::min<std::int64_t>(estimate_block, samples - run->next_sample()));
-        if (run->fill(block, count, taps) != Status::running || !follower.follow(block)) {
+    for (std::int64_t left = samples; left > 0; left = samples - run.simulation.next_sample()) {
+        const auto count = static_cast<std::size_t>(std::min<std::int64_t>(estimate_block, left));
+        if (!run.advance(count) || !follower.follow(run.block)) {
             break;
         }
     }

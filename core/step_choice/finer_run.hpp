@@ -4,7 +4,6 @@
 // run is over.
 
 #include <atomic>
-#include <memory>
 #include <optional>
 
 #include <Eigen/Core>
@@ -12,7 +11,6 @@
 #include "core/model/chain.hpp"
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
-#include "core/solvers/solver.hpp"
 #include "core/step_choice/output_errors.hpp"
 #include "core/step_choice/resolve.hpp"
 
@@ -24,21 +22,21 @@ inline constexpr int max_tries = 3;
 /// Settles integrator and step as are likely to keep the accuracy. There is no estimate, and no largest stable step. Nothing for scenes
 /// whose step has to be measured: on a grid, of a long chain, given by the scene, or with a modal plate whose poles leave out too much or
 /// that has faults. @throws std::bad_alloc
-std::optional<ResolvedScene> resolve_unmeasured(const Scene& scene);
+std::optional<Resolution> resolve_unmeasured(const Scene& scene);
 
 /// The next step to try. @param error of the last one. Nothing where no step helps
-std::optional<ResolvedScene> with_shorter_step(ResolvedScene missed, double error) noexcept;
+std::optional<Resolution> with_shorter_step(Resolution missed, double error) noexcept;
 
 /// The next step to try where the run has pressed the contacts so far that its step lies beyond the stability limit, which resolve()
 /// refuses. Nothing where it does not. @param peak_overlap of the run's contacts [m]
-std::optional<ResolvedScene> with_stable_step(ResolvedScene tried, const Chain& chain,
-                                              const Eigen::ArrayXd& peak_overlap);
+std::optional<Resolution> with_stable_step(Resolution tried, const Chain& chain,
+                                           const Eigen::ArrayXd& peak_overlap);
 
 /// A run's scene with shorter steps. Follows the run.
 class FinerRun {
 public:
-    /// @param scene resolved @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions. @throws std::bad_alloc
-    FinerRun(const Scene& scene, std::size_t capacity, const std::atomic<bool>* stop,
+    /// @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions. @throws std::bad_alloc
+    FinerRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
              std::int64_t max_steps = SimulationOptions{}.max_steps);
 
     /// Takes the run's next samples. @returns false when it failed or was stopped
@@ -50,16 +48,13 @@ public:
     bool convinces(double accuracy) const noexcept;
 
 private:
-    Scene scene_;
-    std::unique_ptr<const Chain> chain_;
-    std::unique_ptr<Solver> solver_;
-    Samples block_;
+    JudgedRun run_;
     OutputErrors errors_;
     std::size_t compared_ = 0;  // samples
 };
 
 /// The error of a run that nobody has taken yet: it is simulated, too. As far as is affordable, some seconds of a processor's time.
 /// @param stop ends it within a few steps. @throws std::bad_alloc
-ErrorEstimate estimate_of_run(const Scene& scene, double run_s, const std::atomic<bool>* stop);
+ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop);
 
 }  // namespace hertzline

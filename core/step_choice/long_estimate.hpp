@@ -3,7 +3,6 @@
 // sums are kept, so that the stretch is bounded by time and not by memory.
 
 #include <atomic>
-#include <memory>
 
 #include "core/step_choice/output_errors.hpp"
 #include "core/step_choice/pilot.hpp"
@@ -15,9 +14,9 @@ namespace hertzline {
 /// Simulates a scene three times side by side: with the step in use, and with two references as ReferencePilot has them.
 class LongEstimate {
 public:
-    /// @param scene resolved, at most pilot_spheres long @param accuracy that its references are good enough to judge
+    /// @param scene at most pilot_spheres long @param accuracy that its references are good enough to judge
     /// @param stop ends reach() within a few steps, if there is one. @throws std::bad_alloc
-    LongEstimate(const Scene& scene, double accuracy, const std::atomic<bool>* stop);
+    LongEstimate(const ResolvedScene& scene, double accuracy, const std::atomic<bool>* stop);
 
     /// The longest stretch that is affordable: some seconds of a processor's time for each of the three [s].
     double longest_s() const noexcept { return longest_s_; }
@@ -31,19 +30,10 @@ public:
     SeenMotion seen() noexcept;
 
 private:
-    /// A simulation of the scene with a step of its own.
-    struct Run {
-        Run(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
-        Scene scene;
-        Chain chain;
-        std::unique_ptr<Solver> solver;
-        Samples block;
-    };
-
     double sample_rate_hz_;
     double reference_step_s_;
     double longest_s_;
-    Run used_, reference_, finer_;
+    JudgedRun used_, reference_, finer_;
     EventRate event_rate_;
     OutputErrors errors_;      // of the step in use
     OutputErrors own_errors_;  // of the finer reference

@@ -3,9 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 
 #include "core/samples.hpp"
+#include "core/simulation.hpp"
 #include "core/step_choice/pilot.hpp"
 
 namespace hertzline {
@@ -13,6 +17,28 @@ namespace hertzline {
 /// What a run is judged by.
 inline constexpr TapSet judged_outputs =
     TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre | Tap::v_face | Tap::p_axis;
+
+/// A simulation of the judged outputs, and its present block.
+struct JudgedRun {
+    /// @param capacity of the block @param stop, max_steps as of SimulationOptions. @throws std::bad_alloc
+    JudgedRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
+              std::int64_t max_steps = SimulationOptions{}.max_steps)
+        : simulation(
+              scene,
+              {.taps = judged_outputs, .ledger = LedgerKeeping::off, .stop = stop, .max_steps = max_steps}),
+          block(simulation.make_samples(capacity)) {}
+
+    /// Takes the next samples into the block. @returns false when the simulation failed or was stopped
+    bool advance(std::size_t count) noexcept { return simulation.advance(block, count) == Status::running; }
+    /// Error of the fit of a modal plate's response, which all steps share [relative].
+    double fit_error() const noexcept {
+        const auto& plate = simulation.chain().end.plate;
+        return plate ? plate->fit_error() : 0;
+    }
+
+    Simulation simulation;
+    Samples block;
+};
 
 /// Sums of squares of each output's differences.
 class OutputErrors {

@@ -24,12 +24,14 @@ std::vector<PilotOutput> outputs_of(const EndModel& end) {
                          : std::vector<PilotOutput>{};
 }
 
-TapSet taps_of_pilot(const std::vector<PilotOutput>& outputs) noexcept {
-    TapSet taps = Tap::v_chain;
-    for (const PilotOutput& output : outputs) {
-        taps |= output.tap;
-    }
-    return taps;
+SimulationOptions options_of_pilots(const Scene& scene, const std::atomic<bool>* stop) {
+    const double bodies = static_cast<double>(scene.chain.spheres) + 1;
+    const bool lumped = provides(scene.end, Requires::lumped_plate);
+    return {.taps = TapSet(Tap::v_chain) | (lumped ? TapSet(Tap::v_plate) | Tap::v_out
+                                                   : TapSet(Tap::v_centre) | Tap::v_face | Tap::p_axis),
+            .ledger = LedgerKeeping::off,
+            .stop = stop,
+            .max_steps = static_cast<std::int64_t>(far_too_many_body_steps / bodies)};
 }
 
 }  // namespace
@@ -45,27 +47,19 @@ Scene never_at_rest(Scene scene) {
     return scene;
 }
 
-Pilot::Pilot(Scene scene, Integrator integrator, double step_s, const std::atomic<bool>* stop)
-    : scene_(with_step(std::move(scene), integrator, step_s)),
-      chain_(std::make_unique<const Chain>(scene_)),
-      outputs_(outputs_of(chain_->end)),
-      taps_(taps_of_pilot(outputs_)),
-      solver_(make_solver(scene_, *chain_,
-                          {.taps = taps_,
-                           .ledger = LedgerKeeping::off,
-                           .stop = stop,
-                           .max_steps = static_cast<std::int64_t>(far_too_many_body_steps /
-                                                                  static_cast<double>(chain_->bodies()))})),
-      block_(taps_, static_cast<std::size_t>(chain_->spheres()), pilot_block),
-      spheres_(static_cast<std::size_t>(chain_->spheres())),
+Pilot::Pilot(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop)
+    : simulation_(with_step(scene, integrator, step_s), options_of_pilots(scene, stop)),
+      outputs_(outputs_of(simulation_.chain().end)),
+      block_(simulation_.make_samples(pilot_block)),
+      spheres_(block_.spheres()),
       columns_(spheres_ + outputs_.size()),
-      event_rate_(scene_.drive) {}
+      event_rate_(scene.drive) {}
 
 void Pilot::run_to(std::size_t samples) {
     velocities_.reserve(samples * columns_);
     while (stable_ && this->samples() < samples) {
         const std::size_t wanted = std::min(pilot_block, samples - this->samples());
-        stable_ = solver_->fill(block_, wanted, taps_) == Status::running;
+        stable_ = simulation_.advance(block_, wanted) == Status::running;
         const std::size_t before = velocities_.size();
         velocities_.resize(before + block_.count * columns_);
         auto out = velocities_.begin() + static_cast<std::ptrdiff_t>(before);
@@ -75,8 +69,8 @@ void Pilot::run_to(std::size_t samples) {
                 *out++ = output.scale * block_[output.tap][i];
             }
         }
-        event_rate_.note(static_cast<double>(solver_->next_sample()) / sample_rate_hz(),
-                         solver_->contact_events());
+        event_rate_.note(static_cast<double>(simulation_.next_sample()) / sample_rate_hz(),
+                         simulation_.contact_events());
     }
 }
 

@@ -4,14 +4,13 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
-#include "core/solvers/solver.hpp"
+#include "core/simulation.hpp"
 #include "core/step_choice/seen_motion.hpp"
 
 namespace hertzline {
@@ -39,34 +38,31 @@ class Pilot {
 public:
     /// One that takes far too many steps fails. @param stop as of SimulationOptions: a pilot that was stopped has failed
     /// @throws std::bad_alloc
-    Pilot(Scene scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
+    Pilot(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
 
     /// Goes on until there are so many samples, or the integration fails. @throws std::bad_alloc
     void run_to(std::size_t samples);
 
     bool stable() const noexcept { return stable_; }
     std::size_t samples() const noexcept { return velocities_.size() / columns_; }
-    double sample_rate_hz() const noexcept { return scene_.output.sample_rate_hz; }
-    std::int64_t steps() { return solver_->state().step; }
+    double sample_rate_hz() const noexcept { return simulation_.scene().output.sample_rate_hz; }
+    std::int64_t steps() const { return simulation_.steps(); }
     /// Largest overlap of each contact so far [m].
-    Eigen::ArrayXd peak_overlap() { return solver_->state().peak_overlap; }
+    Eigen::ArrayXd peak_overlap() { return simulation_.state().peak_overlap; }
 
     /// What it has seen so far. @param error estimated, of its step
-    SeenMotion seen(double error) { return seen_motion(extent_of(*solver_, *chain_), event_rate_, error); }
+    SeenMotion seen(double error) { return seen_motion(simulation_.extremes(), event_rate_, error); }
 
     std::size_t spheres() const noexcept { return spheres_; }
     std::size_t columns() const noexcept { return columns_; }
     /// Whether it has the paper's plate, whose output jumps.
-    bool has_plate() const noexcept { return chain_->end.has_plate; }
+    bool has_plate() const noexcept { return simulation_.chain().end.has_plate; }
     /// The velocities at a sample [m/s]: the spheres', the plate's, the outputs.
     const double* row(std::size_t sample) const noexcept { return velocities_.data() + sample * columns_; }
 
 private:
-    Scene scene_;
-    std::unique_ptr<const Chain> chain_;
+    Simulation simulation_;
     std::vector<PilotOutput> outputs_;
-    TapSet taps_;
-    std::unique_ptr<Solver> solver_;
     Samples block_;
     std::size_t spheres_;
     std::size_t columns_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "core/model/end.hpp"
 #include "core/scene/scene_words.hpp"
@@ -28,12 +29,23 @@ ReferencePilot reference_for(const Scene& scene, const std::atomic<bool>* stop) 
 }
 
 /// A given step asks for no accuracy, of a long chain pilots see the first spheres only, and an error that is large grows no more.
-bool worth_estimating_longer(const ResolvedScene& resolved) noexcept {
+bool worth_estimating_longer(const Resolution& resolved) noexcept {
     return resolved.estimate_ends_early() && !resolved.step_set_by_scene &&
            resolved.scene.chain.spheres <= pilot_spheres && resolved.estimate->error < chaotic_error;
 }
 
 }  // namespace
+
+Resolution::operator ResolvedScene() const {
+    if (!faults.empty()) {
+        std::string all = "the scene cannot be simulated";
+        for (const Fault& fault : faults) {
+            all += '\n' + fault.message();
+        }
+        throw std::invalid_argument(all);
+    }
+    return scene;
+}
 
 IntegratorChoice integrator_choice(const Scene& scene) noexcept {
     if (scene.numerics.integrator) {
@@ -70,11 +82,14 @@ StepAdvice advise_step(const Scene& asked) {
     return advise(scene, reference_for(scene, nullptr)).advice;
 }
 
-ResolvedScene resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop) {
-    ResolvedScene result;
+Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop) {
+    Resolution result;
     result.run_s = run_s;
     result.scene = asked;
-    result.faults = plate_faults(asked);
+    result.faults = validate(asked);
+    if (result.faults.empty()) {
+        result.faults = plate_faults(asked);
+    }
     if (!result.faults.empty()) {
         return result;
     }
@@ -125,7 +140,7 @@ ResolvedScene resolve(const Scene& asked, std::optional<double> run_s, const std
     return result;
 }
 
-ResolvedScene resolve(const Scene& scene, const std::atomic<bool>* stop) {
+Resolution resolve(const Scene& scene, const std::atomic<bool>* stop) {
     return resolve(scene, scene.output.duration_s, stop);
 }
 

@@ -43,9 +43,12 @@ double pole_error(const Scene& scene);
 /// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
 StepAdvice advise_step(const Scene& scene);
 
-/// A valid scene with integrator and step settled and what is to be expected of them, or what is wrong with its step.
-struct ResolvedScene {
-    Scene scene;  ///< numerics.integrator and step_s set, accuracy unset
+/// A scene with integrator and step, and the error to be expected of them; or the scene's faults.
+struct Resolution {
+    /// For a Simulation. @throws std::invalid_argument with every fault, a line each
+    operator ResolvedScene() const;
+
+    Scene scene;  ///< without faults: numerics.integrator and step_s set, accuracy unset
     IntegratorReason integrator_reason = IntegratorReason::set_by_scene;
     bool step_set_by_scene = false;
     StepAdvice advice;
@@ -57,7 +60,7 @@ struct ResolvedScene {
     std::optional<double> run_s;  ///< over which the error was to be estimated
     SeenMotion seen;              ///< by the pilot of the estimate, if there is one
     double steps_per_burst = 0;   ///< to be expected: steps, or pieces of a series
-    std::vector<Fault> faults;    ///< of the step, the plate or the rest tolerance
+    std::vector<Fault> faults;    ///< of the values, the step, the plate or the rest tolerance
 
     /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none.
     bool misses_accuracy() const noexcept {
@@ -75,9 +78,8 @@ struct ResolvedScene {
 
 /// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch
 /// @param stop ends the estimate of a long run within a few steps: it then ends early. @throws std::bad_alloc
-ResolvedScene resolve(const Scene& scene, std::optional<double> run_s,
-                      const std::atomic<bool>* stop = nullptr);
+Resolution resolve(const Scene& scene, std::optional<double> run_s, const std::atomic<bool>* stop = nullptr);
 /// Over output.duration_s.
-ResolvedScene resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr);
+Resolution resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr);
 
 }  // namespace hertzline

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "core/scene/scene.hpp"
-#include "core/solvers/extent.hpp"
+#include "core/simulation.hpp"
 
 namespace hertzline {
 
@@ -57,13 +57,13 @@ private:
 
 /// The motion that pilots have seen.
 struct SeenMotion {
-    double largest_press_m = 0;  ///< as in MotionExtent
+    double largest_press_m = 0;  ///< as in MotionExtremes
     double last_press_m = 0;
     double events_per_s = 0;     ///< contact events, the largest EventRate
     double energy_residual = 0;  ///< the largest that is in keeping with the estimated error
 
     /// @param rate that has noted `now` @returns whether the motion is beyond it by more than the margin
-    bool left_by(const MotionExtent& now, const EventRate& rate) const noexcept {
+    bool left_by(const MotionExtremes& now, const EventRate& rate) const noexcept {
         return now.largest_press_m > seen_margin * largest_press_m ||
                now.last_press_m > seen_margin * last_press_m || rate.exceeds(events_per_s) ||
                now.energy_residual > seen_margin * energy_residual;
@@ -71,8 +71,8 @@ struct SeenMotion {
 };
 
 /// What a pilot has seen whose step is estimated to err by so much.
-inline SeenMotion seen_motion(const MotionExtent& extent, const EventRate& rate, double error) noexcept {
-    return {extent.largest_press_m, extent.last_press_m, rate.largest(), residual_in_keeping_with(error)};
+inline SeenMotion seen_motion(const MotionExtremes& motion, const EventRate& rate, double error) noexcept {
+    return {motion.largest_press_m, motion.last_press_m, rate.largest(), residual_in_keeping_with(error)};
 }
 
 }  // namespace hertzline

@@ -38,8 +38,8 @@ hertzline::Scene read_scene(const std::string& path) {
 }
 
 void run(const hertzline::Scene& scene) {
-    // Chooses the integrator and the step where the scene leaves them open. Taps that are not asked for are not computed.
-    hertzline::Simulation simulation(scene, {.taps = hertzline::Tap::v_out});
+    // resolve() chooses the integrator and the step where the scene leaves them open. Taps that are not asked for are not computed.
+    hertzline::Simulation simulation(hertzline::resolve(scene), {.taps = hertzline::Tap::v_out});
     hertzline::Samples block = simulation.make_samples(1024);
 
     const double rate = scene.output.sample_rate_hz;

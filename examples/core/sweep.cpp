@@ -13,7 +13,7 @@ namespace {
 
 /// Root mean square of v_out over the scene's duration [m/s].
 double output_rms(const hertzline::Scene& scene) {
-    hertzline::Simulation simulation(scene, {.taps = hertzline::Tap::v_out});
+    hertzline::Simulation simulation(hertzline::resolve(scene), {.taps = hertzline::Tap::v_out});
     const auto samples =
         static_cast<std::size_t>(std::llround(scene.output.duration_s * scene.output.sample_rate_hz));
     // A short run fits into one block.

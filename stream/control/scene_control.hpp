@@ -26,7 +26,7 @@ inline constexpr const char* preparing_thread_name = "preparing";
 /// An epoch that a change begins, as whoever sends its samples needs it.
 struct EpochOfChange {
     SceneChange change;
-    ResolvedScene resolved;
+    Resolution resolved;
     std::vector<std::string> warnings;  ///< of its contacts
 };
 
@@ -83,7 +83,7 @@ private:
         std::vector<Request> requests;
 
         std::vector<Fault> faults;
-        ResolvedScene resolved;
+        Resolution resolved;
         std::vector<std::string> warnings;
         std::unique_ptr<NextSimulation> next;
         std::atomic<bool> ready{false};

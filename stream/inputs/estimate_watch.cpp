@@ -17,7 +17,7 @@ constexpr int least_priority = 19;
 
 }  // namespace
 
-EstimateWatch::EstimateWatch(const ResolvedScene& resolved) noexcept
+EstimateWatch::EstimateWatch(const Resolution& resolved) noexcept
     : resolved_(resolved),
       estimate_(resolved.estimate),
       seen_(resolved.seen),
@@ -73,7 +73,7 @@ EstimateWatch::News EstimateWatch::news_of_estimate() {
     return news;
 }
 
-EstimateWatch::News EstimateWatch::look(const MotionExtent& now) {
+EstimateWatch::News EstimateWatch::look(const MotionExtremes& now) {
     event_rate_.note(now.time_s, now.contact_events);
     if (!watching_) {
         return {};
@@ -99,7 +99,7 @@ EstimateWatch::News EstimateWatch::look(const MotionExtent& now) {
     return given_up(now.time_s);
 }
 
-EstimateWatch::News EstimateWatch::finish(const MotionExtent& now) {
+EstimateWatch::News EstimateWatch::finish(const MotionExtremes& now) {
     News news;
     if (estimating() && ready_.load(std::memory_order_acquire)) {
         news = look(now);

@@ -26,16 +26,16 @@ public:
     };
 
     /// @param resolved outlives the watch
-    explicit EstimateWatch(const ResolvedScene& resolved) noexcept;
+    explicit EstimateWatch(const Resolution& resolved) noexcept;
     /// Ends the thread within a few steps of the integrators.
     ~EstimateWatch();
     EstimateWatch(const EstimateWatch&) = delete;
     EstimateWatch& operator=(const EstimateWatch&) = delete;
 
     /// How far the motion has gone; now and then, as ten times a second.
-    News look(const MotionExtent& now);
+    News look(const MotionExtremes& now);
     /// The same for the last time: an estimate that is being made is given up.
-    News finish(const MotionExtent& now);
+    News finish(const MotionExtremes& now);
 
     /// Whether look() can have news: there is an estimate, of a chain that pilots simulate whole.
     bool watching() const noexcept { return watching_; }
@@ -52,7 +52,7 @@ private:
     News news_of_estimate();
     News given_up(double time_s);
 
-    const ResolvedScene& resolved_;
+    const Resolution& resolved_;
     std::optional<ErrorEstimate> estimate_;
     SeenMotion seen_;
     EventRate event_rate_;

@@ -8,7 +8,7 @@
 
 #include "core/model/bursts.hpp"
 #include "core/samples.hpp"
-#include "core/solvers/extent.hpp"
+#include "core/simulation.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::stream {
@@ -67,7 +67,7 @@ public:
     virtual SourceAccount account() const noexcept { return {}; }
 
     /// How far the motion has gone; all 0 where it is not known. Not cheap.
-    virtual MotionExtent motion() noexcept { return {}; }
+    virtual MotionExtremes motion() noexcept { return {}; }
 
     /// What went wrong, for a human; empty when nothing did.
     virtual std::string failure() const { return {}; }

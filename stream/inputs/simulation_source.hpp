@@ -25,7 +25,7 @@ public:
     Epoch epoch() const noexcept override { return epoch_; }
     std::int64_t next_sample() const noexcept override { return now().next_sample(); }
     SourceAccount account() const noexcept override;
-    MotionExtent motion() noexcept override { return current_->simulation.extent(); }
+    MotionExtremes motion() noexcept override { return current_->simulation.extremes(); }
     std::string failure() const override { return now().failure(); }
 
     /// Where scenes that are to follow are offered. A simulation of them is made with options(); its stream has the same format but

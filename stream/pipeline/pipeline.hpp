@@ -34,7 +34,7 @@ struct StreamEvents {
     /// Before the first frame of another epoch, if set: members of meta that have changed.
     std::function<Json(const Epoch&)> epoch_begins = {};
     /// About ten times a second, if set: members of meta that have changed, or nothing.
-    std::function<Json(const MotionExtent&)> watch = {};
+    std::function<Json(const MotionExtremes&)> watch = {};
     std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
 };
 

@@ -44,8 +44,8 @@ struct Block {
     std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
     std::uint64_t dropped = 0;  ///< of the run, before this one
     SourceAccount account;
-    MotionExtent motion;  ///< when it was last asked for, but in this epoch
-    Epoch epoch;          ///< of all its samples
+    MotionExtremes motion;  ///< when it was last asked for, but in this epoch
+    Epoch epoch;            ///< of all its samples
 
     Samples& samples() noexcept { return chain != nullptr ? *chain : small; }
     const Samples& samples() const noexcept { return chain != nullptr ? *chain : small; }
@@ -121,7 +121,7 @@ private:
     std::int64_t end_;
     OnOverrun on_overrun_;
     std::size_t refill_;
-    MotionExtent last_motion_;
+    MotionExtremes last_motion_;
     std::int64_t epoch_seen_ = 0;  // the simulating thread's, as last_motion_
     RingBuffer<Block> ring_;
     // Used in turn, by the blocks that hold taps of every sphere.

@@ -34,7 +34,7 @@ struct StreamMeters {
     double load = 0;             ///< part of the wall time that the simulating thread worked
     double ring_fill = 0;        ///< 0 empty (no reserve) to 1 full (all reserve)
     double ring_high_water = 0;  ///< the largest so far
-    MotionExtent motion;         ///< some tenths of a second ago
+    MotionExtremes motion;       ///< some tenths of a second ago
     SourceAccount account;
     std::array<TopicCount, 2 * tap_count> topics{};  ///< raw and np of each tap
 

@@ -40,7 +40,7 @@ void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::vector
                    [](double value) { return static_cast<float>(value); });
 }
 
-PointStatus status_of(const ResolvedScene& resolved) {
+PointStatus status_of(const Resolution& resolved) {
     if (resolved.may_miss_accuracy()) {
         return PointStatus::inaccurate;
     }
@@ -116,7 +116,7 @@ measures::SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sampl
     return *analyser_;
 }
 
-PointRunner::Attempt PointRunner::make_attempt(ResolvedScene resolved) const {
+PointRunner::Attempt PointRunner::make_attempt(Resolution resolved) const {
     const Scene& scene = resolved.scene;
     const TapSet measured = measured_of(scene, demand_.measured);
     const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, demand_));
@@ -144,7 +144,7 @@ bool PointRunner::simulate(Attempt& attempt, PointResult& result) {
 /// With a step that pilots have found; nothing when that was refused or has failed.
 std::optional<PointRunner::Attempt> PointRunner::attempt_with_pilots(const Scene& scene,
                                                                      PointResult& result) {
-    ResolvedScene resolved = resolve(scene, &stop_);
+    Resolution resolved = resolve(scene, &stop_);
     if (!resolved.faults.empty()) {
         result.status = PointStatus::refused;
         result.message = joined(resolved.faults);
@@ -162,7 +162,7 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_with_pilots(const Scene
 
 /// Without pilots; nothing when they have to find a step.
 std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene& scene, PointResult& result) {
-    std::optional<ResolvedScene> resolved = resolve_unmeasured(scene);
+    std::optional<Resolution> resolved = resolve_unmeasured(scene);
     for (int tries = 1; resolved && tries <= max_tries && !stop_; ++tries) {
         const double accuracy = resolved->advice.accuracy;
         std::optional<Attempt> attempt = make_attempt(*std::move(resolved));
@@ -187,12 +187,12 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene&
 }
 
 /// Pilots estimate the error of one point of a hundred, too, drawn by its number. The larger estimate holds.
-void PointRunner::check(std::int64_t point, ResolvedScene& resolved) const {
+void PointRunner::check(std::int64_t point, Resolution& resolved) const {
     constexpr std::uint64_t one_of = 100;
     if (std::mt19937_64(static_cast<std::uint64_t>(point))() % one_of != 0) {
         return;
     }
-    const ResolvedScene measured = resolve(resolved.scene, &stop_);
+    const Resolution measured = resolve(resolved.scene, &stop_);
     if (measured.estimate && measured.estimate->error > resolved.estimate->error) {
         resolved.estimate = measured.estimate;
     }

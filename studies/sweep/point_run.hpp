@@ -47,7 +47,7 @@ private:
     PointResult row(std::int64_t point) const;
     /// A simulation of a point with some step.
     struct Attempt {
-        ResolvedScene resolved;
+        Resolution resolved;
         Simulation simulation;
         measures::RunRecord record;
         std::optional<FinerRun> finer;  ///< unless pilots have chosen the step
@@ -56,8 +56,8 @@ private:
     bool try_run(const Scene& scene, PointResult& result);
     std::optional<Attempt> attempt_with_pilots(const Scene& scene, PointResult& result);
     std::optional<Attempt> attempt_unmeasured(const Scene& scene, PointResult& result);
-    void check(std::int64_t point, ResolvedScene& resolved) const;
-    Attempt make_attempt(ResolvedScene resolved) const;
+    void check(std::int64_t point, Resolution& resolved) const;
+    Attempt make_attempt(Resolution resolved) const;
     bool simulate(Attempt& attempt, PointResult& result);
     void measure(Attempt& attempt, PointResult& result);
     measures::SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);

@@ -138,7 +138,7 @@ Truth independent_truth_of(const Scene& scene, const std::string& file) {
 Judgement judged(const Scene& asked, const Truth& truth, double accuracy) {
     Scene scene = asked;
     scene.numerics.accuracy = accuracy;
-    const ResolvedScene resolved = resolve(scene);
+    const Resolution resolved = resolve(scene);
     if (!resolved.faults.empty()) {
         throw std::runtime_error(resolved.faults.front().message());
     }
@@ -153,7 +153,7 @@ Judgement judged(const Scene& asked, const Truth& truth, double accuracy) {
 Judgement judged_by_finer_run(const Scene& asked, const Truth& truth, double accuracy) {
     Scene scene = asked;
     scene.numerics.accuracy = accuracy;
-    std::optional<ResolvedScene> resolved = resolve_unmeasured(scene);
+    std::optional<Resolution> resolved = resolve_unmeasured(scene);
     for (int tries = 1; resolved && tries <= max_tries; ++tries) {
         std::optional<FinerRun> finer;
         const Outputs outputs = outputs_of(resolved->scene, [&](const Samples& block) {

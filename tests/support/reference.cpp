@@ -132,7 +132,7 @@ double relative_l2(std::span<const double> a, std::span<const double> b) {
 }
 
 Comparison compare_with_reference(const Scene& scene, const Reference& reference) {
-    const ResolvedScene settled = resolve(scene);
+    const Resolution settled = resolve(scene);
     if (!settled.faults.empty()) {
         throw std::runtime_error(settled.faults.front().key + ": " + settled.faults.front().allowed);
     }

@@ -14,7 +14,7 @@ inline constexpr TapSet everything = all_taps;
 
 /// The scene with its step settled. Throws if it cannot be.
 inline Scene settled(const Scene& scene) {
-    ResolvedScene result = resolve(scene);
+    Resolution result = resolve(scene);
     if (!result.faults.empty()) {
         throw std::runtime_error(result.faults.front().key + " " + result.faults.front().allowed);
     }

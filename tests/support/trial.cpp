@@ -117,7 +117,7 @@ Trial tried(const Scene& asked) {
             return trial;
         }
     } else {
-        const ResolvedScene result = resolve(asked);
+        const Resolution result = resolve(asked);
         scene = result.scene;
         if (!result.faults.empty()) {
             trial.outcome = Outcome::refused;

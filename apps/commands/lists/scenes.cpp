@@ -44,7 +44,7 @@ void list_scenes(Format format) {
 }
 
 /// A scene file that says what its step is good for.
-std::string annotated_toml(const ResolvedScene& resolved, const SceneRequest& request) {
+std::string annotated_toml(const Resolution& resolved, const SceneRequest& request) {
     return fmt::format("# {} with every default resolved; step_s was {}: estimated relative error {}\n\n{}",
                        printable(request.scene),
                        resolved.step_set_by_scene ? "given" : "chosen by the program",
@@ -60,7 +60,7 @@ Exit scenes(const ScenesOptions& options) {
         list_scenes(options.format);
         return Exit::done;
     }
-    const ResolvedScene resolved = resolved_scene(options.scene);
+    const Resolution resolved = resolved_scene(options.scene);
     print(options.format == Format::json ? json_text(scene_json(resolved.scene)) + '\n'
                                          : annotated_toml(resolved, options.scene));
     return Exit::done;

@@ -164,7 +164,7 @@ Exit run(const RunOptions& options) {
     faults.of([&] { measured = tap_arguments("--measure", options.measures, there & measurable_taps); });
     faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.refuse();
-    const ResolvedScene& resolved = sound->resolved;
+    const Resolution& resolved = sound->resolved;
     const Scene& scene = resolved.scene;
     measured |= there & measured_unasked;
     const TapSet recorded = asked_taps(options, columns, beside, scene.end);

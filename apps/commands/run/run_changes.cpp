@@ -48,7 +48,7 @@ Scene resolved_step(const Scene& scene, const std::string& hash, const std::stri
     if (scene.numerics.integrator && scene.numerics.step_s && !hash.empty() && scene_hash(scene) == hash) {
         return scene;
     }
-    ResolvedScene resolved = hertzline::resolve(scene, std::nullopt);
+    Resolution resolved = hertzline::resolve(scene, std::nullopt);
     if (!resolved.faults.empty()) {
         refuse(where, resolved.faults);
     }

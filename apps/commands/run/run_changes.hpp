@@ -14,7 +14,7 @@ namespace hertzline::app {
 
 /// A scene and the changes that it went through.
 struct Session {
-    ResolvedScene resolved;  ///< the first scene
+    Resolution resolved;  ///< the first scene
     std::vector<stream::SceneChange> changes;
     std::vector<measures::SceneStep> steps;  ///< the scenes of the changes
 };

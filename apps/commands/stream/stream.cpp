@@ -88,7 +88,7 @@ void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
 struct CheckedArguments {
     std::optional<stream::CurveServer> curve;
     std::optional<stream::CurveServer> control_curve;
-    ResolvedScene resolved;
+    Resolution resolved;
     TapSet recorded;
 };
 

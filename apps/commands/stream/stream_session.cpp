@@ -12,12 +12,12 @@
 
 namespace hertzline::app {
 
-Json provenance_of_stream(const ResolvedScene& resolved, const std::string& run) {
+Json provenance_of_stream(const Resolution& resolved, const std::string& run) {
     return measures::provenance_json(
         {resolved.scene, resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), run});
 }
 
-StreamSession::StreamSession(const std::string& name, ResolvedScene resolved, Json about,
+StreamSession::StreamSession(const std::string& name, Resolution resolved, Json about,
                              recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control)
     : name_(printable(name)),
       now_(std::make_unique<SceneNow>(std::move(resolved))),
@@ -85,7 +85,7 @@ PublishedSource StreamSession::callbacks() {
     };
     // unset where it could say nothing: looking costs a pass over the chain
     if (now_->estimate.watching() || control_ != nullptr) {
-        source.watch = [this](const MotionExtent& motion) { return told(now_->estimate.look(motion)); };
+        source.watch = [this](const MotionExtremes& motion) { return told(now_->estimate.look(motion)); };
     }
     if (control_ != nullptr) {
         source.epoch_begins = [this](const Epoch& epoch) { return begin(epoch); };

@@ -15,14 +15,14 @@
 namespace hertzline::app {
 
 /// Provenance of a run that begins now.
-Json provenance_of_stream(const ResolvedScene& resolved, const std::string& run);
+Json provenance_of_stream(const Resolution& resolved, const std::string& run);
 
 /// For the sending thread. What it is made of outlives it.
 class StreamSession {
 public:
     /// @param name the scene's, as the user gave it @param about provenance_of_stream() of the first scene
     /// @param control null: nobody controls
-    StreamSession(const std::string& name, ResolvedScene resolved, Json about,
+    StreamSession(const std::string& name, Resolution resolved, Json about,
                   recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control);
 
     /// Sees to all of it.
@@ -31,8 +31,8 @@ public:
 private:
     /// The scene whose samples are being sent, and the estimate of its error.
     struct SceneNow {
-        explicit SceneNow(ResolvedScene is) : resolved(std::move(is)), estimate(resolved) {}
-        ResolvedScene resolved;
+        explicit SceneNow(Resolution is) : resolved(std::move(is)), estimate(resolved) {}
+        Resolution resolved;
         stream::EstimateWatch estimate;
     };
 

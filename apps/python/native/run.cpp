@@ -66,7 +66,7 @@ double memory_of(const Scene& scene, const RunRequest& request) {
 
 /// Simulates, and makes the summary as `hertzline run` does. Needs no GIL.
 /// @throws std::runtime_error when the integration fails
-void simulate(const ResolvedScene& resolved, const RunRequest& request, const std::atomic<bool>& stop,
+void simulate(const Resolution& resolved, const RunRequest& request, const std::atomic<bool>& stop,
               RunResult& result) {
     const Clock::time_point start = Clock::now();
     const Scene& scene = resolved.scene;
@@ -113,7 +113,7 @@ void simulate(const ResolvedScene& resolved, const RunRequest& request, const st
 std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vector<std::string>>& taps,
                                const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
     const RunRequest request = checked(object.scene(), taps, measure, band_from_hz);
-    const std::shared_ptr<const ResolvedScene> resolved = object.resolved();
+    const std::shared_ptr<const Resolution> resolved = object.resolved();
     require_memory("simulating " + object.origin(), memory_of(resolved->scene, request));
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = resolved->scene.output.sample_rate_hz;

@@ -41,7 +41,7 @@ std::string unknown_scene(const std::string& name) {
 }
 
 py::object check(SceneObject& object) {
-    const std::shared_ptr<const ResolvedScene> resolved = object.resolved();
+    const std::shared_ptr<const Resolution> resolved = object.resolved();
     const Scene& scene = resolved->scene;
     std::vector<measures::ReportRow> report;
     std::vector<std::string> warnings = measures::scene_warnings(*resolved);
@@ -59,10 +59,10 @@ py::object check(SceneObject& object) {
 
 }  // namespace
 
-std::shared_ptr<const ResolvedScene> SceneObject::resolved() {
+std::shared_ptr<const Resolution> SceneObject::resolved() {
     if (!resolved_) {
         require_memory("simulating " + origin(), Simulation::memory_bytes(scene(), {}));
-        std::optional<ResolvedScene> found;
+        std::optional<Resolution> found;
         interruptible([&](const std::atomic<bool>& stop) { found = hertzline::resolve(scene(), &stop); });
         if (!found->faults.empty()) {
             for (Fault& fault : found->faults) {
@@ -70,7 +70,7 @@ std::shared_ptr<const ResolvedScene> SceneObject::resolved() {
             }
             throw py::value_error(fault_text(found->faults));
         }
-        resolved_ = std::make_shared<const ResolvedScene>(*std::move(found));
+        resolved_ = std::make_shared<const Resolution>(*std::move(found));
     }
     return resolved_;
 }

@@ -22,11 +22,11 @@ public:
 
     /// With integrator and step settled, which takes as long as a few milliseconds of simulation. Needs the GIL, and gives it away
     /// meanwhile. @throws py::value_error with every fault; py::error_already_set: MemoryError, KeyboardInterrupt
-    std::shared_ptr<const ResolvedScene> resolved();
+    std::shared_ptr<const Resolution> resolved();
 
 private:
     ParsedScene parsed_;
-    std::shared_ptr<const ResolvedScene> resolved_;  // nullptr: not yet
+    std::shared_ptr<const Resolution> resolved_;  // nullptr: not yet
 };
 
 void add_scene(pybind11::module_& module);

@@ -256,7 +256,7 @@ TEST_P(DampedChain, MovesAsTinyStepsSay) {
     for (const double accuracy : {1e-3, 1e-4, 1e-6}) {
         Scene scene = GetParam().scene;
         scene.numerics.accuracy = accuracy;
-        const ResolvedScene resolved = resolve(scene);
+        const Resolution resolved = resolve(scene);
         ASSERT_TRUE(resolved.estimate.has_value());
         const double found = error(resolved.scene, exact);
         EXPECT_LE(found, accuracy);

@@ -29,7 +29,7 @@ class EveryWetReference : public ::testing::TestWithParam<Wet> {
 protected:
     /// The largest relative L2 error of the four columns.
     static double error_of(const Scene& scene, const Columns& reference) {
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         EXPECT_TRUE(settled.faults.empty());
         Simulation simulation(settled.scene, {.taps = outputs});
         const std::size_t rows = reference.at("t_s").size();
@@ -59,7 +59,7 @@ TEST_P(EveryWetReference, TheLedgerCloses) {
     Scene scene = GetParam().scene;
     for (const double accuracy : {1e-4, 1e-8}) {
         scene.numerics.accuracy = accuracy;
-        Simulation simulation(scene, {.taps = outputs});
+        Simulation simulation(resolve(scene), {.taps = outputs});
         whole_run(simulation, 5001);
         const Ledger ledger = simulation.ledger();
         EXPECT_LE(simulation.energy_residual(), accuracy) << accuracy;
@@ -78,7 +78,7 @@ TEST_P(EveryWetReference, TheLedgerCloses) {
 TEST(ModalPlate, StaysAtRestUnderItsPreload) {
     Scene scene = modal_scene();
     scene.drive.amplitude_m = 0;
-    Simulation simulation(scene, {.taps = outputs});
+    Simulation simulation(resolve(scene), {.taps = outputs});
     const Samples samples = whole_run(simulation, 2000);
     for (const Tap tap : {Tap::v_last, Tap::v_centre, Tap::v_face, Tap::p_axis}) {
         for (const double value : samples[tap]) {
@@ -89,7 +89,7 @@ TEST(ModalPlate, StaysAtRestUnderItsPreload) {
 
 TEST(ModalPlate, NothingIsHeardBeforeTheSoundHasCome) {
     const Scene scene = modal_scene();
-    Simulation simulation(scene, {.taps = outputs});
+    Simulation simulation(resolve(scene), {.taps = outputs});
     const Samples samples = whole_run(simulation, 2000);
     const double travel = scene.output.hydrophone_m / 1482 * scene.output.sample_rate_hz;
     const auto silent = static_cast<std::size_t>(travel);
@@ -149,7 +149,7 @@ TEST_P(ModalPlateWithLaw, AnswersToItsForceAsTheExactPlateDoes) {
     scene.output.duration_s = 20e-3;
     scene.numerics.accuracy = 1e-7;
     const double rate = scene.output.sample_rate_hz;
-    Simulation simulation(scene, {.taps = outputs});
+    Simulation simulation(resolve(scene), {.taps = outputs});
     const Samples samples = whole_run(simulation, 200001);
     std::vector<double> force(samples[Tap::f_last].begin(), samples[Tap::f_last].end());
     for (double& f : force) {
@@ -176,7 +176,7 @@ TEST(ModalPlate, ThePressureDoesNotHangOnTheSampleRate) {
         Scene scene = modal_scene();
         scene.numerics.accuracy = 1e-5;
         scene.output.sample_rate_hz = rate_hz;
-        Simulation simulation(scene, {.taps = outputs});
+        Simulation simulation(resolve(scene), {.taps = outputs});
         const Samples samples = whole_run(simulation, 2000 * every + 1);
         std::vector<double> values;
         for (std::size_t i = 0; i <= 2000; ++i) {
@@ -196,7 +196,7 @@ TEST(ModalPlate, OneModeInAVacuumIsAMassOnASpring) {
     modal.end.loss_factor = 1e-6;
     modal.medium.load = FluidLoad::none;
     modal.numerics.accuracy = 1e-7;
-    Simulation simulation(modal, {.taps = outputs});
+    Simulation simulation(resolve(modal), {.taps = outputs});
     const PlateMode mode = simulation.chain().end.plate->modes[0];
     Scene lumped;
     lumped.end.stiffness_n_per_m = mode.stiffness_n_per_m;
@@ -208,7 +208,7 @@ TEST(ModalPlate, OneModeInAVacuumIsAMassOnASpring) {
     lumped.materials["disc"] = disc;
     lumped.end.material = "disc";
     lumped.numerics.accuracy = 1e-7;
-    Simulation other(lumped, {.taps = TapSet(Tap::v_last) | Tap::v_plate});
+    Simulation other(resolve(lumped), {.taps = TapSet(Tap::v_last) | Tap::v_plate});
     const Samples a = whole_run(simulation, 5001);
     const Samples b = whole_run(other, 5001);
     EXPECT_LT(relative_l2(a[Tap::v_last], b[Tap::v_last]), 3e-6);  // the loss factor is 1e-6
@@ -220,7 +220,7 @@ TEST(ModalPlate, OneSphereAndNoPreloadWorkToo) {
         Scene scene = modal_scene();
         scene.chain.spheres = 1;
         scene.chain.preload_n = preload;
-        Simulation simulation(scene, {.taps = outputs});
+        Simulation simulation(resolve(scene), {.taps = outputs});
         whole_run(simulation, 5001);
         EXPECT_LE(simulation.energy_residual(), 1e-3) << preload;
     }
@@ -231,7 +231,7 @@ TEST(ModalPlate, APlateThatTheChainLeavesRingsDown) {
     scene.chain.preload_n = 0;
     scene.drive.cycles = 1;
     scene.output.duration_s = 2e-3;
-    Simulation simulation(scene, {.taps = outputs});
+    Simulation simulation(resolve(scene), {.taps = outputs});
     const Samples samples = whole_run(simulation, 20001);
     const auto force = samples[Tap::f_last];
     EXPECT_GT(*std::ranges::max_element(force), 0.1);
@@ -252,7 +252,7 @@ TEST(ModalPlate, LongChainsReachItToo) {
     scene.chain.spheres = 120;
     scene.output.duration_s = 1e-3;
     scene.numerics.accuracy = 1e-5;  // the two take other pieces
-    Simulation tracked(scene, {.taps = outputs});
+    Simulation tracked(resolve(scene), {.taps = outputs});
     Simulation untracked(tracked.scene(), {.taps = outputs, .tracking = WavefrontTracking::off});
     const Samples a = whole_run(tracked, 10001);
     const Samples b = whole_run(untracked, 10001);

@@ -75,7 +75,7 @@ TEST_P(EveryReference, AnAskedForAccuracyIsMetWithinAFactorOfThree) {
 TEST_P(EveryReference, TheEstimatedErrorIsTheTrueOneWithinAFactorOfThree) {
     constexpr double shown_by_references = 5e-9;
     const auto expect_agreement = [&](const Scene& scene) {
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         const Comparison errors = run(settled.scene);
         const double error = std::max({errors.v_last, errors.v_plate, errors.v_out});
         ASSERT_TRUE(settled.estimate.has_value());

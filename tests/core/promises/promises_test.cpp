@@ -215,7 +215,7 @@ TEST(Promises, AdviceDoesNotDependOnTheDuration) {
 TEST(Promises, AnUndampedChainIsSaidToBeChaotic) {
     Scene scene;
     scene.chain.damping_kg_per_s = 0;
-    const ResolvedScene settled = resolve(scene);
+    const Resolution settled = resolve(scene);
     ASSERT_TRUE(settled.estimate.has_value());
     EXPECT_TRUE(settled.misses_accuracy());
     EXPECT_TRUE(settled.estimate->amplifies);

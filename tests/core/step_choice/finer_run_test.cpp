@@ -17,7 +17,7 @@ Scene shipped(std::string_view name) {
 }
 
 /// Of a whole run with that step.
-ErrorEstimate estimate_with(ResolvedScene resolved, double step_s) {
+ErrorEstimate estimate_with(Resolution resolved, double step_s) {
     resolved.scene.numerics.step_s = step_s;
     Simulation simulation(resolved.scene, {.taps = judged_outputs & taps_of(resolved.scene.end)});
     Samples block = simulation.make_samples(1001);
@@ -47,7 +47,7 @@ TEST(FinerRun, FindsWhatTheReferenceFinds) {
 }
 
 TEST(FinerRun, AMissIsShortenedUntilItIsNone) {
-    ResolvedScene resolved = *resolve_unmeasured(shipped("paper-vitreous-carbon"));
+    Resolution resolved = *resolve_unmeasured(shipped("paper-vitreous-carbon"));
     const ErrorEstimate missed = estimate_with(resolved, 1.3e-6);
     ASSERT_GT(missed.error, resolved.advice.accuracy) << "not missed: this tests nothing";
     resolved.scene.numerics.step_s = 1.3e-6;
@@ -57,7 +57,7 @@ TEST(FinerRun, AMissIsShortenedUntilItIsNone) {
 }
 
 TEST(FinerRun, NoStepHelpsAMotionThatIsChaoticOrHasFailed) {
-    const ResolvedScene resolved = *resolve_unmeasured(shipped("paper-vitreous-carbon"));
+    const Resolution resolved = *resolve_unmeasured(shipped("paper-vitreous-carbon"));
     EXPECT_FALSE(with_shorter_step(resolved, 0.5));
     EXPECT_FALSE(with_shorter_step(resolved, std::numeric_limits<double>::infinity()));
     EXPECT_FALSE(with_shorter_step(resolved, std::numeric_limits<double>::quiet_NaN()));

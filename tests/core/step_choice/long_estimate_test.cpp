@@ -13,12 +13,12 @@ namespace hertzline::test {
 namespace {
 
 /// When the motion leaves what the pilots have seen, looked at every millisecond; or none, until the end [s].
-std::optional<double> left_at(const ResolvedScene& resolved, double end_s) {
+std::optional<double> left_at(const Resolution& resolved, double end_s) {
     Simulation simulation(resolved.scene);
     EventRate rate(resolved.scene.drive);
     while (simulation.time_s() < end_s) {
         simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
-        const MotionExtent now = simulation.extent();
+        const MotionExtremes now = simulation.extremes();
         rate.note(now.time_s, now.contact_events);
         if (resolved.seen.left_by(now, rate)) {
             return now.time_s;
@@ -37,7 +37,7 @@ TEST(SeenMotion, OfASteadySceneIsNeverLeft) {
 }
 
 TEST(SeenMotion, OfAGrowingSceneIsLeft) {
-    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    const Resolution resolved = resolve(growing_scene(), std::nullopt);
     EXPECT_LE(resolved.estimate->error, default_accuracy);
     EXPECT_LE(left_at(resolved, 0.01).value_or(1), 4e-3);
 }
@@ -46,18 +46,18 @@ TEST(SeenMotion, IsLeftByPressEventsAndEnergy) {
     const Scene scene = steady_scene();  // 1000 bursts a second
     const SeenMotion seen{
         .largest_press_m = 2e-6, .last_press_m = 1e-6, .events_per_s = 1e4, .energy_residual = 1e-3};
-    const MotionExtent like{.time_s = 0.1,
-                            .largest_press_m = 2e-6,
-                            .last_press_m = 1e-6,
-                            .contact_events = 1000,
-                            .energy_residual = 1e-3};
-    const auto left_by = [&](const MotionExtent& now) {
+    const MotionExtremes like{.time_s = 0.1,
+                              .largest_press_m = 2e-6,
+                              .last_press_m = 1e-6,
+                              .contact_events = 1000,
+                              .energy_residual = 1e-3};
+    const auto left_by = [&](const MotionExtremes& now) {
         EventRate rate(scene.drive);
         rate.note(now.time_s, now.contact_events);
         return seen.left_by(now, rate);
     };
     EXPECT_FALSE(left_by(like));
-    MotionExtent other = like;
+    MotionExtremes other = like;
     other.largest_press_m *= 1.3;
     EXPECT_TRUE(left_by(other));
     other = like;
@@ -85,7 +85,7 @@ TEST(EventRate, CountsByPeriodsOfTheBursts) {
 }
 
 TEST(LongEstimate, IsThatOfThePilotsOverTheirStretch) {
-    const ResolvedScene resolved = resolve(steady_scene(), std::nullopt);
+    const Resolution resolved = resolve(steady_scene(), std::nullopt);
     const std::atomic<bool> stop{false};
     LongEstimate again(resolved.scene, resolved.advice.accuracy, &stop);
     ASSERT_TRUE(again.reach(resolved.estimate->over_s));
@@ -95,7 +95,7 @@ TEST(LongEstimate, IsThatOfThePilotsOverTheirStretch) {
 }
 
 TEST(LongEstimate, IsTheErrorOfAMotionThatHasGrown) {
-    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    const Resolution resolved = resolve(growing_scene(), std::nullopt);
     const std::atomic<bool> stop{false};
     LongEstimate longer(resolved.scene, resolved.advice.accuracy, &stop);
     ASSERT_TRUE(longer.reach(2e-3));
@@ -112,7 +112,7 @@ TEST(LongEstimate, IsTheErrorOfAMotionThatHasGrown) {
 }
 
 TEST(LongEstimate, EndsWhenItIsStopped) {
-    const ResolvedScene resolved = resolve(steady_scene(), std::nullopt);
+    const Resolution resolved = resolve(steady_scene(), std::nullopt);
     const std::atomic<bool> stop{true};
     LongEstimate stopped(resolved.scene, resolved.advice.accuracy, &stop);
     EXPECT_FALSE(stopped.reach(stopped.longest_s()));

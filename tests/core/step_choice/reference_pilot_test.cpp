@@ -24,7 +24,7 @@ TEST(Estimate, HoldsForChainsThatRegistersDoNotHold) {
     const Record fine = recorded(with_step(scene, Integrator::taylor12, 150e-9), 5000);
     for (const Integrator integrator : {Integrator::taylor8, Integrator::leapfrog}) {
         scene.numerics.integrator = integrator;
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         ASSERT_TRUE(settled.estimate.has_value());
         const double error = relative_l2(recorded(settled.scene, 5000).v_last, fine.v_last);
         EXPECT_GT(settled.estimate->error, error / 3);
@@ -48,7 +48,7 @@ TEST(Estimate, IsMadeOverTheRun) {
     double before = 0;
     for (const double duration : {50e-6, 500e-6, 5e-3}) {
         scene.output.duration_s = duration;
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         ASSERT_TRUE(settled.estimate.has_value());
         EXPECT_NEAR(settled.estimate->over_s, duration, 1.1 / scene.output.sample_rate_hz);
         EXPECT_GT(settled.estimate->error, before);
@@ -72,10 +72,10 @@ Scene growing(double duration_s) {
 }
 
 TEST(Estimate, OfARunThatIsLongerThanPilotsWatchIsMadeOverAllOfIt) {
-    const ResolvedScene briefly = resolve(growing(8e-3));
+    const Resolution briefly = resolve(growing(8e-3));
     EXPECT_FALSE(briefly.misses_accuracy());
     const Scene scene = growing(40e-3);
-    const ResolvedScene settled = resolve(scene);
+    const Resolution settled = resolve(scene);
     EXPECT_EQ(settled.scene.numerics.step_s, briefly.scene.numerics.step_s);
     EXPECT_DOUBLE_EQ(settled.estimate->over_s, 40e-3);
     EXPECT_TRUE(settled.misses_accuracy());
@@ -98,7 +98,7 @@ TEST(Estimate, OfALongRunHoldsForEveryIntegrator) {
     for (const Integrator integrator : {Integrator::leapfrog, Integrator::chin4a, Integrator::taylor12}) {
         SCOPED_TRACE(word(integrator));
         scene.numerics.integrator = integrator;
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         const double error = relative_l2(recorded(settled.scene, samples).v_out, exact.v_out);
         EXPECT_DOUBLE_EQ(settled.estimate->over_s, 15e-3);
         EXPECT_GT(settled.estimate->error, error / 3);
@@ -111,7 +111,7 @@ TEST(Estimate, OfAVeryLongRunSaysNothingAboutItsEnd) {
     scene.chain.preload_n = 10;  // a stiff chain takes short steps
     scene.output.sample_rate_hz = 1e6;
     scene.output.duration_s = 10;
-    const ResolvedScene settled = resolve(scene);
+    const Resolution settled = resolve(scene);
     EXPECT_FALSE(settled.misses_accuracy());
     EXPECT_TRUE(settled.may_miss_accuracy());
     EXPECT_FALSE(resolve(Scene()).may_miss_accuracy());
@@ -119,7 +119,7 @@ TEST(Estimate, OfAVeryLongRunSaysNothingAboutItsEnd) {
 
 TEST(Estimate, OfARunWithoutEndIsMadeOverWhatThePilotsWatch) {
     const Scene scene = undamped();
-    const ResolvedScene endless = resolve(scene, std::nullopt);
+    const Resolution endless = resolve(scene, std::nullopt);
     ASSERT_TRUE(endless.estimate.has_value());
     EXPECT_EQ(endless.scene.numerics.step_s, resolve(scene).scene.numerics.step_s);
     EXPECT_GE(endless.estimate->over_s, endless.advice.pilot_duration_s * (1 - 1e-9));
@@ -131,7 +131,7 @@ TEST(Estimate, SaysWhereRoundingIsAmplified) {
     scene.chain.damping_kg_per_s = 0;
     scene.chain.preload_n = 0;
     scene.chain.spheres = 12;
-    const ResolvedScene settled = resolve(scene);
+    const Resolution settled = resolve(scene);
     ASSERT_TRUE(settled.estimate.has_value());
     EXPECT_TRUE(settled.estimate->amplifies);
     EXPECT_TRUE(settled.misses_accuracy());
@@ -145,7 +145,7 @@ TEST(Estimate, WatchesTwoPeriodsOfABurstThatRepeats) {
 }
 
 TEST(Estimate, IsLeftOutWhereAPilotWouldTakeTooLong) {
-    const ResolvedScene settled = resolve(with_step(Scene{}, Integrator::taylor8, 1e-12));
+    const Resolution settled = resolve(with_step(Scene{}, Integrator::taylor8, 1e-12));
     EXPECT_TRUE(settled.faults.empty());
     EXPECT_FALSE(settled.estimate.has_value());
     EXPECT_NEAR(settled.steps_per_burst, 25 / 73e3 / 1e-12, 1);
@@ -162,7 +162,7 @@ TEST(Estimate, StepsPerBurstAreThoseThatARunTakes) {
     for (const Integrator integrator : choices<Integrator>) {
         Scene scene;
         scene.numerics.integrator = integrator;
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         Simulation simulation(settled.scene);
         simulation.skip(static_cast<std::int64_t>(1.5 * 25 / 73e3 * 10e6));
         EXPECT_NEAR(static_cast<double>(simulation.steps()) / (1.5 * settled.steps_per_burst), 1, 0.01);

@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/integrators/stability.hpp"
@@ -17,6 +19,8 @@
 namespace hertzline::test {
 namespace {
 
+using testing::AllOf;
+using testing::HasSubstr;
 using Clock = std::chrono::steady_clock;
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -71,7 +75,7 @@ TEST_P(OddScene, IsResolvedInBoundedTimeToAStepThatIsStable) {
     GetParam().change(scene);
     ASSERT_TRUE(validate(scene).empty());
     const auto start = Clock::now();
-    const ResolvedScene result = resolve(scene);
+    const Resolution result = resolve(scene);
     EXPECT_LT(std::chrono::duration<double>(Clock::now() - start).count(), patience_s);
     EXPECT_TRUE(result.faults.empty());
     const double step = *result.scene.numerics.step_s;
@@ -136,7 +140,7 @@ TEST(Advice, ErrorsLieBetweenTheAccuracyAndAThirtiethOfIt) {
         for (const double accuracy : {1e-3, 1e-4, 1e-6, 1e-8}) {
             scene.numerics = {};
             scene.numerics.accuracy = accuracy;
-            const ResolvedScene settled = resolve(scene);
+            const Resolution settled = resolve(scene);
             ASSERT_TRUE(settled.advice.accuracy_met);
             const double error = relative_l2(recorded(settled.scene, samples).v_last, fine.v_last);
             EXPECT_LE(error, accuracy);
@@ -152,7 +156,7 @@ TEST(Advice, KeepsAnAccuracyOfATrillionthWhereRoundingErrorsDo) {
             static_cast<std::size_t>(1.4 * scene.drive.cycles / scene.drive.frequency_hz * 10e6);
         const Record fine = recorded(with_step(scene, Integrator::taylor12, 130e-9), samples);
         scene.numerics.accuracy = 1e-12;
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         if (!settled.misses_accuracy()) {
             ++kept;
             EXPECT_LE(relative_l2(recorded(settled.scene, samples).v_last, fine.v_last), 1e-12);
@@ -194,7 +198,7 @@ TEST(Advice, KeepsItsWordForEveryIntegratorAndOtherScenes) {
 
 TEST(Advice, EstimatesTheErrorOfTheStepInUseWhereTheProgramChoseASeries) {
     for (const Scene& scene : unseen_scenes()) {
-        const ResolvedScene settled = resolve(scene);
+        const Resolution settled = resolve(scene);
         EXPECT_FALSE(settled.step_set_by_scene);
         ASSERT_TRUE(settled.estimate.has_value());
         EXPECT_LE(settled.estimate->error, default_accuracy);
@@ -248,6 +252,42 @@ TEST(StabilityLimit, IsTwoOverOmegaAndRootTwelveOverOmegaWithoutDamping) {
     Eigen::ArrayXd doubled =
         chain.static_overlap * 4;  // twice the tangent stiffness, but for the plate's spring
     EXPECT_NEAR(fastest_frequency(chain, doubled) / omega, std::sqrt(2), 1e-2);
+}
+
+TEST(Resolve, NamesEveryFaultOfTheValuesAndASimulationRefusesThem) {
+    Scene scene;
+    scene.chain.spheres = 0;
+    scene.drive.frequency_hz = -1;
+    const Resolution result = resolve(scene);
+    EXPECT_EQ(result.faults.size(), 2);
+    try {
+        const Simulation simulation(result);
+        FAIL() << "taken";
+    } catch (const std::invalid_argument& refusal) {
+        EXPECT_THAT(refusal.what(), AllOf(HasSubstr("\ndrive.frequency_hz: found -1"),
+                                          HasSubstr("\nchain.spheres: found 0")));
+    }
+}
+
+TEST(Resolve, ASimulationTakesNoSceneThatLeavesItsStepOpen) {
+    Scene scene;
+    EXPECT_THROW(Simulation{scene}, std::invalid_argument);
+    scene.numerics.integrator = Integrator::taylor8;
+    EXPECT_THROW(Simulation{scene}, std::invalid_argument);
+    scene.numerics.step_s = 1e-7;
+    EXPECT_NO_THROW(Simulation{scene});
+}
+
+TEST(Resolve, ASimulationTakesNoModalPlateAndNoOtherLawOfDampingOnAGrid) {
+    Scene modal;
+    modal.end.model = PlateModel::modal;
+    Scene law;
+    law.chain.damping_law = DampingLaw::tsuji;
+    law.chain.damping_alpha = 0.1;
+    for (const Scene& scene : {modal, law}) {
+        EXPECT_NO_THROW(Simulation{with_step(scene, Integrator::taylor8, 1e-8)});
+        EXPECT_THROW(Simulation{with_step(scene, Integrator::leapfrog, 1e-8)}, std::invalid_argument);
+    }
 }
 
 }  // namespace

@@ -17,14 +17,14 @@ using testing::HasSubstr;
 
 namespace {
 
-MotionExtent extent_after(const Scene& scene, double time_s) {
+MotionExtremes extent_after(const Scene& scene, double time_s) {
     Simulation simulation(scene);
     simulation.skip(static_cast<std::int64_t>(time_s * scene.output.sample_rate_hz));
-    return simulation.extent();
+    return simulation.extremes();
 }
 
 /// Looks until the estimate that is being made is there.
-EstimateWatch::News news_of(EstimateWatch& watch, const MotionExtent& now) {
+EstimateWatch::News news_of(EstimateWatch& watch, const MotionExtremes& now) {
     EstimateWatch::News news;
     while (watch.estimating()) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -34,9 +34,9 @@ EstimateWatch::News news_of(EstimateWatch& watch, const MotionExtent& now) {
 }
 
 TEST(EstimateWatch, EstimatesAgainWhenTheMotionGrows) {
-    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    const Resolution resolved = resolve(growing_scene(), std::nullopt);
     EstimateWatch watch(resolved);
-    const MotionExtent grown = extent_after(resolved.scene, 4e-3);
+    const MotionExtremes grown = extent_after(resolved.scene, 4e-3);
     EXPECT_FALSE(watch.look(grown).estimated_again);
     ASSERT_TRUE(watch.estimating());
     const EstimateWatch::News news = news_of(watch, grown);
@@ -50,22 +50,22 @@ TEST(EstimateWatch, EstimatesAgainWhenTheMotionGrows) {
 }
 
 TEST(EstimateWatch, DoesNothingWhileTheMotionIsSteady) {
-    const ResolvedScene resolved = resolve(steady_scene(), std::nullopt);
+    const Resolution resolved = resolve(steady_scene(), std::nullopt);
     EstimateWatch watch(resolved);
     Simulation simulation(resolved.scene);
     for (int looks = 0; looks < 30; ++looks) {
         simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
-        EXPECT_EQ(watch.look(simulation.extent()).warning, "");
+        EXPECT_EQ(watch.look(simulation.extremes()).warning, "");
         ASSERT_FALSE(watch.estimating());
     }
-    EXPECT_EQ(watch.finish(simulation.extent()).warning, "");
+    EXPECT_EQ(watch.finish(simulation.extremes()).warning, "");
     EXPECT_EQ(watch.estimate()->over_s, resolved.estimate->over_s);
 }
 
 TEST(EstimateWatch, SaysThatTheEstimateNoLongerHoldsWhenThereIsNoTimeForAnother) {
-    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    const Resolution resolved = resolve(growing_scene(), std::nullopt);
     EstimateWatch watch(resolved);
-    MotionExtent grown = extent_after(resolved.scene, 4e-3);
+    MotionExtremes grown = extent_after(resolved.scene, 4e-3);
     grown.time_s = 1;  // to reach that takes seconds
     watch.look(grown);
     ASSERT_TRUE(watch.estimating());
@@ -75,15 +75,15 @@ TEST(EstimateWatch, SaysThatTheEstimateNoLongerHoldsWhenThereIsNoTimeForAnother)
 }
 
 TEST(EstimateWatch, AMotionThatLeavesAtTheVeryEndIsNamed) {
-    const ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
+    const Resolution resolved = resolve(growing_scene(), std::nullopt);
     EstimateWatch watch(resolved);
     EXPECT_THAT(watch.finish(extent_after(resolved.scene, 4e-3)).warning,
                 HasSubstr("later errors are not known"));
 }
 
 TEST(EstimateWatch, LeavesAloneWhatHasNoEstimate) {
-    ResolvedScene resolved = resolve(growing_scene(), std::nullopt);
-    const MotionExtent grown = extent_after(resolved.scene, 4e-3);
+    Resolution resolved = resolve(growing_scene(), std::nullopt);
+    const MotionExtremes grown = extent_after(resolved.scene, 4e-3);
     resolved.estimate.reset();
     EstimateWatch watch(resolved);
     EXPECT_EQ(watch.look(grown).warning, "");

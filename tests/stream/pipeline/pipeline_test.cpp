@@ -84,8 +84,8 @@ struct Stream {
           publisher("tcp://127.0.0.1:*"),
           pipeline(std::move(with), source, publisher, nullptr) {}
 
-    using Watch = std::function<Json(const MotionExtent&)>;
-    static Json no_change(const MotionExtent& /*now*/) { return {}; }
+    using Watch = std::function<Json(const MotionExtremes&)>;
+    static Json no_change(const MotionExtremes& /*now*/) { return {}; }
 
     StreamMeters run(
         const std::function<void(const StreamMeters&)>& progress = [](const StreamMeters&) {},
@@ -187,7 +187,7 @@ TEST(Pipeline, WhatTheWatchFindsIsInMeta) {
     });
     double seen_s = 0;
     const StreamMeters meters = stream.run([](const StreamMeters&) {},
-                                           [&](const MotionExtent& now) -> Json {
+                                           [&](const MotionExtremes& now) -> Json {
                                                const bool first = seen_s == 0 && now.time_s > 0;
                                                seen_s = std::max(seen_s, now.time_s);
                                                return first ? Json{{"version", "changed"}} : Json::object();
