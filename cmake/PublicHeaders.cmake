@@ -25,7 +25,6 @@ set(core_headers
   core/plate/plate_response.hpp
   core/plate/rational_fit.hpp
   core/model/energy.hpp
-  core/model/state.hpp
   core/solvers/solver.hpp
   core/step_choice/pilot.hpp
   core/step_choice/reference_pilot.hpp

@@ -1,7 +1,8 @@
 #pragma once
-// What a simulation gives: blocks of samples.
+// The output of a simulation: blocks of samples.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -14,7 +15,12 @@ namespace hertzline {
 class Samples {
 public:
     /// Room for `capacity` samples of those taps.
-    Samples(TapSet taps, std::size_t spheres, std::size_t capacity);
+    Samples(TapSet taps, std::size_t spheres, std::size_t capacity)
+        : capacity_(capacity), spheres_(spheres), taps_(taps) {
+        for (const Tap tap : taps) {
+            columns_[static_cast<std::size_t>(tap)].resize(capacity * channels_of(tap, spheres));
+        }
+    }
 
     std::int64_t first = 0;  ///< index of the first sample since the start
     std::size_t count = 0;   ///< samples in this block
@@ -30,7 +36,7 @@ public:
         return {column.data(), column.empty() ? 0 : count * channels_of(tap, spheres_)};
     }
 
-    /// All the room of a tap, for who fills it.
+    /// All the room of a tap, to be filled.
     std::span<double> room(Tap tap) noexcept { return columns_[static_cast<std::size_t>(tap)]; }
 
 private:

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "core/model/chain.hpp"
-#include "core/model/state.hpp"
 #include "core/scene/scene.hpp"
 #include "core/solvers/solver.hpp"
 
@@ -38,7 +37,7 @@ public:
     void begin_at(std::int64_t sample) noexcept { first_sample_ = sample; }
 
     // One simulation after another in the same run: end_at() sets the end of the first one, which gives all samples before and hands its
-    // motion over. Both drives begin their bursts anew at the sample that is the first one of the second.
+    // motion over. Both drives restart their bursts at the first sample of the second.
 
     /// Whether the motion of a scene can be handed over to one with another drive: that of a series, and that of a grid whose steps
     /// divide the sample period. @param scene with integrator and step
@@ -49,18 +48,18 @@ public:
     void end_at(std::int64_t sample) noexcept { solver_->end_at(sample - first_sample_); }
     /// Begins at sample `first`, where `before` ends, with its motion and account of energy. Allocates nothing.
     /// @param before can_hand_over(); its scene differs in drive and step only; has given all samples before `first`
-    /// @returns what became of `before` on the way to its end
+    /// @returns the status of `before` at its end
     Status continue_from(Simulation& before, std::int64_t first) noexcept;
 
     /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room. Allocates nothing. If
-    /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() tells where and when.
+    /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() names place and time.
     Status advance(Samples& samples, std::size_t count, TapSet wanted) noexcept;
     /// The same for all taps of the block.
     Status advance(Samples& samples, std::size_t count) noexcept {
         return advance(samples, count, samples.taps());
     }
 
-    /// Passes over the next `count` samples: the motion goes on, nothing is put down.
+    /// Passes over the next `count` samples: the motion continues, nothing is written.
     Status skip(std::int64_t count) noexcept;
 
     const Scene& scene() const noexcept { return scene_.scene(); }  ///< with integrator and step
@@ -80,12 +79,12 @@ public:
     Ledger ledger() noexcept { return solver_->ledger(); }
     /// Energy that no entry of the ledger accounts for, |kinetic + stored - start - work + lost + passed| [J].
     double energy_missing() noexcept;
-    /// The same over what came and went: the horn's work back and forth, or the losses, or the kinetic energy, whichever is largest.
+    /// The same relative to the largest of the horn's work back and forth, the losses and the kinetic energy.
     double energy_residual() noexcept;
     /// Takes a pass over the chain. Allocates nothing.
     MotionExtremes extremes() noexcept;
 
-    /// What went wrong, for a human; empty when nothing did.
+    /// Why the simulation failed, for a human; empty if it did not.
     std::string failure() const;
 
     /// Bytes that a simulation of this scene needs, roughly from above.

@@ -28,19 +28,19 @@ enum class Tap : unsigned {
 };
 
 /// How many channels a tap has.
-enum class Extent { one, per_sphere, per_contact };
+enum class Channels { one, per_sphere, per_contact };
 
-/// What a scene must have for a tap to exist.
+/// Requirement on a scene for a tap to exist.
 enum class Requires { nothing, last_contact, lumped_plate, modal_plate };
 
-/// What a recording of a run holds unless told otherwise.
+/// When a recording of a run holds a tap by default.
 enum class Recorded { always, with_lumped_plate, with_modal_plate, on_request };
 
 struct TapRow {
     Tap tap;
     std::string_view name;  ///< in topics, options and metadata
     std::string_view unit;
-    Extent extent;
+    Channels channels;
     Requires required;
     Recorded recorded;
     bool streamed;
@@ -52,7 +52,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_last,
            .name = "v_last",
            .unit = "m/s",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::nothing,
            .recorded = Recorded::always,
            .streamed = true,
@@ -60,7 +60,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_plate,
            .name = "v_plate",
            .unit = "m/s",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::lumped_plate,
            .recorded = Recorded::with_lumped_plate,
            .streamed = true,
@@ -68,7 +68,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_out,
            .name = "v_out",
            .unit = "m/s",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::nothing,
            .recorded = Recorded::with_lumped_plate,
            .streamed = true,
@@ -76,7 +76,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_centre,
            .name = "v_centre",
            .unit = "m/s",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
@@ -84,7 +84,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_face,
            .name = "v_face",
            .unit = "m/s",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
@@ -92,7 +92,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::p_axis,
            .name = "p_axis",
            .unit = "Pa",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
@@ -100,7 +100,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::x_chain,
            .name = "x_chain",
            .unit = "m",
-           .extent = Extent::per_sphere,
+           .channels = Channels::per_sphere,
            .required = Requires::nothing,
            .recorded = Recorded::on_request,
            .streamed = false,
@@ -108,7 +108,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_chain,
            .name = "v_chain",
            .unit = "m/s",
-           .extent = Extent::per_sphere,
+           .channels = Channels::per_sphere,
            .required = Requires::nothing,
            .recorded = Recorded::on_request,
            .streamed = true,
@@ -116,7 +116,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_horn,
            .name = "v_horn",
            .unit = "m/s",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::nothing,
            .recorded = Recorded::on_request,
            .streamed = true,
@@ -124,7 +124,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::f_last,
            .name = "f_last",
            .unit = "N",
-           .extent = Extent::one,
+           .channels = Channels::one,
            .required = Requires::last_contact,
            .recorded = Recorded::on_request,
            .streamed = true,
@@ -132,7 +132,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::f_chain,
            .name = "f_chain",
            .unit = "N",
-           .extent = Extent::per_contact,
+           .channels = Channels::per_contact,
            .required = Requires::nothing,
            .recorded = Recorded::on_request,
            .streamed = true,
@@ -162,20 +162,20 @@ constexpr std::optional<Tap> tap_named(std::string_view name) noexcept {
 /// Numbers in one sample of the tap. A chain has a contact before each sphere, and one with its end.
 template <class Number>
 constexpr Number channels_of(Tap tap, Number spheres) noexcept {
-    switch (row_of(tap).extent) {
-        case Extent::one:
+    switch (row_of(tap).channels) {
+        case Channels::one:
             return 1;
-        case Extent::per_sphere:
+        case Channels::per_sphere:
             return spheres;
-        case Extent::per_contact:
+        case Channels::per_contact:
             return spheres + 1;
     }
     return 1;
 }
 
-/// The other way round: how many spheres a chain has whose tap has so many channels, at least 1.
+/// The reverse: number of spheres of a chain whose tap has that number of channels, at least 1.
 constexpr std::size_t spheres_of(Tap tap, std::size_t channels) noexcept {
-    return row_of(tap).extent == Extent::per_contact ? channels - 1 : channels;
+    return row_of(tap).channels == Channels::per_contact ? channels - 1 : channels;
 }
 
 /// A set of taps; a value of 32 bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of the enumeration.
@@ -239,7 +239,7 @@ constexpr TapSet taps_where(Keep keep) noexcept {
 
 inline constexpr TapSet all_taps = taps_where([](const TapRow& /*row*/) { return true; });
 
-/// Whether a scene with this end has what a tap requires.
+/// Whether a scene with this end meets a requirement.
 constexpr bool provides(const End& end, Requires required) noexcept {
     switch (required) {
         case Requires::nothing:
@@ -260,7 +260,8 @@ constexpr TapSet taps_of(const End& end) noexcept {
 }
 
 /// Those that show the whole chain: a channel for each sphere or contact.
-inline constexpr TapSet chain_taps = taps_where([](const TapRow& row) { return row.extent != Extent::one; });
+inline constexpr TapSet chain_taps =
+    taps_where([](const TapRow& row) { return row.channels != Channels::one; });
 
 /// The taps that can be streamed, of some scene.
 inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });
@@ -270,7 +271,7 @@ constexpr TapSet streamed_taps_of(const End& end) noexcept {
     return taps_of(end) & streamed_taps;
 }
 
-/// Those of them that a recording of a run holds unless told otherwise.
+/// The taps of such a scene that a recording of a run holds by default.
 constexpr TapSet recorded_taps(const End& end) noexcept {
     return taps_of(end) & taps_where([&end](const TapRow& row) {
                switch (row.recorded) {

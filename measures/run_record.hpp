@@ -26,7 +26,7 @@ inline constexpr double max_run_rows = 268'435'456;
 
 /// What has a peak and a spectrum of its own.
 inline constexpr TapSet measurable_taps =
-    taps_where([](const TapRow& row) { return row.extent == Extent::one; });
+    taps_where([](const TapRow& row) { return row.channels == Channels::one; });
 
 /// What is measured beside v_out when the scene has it.
 inline constexpr TapSet measured_unasked = TapSet(Tap::p_axis) | Tap::v_centre;

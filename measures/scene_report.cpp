@@ -12,8 +12,8 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
-#include "core/model/coupling.hpp"
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
+#include "core/model/end.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
 #include "core/scene/json.hpp"

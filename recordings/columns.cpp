@@ -40,15 +40,15 @@ bool is_column_of(const TapRow& row, std::string_view name) {
 std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres) {
     std::vector<Column> columns;
     for (const TapRow& row : tap_rows) {
-        if (taps.contains(row.tap) && row.extent == Extent::one) {
+        if (taps.contains(row.tap) && row.channels == Channels::one) {
             columns.push_back(column_of(row, 0));
         }
     }
-    for (const Extent extent : {Extent::per_sphere, Extent::per_contact}) {
-        const std::size_t places = extent == Extent::per_sphere ? spheres : spheres + 1;
+    for (const Channels channels : {Channels::per_sphere, Channels::per_contact}) {
+        const std::size_t places = channels == Channels::per_sphere ? spheres : spheres + 1;
         for (std::size_t place = 1; place <= places; ++place) {
             for (const TapRow& row : tap_rows) {
-                if (taps.contains(row.tap) && row.extent == extent) {
+                if (taps.contains(row.tap) && row.channels == channels) {
                     columns.push_back(column_of(row, place));
                 }
             }

@@ -7,9 +7,9 @@ namespace hertzline::recordings {
 RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {
     for (const TapRow& row : tap_rows) {
         if (taps.contains(row.tap)) {
-            std::vector<Tap>& taps_alike = row.extent == Extent::one          ? single_
-                                           : row.extent == Extent::per_sphere ? per_sphere_
-                                                                              : per_contact_;
+            std::vector<Tap>& taps_alike = row.channels == Channels::one          ? single_
+                                           : row.channels == Channels::per_sphere ? per_sphere_
+                                                                                  : per_contact_;
             taps_alike.push_back(row.tap);
         }
     }

@@ -24,8 +24,7 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
-#include "core/integrators/trace.hpp"
-#include "core/model/coupling.hpp"
+#include "core/model/end.hpp"
 #include "core/model/energy.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"

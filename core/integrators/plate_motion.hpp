@@ -1,7 +1,7 @@
 #pragma once
 // The motion of a modal plate over a piece of a series: linear states that the force of the last contact drives.
 //
-// To the chain the plate is its last body, with the mobility that the plate has at once. What the states do beside that acts on it like
+// To the chain the plate is its last body, with the mobility that the plate has at once. The rest of their effect acts on it like
 // a contact to its right, in the slot of the pad that follows it: order by order the kernel takes down the last contact's force and adds
 // the states' reaction (taylor/plate-inl.hpp). No state is differentiated for that: how a force acts over the next orders, and what the
 // states at the piece's start do in each, are tables.
@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "core/integrators/series_piece.hpp"
-#include "core/integrators/simd/aligned_doubles.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/plate/plate_response.hpp"
 
@@ -55,26 +54,26 @@ public:
     double* onset_terms(std::size_t number) const noexcept {
         return mode_terms() + (1 + number) * most_terms * stride_;
     }
-    /// What the force's derivatives by z do to those of the velocities: that of order m to that of order m + 1 + n by row n, [n][stride].
+    /// Response of the velocities' derivatives by z to those of the force: order m acts on order m + 1 + n by row n, [n][stride].
     const double* of_force() const noexcept { return mode_terms() + 3 * most_terms * stride_; }
-    /// What each mode loses, by the integral over z of its velocity's square [kg].
+    /// Loss of each mode per integral over z of its velocity's square [kg].
     double* mode_losses() const noexcept { return mode_terms() + 4 * most_terms * stride_; }
     /// The mean of each mode's shape over the disc.
     double* mean_shapes() const noexcept { return mode_losses() + stride_; }
-    /// What a pair's state does to the derivatives by z of the velocities, [order][stride]. @param part 0: real, 1: imaginary
+    /// Effect of a pair's state on the velocities' derivatives by z, [order][stride]. @param part 0: real, 1: imaginary
     const double* of_state(std::size_t pair, std::size_t part) const noexcept {
         return mean_shapes() + stride_ * (1 + degree_ * (2 * pair + part));
     }
 
-    /// What the states do to the body, per derivative by z of the velocity under the contact [kg unit].
+    /// Force of the states on the body per derivative by z of the velocity under the contact [kg unit].
     double reaction() const noexcept { return -unit_s_ / response_.mobility; }
 
     // the series of the present piece, by orders; derivatives by z
     std::array<double, most_terms> force{};  ///< of the last contact [N unit^2]
     std::array<double, most_terms>
-        behind{};  ///< what the states do to the body without that force [N unit^2]
+        behind{};  ///< force of the states on the body without that force [N unit^2]
     std::array<double, most_terms>
-        answer{};  ///< what they do to it after 1, 2, ... orders because of that force
+        answer{};  ///< their force on it in answer to that force, 1, 2, ... orders later
     static constexpr std::size_t most_onset_forces = 2;
     /// A velocity over the piece: coefficients of whole powers of z, and those beside onset forces [m/s].
     struct Velocity {
@@ -93,7 +92,7 @@ public:
     double passed = 0;  ///< work of the last contact on the plate so far [J]
     double lost = 0;    ///< in the plate's material so far [J]
 
-    /// The chain was laid out anew.
+    /// Finds the slots of the last body and the pad after the chain was laid out.
     void find_slots(const SimdChain& chain) noexcept;
     /// 1 in the last body's slot and 0 elsewhere, the same of the pad. For chains in registers.
     const double* end_flag() const noexcept { return flags_.get(); }
@@ -105,7 +104,7 @@ public:
     /// The same with nothing booked.
     void reset() noexcept;
 
-    /// Takes over the states and what is booked of a plate that differs in its unit only. Allocates nothing.
+    /// Takes over the states and the ledger of a plate that differs in its unit only. Allocates nothing.
     void continue_from(const PlateMotion& before) noexcept;
 
     /// Of all modes [J].

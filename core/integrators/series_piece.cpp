@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/damping.hpp"
+#include "core/model/contact_law.hpp"
 
 namespace hertzline::kernels {
 
 HornWaves::HornWaves(const std::array<double, 3>& frequency_hz, double unit_s) {
-    constexpr double fastest = 0.8;  // radians a unit: what the series leaves out is below rounding
+    constexpr double fastest = 0.8;  // radians a unit: the rest of the series is below rounding
     for (std::size_t i = 0; i < frequency_hz.size(); ++i) {
         const double step = 2 * std::numbers::pi * frequency_hz[i] * unit_s;
         turns = turns && std::abs(step) <= fastest;

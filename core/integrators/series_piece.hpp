@@ -1,5 +1,5 @@
 #pragma once
-// What a Taylor-series kernel works on: one smooth piece of the motion as power series in time.
+// The data of a Taylor-series kernel: one smooth piece of the motion as power series in time.
 //
 // Time within a piece is z = (t - start) / unit, so that coefficients are in metres and their decay shows how
 // far the series reaches. The motion between two pieces is smooth; a piece ends where a contact opens or
@@ -11,14 +11,14 @@
 #include <cstddef>
 #include <span>
 
-#include "core/integrators/simd/aligned_doubles.hpp"
 #include "core/integrators/simd_chain.hpp"
 
 namespace hertzline::kernels {
 
 class PlateMotion;
 
-/// What kernels tell apart: dashpots, whose force is proportional to the slope of the overlap, and all other laws (core/model/damping.hpp).
+/// Kinds of damping that kernels distinguish: dashpots, whose force is proportional to the slope of the overlap, and all other laws
+/// (core/model/contact_law.hpp).
 enum class Damping { linear, nonlinear };
 constexpr Damping damping_of(DampingLaw law) noexcept {
     return law == DampingLaw::dashpot ? Damping::linear : Damping::nonlinear;
@@ -85,7 +85,7 @@ class SeriesPiece {
 public:
     SeriesPiece(std::size_t slots, int degree, const HornWaves& waves, DampingLaw law);
 
-    // what the kernel is given
+    // in: set by the solver
     double unit_s = 0;         ///< time that z = 1 stands for [s]; no piece is longer
     double per_unit = 0;       ///< 1/unit_s
     double tolerance = 0;      ///< error of a piece's velocities times unit_s [m]
@@ -96,7 +96,7 @@ public:
     HornWaves waves;
     PlateMotion* plate = nullptr;  ///< of a modal plate behind the last contact
 
-    // what it gives
+    // out: set by the kernel
     alignas(64) std::array<double, 2 * HornWaves::pairs> horn{};  ///< coefficients of the horn's motion [m]
     double length = 0;                                            ///< of the piece [z]
     double largest = 0;  ///< largest last coefficient [m]; not finite: the series has no meaning

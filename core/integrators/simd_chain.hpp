@@ -10,27 +10,45 @@
 //                    row 0          b0  b2  b4  b6
 //                    row 1          b1  b3  b5  pad     the last slot is always a pad that never moves
 //
-// Only the part of the chain that can have moved is laid out: what lies ahead of the wavefront is at rest exactly.
+// Only the part of the chain that can have moved is laid out: the bodies ahead of the wavefront are at rest exactly.
 //
 // Linear: long chains are stepped by leapfrog in one sweep (leapfrog_sweep-inl.hpp), for which row k holds
 // neighbours, and is complete as soon as the sweep has come to it. Rows of pads guard both ends. All of the
-// chain is laid out once; moving_rows tells how far the wavefront has come.
+// chain is laid out once; moving_rows is how far the wavefront has come.
 //
 //     lanes = 4:     row 0 to 2   pads, where the horn would be
 //                    row 3        b0  b1  b2  b3
 //                    row 4        b4  b5  pad pad
 //                    row 5 to 7   pads
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <vector>
 
-#include "core/integrators/simd/aligned_doubles.hpp"
 #include "core/model/chain.hpp"
-#include "core/model/state.hpp"
 #include "core/model/tone_burst.hpp"
 
 namespace hertzline::kernels {
+
+inline constexpr std::size_t register_bytes = 64;  ///< of the widest vector register
+
+struct FreeAligned {
+    void operator()(double* p) const noexcept { ::operator delete[](p, std::align_val_t{register_bytes}); }
+};
+
+/// An array that begins where a vector register can be loaded from.
+using AlignedDoubles = std::unique_ptr<double[], FreeAligned>;
+
+/// @throws std::bad_alloc
+inline AlignedDoubles aligned_zeros(std::size_t count) {
+    AlignedDoubles room(
+        static_cast<double*>(::operator new[](count * sizeof(double), std::align_val_t{register_bytes})));
+    std::fill_n(room.get(), count, 0.0);
+    return room;
+}
 
 /// Columns of a SimdChain. The first groups mirror Chain and ChainState, the others belong to the kernels.
 enum class ChainField : std::size_t {
@@ -48,13 +66,13 @@ enum class ChainField : std::size_t {
     closed,
     peak_overlap,
     // ledger: energy lost in each contact's dashpot and work done by the horn (contact 0) since the solver
-    // last took it over [J]; of gross_work what the horn gets back is added
+    // last took it over [J]; gross_work adds the work that the horn gets back
     lost,
     work,
     gross_work,
     total_accel,
     last_linear = total_accel,  ///< a linear chain has no columns beyond this one
-    // carried from step to step by a kernel, rebuilt by it after the chain was laid out anew
+    // carried from step to step by a kernel, rebuilt by it after the chain was laid out again
     overlap,
     elastic_accel,
     closed_stiffness,
@@ -112,12 +130,12 @@ public:
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
     std::size_t moving_rows = 0;      ///< linear: rows from here on are at rest, exactly
-    double watched_overlap = 0;       ///< linear: kernels tell by ...
-    bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it set
+    double watched_overlap = 0;       ///< linear: kernels set ...
+    bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it true
     double step_s = 0;
     Tension tension = Tension::allowed;
     DampingLaw damping_law = DampingLaw::dashpot;
-    bool rebuild = true;  ///< the kernel must rebuild what it carries from step to step
+    bool rebuild = true;  ///< the kernel must rebuild the columns that it carries from step to step
 
 private:
     std::size_t columns_used() const noexcept;

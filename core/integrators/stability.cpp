@@ -5,8 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "core/model/damping.hpp"
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 
 namespace hertzline {
 

@@ -18,8 +18,8 @@ double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::Arr
 /// The same with all contacts pressed to one overlap [m].
 double largest_stable_step(const Chain& chain, double overlap, Integrator integrator) noexcept;
 
-/// Upper estimate of the overlaps [m] before anything was simulated: the static ones and what an impact at
-/// the horn's largest velocity adds.
+/// Upper estimate of the overlaps [m] before anything was simulated: the static ones plus those of an impact at
+/// the horn's largest velocity.
 Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive);
 
 /// Frequency bound [rad/s] of the chain's fastest mode at those overlaps.

@@ -40,7 +40,7 @@ private:
     double repetition_hz_;
 };
 
-/// A stretch of a run in which the scene stays the same. Bursts begin anew with it, and are counted on.
+/// A stretch of a run in which the scene stays the same. Bursts restart with it; their numbers continue.
 struct Epoch {
     std::int64_t number = 0;  ///< from 0
     std::int64_t first_sample = 0;

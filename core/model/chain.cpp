@@ -2,8 +2,7 @@
 
 #include <numbers>
 
-#include "core/model/damping.hpp"
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 
 namespace hertzline {
 

@@ -1,5 +1,5 @@
 #pragma once
-// What the last sphere leans on: a linear system that the force of the last contact drives.
+// The end that the last sphere leans on: a linear system that the force of the last contact drives.
 
 #include <memory>
 #include <vector>
@@ -20,7 +20,7 @@ struct EndMode {
 enum class EndLoad { none, last_sphere, end };
 
 /// All that an end is to the rest of the program. A wall does not move, and the paper's plate is one mass on one spring. A modal plate
-/// has many states: to the chain it is a body with the mobility that the plate has at once, and what its states do beside that is a
+/// has many states: to the chain it is a body with the mobility that the plate has at once, and the rest of its states' effect is a
 /// force behind that body (integrators/plate_motion.hpp).
 struct EndModel {
     double contact_stiffness = 0;  ///< k of the last contact [N/m^(3/2)]; 0: nothing to touch
@@ -38,6 +38,20 @@ struct EndModel {
     }
 };
 
+/// Mass [kg] of the whole disc, rho pi a^2 h. Clamped at its rim, it moves as a quarter of that would
+/// (docs/model.md, section 4).
+double plate_mass(const Solid& material, const End& end) noexcept;
+
+/// Stiffness [N/m] of a clamped disc under a central load: 16 pi D / a^2 with D = E h^3 / (12 (1 - nu^2))
+/// (Timoshenko, Theory of Plates and Shells), unless the scene gives its own.
+double plate_stiffness(const Solid& material, const End& end) noexcept;
+
+/// Power transmission from impedance a into b: 1 - ((Zb - Za)/(Zb + Za))^2.
+double transmission(double impedance_a, double impedance_b) noexcept;
+
+/// sqrt(T_m T_w): amplitude factor from the last sphere through the disc into the medium (docs/model.md, section 6).
+double output_transmission(const Scene& scene);
+
 /// The end of a scene that has passed validate().
 EndModel end_model(const Scene& scene);
 
@@ -45,7 +59,7 @@ EndModel end_model(const Scene& scene);
 /// that a chain passes on.
 double fastest_contact_hz(const Scene& scene);
 
-/// What the response of the scene's plate hangs on, up to five times the frequency of its fastest contacts in motion.
+/// The parameters that the response of the scene's plate depends on, up to five times the frequency of its fastest contacts in motion.
 PlateParameters plate_parameters(const Scene& scene);
 
 /// Why the response of a modal plate cannot be computed: the disc is too large for the sound's waves, or too fast for the chain. Empty:

@@ -1,6 +1,6 @@
 #include "core/model/energy.hpp"
 
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 
 namespace hertzline {
 

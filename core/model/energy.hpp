@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/model/chain.hpp"
-#include "core/model/state.hpp"
 
 namespace hertzline {
 
@@ -15,10 +14,10 @@ double kinetic_energy(const Chain& chain, const ChainState& state) noexcept;
 /// of a balanced plate, x_N of a free end, else nothing.
 double stored_energy(const Chain& chain, const ChainState& state, double horn_x) noexcept;
 
-/// What went in and out since the start [J], accumulated by the integrators.
+/// Energy that went in and out since the start [J], accumulated by the integrators.
 struct Ledger {
     double work = 0;        ///< of the horn on the chain: integral f_0 x_h' dt
-    double gross_work = 0;  ///< the same, back and forth: what the horn gets back adds to it
+    double gross_work = 0;  ///< the same, back and forth: work that the horn gets back adds to it
     double lost = 0;        ///< in the contacts: integral sum_c D delta^q (v_left - v_right)^2 H dt
     double at_start = 0;    ///< kinetic + stored at step 0
     double passed = 0;      ///< to a modal plate: the last contact's work on it, without that of the preload
@@ -34,7 +33,7 @@ struct Ledger {
     }
 };
 
-/// What the horn's work is when its end jumps: contact 0 stores more, or less [J]. @param x of the first sphere [m]
+/// Work of the horn when its end jumps: the change of the energy that contact 0 stores [J]. @param x of the first sphere [m]
 double work_of_jump(const Chain& chain, double x, double horn_before, double horn_after) noexcept;
 
 }  // namespace hertzline

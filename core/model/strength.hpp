@@ -1,5 +1,5 @@
 #pragma once
-// What contacts may carry before their materials yield or crack. The model stays elastic: nothing here changes a motion.
+// The loads that contacts carry before their materials yield or crack. The model stays elastic: nothing here changes a motion.
 
 #include <array>
 #include <optional>
@@ -35,7 +35,7 @@ PressureLimits pressure_limits(const Scene& scene);
 std::optional<double> strength_ratio(const PressureLimits& limits, const ContactLoad& load);
 
 /// One sentence that names each contact whose pressure is beyond its limit, with figures; none where all are within.
-/// @param most what the contacts carry at most, or at rest where nothing else is known
+/// @param most largest load of the contacts, or the load at rest where nothing else is known
 std::optional<std::string> strength_warning(const Scene& scene, const Chain& chain, const ContactLoad& most);
 
 }  // namespace hertzline

@@ -50,7 +50,7 @@ public:
     /// Frequencies of the sinusoids of every SmoothDrive [Hz].
     std::array<double, 3> frequencies_hz() const noexcept;
 
-    /// The piece that begins or goes on at (step + fraction) h.
+    /// The piece that begins or continues at (step + fraction) h.
     SmoothDrive smooth(std::int64_t step, double fraction) const noexcept;
 
     /// Fraction of the step at which the next piece begins, looking from `after`; >= 1 when none does in this step.

@@ -8,7 +8,7 @@
 #include <span>
 #include <string_view>
 
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -31,7 +31,7 @@ std::string briefly(double value) {
 }
 
 /// A number whose size suggests that another unit was meant.
-struct Smell {
+struct SuspiciousUnit {
     std::string_view key;
     double value;
     bool odd;
@@ -39,11 +39,11 @@ struct Smell {
     std::string_view meant;
 };
 
-void add_smells(std::span<const Smell> smells, std::vector<std::string>& warnings) {
-    for (const Smell& smell : smells) {
-        if (smell.odd) {
-            warnings.push_back(std::string(smell.key) + " is " + number_text(smell.value) + " " +
-                               std::string(smell.unit) + "; were " + std::string(smell.meant) + " meant?");
+void warn_of_suspicious_units(std::span<const SuspiciousUnit> values, std::vector<std::string>& warnings) {
+    for (const SuspiciousUnit& value : values) {
+        if (value.odd) {
+            warnings.push_back(std::string(value.key) + " is " + number_text(value.value) + " " +
+                               std::string(value.unit) + "; were " + std::string(value.meant) + " meant?");
         }
     }
 }
@@ -60,25 +60,28 @@ void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) 
         const Solid& solid = solid_of(s, name);
         const std::string modulus = "materials." + name + ".youngs_modulus_pa";
         const std::string density = "materials." + name + ".density_kg_per_m3";
-        add_smells(std::array{Smell{modulus, solid.youngs_modulus_pa, solid.youngs_modulus_pa < 5e3, "Pa",
-                                    "gigapascals"},
-                              Smell{density, solid.density_kg_per_m3, solid.density_kg_per_m3 < 25, "kg/m^3",
-                                    "grams per cubic centimetre"}},
-                   warnings);
+        warn_of_suspicious_units(
+            std::array{SuspiciousUnit{modulus, solid.youngs_modulus_pa, solid.youngs_modulus_pa < 5e3, "Pa",
+                                      "gigapascals"},
+                       SuspiciousUnit{density, solid.density_kg_per_m3, solid.density_kg_per_m3 < 25,
+                                      "kg/m^3", "grams per cubic centimetre"}},
+            warnings);
     }
 }
 
 void add_units(const Scene& s, std::vector<std::string>& warnings) {
     const bool plate = s.end.kind == EndKind::plate;
-    const std::array smells{
-        Smell{"chain.diameter_m", s.chain.diameter_m, s.chain.diameter_m >= 0.1, "m", "millimetres"},
-        Smell{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
-        Smell{"end.thickness_m", s.end.thickness_m, plate && s.end.thickness_m >= 0.05, "m", "millimetres"},
-        Smell{"drive.amplitude_m", s.drive.amplitude_m, std::abs(s.drive.amplitude_m) >= 1e-3, "m",
-              "micrometres"},
-        Smell{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz", "kilohertz"},
+    const std::array values{
+        SuspiciousUnit{"chain.diameter_m", s.chain.diameter_m, s.chain.diameter_m >= 0.1, "m", "millimetres"},
+        SuspiciousUnit{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
+        SuspiciousUnit{"end.thickness_m", s.end.thickness_m, plate && s.end.thickness_m >= 0.05, "m",
+                       "millimetres"},
+        SuspiciousUnit{"drive.amplitude_m", s.drive.amplitude_m, std::abs(s.drive.amplitude_m) >= 1e-3, "m",
+                       "micrometres"},
+        SuspiciousUnit{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz",
+                       "kilohertz"},
     };
-    add_smells(smells, warnings);
+    warn_of_suspicious_units(values, warnings);
     add_units_of_materials(s, warnings);
 }
 
@@ -90,7 +93,7 @@ struct Idle {
     std::string_view needs;
 };
 
-void add_idle_keys(const Scene& s, std::vector<std::string>& warnings) {
+void warn_of_unused_keys(const Scene& s, std::vector<std::string>& warnings) {
     const Scene untouched;
     const End& end = untouched.end;
     const bool plate = s.end.kind == EndKind::plate;
@@ -212,7 +215,7 @@ std::optional<std::string> late_wave_warning(const Scene& scene) {
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {
     std::vector<std::string> warnings;
     add_units(scene, warnings);
-    add_idle_keys(scene, warnings);
+    warn_of_unused_keys(scene, warnings);
     add_plate(scene, chain, warnings);
     const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
     if (rest.overlap_ratio > deepest_overlap) {

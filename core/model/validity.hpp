@@ -1,5 +1,5 @@
 #pragma once
-// Where a scene leaves what its equations were made for. Nothing here is refused: the equations can still be solved.
+// Where a scene leaves the range of its equations. Nothing here is refused: the equations can still be solved.
 
 #include <array>
 #include <cstddef>
@@ -17,7 +17,7 @@ namespace hertzline {
 /// Horn - sphere, sphere - sphere and sphere - end.
 inline constexpr std::size_t contact_kinds = 3;
 
-/// What the contacts carry at most, each number of the contact where it is largest.
+/// The largest loads of the contacts, each number of the contact where it is largest.
 struct ContactLoad {
     double force_n = 0;        ///< elastic force [N]
     double pressure_pa = 0;    ///< at the centre of the contact [Pa]
@@ -34,15 +34,15 @@ double contact_pressure(double stiffness, double overlap_m, double radius_m) noe
 /// The load at these overlaps [m], one for each contact. @param radius_m of a sphere
 ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, double radius_m) noexcept;
 
-/// What is odd about a scene before anything moves: lengths that smell of another unit, a disc that is no thin plate or
+/// Warnings about a scene before anything moves: lengths that suggest another unit, a disc that is no thin plate or
 /// sags by more than half its thickness, contacts that the preload presses too deep, damping of another material. A
 /// sentence each. @param scene has passed validate()
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain);
 
-/// Of a run that ends before its wave can reach the end of the chain: when it could at the soonest. Nothing of others.
+/// Warns of a run that ends before its wave can reach the end of the chain: the earliest time when it could. Else nothing.
 std::optional<std::string> late_wave_warning(const Scene& scene);
 
-/// What is odd about a motion: contacts that were pressed too deep.
+/// Warnings about a motion: contacts that were pressed too deep.
 std::vector<std::string> validity_warnings(const ContactLoad& load);
 
 }  // namespace hertzline

@@ -24,7 +24,7 @@ public:
 
     /// Of each mode.
     Eigen::VectorXcd mobilities(double frequency_hz) const;
-    /// What moves at once when a force sets in: the inverse mass matrix times ones [1/kg].
+    /// Accelerations at the moment when a force sets in, per force: the inverse mass matrix times ones [1/kg].
     Eigen::VectorXd mobility_at_once() const;
     /// Pressure at the hydrophone per rho c and per velocity of each mode, without the travel time.
     Eigen::VectorXcd pressures(double frequency_hz) const;
@@ -42,7 +42,7 @@ private:
     std::optional<ImpedanceTable> radiation_;
 };
 
-/// The exact mobilities of the modes at a frequency, velocity per force on the plate's centre [m/(N s)]: what the poles are fitted to.
+/// The exact mobilities of the modes at a frequency, velocity per force on the plate's centre [m/(N s)]: the poles are fitted to them.
 /// @param impedance of the fluid between the modes [kg/s]
 Eigen::VectorXcd mode_mobilities(const std::vector<PlateMode>& modes, const Eigen::MatrixXcd& impedance,
                                  double frequency_hz);

@@ -1,5 +1,5 @@
 #pragma once
-// What a modal plate is made of: its parameters, and its modes.
+// The parameters of a modal plate, and its modes.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace hertzline {
 
-/// All that a plate's response hangs on, in SI units.
+/// All that a plate's response depends on, in SI units.
 struct PlateParameters {
     Solid disc{};
     Fluid fluid{};
@@ -24,7 +24,7 @@ struct PlateParameters {
     bool operator==(const PlateParameters&) const = default;
 };
 
-/// One mode of the disc, and what the fluid makes of it.
+/// One mode of the disc, in a vacuum and in the fluid.
 struct PlateMode {
     double mass_kg = 0;
     double stiffness_n_per_m = 0;

@@ -19,7 +19,7 @@ using Eigen::Index;
 /// Frequencies around a resonance, as fractions of its half width.
 constexpr std::array around{-8.0, -4.0, -2.5, -1.5, -1.0, -0.6, -0.3, 0.0, 0.3, 0.6, 1.0, 1.5, 2.5, 4.0, 8.0};
 
-/// A frequency with the width of what happens there [Hz].
+/// A frequency and the width of the response there [Hz].
 struct Resonance {
     double frequency_hz;
     double half_width_hz;

@@ -1,5 +1,5 @@
 #pragma once
-// What a fluid does to a vibrating disc in a rigid baffle, and the pressure that the disc sends out along its axis. In numbers without
+// The load of a fluid on a vibrating disc in a rigid baffle, and the pressure that the disc sends out along its axis. In numbers without
 // units: lengths in units of the disc's radius a, impedances in units of rho c pi a^2.
 
 #include <complex>

@@ -35,7 +35,7 @@ void each_pole(const Poles& poles, Visit visit) {
     }
 }
 
-/// What each unknown contributes at each point.
+/// The contribution of each unknown at each point.
 Eigen::MatrixXcd fractions(const Poles& poles, const Eigen::VectorXcd& s) {
     Eigen::MatrixXcd basis(s.size(), unknowns(poles));
     each_pole(poles, [&](const Complex& pole, Index i) {
@@ -145,7 +145,7 @@ Eigen::VectorXcd residues(const Poles& poles, const Eigen::VectorXcd& s, const E
         exact.row(m) *= scale;
         exact_values[m] = moment.value * scale;
     }
-    // what fulfils the moments: one solution, and all that changes none of them
+    // the solutions that have these moments: one of them, and the directions that change none
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(exact.transpose());
     const Eigen::MatrixXd q = qr.householderQ();
     const Eigen::VectorXd one =

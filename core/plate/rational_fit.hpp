@@ -24,7 +24,7 @@ struct Responses {
 /// are drawn in.
 Poles relocated(const Poles& poles, const Responses& responses, double farthest);
 
-/// What residues must fulfil: the sum over all poles of residue times pole^power, a real number.
+/// A condition on residues: the sum over all poles of residue times pole^power, a real number.
 struct Moment {
     int power;
     double value;

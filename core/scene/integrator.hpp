@@ -1,5 +1,5 @@
 #pragma once
-// The integrators: one row of facts for each. What differs from one to the next is read from here; the steps
+// The integrators: one row of facts for each. Differences between them are read from here; the steps
 // themselves lie in core/integrators.
 
 #include <array>

@@ -111,7 +111,7 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
     }
 }
 
-/// A modal plate is what its modes say: nothing else may say it, too.
+/// A modal plate follows from its modes: keys that would contradict them are refused.
 void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
     if (scene.end.model != PlateModel::modal) {
         return;

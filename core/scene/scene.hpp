@@ -52,7 +52,7 @@ struct Spheres {
     bool operator==(const Spheres&) const = default;
 };
 
-/// What the last sphere leans on.
+/// The end that the last sphere leans on.
 struct End {
     EndKind kind = EndKind::plate;
     std::string material = "vitreous_carbon";
@@ -69,7 +69,7 @@ struct End {
 /// The fluid that the transducer radiates into.
 struct Medium {
     std::string material = "water";
-    FluidLoad load = FluidLoad::radiation;  ///< what it does to a modal plate
+    FluidLoad load = FluidLoad::radiation;  ///< its effect on a modal plate
     bool operator==(const Medium&) const = default;
 };
 

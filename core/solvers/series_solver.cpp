@@ -9,9 +9,8 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 #include "core/scene/text.hpp"
-#include "core/solvers/series_scales.hpp"
 
 namespace hertzline {
 
@@ -25,15 +24,39 @@ constexpr double exponent = 15;
 constexpr double rounding = 1e-15;
 constexpr double coarsest = 3e-3;
 
-// What moves less, relative to the velocities of the scene, stands still: it is far below the rounding of what moves.
+// A body that moves less, relative to the velocities of the scene, stands still: that is far below rounding.
 constexpr double still_share = 1e-20;
 constexpr Eigen::Index laid_out_at_least = 64;  // bodies
 
 constexpr FixedTime for_good{std::numeric_limits<std::int64_t>::max(), 0};
 
-constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed anew
+constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed again
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
+
+/// Velocity of the order of those that the scene will show [m/s]. @param omega of the fastest oscillation [rad/s]
+double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
+    const double horn = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    const double kick = (chain.bias * chain.inv_mass).abs().maxCoeff() / omega;
+    return std::max(horn, std::isfinite(kick) ? kick : 0);
+}
+
+/// Overlap [m] whose forces change a velocity by less than the tolerance [m/s] in a step. Below it a
+/// contact is taken as just touching, so that the tails of a wave in a chain without preload, which fall like
+/// a double exponential, need no resolving. A chain at rest under its preload must not be taken so.
+/// @param tolerance [m/s] @param step [s]
+double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
+    constexpr double share = 1e-3;
+    const double stiffest = (chain.stiffness * chain.inv_mass).maxCoeff();
+    double overlap = std::pow(share * tolerance / (stiffest * step), 2.0 / 3);
+    if (chain.damping_law !=
+        DampingLaw::dashpot) {  // whose force grows from zero, but faster than the elastic one
+        const double power = damping_exponent(chain.damping_law) + 1;
+        const double strongest = (chain.damping * chain.inv_mass).maxCoeff() / power;
+        overlap = std::min(overlap, std::pow(share * tolerance / strongest, 1 / power));
+    }
+    return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
+}
 
 }  // namespace
 
@@ -82,7 +105,7 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
     reset();
 }
 
-/// @param scale of the velocities to be expected [m/s]: errors and what counts as rest are relative to it
+/// @param scale of the velocities to be expected [m/s]: errors and the threshold of rest are relative to it
 void SeriesSolver::judge_by(double scale) noexcept {
     piece_.tolerance = std::max(1e-100, relative_tolerance_ * scale * piece_.unit_s);
     piece_.negligible = negligible_overlap(chain_, piece_.tolerance / piece_.unit_s, piece_.unit_s);
@@ -102,7 +125,7 @@ void SeriesSolver::reset() noexcept {
     simd_chain_.contact_events = 0;
     begin_ = end_ = smooth_from_ = looked_at_ = {};
     last_moment_ = for_good;
-    asleep_ = false;
+    sleeping_ = false;
     smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
     ledger_ = {};
@@ -127,7 +150,7 @@ void SeriesSolver::lay_out(Eigen::Index active) noexcept {
 }
 
 /// A piece carries a disturbance no more bodies far than its series has terms. Where twice as many at the far end of what is laid
-/// out stand still, what lies beyond goes on standing still.
+/// out stand still, so do the bodies beyond.
 void SeriesSolver::follow_the_wave() noexcept {
     const Eigen::Index active = simd_chain_.active();
     if (active == chain_.bodies()) {
@@ -184,7 +207,7 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
     }
 }
 
-/// Where the horn's motion jumps, what the jump adds to the energy stored in contact 0 is work.
+/// Books the work of a jump of the horn: the change of the energy stored in contact 0.
 void SeriesSolver::add_work_of_jump(double before_m) noexcept {
     const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
     ledger_.add_work(work_of_jump(chain_, x, before_m, piece_.waves.displacement));
@@ -219,8 +242,8 @@ void SeriesSolver::next_piece() noexcept {
     const double left_s =
         std::min(smooth_.left_s - since_look_up, difference(last_moment_, begin_) * sample_period_s_);
     ++state_.step;
-    asleep_ = rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_;
-    if (asleep_) {
+    sleeping_ = rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_;
+    if (sleeping_) {
         sleep();
         constexpr double longest = 1e15;  // [samples]: for good
         end_.advance(FixedTime::of(std::min(longest, left_s / sample_period_s_)));
@@ -232,7 +255,7 @@ void SeriesSolver::next_piece() noexcept {
 }
 
 /// Whether the pieces have become so short that time stands still: checked once in max_pieces.
-bool SeriesSolver::stands_still() noexcept {
+bool SeriesSolver::is_still() noexcept {
     if (state_.step % max_pieces != 0) {
         return false;
     }
@@ -241,13 +264,13 @@ bool SeriesSolver::stands_still() noexcept {
     return still;
 }
 
-/// The next piece, unless a stop is asked for. @returns what has become of the motion
+/// The next piece, unless a stop is asked for. @returns the status of the motion
 Status SeriesSolver::take_piece() noexcept {
     if (options_.stop_asked(state_.step)) {
         return Status::stopped;
     }
     next_piece();
-    return !(piece_.largest < 1e300) || stands_still() ? Status::unstable : Status::running;
+    return !(piece_.largest < 1e300) || is_still() ? Status::unstable : Status::running;
 }
 
 double SeriesSolver::energy_above_rest() noexcept {
@@ -256,7 +279,7 @@ double SeriesSolver::energy_above_rest() noexcept {
            (plate_ ? plate_->energy() : 0);
 }
 
-/// To exact rest; what motion is left counts as lost.
+/// Puts the chain to exact rest; the rest of its motion counts as lost.
 void SeriesSolver::sleep() noexcept {
     const double left = energy_above_rest();
     ledger_ = ledger();
@@ -303,7 +326,7 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
 
 void SeriesSolver::end_at(std::int64_t sample) noexcept {
     last_moment_ = {sample, 0};
-    if (asleep_ && end_.rounded_up() > sample) {
+    if (sleeping_ && end_.rounded_up() > sample) {
         end_ = last_moment_;
     }
 }
@@ -339,7 +362,7 @@ void SeriesSolver::begin_with(const Motion& motion) noexcept {
         plate_->continue_from(*motion.plate);
     }
     lay_out(motion.moving);
-    // which contacts have just closed is told from their overlaps before
+    // contacts have just closed by their overlaps before
     std::copy_n(motion.overlaps, simd_chain_.slots(), simd_chain_.column(kernels::ChainField::overlap));
     plate_outputs_.continue_from(*motion.sound, motion.sample);
     ledger_ = motion.ledger;
@@ -355,7 +378,7 @@ std::string SeriesSolver::failure() const {
     Eigen::Index contact = 0;
     const double* const overlap = simd_chain_.column(kernels::ChainField::peak_overlap);
     for (Eigen::Index c = 1; c < simd_chain_.active(); ++c) {
-        // what is no number wins
+        // NaN wins
         if (!(overlap[simd_chain_.slot(c)] <= overlap[simd_chain_.slot(contact)]) &&
             chain_.stiffness[c] > 0) {
             contact = c;

@@ -25,7 +25,7 @@ public:
     Status produce(Samples* samples, std::int64_t count) noexcept override;
     std::int64_t next_sample() const noexcept override { return next_sample_; }
     std::int64_t first_open_sample() const noexcept override {
-        return asleep_ ? next_sample_ : end_.rounded_up();
+        return sleeping_ ? next_sample_ : end_.rounded_up();
     }
     void end_at(std::int64_t sample) noexcept override;
     Status reach_end() noexcept override;
@@ -54,7 +54,7 @@ private:
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
-    bool stands_still() noexcept;
+    bool is_still() noexcept;
     bool finite() const noexcept;
 
     static constexpr double sliver = 1e-9;  // [samples]: too short for a piece
@@ -73,7 +73,7 @@ private:
     kernels::SeriesKernels kernels_{};
     FixedTime begin_, end_;  ///< of the present piece [samples]
     FixedTime last_moment_;  ///< no piece goes beyond it [samples]
-    FixedTime looked_at_;    ///< when it was last seen that time goes on [samples]
+    FixedTime looked_at_;    ///< when is_still() last checked [samples]
     FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
     SmoothDrive smooth_;
     double scale_ = 0;                  ///< of the velocities that the scene's own drive makes [m/s]
@@ -81,7 +81,7 @@ private:
     double rest_tolerance_ = 0;         ///< of the scene; 0 where the chain does not rest as it began
     double rest_energy_ = 0;            ///< below it the chain is at rest while the horn is; 0: never [J]
     double still_ = 0;                  ///< a body that moves less stands still [m/s]
-    bool asleep_ = false;               ///< the present piece is exact rest, which may end at any time
+    bool sleeping_ = false;             ///< the present piece is exact rest, which may end at any time
     Eigen::Index active_at_start_ = 0;  ///< bodies that are laid out before the wave has gone further
     SeriesSamples samples_;
     PlateOutputs plate_outputs_;

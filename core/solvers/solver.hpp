@@ -1,5 +1,5 @@
 #pragma once
-// What integrates a chain for a Simulation: step by step on a grid (stepped_solver.hpp), or piece by piece as
+// The interface of the solvers, which integrate a chain for a Simulation: step by step on a grid (stepped_solver.hpp), or piece by piece as
 // power series (series_solver.hpp).
 
 #include <atomic>
@@ -7,8 +7,8 @@
 #include <limits>
 #include <string>
 
+#include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
-#include "core/model/state.hpp"
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
 
@@ -30,15 +30,15 @@ enum class WavefrontTracking {
 /// Whether work and losses are added up. Solvers on a grid always do: it costs them next to nothing.
 enum class LedgerKeeping { on, off };
 
-/// What a simulation is made for.
+/// Purpose and limits of a simulation.
 struct SimulationOptions {
-    /// All that will ever be asked for; what the scene lacks is left out.
+    /// All taps that will be asked for; those that the scene lacks are left out.
     TapSet taps = TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out;
     LedgerKeeping ledger = LedgerKeeping::on;
     WavefrontTracking tracking = WavefrontTracking::on;
     /// Once it is true, samples come to an end within a few steps, in the midst of a block. Unset: never.
     const std::atomic<bool>* stop = nullptr;
-    /// After so many steps or pieces it is stopped, too.
+    /// It is stopped after this number of steps or pieces, too.
     std::int64_t max_steps = std::numeric_limits<std::int64_t>::max();
 
     /// @param steps taken so far
@@ -97,7 +97,7 @@ public:
     virtual double horn_displacement() const noexcept = 0;
     virtual Ledger ledger() noexcept = 0;
 
-    /// What went wrong, for a human.
+    /// Why the integration failed, for a human.
     virtual std::string failure() const = 0;
 };
 

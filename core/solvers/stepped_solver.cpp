@@ -186,7 +186,7 @@ int SteppedSolver::take_steps(int count, kernels::Trace& trace) noexcept {
 
 /// Takes steps until `step` is reached or the trace is full.
 void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept {
-    // A batch of a long chain may take seconds: so many bodies are moved between two looks at the stop flag.
+    // A batch of a long chain may take seconds: number of bodies that are moved between two checks of the stop flag.
     constexpr std::int64_t bodies_at_a_time = 1 << 24;
     const std::int64_t most = options_.stop == nullptr
                                   ? ToneBurst::batch_steps

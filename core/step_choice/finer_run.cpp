@@ -23,7 +23,7 @@ constexpr double lowest_slope = 10;         // of log(error) over log(step), fro
 
 Scene with_finer_steps(const ResolvedScene& scene) {
     const double finer = is_series(scene.integrator()) ? finer_pieces : finer_grid;
-    return never_at_rest(with_step(scene.scene(), scene.integrator(), finer * scene.step_s()));
+    return without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s()));
 }
 
 /// The largest error of a run, relative to its difference from one with finer steps.
@@ -109,7 +109,7 @@ ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const st
     return follower.estimate();
 }
 
-bool FinerRun::convinces(double accuracy) const noexcept {
+bool FinerRun::meets(double accuracy) const noexcept {
     return estimate().error <= convincing * accuracy;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
-// The error of a run without pilots: the same scene is simulated beside it with shorter steps. What they differ by is the error of the
-// longer ones, over all of the run. It costs a run and a third, where pilots cost some twenty. But what it finds it finds out when the
-// run is over.
+// The error of a run without pilots: the same scene is simulated beside it with shorter steps. Their difference is the error of the
+// longer ones, over all of the run. It costs a run and a third, where pilots cost some twenty, but is known only when the run is over.
 
 #include <atomic>
 #include <optional>
@@ -45,7 +44,7 @@ public:
     /// Of the run so far.
     ErrorEstimate estimate() const noexcept;
     /// Whether the run surely keeps the accuracy. Else its step is shortened, or pilots choose one.
-    bool convinces(double accuracy) const noexcept;
+    bool meets(double accuracy) const noexcept;
 
 private:
     JudgedRun run_;
@@ -53,7 +52,7 @@ private:
     std::size_t compared_ = 0;  // samples
 };
 
-/// The error of a run that nobody has taken yet: it is simulated, too. As far as is affordable, some seconds of a processor's time.
+/// Simulates a run and a FinerRun beside it, as far as is affordable: some seconds of a processor's time.
 /// @param stop ends it within a few steps. @throws std::bad_alloc
 ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop);
 

@@ -10,7 +10,7 @@ namespace {
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
 JudgedRun run_with(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop) {
-    return {never_at_rest(with_step(scene, integrator, step_s)), pilot_block, stop};
+    return {without_sleep(with_step(scene, integrator, step_s)), pilot_block, stop};
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ bool LongEstimate::reach(double time_s) noexcept {
 
 ErrorEstimate LongEstimate::estimate() const noexcept {
     const double own = own_errors_.worst();
-    return {.error = std::max(errors_.worst(), careful(own)) + used_.fit_error(),
+    return {.error = std::max(errors_.worst(), with_safety_factor(own)) + used_.fit_error(),
             .over_s = static_cast<double>(used_.simulation.next_sample()) / sample_rate_hz_,
             .amplifies = own > amplified_rounding};
 }

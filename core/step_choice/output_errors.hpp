@@ -14,7 +14,7 @@
 
 namespace hertzline {
 
-/// What a run is judged by.
+/// The outputs that a run is judged by.
 inline constexpr TapSet judged_outputs =
     TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre | Tap::v_face | Tap::p_axis;
 

@@ -9,7 +9,7 @@ namespace hertzline {
 
 namespace {
 
-/// What is simulated is chosen so that it takes fewer; pieces of a series may be far shorter than foreseen.
+/// Stretches are chosen so that they take fewer; pieces of a series may be far shorter than foreseen.
 constexpr double far_too_many_body_steps = 8 * affordable_body_steps;
 
 /// Beside the spheres' velocities. The pressure of a plane wave with the velocity v is rho c v: over rho c it is one of them.
@@ -42,7 +42,7 @@ Scene with_step(Scene scene, Integrator integrator, double step_s) {
     return scene;
 }
 
-Scene never_at_rest(Scene scene) {
+Scene without_sleep(Scene scene) {
     scene.numerics.rest_tolerance = 0;
     return scene;
 }
@@ -118,8 +118,8 @@ WrongSides wrong_sides(const Pilot& pilot, const Pilot& better, std::size_t samp
     const std::size_t plate = better.spheres();
     const std::size_t out = plate + 1;
     double shift = 0;    // of the last sphere against the plate, between the pilots [samples * m/s]
-    double through = 0;  // what the last contact handed on in the sample before [m/s]
-    double jumps = 0;    // expected sum of what they err by [m/s]
+    double through = 0;  // velocity through the last contact in the sample before [m/s]
+    double jumps = 0;    // expected sum of their errors [m/s]
     double squares = 0;  // and of the squares [m^2/s^2]
     for (std::size_t i = 0; i < samples; ++i) {
         const double* const a = pilot.row(i);

@@ -1,5 +1,5 @@
 #pragma once
-// A scene simulated for a while to see what a step does to it: pilots with different steps are compared.
+// A scene simulated for a while to measure the error of a step: pilots with different steps are compared.
 
 #include <atomic>
 #include <cstddef>
@@ -24,8 +24,8 @@ inline constexpr double affordable_body_steps = 1e7;
 /// The scene with that method and step.
 Scene with_step(Scene scene, Integrator integrator, double step_s);
 
-/// The scene without a tolerance of rest: what that cuts off is no error of the step.
-Scene never_at_rest(Scene scene);
+/// The scene without a tolerance of rest: motion that sleep cuts off is no error of the step.
+Scene without_sleep(Scene scene);
 
 /// An output that a pilot keeps, as a velocity: its values times the scale [m/s].
 struct PilotOutput {
@@ -40,7 +40,7 @@ public:
     /// @throws std::bad_alloc
     Pilot(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
 
-    /// Goes on until there are so many samples, or the integration fails. @throws std::bad_alloc
+    /// Continues to that number of samples, or until the integration fails. @throws std::bad_alloc
     void run_to(std::size_t samples);
 
     bool stable() const noexcept { return stable_; }
@@ -50,7 +50,7 @@ public:
     /// Largest overlap of each contact so far [m].
     Eigen::ArrayXd peak_overlap() { return simulation_.state().peak_overlap; }
 
-    /// What it has seen so far. @param error estimated, of its step
+    /// The motion that it has seen so far. @param error estimated, of its step
     SeenMotion seen(double error) { return seen_motion(simulation_.extremes(), event_rate_, error); }
 
     std::size_t spheres() const noexcept { return spheres_; }
@@ -74,9 +74,9 @@ private:
 /// How two pilots differ: relative L2, infinite if one of them failed.
 struct Difference {
     double of_any = 0;     ///< the column where it is largest
-    double of_output = 0;  ///< the same of v_last and what the plate shows alone
+    double of_output = 0;  ///< the same of v_last and the outputs of the plate
     double loudness =
-        0;  ///< L2 norm of v_out, or what it is judged by if it is quiet [m/s]; 0 without a plate
+        0;  ///< L2 norm of v_out, or the scale that it is judged on if it is quiet [m/s]; 0 without a plate
 };
 
 /// Over the first samples. A column below quiet_column of the loudest is judged on that scale. @throws std::bad_alloc
@@ -90,7 +90,7 @@ inline Difference difference(const Pilot& pilot, const Pilot& better, std::size_
 /// difference in position decides on the side.
 struct WrongSides {
     double count = 0;  ///< to be expected
-    double norm = 0;   ///< L2 norm of what they are expected to err by [m/s]
+    double norm = 0;   ///< L2 norm of their expected errors [m/s]
 };
 
 /// Over the first samples of two pilots that have not failed. @param jump least jump of v_out that counts [m/s]

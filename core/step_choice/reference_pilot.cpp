@@ -36,7 +36,7 @@ constexpr double hopeless = 10;            // of the accuracy: a trial with such
 constexpr double samples_per_period = 16;  // at least
 constexpr std::size_t min_samples = 16;
 
-/// The burst and the wave's way, a half more for what is slower than the stiffest contacts; or two bursts' periods [s].
+/// The burst and the wave's way, a half more since waves are slower than the stiffest contacts; or two bursts' periods [s].
 double burst_and_way_s(const Scene& scene, const Chain& chain) {
     const Drive& drive = scene.drive;
     const double omega = fastest_frequency(chain, expected_overlaps(chain, drive));
@@ -72,7 +72,7 @@ double kinetic(const Pilot& pilot, std::size_t from, std::size_t to) noexcept {
 
 }  // namespace
 
-double careful(double own_error) noexcept {
+double with_safety_factor(double own_error) noexcept {
     return own_error > amplified_rounding ? std::min(10 * own_error, std::max(1.0, own_error)) : own_error;
 }
 
@@ -90,7 +90,7 @@ double step_of_reference(const Scene& scene, const Chain& chain, double accuracy
 
 Scene shortened(Scene scene) {
     scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
-    return never_at_rest(std::move(scene));
+    return without_sleep(std::move(scene));
 }
 
 ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop)
@@ -117,7 +117,7 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain&
     watched_ = motion_.stable() && finer_.stable() ? motion_.samples() : 0;
     judged_ = watched_;
     const double good_enough = std::max(accuracy / 2, amplified_rounding / 10);
-    const auto judge = [this] { return careful(own_error(judged_).of_any); };
+    const auto judge = [this] { return with_safety_factor(own_error(judged_).of_any); };
     for (judged_error_ = judge(); judged_ > min_samples && judged_error_ > good_enough;
          judged_error_ = judge()) {
         judged_ = std::max(min_samples, judged_ * 7 / 8);
@@ -171,7 +171,7 @@ Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
             static_cast<double>(pilot.steps()) * pilot.sample_rate_hz() / static_cast<double>(samples);
         return difference(pilot, motion_, samples, judged_);
     };
-    // What errs so much in the first quarter errs at least as much in all.
+    // A trial with such an error in the first quarter has at least as large a one in all.
     const std::size_t quarter = std::max<std::size_t>(1, judged_ / 4);
     result.error = fly(quarter).of_any;
     if (result.error <= hopeless * accuracy_) {
@@ -210,7 +210,8 @@ ErrorEstimate ReferencePilot::estimate(Trial& trial, std::optional<double> run_s
     constexpr double improbable = 0.005;  // samples on the wrong side
     const bool by_chance = !amplifies && wrong.count > improbable && found.loudness > 0;
     const double beside = by_chance ? wrong.norm / found.loudness : 0;
-    return {std::max({found.*of_run, beside, careful(own)}), static_cast<double>(samples) / rate, amplifies};
+    return {std::max({found.*of_run, beside, with_safety_factor(own)}), static_cast<double>(samples) / rate,
+            amplifies};
 }
 
 }  // namespace hertzline

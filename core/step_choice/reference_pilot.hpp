@@ -1,5 +1,5 @@
 #pragma once
-// A scene computed as exactly as can be had: what pilots with longer steps are compared with.
+// A scene computed as exactly as possible: the reference for pilots with longer steps.
 
 #include <optional>
 
@@ -25,12 +25,12 @@ inline constexpr double amplified_rounding = 1e-8;
 
 /// The error that a reference is said to have when two of different steps differ by so much: ten times that once rounding is
 /// amplified, because a pair of such motions differs by chance. Motions that have nothing in common any more differ by about one.
-double careful(double own_error) noexcept;
+double with_safety_factor(double own_error) noexcept;
 
 /// The pieces of the second reference, relative to those of the first.
 inline constexpr double finer = 0.7;
 
-/// A pilot with some step, and what it showed over the stretch on which steps are chosen.
+/// A pilot with some step, and its error over the stretch on which steps are chosen.
 struct Trial {
     Pilot pilot;
     double step_s = 0;
@@ -43,7 +43,7 @@ struct Trial {
 
 /// An error and the stretch from the start over which it was found.
 struct ErrorEstimate {
-    double error = 0;        ///< relative L2 of the worst of v_last and what the plate shows
+    double error = 0;        ///< relative L2 of the worst of v_last and the outputs of the plate
     double over_s = 0;       ///< [s]
     bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
 };
@@ -57,7 +57,7 @@ public:
     static constexpr int pilots = 2;
 
     /// @param accuracy steps are chosen as far as the reference is good enough to judge it
-    /// @param stop as of SimulationOptions, for this and all trials: what it finds then means nothing
+    /// @param stop as of SimulationOptions, for this and all trials, whose results then mean nothing
     /// @throws std::bad_alloc
     ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop = nullptr);
 
@@ -69,7 +69,7 @@ public:
     std::optional<Trial> affordable_trial(Integrator integrator, double step_s) const;
 
     /// The error of a trial's step over a run, or over as much of it as is affordable. @throws std::bad_alloc
-    /// @param run_s length of the run; none: what was watched
+    /// @param run_s length of the run; none: the stretch that was watched
     ErrorEstimate estimate(Trial& trial, std::optional<double> run_s);
 
     double step_s() const noexcept { return step_s_; }  ///< its longest piece

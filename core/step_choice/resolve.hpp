@@ -1,9 +1,9 @@
 #pragma once
-// Choosing integrator and step: what a scene leaves open is settled here, by measuring instead of guessing.
+// Chooses the integrator and the step that a scene leaves open, by measuring instead of guessing.
 //
 // A pilot runs the scene over its burst and until it has rung down. One runs as exactly as can be had, as a reference
 // (reference_pilot.hpp); how far another one is from it is the error of its step. Pilots together cost about as much as simulating a
-// few milliseconds. The contacts' largest overlaps in them tell the largest stable step.
+// few milliseconds. The contacts' largest overlaps in them give the largest stable step.
 
 #include <atomic>
 #include <optional>
@@ -36,7 +36,7 @@ Scene with_integrator(Scene scene);
 
 /// The scene with the poles of its modal plate settled, if it has one. @throws std::bad_alloc
 Scene with_poles(Scene scene);
-/// What these poles leave out, relative to the plate's response in the band; 0 without a modal plate. @throws std::bad_alloc
+/// Error of the fit with these poles, relative to the plate's response in the band; 0 without a modal plate. @throws std::bad_alloc
 double pole_error(const Scene& scene);
 
 /// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.
@@ -53,9 +53,9 @@ struct Resolution {
     bool step_set_by_scene = false;
     StepAdvice advice;
     int pilots = 0;  ///< all that ran: the reference, those of the advice, that of the step in use
-    /// Of the step in use: what a pilot at that step differs from the reference. Of a long chain the first 500 spheres are looked at.
-    /// None if the pilot would take too long, or fails. Of a run longer than pilots watch: what it differs from a run with shorter
-    /// steps, if that is more.
+    /// Error of the step in use: the difference of a pilot at that step from the reference, over the first 500 spheres. For a run that
+    /// is longer than pilots watch, the difference from a run with shorter steps if that is larger. None if the pilot would take too
+    /// long, or fails.
     std::optional<ErrorEstimate> estimate;
     std::optional<double> run_s;  ///< over which the error was to be estimated
     SeenMotion seen;              ///< by the pilot of the estimate, if there is one
@@ -70,7 +70,7 @@ struct Resolution {
     bool estimate_ends_early() const noexcept {
         return estimate && run_s && estimate->over_s < *run_s - 1 / scene.output.sample_rate_hz;
     }
-    /// Whether the accuracy is kept as far as is known, but the run goes on.
+    /// Whether the accuracy is kept as far as is known, but the run is longer.
     bool may_miss_accuracy() const noexcept {
         return !step_set_by_scene && !misses_accuracy() && estimate_ends_early();
     }

@@ -1,6 +1,5 @@
 #pragma once
-// What a pilot has seen of a motion, and whether the motion has left it: an estimate of the error says nothing about a motion that its
-// pilots have not seen.
+// The range of motion that a pilot has seen, and whether a motion has left it: an estimate of the error holds within that range only.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,11 +9,11 @@
 
 namespace hertzline {
 
-/// A motion has left what was seen when it exceeds that by more than this factor.
-inline constexpr double seen_margin = 1.25;
+/// A motion has left the range when it exceeds it by more than this factor.
+inline constexpr double drift_margin = 1.25;
 
-/// Velocities that err by a share of their size change the energy by twice that, and the ledger of a step that freezes its contacts
-/// may err some times more.
+/// The largest residual of the energy ledger that agrees with an error. Velocities that err by a share of their size change the energy
+/// by twice that, and the ledger of a step that freezes its contacts may err some times more.
 constexpr double residual_in_keeping_with(double error) noexcept {
     return 10 * error;
 }
@@ -37,12 +36,12 @@ public:
         }
     }
 
-    /// The largest of any stretch; of what there is before the first one is complete [1/s].
+    /// The largest of any stretch; before the first one is complete, that of the part so far [1/s].
     double largest() const noexcept { return whole_ ? largest_ : last_; }
     /// Whether note() has just completed a stretch, with more events than another one's largest rate allows. As stretches need not
     /// begin with a burst they may have the events of one burst more.
     bool exceeds(double rate) const noexcept {
-        return last_s_ >= stretch_s_ && last_ > seen_margin * rate * (1 + stretch_s_ / last_s_);
+        return last_s_ >= stretch_s_ && last_ > drift_margin * rate * (1 + stretch_s_ / last_s_);
     }
 
 private:
@@ -63,14 +62,14 @@ struct SeenMotion {
     double energy_residual = 0;  ///< the largest that is in keeping with the estimated error
 
     /// @param rate that has noted `now` @returns whether the motion is beyond it by more than the margin
-    bool left_by(const MotionExtremes& now, const EventRate& rate) const noexcept {
-        return now.largest_press_m > seen_margin * largest_press_m ||
-               now.last_press_m > seen_margin * last_press_m || rate.exceeds(events_per_s) ||
-               now.energy_residual > seen_margin * energy_residual;
+    bool exceeded_by(const MotionExtremes& now, const EventRate& rate) const noexcept {
+        return now.largest_press_m > drift_margin * largest_press_m ||
+               now.last_press_m > drift_margin * last_press_m || rate.exceeds(events_per_s) ||
+               now.energy_residual > drift_margin * energy_residual;
     }
 };
 
-/// What a pilot has seen whose step is estimated to err by so much.
+/// The range that a pilot has seen. @param error estimated, of its step
 inline SeenMotion seen_motion(const MotionExtremes& motion, const EventRate& rate, double error) noexcept {
     return {motion.largest_press_m, motion.last_press_m, rate.largest(), residual_in_keeping_with(error)};
 }

@@ -20,8 +20,8 @@ double asked_accuracy(const Scene& scene) noexcept {
 
 constexpr double most = 0.6;  // of the wanted accuracy that a pilot may show
 
-/// What a step is judged by: the error, or that at which in one scene of five hundred a sample of the output would fall on the wrong
-/// side of a switching. Their number falls as the error does.
+/// The error that a step is judged by: its own, or that at which in one scene of five hundred a sample of the output would fall on
+/// the wrong side of a switching. Their number falls as the error does.
 double judged_error(const Trial& trial, double accuracy) noexcept {
     constexpr double tolerable = 0.002;  // samples
     return std::max(trial.error, accuracy * most * trial.wrong_sides / tolerable);

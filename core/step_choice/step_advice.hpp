@@ -9,7 +9,7 @@ namespace hertzline {
 /// An error that shorter steps do not bring below this is no truncation error: the motion is chaotic.
 inline constexpr double chaotic_error = 0.05;
 
-/// What pilots found out about a scene. A step is the longest piece of a series, or the step of a grid.
+/// Results of the pilots of a scene. A step is the longest piece of a series, or the step of a grid.
 struct StepAdvice {
     double accuracy = default_accuracy;  ///< the wanted one: numerics.accuracy or the default
     double recommended_step_s = 0;       ///< meets the accuracy; of a grid: fits that of the samples
@@ -26,7 +26,7 @@ struct AdvisedStep {
     Trial trial;
 };
 
-/// The longest piece of a series whose own relative error is expected to be within a tolerance, as far as can be told without a pilot [s].
+/// The longest piece of a series whose own relative error is expected to be within a tolerance, estimated without a pilot [s].
 double expected_piece(const Scene& scene, double tolerance);
 
 /// The longest steps whose pilot differs from the reference by less than the accuracy. For leapfrog and chin4a the step is halved until

@@ -37,7 +37,7 @@ void ReplaySource::find_columns() {
         if (!tap || !row_of(*tap).streamed) {
             continue;
         }
-        if (row_of(*tap).extent == Extent::one && format_.taps.contains(*tap)) {
+        if (row_of(*tap).channels == Channels::one && format_.taps.contains(*tap)) {
             throw std::runtime_error("the recording has two columns of " + columns[i].quantity + ": \"" +
                                      columns[i].name + "\" is the second");
         }

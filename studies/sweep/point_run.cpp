@@ -177,7 +177,7 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene&
             resolved = std::move(stable);
             continue;
         }
-        if (attempt->finer->convinces(accuracy)) {
+        if (attempt->finer->meets(accuracy)) {
             check(result.point, attempt->resolved);
             return attempt;
         }

@@ -9,7 +9,6 @@
 #include "core/integrators/series_piece.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/integrators/stability.hpp"
-#include "core/integrators/trace.hpp"
 #include "core/model/energy.hpp"
 #include "tests/support/runs.hpp"
 

@@ -162,7 +162,7 @@ Judgement judged_by_finer_run(const Scene& asked, const Truth& truth, double acc
             }
             return finer->follow(block);
         });
-        if (outputs.complete && finer->convinces(accuracy)) {
+        if (outputs.complete && finer->meets(accuracy)) {
             return {.accuracy = accuracy,
                     .error = difference(outputs, truth.outputs),
                     .truth_error = truth.error,

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "core/integrators/stability.hpp"
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
 

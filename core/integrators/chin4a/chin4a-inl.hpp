@@ -9,9 +9,9 @@
 // with damping. V~ adds the force gradient h^2/48 grad |F|^2/m, which needs the tangent stiffness only. All
 // coefficients are positive: no step backward.
 //
-// All this holds while the set of closed contacts stays what it is, so the set is frozen during a step. A
+// All this holds while the set of closed contacts stays the same, so the set is frozen during a step. A
 // step at whose end a contact is found on the wrong side is taken again up to the crossing, the contact is
-// switched, and the rest of the step follows. A kick makes up for what Simpson's rule errs about that moment.
+// switched, and the rest of the step follows. A kick corrects the error of Simpson's rule about that moment.
 // The horn's motion is smooth only piecewise; where a piece ends inside a step the step is split, too.
 #if defined(HERTZLINE_CHIN4A_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_CHIN4A_INL

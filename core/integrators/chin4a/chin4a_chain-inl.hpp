@@ -1,4 +1,4 @@
-// What a step of Chin's algorithm works on: the chain now and after the step. Included once per SIMD target.
+// The data of a step of Chin's algorithm: the chain now and after the step. Included once per SIMD target.
 #if defined(HERTZLINE_CHIN4A_CHAIN_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_CHIN4A_CHAIN_INL
 #undef HERTZLINE_CHIN4A_CHAIN_INL
@@ -6,8 +6,8 @@
 #define HERTZLINE_CHIN4A_CHAIN_INL
 #endif
 
+#include "core/integrators/simd/record-inl.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
-#include "core/integrators/simd/work-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -19,7 +19,7 @@ struct Motion {
     Col<K> x, v, a;
 };
 
-/// What the end of a step tells besides the motion: contacts, and the power that the ledger integrates.
+/// Results at the end of a step besides the motion: contacts, and the power that the ledger integrates.
 template <std::size_t K>
 struct Node {
     Col<K> overlap;         ///< [m]
@@ -110,13 +110,13 @@ struct Chin4aChain {
         store_row(node.work, chain.column(ChainField::work_rate));
         store_row(node.work_dot, chain.column(ChainField::work_rate_dot));
     }
-    /// A whole step that was found crossed: enough of it to tell where.
+    /// Saves as much of a whole step that crosses as its crossings are found from.
     HWY_INLINE void save_trial() const {
         rows.store(Scratch::next_x, next.x);
         rows.store(Scratch::next_v, next.v);
         rows.store(Scratch::next_overlap, next_node.overlap);
     }
-    /// What a trace is recorded from.
+    /// Saves the motion, which rows of a trace are recorded from.
     HWY_INLINE void save_motion() const {
         rows.store(ChainField::x, now.x);
         rows.store(ChainField::v, now.v);

@@ -90,7 +90,7 @@ HWY_INLINE void kick_with_gradient(Chin4aChain<K>& c, double h) {
     }
 }
 
-/// A clamped contact lets go while it is still pressed: what it stores then is lost as it relaxes,
+/// A clamped contact lets go while it is still pressed: the energy that it stores then is lost as it relaxes,
 /// k delta^(3/2) |w|.
 template <std::size_t K>
 HWY_INLINE void add_let_go(const Chin4aChain<K>& c, std::size_t k, Vec w, Vec w_dot, Node<K>& node) {
@@ -176,7 +176,7 @@ HWY_INLINE void accept(Chin4aChain<K>& c, double h) {
     c.node.work_dot = c.next_node.work_dot;
 }
 
-/// Works out anew what depends on the set of closed contacts: stiffnesses, dashpots, forces.
+/// Computes again all that depends on the set of closed contacts: stiffnesses, dashpots, forces.
 template <std::size_t K>
 HWY_INLINE void rebuild(Chin4aChain<K>& c, const HornMotion& horn) {
     const Col<K> stiffness = c.rows.load(ChainField::stiffness);

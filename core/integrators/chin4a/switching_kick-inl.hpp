@@ -1,5 +1,5 @@
-// Where contacts open and close, quadratures fall short of their order: what the kicks and the ledger of Chin's algorithm make too much
-// there, and how it is taken back. Included once per SIMD target.
+// Where contacts open and close, quadratures fall short of their order: the excess of the kicks and of the ledger of Chin's
+// algorithm there, and its correction. Included once per SIMD target.
 //
 // Within a time tau of its closing or opening at a relative velocity w a contact presses with k |w tau|^(3/2). The kicks of a step
 // integrate that by Simpson's rule, the ledger integrates its power by Hermite's, and both rules err there by h^(5/2), a lower order
@@ -21,7 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
-/// What the rules make too much of the integral of tau^(3/2).
+/// Excess of the rules over the integral of tau^(3/2).
 struct Excess {
     double of_kicks = 0;
     double of_ledger = 0;
@@ -61,7 +61,7 @@ HWY_INLINE Excess excess_beside(double next, double second) {
     return excess_between(none, one) + excess_between(one, two) + excess_between(two, three);
 }
 
-/// What one part makes too much more, or less, when it is cut in two.
+/// Change of the excess of one part when it is cut in two.
 HWY_INLINE Excess excess_by_cut(double first, double whole) {
     const FromSwitching none(0), cut(first), end(whole);
     return excess_between(none, cut) + excess_between(cut, end) - excess_between(none, end);

@@ -24,7 +24,7 @@ struct Band {
     Col<K> diagonal[2 * Reach + 1];
 };
 
-/// What drift() does in half a step: exp of the dashpots' decay on velocities, and its integral on positions, up to the same powers.
+/// The drift() of half a step: exp of the dashpots' decay on velocities, and its integral on positions, up to the same powers.
 /// Holds for one set of closed contacts. For chains in registers.
 template <std::size_t K>
 class WholeDrift {

@@ -17,7 +17,6 @@
 #include "core/integrators/simd/contact-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
 #include "core/integrators/simd/striped_rows-inl.hpp"
-#include "core/integrators/simd/work-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -60,7 +59,7 @@ public:
         drift(0.5 * h_);
     }
 
-    /// Writes what moved back to the chain.
+    /// Writes the motion and the ledger back to the chain.
     HWY_INLINE void save() const {
         save_motion();
         rows_.store(ChainField::closed, closed_);

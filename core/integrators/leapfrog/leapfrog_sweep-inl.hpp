@@ -2,7 +2,7 @@
 //
 // A body after a step depends on two neighbours to either side before it. So a step needs no columns of
 // intermediate results. As row k comes in, its overlaps are worked out, the forces of row k - 1, the velocities at
-// mid-step of row k - 2 and the final motion of row k - 3; what is between them stays in registers:
+// mid-step of row k - 2 and the final motion of row k - 3; intermediate results stay in registers:
 //
 //     row k        x, v in; overlap and its square root
 //     row k - 1    forces, dashpots at the velocity at the start
@@ -27,13 +27,43 @@
 #include <array>
 
 #include "core/integrators/simd/contact-inl.hpp"
-#include "core/integrators/simd/linear_rows-inl.hpp"
 #include "core/integrators/simd/record-inl.hpp"
-#include "core/integrators/simd/work-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
+
+/// Neighbours of a row, which lie partly in the row beside it. AVX-512 shifts two registers in one
+/// instruction, for which Highway has no word.
+class LinearRows {
+public:
+    // NOLINTNEXTLINE(modernize-use-equals-default): a defaulted one would be compiled for the baseline
+    HWY_INLINE LinearRows() {}
+
+    /// Values to the left of a row's; of the row before only the last counts.
+    HWY_INLINE Vec left(Vec before, Vec row) const {
+#if HWY_TARGET <= HWY_AVX3
+        return Vec{_mm512_castsi512_pd(
+            _mm512_alignr_epi64(_mm512_castpd_si512(row.raw), _mm512_castpd_si512(before.raw), 7))};
+#else
+        const Flags first = hn::FirstN(Doubles(), 1);
+        return IfThenElse(first, rotation_.up(before), rotation_.up(row));
+#endif
+    }
+    /// Values to the right of a row's; of the row after only the first counts.
+    HWY_INLINE Vec right(Vec row, Vec after) const {
+#if HWY_TARGET <= HWY_AVX3
+        return Vec{_mm512_castsi512_pd(
+            _mm512_alignr_epi64(_mm512_castpd_si512(after.raw), _mm512_castpd_si512(row.raw), 1))};
+#else
+        const Flags own = hn::FirstN(Doubles(), lanes() - 1);
+        return IfThenElse(own, rotation_.down(row), rotation_.down(after));
+#endif
+    }
+
+private:
+    Rotation rotation_;
+};
 
 /// Rows between the ends of the chain are all alike: equal spheres, equal contacts.
 enum class Rows { alike, any };
@@ -112,11 +142,11 @@ private:
     /// Per body and its left contact, as in Chain.
     struct Constants {
         Vec stiffness, static_overlap, static_force, damping, inv_mass, spring, bias;
-        /// What pulls a body besides its contacts.
+        /// Forces on a body besides those of its contacts.
         HWY_INLINE Vec grounded(Vec x) const { return NegMulAdd(spring, x, bias); }
     };
 
-    /// What a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
+    /// Values that a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
     struct Carry {
         Vec x1, v1;           ///< at mid-step, at the start
         Vec overlap1, root1;  ///< its square root, on which nothing in the same turn has to wait
@@ -127,7 +157,7 @@ private:
         Vec total3;             ///< force at the velocity at mid-step
         Vec loss;               ///< in all rows so far [W]
     };
-    /// What the loop over rows uses, all rows alike.
+    /// Constants of the loop over rows, the same for all rows.
     struct Step {
         explicit HWY_INLINE Step(const SimdChain& chain)
             : h(splat(chain.step_s)),
@@ -283,7 +313,7 @@ private:
         const Flags changed = Xor(touching, Gt(load_row(closed), zero()));
         Flags within = Le(overlap, step.watched);
         if (rows == Rows::any) {
-            within = Or(within, Eq(c.stiffness, zero()));  // what cannot touch
+            within = Or(within, Eq(c.stiffness, zero()));  // no contact
         }
         if (HWY_UNLIKELY(any(Or(changed, Not(within))))) {
             chain_->beyond_watched = chain_->beyond_watched || !all(within);

@@ -1,4 +1,4 @@
-// The contact law in vectors, in the same operations as core/model/hertz.hpp. Included once per SIMD target.
+// The contact law in vectors, in the same operations as core/model/contact_law.hpp. Included once per SIMD target.
 #if defined(HERTZLINE_CONTACT_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_CONTACT_INL
 #undef HERTZLINE_CONTACT_INL
@@ -7,7 +7,7 @@
 #endif
 
 #include "core/integrators/simd/vectors-inl.hpp"
-#include "core/model/damping.hpp"
+#include "core/model/contact_law.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

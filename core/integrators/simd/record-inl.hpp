@@ -1,4 +1,4 @@
-// Rows of a trace. Included once per SIMD target.
+// Records of a kernel beside the motion: rows of a trace, and the horn's work. Included once per SIMD target.
 #if defined(HERTZLINE_RECORD_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_RECORD_INL
 #undef HERTZLINE_RECORD_INL
@@ -10,12 +10,35 @@
 
 #include <hwy/highway.h>
 
+#include "core/integrators/kernels.hpp"
+#include "core/integrators/simd/vectors-inl.hpp"
 #include "core/integrators/simd_chain.hpp"
-#include "core/integrators/trace.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
+
+/// The horn's work, net and back and forth, in lane 0.
+class HornWork {
+public:
+    explicit HWY_INLINE HornWork(const SimdChain& chain)
+        : net_(load_row(chain.column(ChainField::work))),
+          gross_(load_row(chain.column(ChainField::gross_work))) {}
+
+    /// @param done work over some time [J]
+    HWY_INLINE void add(Vec done) {
+        net_ = net_ + done;
+        gross_ = gross_ + Abs(done);
+    }
+    HWY_INLINE void save(const SimdChain& chain) const {
+        store_row(net_, chain.column(ChainField::work));
+        store_row(gross_, chain.column(ChainField::gross_work));
+    }
+
+private:
+    Vec net_;
+    Vec gross_;
+};
 
 /// Adds one row to the trace from the columns x, v and total_accel in memory.
 HWY_INLINE void record(const SimdChain& chain, Trace& trace, std::int64_t step, double fraction) {

@@ -22,7 +22,7 @@ struct Bracket {
     }
 };
 
-/// Halves a bracket until rounding stops it. @param beyond tells whether the change lies before z
+/// Halves a bracket until rounding stops it. @param beyond returns whether the change lies before z
 template <class Beyond>
 HWY_INLINE Bracket bisect(const Beyond& beyond, Vec high) {
     constexpr int halvings = 45;
@@ -34,7 +34,7 @@ HWY_INLINE Bracket bisect(const Beyond& beyond, Vec high) {
     return bracket;
 }
 
-/// What Newton's method starts from and when it ends.
+/// Start of Newton's method, and when it ends.
 struct Newton {
     Vec guess;
     Vec high;       ///< the root lies between 0 and this

@@ -10,8 +10,8 @@ namespace hertzline::kernels {
 
 namespace {
 
-/// Whether this processor and its system have what a target's kernels were compiled for. Highway compiles the widest two of x86 for
-/// x86-64-v3 and x86-64-v4, whose features always come together: those are asked for that the compilers know by name.
+/// Whether this processor and its system have the instructions that a target's kernels were compiled for. Highway compiles the
+/// widest two of x86 for x86-64-v3 and x86-64-v4, whose features always come together; the compilers know some of them by name.
 bool is_supported(std::int64_t target) noexcept {
 #if HWY_ARCH_X86
     const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&

@@ -1,4 +1,4 @@
-// Vectors of doubles and what formulas say about them. Included once per SIMD target.
+// Vectors of doubles and the operations of formulas on them. Included once per SIMD target.
 //
 // + - * / round after each operation, MulAdd and its kin once: which of the two stands in a formula is part
 // of the result.
@@ -98,9 +98,9 @@ public:
         up_ = hn::SetTableIndices(Doubles(), up);
         down_ = hn::SetTableIndices(Doubles(), down);
     }
-    /// Lane i gets what lane i - 1 holds, the first what the last holds.
+    /// Lane i gets the value of lane i - 1, the first that of the last.
     HWY_INLINE Vec up(Vec v) const { return hn::TableLookupLanes(v, up_); }
-    /// Lane i gets what lane i + 1 holds, the last what the first holds.
+    /// Lane i gets the value of lane i + 1, the last that of the first.
     HWY_INLINE Vec down(Vec v) const { return hn::TableLookupLanes(v, down_); }
 
 private:

@@ -18,7 +18,7 @@ inline constexpr double grazing = 1e-7;      ///< force over its change in a uni
 inline constexpr double cancelled = 1e-13;   ///< of a force's parts: their sum counts as none
 inline constexpr double rounding = 0x1p-51;  ///< of a difference of velocities, of the larger of both
 
-/// 1 where a contact pushes at the piece's start, as far as the total force tells.
+/// 1 where a contact pushes at the piece's start, by the sign of the total force.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE Vec pushing(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec damping) {
     const Vec w = splat(e.piece.per_unit) * e.d[1][k];
@@ -68,7 +68,7 @@ HWY_INLINE Flags would_push(const Expansion<K, Degree, Kind>& e, std::size_t k, 
     return Gt(dashpot + elastic, of_closed * rounding_error);
 }
 
-/// Elastic force that such a contact does not pass on: what it stores is lost as it relaxes.
+/// Elastic force that such a contact does not pass on: the energy that it stores is lost as it relaxes.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE Vec let_go(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z) {
     return (splat(1.0) - e.closed[k]) * elastic_force(e.stiffness[k], value_at(e.d, k, z));

@@ -1,4 +1,4 @@
-// Damping forces D delta^q delta' with q > 0 (core/model/damping.hpp) as series. Included once per SIMD target.
+// Damping forces D delta^q delta' with q > 0 (core/model/contact_law.hpp) as series. Included once per SIMD target.
 //
 // Such a force is the slope of W = D delta^p/p, p = q + 1, whose series follows from that of the overlap as the elastic force's does.
 // It vanishes where a contact opens or closes, less smoothly than the elastic force.

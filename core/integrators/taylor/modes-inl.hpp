@@ -65,7 +65,7 @@ HWY_INLINE std::array<ModeVec, Count> modes_at(const PlateMotion& plate, int deg
     return sums;
 }
 
-/// What the plate's material takes over the piece [J].
+/// Losses in the plate's material over the piece [J].
 template <class Nodes>
 HWY_INLINE double losses(const PlateMotion& plate, int degree, double length) {
     auto z = Nodes::node;

@@ -26,7 +26,7 @@ HWY_INLINE double rough_power(double a, double b, std::int64_t numerator, std::i
     return std::bit_cast<double>(exponent / denominator * numerator + std::bit_cast<std::int64_t>(1.0));
 }
 
-/// A length during which contacts that have just closed overlap by no more than what counts.
+/// A length during which contacts that have just closed overlap negligibly.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_NOINLINE double negligible_length(const Expansion<K, Degree, Kind>& e) {
     double z = 1;
@@ -159,7 +159,7 @@ HWY_INLINE std::array<Col<K>, onset_terms> onset_damping(const Expansion<K, Degr
     return terms;
 }
 
-/// Adds what a force does to velocities and displacements by z: its terms integrated once and twice.
+/// Adds the effect of a force on velocities and displacements at z: its terms integrated once and twice.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void add_onset_terms(Expansion<K, Degree, Kind>& e, const std::array<Col<K>, onset_terms>& q,
                                 std::size_t force, double z) {
@@ -178,7 +178,7 @@ HWY_INLINE void add_onset_terms(Expansion<K, Degree, Kind>& e, const std::array<
     }
 }
 
-/// Adds what contacts that have just closed do by z.
+/// Adds the effect of contacts that have just closed, until z.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_NOINLINE void add_onset_force(Expansion<K, Degree, Kind>& e, double z) {
     add_onset_terms(e, onset_elastic(e), 0, z);

@@ -35,14 +35,14 @@ HWY_INLINE Flags begin_contact(Expansion<K, Degree, Kind>& e, std::size_t k, Vec
     e.onset.set(k, one_where(closing));
     e.deflated.set(k, one_where(touching_only));
     e.overlaps.set(k, one_where(overlaps));
-    // root and quotient take long: they do not wait for what the contact is
+    // root and quotient take long: they do not wait for the state of the contact
     const Vec delta = Max(d0, splat(min_overlap));
     e.per_overlap.set(k, IfThenElseZero(elastic, splat(1.0) / delta));
     e.u[0].set(k, IfThenElseZero(elastic, hertz(e.stiffness[k], delta)));  // [N] here, scaled later
     return closing;
 }
 
-/// Orders 0 and 1 of displacements and overlaps, and what all higher orders share.
+/// Orders 0 and 1 of displacements and overlaps, and the factors that all higher orders share.
 /// @returns whether a contact has just closed.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE bool begin(Expansion<K, Degree, Kind>& e) {
@@ -115,7 +115,7 @@ HWY_INLINE Vec first_force(const Expansion<K, Degree, Kind>& e, std::size_t k) {
     const Vec behind = MulSub(half_ground, e.rows.left(e.x[0], k), bias);
     return MulAdd(half_square, elastic - e.static_force[k], behind);
 }
-/// Order N of what depends on the overlap: elastic force, and spring behind the last body.
+/// Order N of the terms that depend on the overlap: elastic force, and spring behind the last body.
 template <int N, std::size_t K, int Degree, Damping Kind>
 HWY_INLINE Vec force_of_place(Expansion<K, Degree, Kind>& e, std::size_t k) {
     const Vec bent = elastic_by_products<N>(e, k);

@@ -32,7 +32,7 @@ inline constexpr auto per_factorial = [] {
     return all;
 }();
 
-/// Adds what one part of one state does to the derivatives of all orders.
+/// Adds the effect of one part of one state on the derivatives of all orders.
 template <std::size_t... K>
 HWY_INLINE void add_state(double state, const double* row, std::size_t stride,
                           std::array<ModeVec, sizeof...(K)>& sums, std::index_sequence<K...> /*orders*/) {
@@ -61,7 +61,7 @@ HWY_INLINE void begin_plate(PlateMotion& plate) {
     });
 }
 
-/// Order N of the last contact's force is taken down; what the plate does to the last body goes into the pad's slot.
+/// Stores order N of the last contact's force, and puts the plate's force on the last body into the pad's slot.
 template <int N, std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void exchange_with_plate(Expansion<K, Degree, Kind>& e, Col<K>& force) {
     PlateMotion& plate = *e.piece.plate;
@@ -169,7 +169,7 @@ HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
     }
 }
 
-/// Adds what an onset force of the last contact does to the states: f_n z^(n + exponent), integrated over and over with their rates.
+/// Adds the effect of an onset force of the last contact on the states: f_n z^(n + exponent), integrated over and over with their rates.
 template <int Degree>
 HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const OnsetForce& onset,
                                     const std::array<double, onset_terms>& force, double z) {
@@ -198,7 +198,7 @@ HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const OnsetForce& 
     }
 }
 
-/// What an onset force does to the modes' velocities.
+/// Adds the effect of an onset force to the modes' velocities.
 template <int Degree>
 HWY_INLINE void find_onset_terms(const PlateMotion& plate, std::size_t number, double exponent,
                                  const std::array<double, onset_terms>& force) {

@@ -17,14 +17,14 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
-/// Contacts that are not at z what they are at the start.
+/// Contacts that have switched between the start and z.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE Flags switches(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z) {
     const Vec limit = IfThenElseZero(e.open(k), splat(e.piece.negligible));
     const Flags overlaps = Gt(value_at(e.d, k, z), limit);
     Flags changed = Xor(overlaps, Gt(e.overlaps[k], zero()));
     if (HWY_UNLIKELY(e.clamped)) {
-        // what has just closed pushes; that its elastic force is not in the series does not matter
+        // a contact that has just closed pushes, although its elastic force is not in the series
         const Flags onset = Gt(e.onset[k], zero());
         const Flags pad = Eq(e.stiffness[k], zero());
         const Flags pushes = And(overlaps, Or(onset, would_push(e, k, z)));
@@ -86,7 +86,7 @@ HWY_INLINE Vec turning_point(const std::array<Col<K>, Size>& d, std::size_t k, F
     return IfThenElse(touched, nearest, end);
 }
 
-/// What tells when contacts close and open. A copy: nothing that has its address taken stays in registers.
+/// The series by which contacts close and open. A copy: nothing that has its address taken stays in registers.
 template <std::size_t K, int Degree>
 struct Overlaps {
     template <Damping Kind>

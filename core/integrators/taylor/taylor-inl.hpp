@@ -13,7 +13,7 @@
 // the moment at which a contact switches: there the piece ends, nothing is taken twice.
 //
 // Hertz's law has a branch point where a contact opens or closes. Before an opening the pieces shorten by
-// themselves, since the coefficients tell how near it is. At a closing delta_0 = 0 and there is no series of
+// themselves, since the coefficients show how near it is. At a closing delta_0 = 0 and there is no series of
 // delta^(3/2) in whole powers: for a first short piece the contact's dashpot is part of the expansion and
 // its elastic force, k (w t)^(3/2) (1 + ...), is integrated term by term and added.
 //
@@ -35,10 +35,9 @@
 #include "core/integrators/series_piece.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
 #include "core/integrators/taylor/horn_series-inl.hpp"
+#include "core/integrators/taylor/ledger-inl.hpp"
 #include "core/integrators/taylor/onset-inl.hpp"
 #include "core/integrators/taylor/orders-inl.hpp"
-#include "core/integrators/taylor/piece_ledger-inl.hpp"
-#include "core/integrators/taylor/plate_ledger-inl.hpp"
 #include "core/integrators/taylor/switches-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -150,7 +149,7 @@ HWY_INLINE void take_plate(Expansion<K, Degree, Kind>& e, double length, bool on
     }
 }
 
-/// What happens rarely works on a copy: nothing that has its address taken stays in registers.
+/// Rare cases work on a copy: nothing that has its address taken stays in registers.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void take(Expansion<K, Degree, Kind>& e) {
     using Copy = Expansion<K, Degree, Kind>;

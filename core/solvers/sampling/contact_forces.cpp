@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "core/model/damping.hpp"
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 
 namespace hertzline {
 

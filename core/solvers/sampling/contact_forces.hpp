@@ -7,7 +7,6 @@
 
 #include "core/model/chain.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
-#include "core/solvers/sampling/horn_at_samples.hpp"
 
 namespace hertzline {
 
@@ -32,7 +31,7 @@ public:
     double* displacements() noexcept { return bodies_[right_].x.data(); }
     double* velocities() noexcept { return bodies_[right_].v.data(); }
 
-    /// Puts the forces of the next contact at out[0], out[stride], ... and goes on to the one behind it. In place of a contact with a
+    /// Puts the forces of the next contact at out[0], out[stride], ... and moves on to the next. In place of a contact with a
     /// free end the preload pushes.
     void put(double* out, std::size_t stride) noexcept;
 

@@ -8,7 +8,7 @@ namespace hertzline {
 
 namespace {
 
-/// What a tap is computed from.
+/// The data that a tap is computed from.
 struct Source {
     const Chain& chain;
     HornAtSamples& horn;
@@ -76,6 +76,16 @@ bool needs_displacements(TapSet taps) noexcept {
 
 }  // namespace
 
+void HornAtSamples::work_out(std::int64_t first) noexcept {
+    std::array<HornStep, ToneBurst::batch_steps> steps;
+    burst_.fill(first, steps.data(), ToneBurst::batch_steps);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        // a step with a break is described by the piece at its middle, which may not be that of its start
+        motion_[i] = steps[i].breaks ? burst_.at(first + static_cast<std::int64_t>(i), 0) : steps[i].start;
+    }
+    first_ = first;
+}
+
 EndTaps::EndTaps(const Chain& chain, const Drive& drive, double sample_rate_hz)
     : chain_(chain), horn_(drive, sample_rate_hz) {}
 
@@ -83,8 +93,8 @@ bool EndTaps::any_of(TapSet taps) noexcept {
     return !(taps & (columns_of_motion | computed)).empty();
 }
 
-EndMotion EndTaps::columns(Samples& samples) noexcept {
-    const auto own = [&samples](Tap tap, double* scratch) {
+EndMotion EndTaps::outputs_into(Samples& samples) noexcept {
+    const auto column_or_scratch = [&samples](Tap tap, double* scratch) {
         return samples.holds.contains(tap) ? samples.room(tap).data() + samples.count : scratch;
     };
     const bool displacements = needs_displacements(samples.holds);
@@ -92,13 +102,13 @@ EndMotion EndTaps::columns(Samples& samples) noexcept {
     const bool face = modal && (samples.holds.contains(Tap::v_face) || samples.holds.contains(Tap::v_out));
     return {.first = samples.first + static_cast<std::int64_t>(samples.count),
             .count = 0,
-            .v_last = own(Tap::v_last, v_last_.data()),
-            .v_end = own(modal ? Tap::v_centre : Tap::v_plate, v_end_.data()),
+            .v_last = column_or_scratch(Tap::v_last, v_last_.data()),
+            .v_end = column_or_scratch(modal ? Tap::v_centre : Tap::v_plate, v_end_.data()),
             .x_last = displacements ? x_last_.data() : nullptr,
             .x_end = displacements ? x_end_.data() : nullptr,
             .closed = closed_.data(),
-            .v_face = face ? own(Tap::v_face, v_face_.data()) : nullptr,
-            .p_axis = own(Tap::p_axis, nullptr)};
+            .v_face = face ? column_or_scratch(Tap::v_face, v_face_.data()) : nullptr,
+            .p_axis = column_or_scratch(Tap::p_axis, nullptr)};
 }
 
 void EndTaps::fill(Samples& samples, const EndMotion& motion) noexcept {

@@ -6,10 +6,34 @@
 #include <cstdint>
 
 #include "core/model/chain.hpp"
+#include "core/model/tone_burst.hpp"
 #include "core/samples.hpp"
-#include "core/solvers/sampling/horn_at_samples.hpp"
 
 namespace hertzline {
+
+/// The horn's motion at the samples. Computes a batch at a time: one sample at a time would take ten times as long as the rest of a
+/// sample.
+class HornAtSamples {
+public:
+    HornAtSamples(const Drive& drive, double sample_rate_hz) : burst_(drive, 1 / sample_rate_hz) {}
+
+    /// [m/s]; where the motion jumps, that of the piece which begins there. @param sample index since the start
+    double velocity(std::int64_t sample) noexcept { return at(sample).v; }
+    /// As velocity(), with displacement and acceleration.
+    const HornMotion& at(std::int64_t sample) noexcept {
+        if (sample < first_ || sample >= first_ + ToneBurst::batch_steps) {
+            work_out(sample - sample % ToneBurst::batch_steps);
+        }
+        return motion_[static_cast<std::size_t>(sample - first_)];
+    }
+
+private:
+    void work_out(std::int64_t first) noexcept;
+
+    ToneBurst burst_;  ///< its steps are sample periods
+    std::int64_t first_ = -ToneBurst::batch_steps;
+    std::array<HornMotion, ToneBurst::batch_steps> motion_{};
+};
 
 /// The last sphere and the end at successive samples: columns, the first `count` numbers of which are there.
 struct EndMotion {
@@ -40,7 +64,8 @@ public:
 private:
     friend class EndTapsWriter;
 
-    EndMotion columns(Samples& samples) noexcept;
+    /// Columns for the motion of the next samples: those of the block that are the motion itself, else scratch.
+    EndMotion outputs_into(Samples& samples) noexcept;
     void fill(Samples& samples, const EndMotion& motion) noexcept;
 
     const Chain& chain_;
@@ -56,7 +81,7 @@ public:
     EndTapsWriter(EndTaps& taps, Samples& samples) noexcept
         : taps_(taps),
           samples_(samples),
-          motion_(taps.columns(samples)),
+          motion_(taps.outputs_into(samples)),
           shows_end_(EndTaps::any_of(samples.holds)) {}
     EndTapsWriter(const EndTapsWriter&) = delete;
     EndTapsWriter& operator=(const EndTapsWriter&) = delete;
@@ -76,7 +101,7 @@ public:
         motion_.count += count;
         if (motion_.count == EndTaps::max_count) {
             fill();
-            motion_ = taps_.columns(samples_);
+            motion_ = taps_.outputs_into(samples_);
         }
     }
 

@@ -10,7 +10,7 @@ namespace hertzline {
 
 namespace {
 
-/// The kernel's and the velocities' waves are much longer. What is left out falls with the fifth power: as fine as the fit.
+/// The kernel's and the velocities' waves are much longer. The error falls with the fifth power: as fine as the fit.
 double longest_interval_s(const PlateResponse& response) noexcept {
     constexpr std::size_t coarse_pairs = 21;  // 40 poles, two of them real
     return response.poles.size() > coarse_pairs ? 40e-9 : 50e-9;
@@ -207,7 +207,7 @@ void PlateOutputs::put(const EndMotion& motion, const kernels::SampleTimes& time
         put_velocity(plate_->face, times, count, motion.v_face + at);
     }
     if (motion.p_axis != nullptr) {
-        // a piece that is longer than the way may send what arrives in it
+        // a piece that is longer than the way sends pressures that arrive within it
         const std::int64_t last = first + static_cast<std::int64_t>(count) - 1;
         if (line_ <= last * intervals_per_sample_) {
             send(place_of(last * intervals_per_sample_, piece), piece);

@@ -1,10 +1,10 @@
 #pragma once
-// What a modal plate sends out: the mean velocity of its face, and the pressure at the hydrophone.
+// The outputs of a modal plate: the mean velocity of its face, and the pressure at the hydrophone.
 //
 // The pressure is p(t) = rho c v_centre(t - z/c) + rho int h'(s) q'(t - s) ds over the kernel's length, a sum over the modes
 // (docs/model.md, section 10). Time is cut into intervals whose ends lie z/c before the samples. Over each of them the modes' velocities
 // are integrated exactly, with the first polynomials of Legendre as weights; the kernel is expanded in the same polynomials.
-// So the pressure does not hang on the sample rate. Each value waits in a ring until it arrives.
+// So the pressure does not depend on the sample rate. Each value waits in a ring until it arrives.
 
 #include <array>
 #include <cstddef>
@@ -36,7 +36,7 @@ public:
     void reset() noexcept;
 
     /// Takes over the sound on its way, of a plate and taps that are equal to these. Allocates nothing.
-    /// @param samples number there of what is sample 0 here
+    /// @param samples number there of sample 0 here
     void continue_from(const PlateOutputs& before, std::int64_t samples) noexcept;
 
     /// Puts down the samples that the motion has room for. @param piece the present one @param first number of the first sample

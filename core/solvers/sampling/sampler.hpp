@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/integrators/trace.hpp"
-#include "core/model/state.hpp"
+#include "core/integrators/kernels.hpp"
+#include "core/model/chain.hpp"
 #include "core/samples.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/contact_forces.hpp"

@@ -119,7 +119,7 @@ void SeriesSamples::put_body(Eigen::Index body, Quantity quantity, const Moments
     }
 }
 
-/// Adds what the contacts that have just closed do, which is no power series. Rare: it stays out of the way of what is not.
+/// Adds the effect of contacts that have just closed, which is no power series. Rare, so it stays out of line.
 [[gnu::noinline]] void SeriesSamples::add_onset(std::size_t slot, Quantity quantity, const Moments& moments,
                                                 double* out, std::size_t stride) const noexcept {
     const kernels::SampleTimes& times = moments.times;

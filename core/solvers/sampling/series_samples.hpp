@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/integrators/series_piece.hpp"
-#include "core/model/state.hpp"
+#include "core/model/chain.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/contact_forces.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
@@ -16,7 +16,7 @@ namespace hertzline {
 
 class SeriesSamples {
 public:
-    /// All outlive the object. @param state of what is not laid out
+    /// All outlive the object. @param state of the bodies that are not laid out
     SeriesSamples(const Chain& chain, const ChainState& state, const kernels::SimdChain& simd_chain,
                   const kernels::SeriesPiece& piece, double sample_period_s)
         : chain_(chain),

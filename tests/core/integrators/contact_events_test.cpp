@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/integrators.hpp"
 

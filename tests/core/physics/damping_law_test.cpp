@@ -8,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/brute_force.hpp"
 #include "tests/support/integrators.hpp"

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/model/hertz.hpp"
+#include "core/model/contact_law.hpp"
 #include "tests/support/ends.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"

@@ -20,7 +20,7 @@ std::optional<double> left_at(const Resolution& resolved, double end_s) {
         simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
         const MotionExtremes now = simulation.extremes();
         rate.note(now.time_s, now.contact_events);
-        if (resolved.seen.left_by(now, rate)) {
+        if (resolved.seen.exceeded_by(now, rate)) {
             return now.time_s;
         }
     }
@@ -51,24 +51,24 @@ TEST(SeenMotion, IsLeftByPressEventsAndEnergy) {
                               .last_press_m = 1e-6,
                               .contact_events = 1000,
                               .energy_residual = 1e-3};
-    const auto left_by = [&](const MotionExtremes& now) {
+    const auto exceeded_by = [&](const MotionExtremes& now) {
         EventRate rate(scene.drive);
         rate.note(now.time_s, now.contact_events);
-        return seen.left_by(now, rate);
+        return seen.exceeded_by(now, rate);
     };
-    EXPECT_FALSE(left_by(like));
+    EXPECT_FALSE(exceeded_by(like));
     MotionExtremes other = like;
     other.largest_press_m *= 1.3;
-    EXPECT_TRUE(left_by(other));
+    EXPECT_TRUE(exceeded_by(other));
     other = like;
     other.last_press_m *= 1.3;
-    EXPECT_TRUE(left_by(other));
+    EXPECT_TRUE(exceeded_by(other));
     other = like;
     other.contact_events = 1300;
-    EXPECT_TRUE(left_by(other));
+    EXPECT_TRUE(exceeded_by(other));
     other = like;
     other.energy_residual *= 1.3;
-    EXPECT_TRUE(left_by(other));
+    EXPECT_TRUE(exceeded_by(other));
 }
 
 TEST(EventRate, CountsByPeriodsOfTheBursts) {
@@ -108,7 +108,7 @@ TEST(LongEstimate, IsTheErrorOfAMotionThatHasGrown) {
     EXPECT_GT(longer.estimate().error, 10 * before);
     EXPECT_GT(longer.estimate().error, error / 3);
     EXPECT_LT(longer.estimate().error, error * 3);
-    EXPECT_GT(longer.seen().largest_press_m, seen_margin * resolved.seen.largest_press_m);
+    EXPECT_GT(longer.seen().largest_press_m, drift_margin * resolved.seen.largest_press_m);
 }
 
 TEST(LongEstimate, EndsWhenItIsStopped) {
