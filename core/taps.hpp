@@ -259,14 +259,14 @@ constexpr TapSet taps_of(const End& end) noexcept {
     return taps_where([&end](const TapRow& row) { return provides(end, row.required); });
 }
 
-/// Those that show the whole chain: a channel for each sphere or contact.
+/// The taps that show the whole chain: a channel for each sphere or contact.
 inline constexpr TapSet chain_taps =
     taps_where([](const TapRow& row) { return row.channels != Channels::one; });
 
 /// The taps that can be streamed, of some scene.
 inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });
 
-/// Those of a scene with this end that can be streamed.
+/// The taps of a scene with this end that can be streamed.
 constexpr TapSet streamed_taps_of(const End& end) noexcept {
     return taps_of(end) & streamed_taps;
 }

@@ -101,13 +101,13 @@ public:
     double* room(std::size_t column) const noexcept { return flags_.get() + (2 + column) * flag_stride; }
 
     void rest() noexcept;
-    /// The same with nothing booked.
+    /// To rest, and the ledger to zero.
     void reset() noexcept;
 
     /// Takes over the states and the ledger of a plate that differs in its unit only. Allocates nothing.
     void continue_from(const PlateMotion& before) noexcept;
 
-    /// Of all modes [J].
+    /// Energy of all modes [J].
     double energy() const noexcept;
 
 private:

@@ -100,7 +100,7 @@ HWY_INLINE void sample_vector(const std::array<Vec, Terms>& terms, double factor
     }
 }
 
-/// The same bits as sample_body(), of all slots.
+/// Samples all slots, with the same bits as sample_body().
 template <int Degree>
 void sample_slots(const SeriesPiece& piece, std::size_t slots, bool velocities, SampleTimes times,
                   std::size_t count, double* out) {

@@ -109,7 +109,7 @@ public:
     const double* displacement(int order) const noexcept {
         return terms_.get() + static_cast<std::size_t>(order) * slots_;
     }
-    /// Of the overlaps and of the elastic forces; filled only by kernels that work in memory.
+    /// Coefficients of the overlaps and of the elastic forces; filled only by kernels that work in memory.
     double* overlap(int order) noexcept { return displacement(degree_ + 1 + order); }
     double* elastic(int order) noexcept { return displacement(2 * (degree_ + 1) + order); }
     /// The elastic force of contacts that have just closed, and their damping force where it has a power of its own.
@@ -120,7 +120,7 @@ public:
     double* onset_force(std::size_t force, int order) noexcept {
         return displacement(3 * (degree_ + 1) + static_cast<int>(force) * onset_terms + order);
     }
-    /// Of W (taylor/damping-inl.hpp), as overlap() and elastic(); for laws other than the dashpot.
+    /// Coefficients of W (taylor/damping-inl.hpp), as overlap() and elastic(); for laws other than the dashpot.
     double* damping(int order) noexcept { return displacement(3 * (degree_ + 1) + 2 * onset_terms + order); }
 
     int degree() const noexcept { return degree_; }
@@ -154,7 +154,7 @@ struct SampleTimes {
 using SampleKernel = void (*)(const SeriesPiece& piece, std::size_t slot, bool velocities, SampleTimes times,
                               std::size_t count, double* out, std::size_t stride);
 
-/// The same of all slots, [sample][slot].
+/// The same for all slots, [sample][slot].
 using SlotsKernel = void (*)(const SeriesPiece& piece, std::size_t slots, bool velocities, SampleTimes times,
                              std::size_t count, double* out);
 
@@ -176,7 +176,7 @@ struct SeriesKernels {
                        std::size_t count, double* out);
     /// Adds integrals of the modes' velocities times Legendre's polynomials of degrees 0 to 3, [degree][stride].
     void (*add_moments)(const PlateMotion& plate, int degree, const PlateInterval& part, double* moments);
-    /// Of two stretches of numbers whose count is a multiple of 16.
+    /// Scalar product of two stretches of numbers whose count is a multiple of 16.
     double (*sum_of_products)(const double* a, const double* b, std::size_t count);
 };
 

@@ -26,7 +26,7 @@ struct PressureLimit {
 /// the flaws that decided that strength bear more.
 std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::string& name);
 
-/// Of each kind of contact the limit of its weaker material, in the order of ContactLoad::pressures_pa; none where no
+/// For each kind of contact the limit of its weaker material, in the order of ContactLoad::pressures_pa; none where no
 /// strength is known.
 using PressureLimits = std::array<std::optional<PressureLimit>, contact_kinds>;
 PressureLimits pressure_limits(const Scene& scene);

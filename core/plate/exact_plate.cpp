@@ -40,7 +40,7 @@ double ExactPlate::ka(double frequency_hz) const noexcept {
     return two_pi * frequency_hz * p_.radius_m / p_.fluid.sound_speed_m_per_s;
 }
 
-/// Of the modes alone [kg].
+/// Mass matrix of the modes, without the fluid [kg].
 Eigen::MatrixXd ExactPlate::masses() const {
     Eigen::MatrixXd mass = 0 * added_;
     for (Index n = 0; n < mass.rows(); ++n) {

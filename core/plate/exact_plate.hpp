@@ -22,7 +22,7 @@ public:
     const PlateParameters& parameters() const noexcept { return p_; }
     const std::vector<PlateMode>& modes() const noexcept { return modes_; }
 
-    /// Of each mode.
+    /// Mobility of each mode at a frequency [m/(N s)].
     Eigen::VectorXcd mobilities(double frequency_hz) const;
     /// Accelerations at the moment when a force sets in, per force: the inverse mass matrix times ones [1/kg].
     Eigen::VectorXd mobility_at_once() const;

@@ -18,8 +18,8 @@ namespace hertzline {
 /// How many steps are tried without pilots.
 inline constexpr int max_tries = 3;
 
-/// Settles integrator and step as are likely to keep the accuracy. There is no estimate, and no largest stable step. Nothing for scenes
-/// whose step has to be measured: on a grid, of a long chain, given by the scene, or with a modal plate whose poles leave out too much or
+/// Chooses an integrator and a step that are likely to keep the accuracy, without an estimate or a largest stable step. Returns nothing
+/// for scenes whose step has to be measured: a grid, a long chain, a step given by the scene, or a modal plate whose fit errs too much or
 /// that has faults. @throws std::bad_alloc
 std::optional<Resolution> resolve_unmeasured(const Scene& scene);
 
@@ -41,7 +41,7 @@ public:
     /// Takes the run's next samples. @returns false when it failed or was stopped
     bool follow(const Samples& run) noexcept;
 
-    /// Of the run so far.
+    /// The error of the run so far.
     ErrorEstimate estimate() const noexcept;
     /// Whether the run surely keeps the accuracy. Else its step is shortened, or pilots choose one.
     bool meets(double accuracy) const noexcept;

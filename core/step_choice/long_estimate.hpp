@@ -25,7 +25,7 @@ public:
     /// or one of the three failed
     bool reach(double time_s) noexcept;
 
-    /// Of all so far.
+    /// The error over the stretch so far.
     ErrorEstimate estimate() const noexcept;
     SeenMotion seen() noexcept;
 

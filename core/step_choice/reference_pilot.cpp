@@ -58,7 +58,7 @@ Scene sampled_for(Scene scene, double watched_s) {
     return scene;
 }
 
-/// Of the spheres, over some samples; in no unit.
+/// Kinetic energy of the spheres, summed over some samples; in no unit.
 double kinetic(const Pilot& pilot, std::size_t from, std::size_t to) noexcept {
     double sum = 0;
     for (std::size_t i = from; i < to; ++i) {

@@ -15,7 +15,7 @@ namespace HWY_NAMESPACE {
 
 inline constexpr double one_sixth = 1.0 / 6;
 inline constexpr double two_thirds = 2.0 / 3;
-/// Of the dashpots' decay over half a step that are kept: enough for the fourth order.
+/// Powers of the dashpots' decay over half a step that are kept: enough for the fourth order.
 inline constexpr int drift_powers = 4;
 
 /// A, on the next motion: exp of the linear dashpots on the velocities, its integral on the positions, as

@@ -1,11 +1,12 @@
 // The constants that a chain is derived from: contact law, plate, transmission, masses.
 
+#include "core/model/contact_law.hpp"
+
 #include <numbers>
 
 #include <gtest/gtest.h>
 
 #include "core/model/chain.hpp"
-#include "core/model/contact_law.hpp"
 #include "core/model/end.hpp"
 
 namespace hertzline::test {
