@@ -19,6 +19,7 @@ set(core_headers
   core/scene/json.hpp
   core/scene/fault.hpp
   core/model/bursts.hpp
+  core/model/validity.hpp
   core/model/chain.hpp
   core/model/end.hpp
   core/plate/plate_modes.hpp
@@ -44,7 +45,8 @@ set(stream_headers
   recordings/float32.hpp
   measures/record_warnings.hpp
   measures/spectrum.hpp
-  measures/spectrum_json.hpp
+  measures/quantities.hpp
+  measures/run.hpp
   stream/wire/continuity.hpp
   stream/wire/frame.hpp
   stream/wire/frame_codec.hpp

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include <CLI/CLI.hpp>
 
 #include "apps/command.hpp"

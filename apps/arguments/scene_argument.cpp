@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "measures/resources.hpp"
-#include "measures/run_summary.hpp"
+#include "measures/run.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 

@@ -27,18 +27,11 @@ double numbers_of(const Scene& scene, TapSet taps) noexcept {
 
 }  // namespace
 
-double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept {
-    const TapSet taps = taps_of_run(scene, recorded | measured);
-    // v_out with and without its jumps
-    const double records = 1 + static_cast<double>((measured | Tap::v_out).size());
-    const double rows = rows_of_run(scene);
-    const double block_bytes =
-        static_cast<double>(block_of_run(scene, taps)) * sizeof(double) * numbers_of(scene, taps);
+double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept {
     const double queue_bytes = std::min(
-        rows * sizeof(double) * numbers_of(scene, recorded),
+        rows_of_run(scene) * sizeof(double) * numbers_of(scene, recorded),
         recordings::RecordingSet::queue_bytes(numbers_of(scene, recorded), scene.output.sample_rate_hz));
-    return Simulation::memory_bytes(scene, taps) + block_bytes + queue_bytes +
-           records * rows * sizeof(double) + measures::SpectrumAnalyser::bytes_needed(rows);
+    return measures::memory_of_run(scene, taps_of_run(scene, recorded | measured), measured) + queue_bytes;
 }
 
 double memory_of_recordings(const Scene& scene, TapSet recorded, std::size_t files) noexcept {
@@ -68,7 +61,7 @@ void refuse_shortages(const Scene& scene, const RunDemand& demand) {
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
     if (const auto shortage = measures::memory_shortage(
-            run, memory_of_run(scene, demand.recorded, demand.measured) + spectra_bytes)) {
+            run, memory_of_recorded_run(scene, demand.recorded, demand.measured) + spectra_bytes)) {
         throw std::runtime_error(*shortage);
     }
     if (rows > measures::max_run_rows) {

@@ -5,20 +5,19 @@
 #include <span>
 #include <string>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 
 #include "core/scene/scene.hpp"
 #include "core/simulation.hpp"
 
 namespace hertzline::app {
 
-using measures::block_of_run;
 using measures::rows_of_run;
 using measures::taps_of_run;
 
 /// The simulation, its blocks, what waits for its files, the records of v_out and of the other taps that are measured,
 /// and their spectra.
-double memory_of_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept;
+double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept;
 
 /// What may wait for the files of a stream that hold those taps, each of which may be stuck with other rows. (Those of a run wait for one
 /// another, and share what waits.)

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "measures/run_summary.hpp"
+#include "measures/quantities.hpp"
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 

@@ -76,7 +76,7 @@ void in_threads(std::int64_t points, int threads, const RunPoint& run) {
 class Subject {
 public:
     explicit Subject(std::int64_t points) : sweep_{plan_of(points), {}, {}} {
-        sweep_.demand.columns = studies::number_columns({}, false);
+        sweep_.demand.columns = measures::number_columns({}, false);
     }
 
     const studies::Sweep& sweep() const { return sweep_; }
@@ -103,7 +103,7 @@ public:
     Scene settled(std::int64_t point) const {
         static const std::atomic<bool> never{false};
         studies::PointDemand demand;
-        demand.columns = {studies::number_column("step_s")};
+        demand.columns = {*measures::find_column("step_s")};
         Scene scene = sweep_.plan.scene(point);
         const auto row = studies::PointRunner(demand, never).run(point, scene);
         scene.numerics = {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "measures/spectrum_json.hpp"
+#include "measures/quantities.hpp"
 #include "scope/pictures/picture.hpp"
 
 namespace hertzline::scope {

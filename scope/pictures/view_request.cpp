@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include "scope/server/scene_text.hpp"
 
 #include "core/scene/json.hpp"

@@ -53,33 +53,21 @@ PointStatus status_of(const Resolution& resolved) {
 }  // namespace
 
 std::string scene_refusal(const Scene& scene) {
-    std::string faults = joined(validate(scene));
-    if (faults.empty() && measures::rows_of_run(scene) > measures::max_run_rows) {
-        faults = "output.duration_s: found " + number_text(measures::rows_of_run(scene)) +
-                 " samples, allowed: at most " + number_text(measures::max_run_rows) +
-                 ", the longest record of a spectrum";
-    }
-    return faults;
-}
-
-TapSet measured_of(const Scene& scene, TapSet measured) noexcept {
-    return (measured | measures::measured_unasked) & taps_of(scene.end);
+    const std::string faults = joined(validate(scene));
+    return faults.empty() ? measures::longest_run_fault(scene).value_or("") : faults;
 }
 
 double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcept {
-    const TapSet measured = measured_of(scene, demand.measured);
+    const TapSet measured = measures::measured_taps(scene, demand.measured);
     const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, demand));
-    const double records = 2 + static_cast<double>(measured.size());  // v_out with and without its jumps
-    const double rows = measures::rows_of_run(scene);
     const double block = static_cast<double>(measures::block_of_run(scene, taps)) *
                          channels_of(taps, static_cast<double>(scene.chain.spheres));
-    // twice: a FinerRun goes beside
-    return 2 * Simulation::memory_bytes(scene, taps) + sizeof(double) * (2 * block + records * rows) +
-           measures::SpectrumAnalyser::bytes_needed(rows);
+    const double finer_run = Simulation::memory_bytes(scene, taps) + sizeof(double) * block;
+    return measures::memory_of_run(scene, taps, measured) + finer_run;
 }
 
 PointRunner::PointRunner(const PointDemand& demand, const std::atomic<bool>& stop)
-    : demand_(demand), stop_(stop), places_(demand.columns) {}
+    : demand_(demand), stop_(stop) {}
 
 PointResult PointRunner::row(std::int64_t point) const {
     PointResult result;
@@ -118,12 +106,11 @@ measures::SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sampl
 
 PointRunner::Attempt PointRunner::make_attempt(Resolution resolved) const {
     const Scene& scene = resolved.scene;
-    const TapSet measured = measured_of(scene, demand_.measured);
+    const TapSet measured = measures::measured_taps(scene, demand_.measured);
     const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, demand_));
     Simulation simulation(scene, {.taps = taps, .stop = &stop_});
-    measures::RunRecord record = measures::empty_record(
-        measured, simulation.chain().end, static_cast<std::size_t>(measures::rows_of_run(scene)));
-    return {std::move(resolved), std::move(simulation), std::move(record), std::nullopt};
+    measures::Run run = measures::empty_run(std::move(resolved), measured, simulation.chain().end);
+    return {std::move(run), std::move(simulation), std::nullopt};
 }
 
 /// @returns whether all samples are there
@@ -132,9 +119,9 @@ bool PointRunner::simulate(Attempt& attempt, PointResult& result) {
     result.integrator = word(*scene.numerics.integrator);
     result.scene_hash = scene_hash(scene);
     const TapSet waveform = waveform_taps(scene, demand_);
-    const Status status = measures::simulate(attempt.simulation, attempt.record, [&](const Samples& block) {
+    const Status status = measures::fill(attempt.run, attempt.simulation, [&](const Samples& block) {
         for (const Tap tap : waveform) {
-            keep_waveform(block, tap, attempt.record.rows() - block.count, result.waveform);
+            keep_waveform(block, tap, attempt.run.rows() - block.count, result.waveform);
         }
         return !attempt.finer || attempt.finer->follow(block);
     });
@@ -166,22 +153,22 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_unmeasured(const Scene&
     for (int tries = 1; resolved && tries <= max_tries && !stop_; ++tries) {
         const double accuracy = resolved->advice.accuracy;
         std::optional<Attempt> attempt = make_attempt(*std::move(resolved));
-        attempt->finer.emplace(attempt->resolved.scene,
+        attempt->finer.emplace(attempt->run.resolved.scene,
                                measures::block_of_run(scene, attempt->simulation.taps()), &stop_);
         if (!simulate(*attempt, result)) {
             return std::nullopt;
         }
-        attempt->resolved.estimate = attempt->finer->estimate();
-        if (auto stable = with_stable_step(attempt->resolved, attempt->simulation.chain(),
+        attempt->run.resolved.estimate = attempt->finer->estimate();
+        if (auto stable = with_stable_step(attempt->run.resolved, attempt->simulation.chain(),
                                            attempt->simulation.state().peak_overlap)) {
             resolved = std::move(stable);
             continue;
         }
         if (attempt->finer->meets(accuracy)) {
-            check(result.point, attempt->resolved);
+            check(result.point, attempt->run.resolved);
             return attempt;
         }
-        resolved = with_shorter_step(attempt->resolved, attempt->resolved.estimate->error);
+        resolved = with_shorter_step(attempt->run.resolved, attempt->run.resolved.estimate->error);
     }
     return std::nullopt;
 }
@@ -199,21 +186,18 @@ void PointRunner::check(std::int64_t point, Resolution& resolved) const {
 }
 
 void PointRunner::measure(Attempt& attempt, PointResult& result) {
-    const Scene& scene = attempt.resolved.scene;
-    const measures::RunRecord& record = attempt.record;
-    result.status = status_of(attempt.resolved);
+    measures::Run& run = attempt.run;
+    const Scene& scene = run.resolved.scene;
+    result.status = status_of(run.resolved);
+    measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), demand_.band_from_hz);
+    std::ranges::transform(demand_.columns, result.numbers.begin(), [&run](const NumberColumn& column) {
+        return measures::number_of(run, column);
+    });
     measures::Warnings warnings = validity_warnings(scene, attempt.simulation.chain());
-    if (auto missed = measures::missed_accuracy(attempt.resolved)) {
+    if (auto missed = measures::missed_accuracy(run.resolved)) {
         warnings.insert(warnings.begin(), *std::move(missed));
     }
-    const auto put = [&](const measures::SummaryGroup& group) { places_.put(group, result.numbers); };
-    std::ranges::for_each(
-        measures::measures_of_run(record, scene, analyser(record.rows(), scene.output.sample_rate_hz),
-                                  demand_.band_from_hz, warnings),
-        put);
-    put(measures::contacts_of_run(record, scene, warnings));
-    put(measures::trust_of_run(record, attempt.resolved));
-    put(measures::account_of_run(record, scene));
+    warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
     for (const std::string& text : warnings) {
         result.message += (result.message.empty() ? "" : "; ") + text;
     }

@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include "measures/spectrum.hpp"
 #include "studies/sweep/point_result.hpp"
 
@@ -28,9 +28,6 @@ struct PointDemand {
 /// What is wrong with a scene before it is run, of itself: what validate() finds, or a record too long for its spectrum. Empty: nothing.
 std::string scene_refusal(const Scene& scene);
 
-/// The taps that are measured of a scene beside v_out.
-TapSet measured_of(const Scene& scene, TapSet measured) noexcept;
-
 /// Bytes that a point takes while it is run, roughly from above; without its waveform.
 double point_memory_bytes(const Scene& scene, const PointDemand& demand) noexcept;
 
@@ -47,9 +44,8 @@ private:
     PointResult row(std::int64_t point) const;
     /// A simulation of a point with some step.
     struct Attempt {
-        Resolution resolved;
+        measures::Run run;
         Simulation simulation;
-        measures::RunRecord record;
         std::optional<FinerRun> finer;  ///< unless pilots have chosen the step
     };
 
@@ -64,7 +60,6 @@ private:
 
     const PointDemand& demand_;
     const std::atomic<bool>& stop_;
-    NumberPlaces places_;
     std::unique_ptr<measures::SpectrumAnalyser> analyser_;  // of the last point
     std::size_t analysed_rows_ = 0;
     double analysed_rate_hz_ = 0;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include "studies/sweep/plan.hpp"
 
 #include "core/taps.hpp"

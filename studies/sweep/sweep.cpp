@@ -130,7 +130,11 @@ Sweep sweep_of_journal(const std::string& text) {
             sweep.demand.band_from_hz = json.at("band_from_hz").get<double>();
         }
         for (const Json& column : json.at("columns")) {
-            sweep.demand.columns.push_back(number_column(column.get<std::string>()));
+            auto found = measures::find_column(column.get<std::string>());
+            if (!found) {
+                throw std::runtime_error("its columns: " + found.error());
+            }
+            sweep.demand.columns.push_back(*std::move(found));
         }
         if (!json.at("waveform").is_null()) {
             sweep.demand.waveform = tap_of(json.at("waveform"));

@@ -23,7 +23,7 @@ using testing::IsEmpty;
 studies::Sweep some_sweep() {
     auto plan = studies::SweepPlan::make({}, {{"chain.preload_n=0.1..1:log:7"}, "", "", std::nullopt});
     studies::PointDemand demand;
-    demand.columns = studies::number_columns({}, false);
+    demand.columns = measures::number_columns({}, false);
     return {*std::move(plan), demand, {}};
 }
 

@@ -19,8 +19,8 @@ PointResult result_of(PointStatus status, double value, double bounded) {
     return result;
 }
 
-const std::vector<NumberColumn> columns{number_column("occupied_20db_hz"),
-                                        number_column("peak_v_out_m_per_s")};
+const std::vector<NumberColumn> columns{*measures::find_column("occupied_20db_hz"),
+                                        *measures::find_column("peak_v_out_m_per_s")};
 
 TEST(Constraint, IsReadWithOrWithoutBlanks) {
     for (const char* text :

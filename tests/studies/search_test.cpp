@@ -184,7 +184,7 @@ TEST(Search, StopsWhenItIsStopped) {
 class Device {
 public:
     explicit Device(const Goal& goal)
-        : demand_{{}, std::nullopt, number_columns({}, false), std::nullopt, 0},
+        : demand_{{}, std::nullopt, measures::number_columns({}, false), std::nullopt, 0},
           judge_(goal, demand_.columns),
           runner_(demand_, stop_) {
         scene_.output.duration_s = 2e-4;

@@ -27,7 +27,7 @@ Sweep sweep_of(const std::string& vary = "chain.preload_n=0.1..1:5") {
     EXPECT_TRUE(plan);
     PointDemand demand;
     demand.measured = TapSet(Tap::f_last) | Tap::v_plate;
-    demand.columns = number_columns(demand.measured, false);
+    demand.columns = measures::number_columns(demand.measured, false);
     demand.waveform = Tap::v_out;
     demand.waveform_samples = 3;
     demand.band_from_hz = 1e3;
@@ -126,18 +126,6 @@ TEST(SweepRow, SurvivesTheJournal) {
     }
     encode(result, payload);
     EXPECT_THAT(decode(3, PointStatus::ok, sweep.demand, payload).message, EndsWith(" word ..."));
-}
-
-TEST(SweepColumns, HaveTheUnitOfTheirNames) {
-    EXPECT_EQ(number_column("peak_v_out_m_per_s").unit, "m/s");
-    EXPECT_EQ(number_column("harmonics_db_10").unit, "dB");
-    EXPECT_EQ(number_column("bandwidth_6db_hz").unit, "Hz");
-    EXPECT_EQ(number_column("fractional_bandwidth_6db").unit, "");
-    EXPECT_EQ(number_column("p_axis.peak_p_axis_pa").unit, "Pa");
-    EXPECT_EQ(number_column("radiated_j").unit, "J");
-    EXPECT_EQ(number_column("steps").unit, "");
-    EXPECT_TRUE(number_column("steps").whole);
-    EXPECT_FALSE(number_column("step_s").whole);
 }
 
 }  // namespace

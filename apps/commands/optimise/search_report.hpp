@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "measures/run_summary.hpp"
+#include "measures/quantities.hpp"
 #include "studies/optimise/search_job.hpp"
 
 #include "core/scene/json.hpp"

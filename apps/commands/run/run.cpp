@@ -1,14 +1,14 @@
 // hertzline run: a scene flat out, to files and a summary.
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "measures/provenance.hpp"
-#include "measures/run_record.hpp"
+#include "measures/quantities.hpp"
+#include "measures/run.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/row_builder.hpp"
@@ -24,7 +24,6 @@
 #include "apps/commands/run/run_changes.hpp"
 #include "apps/commands/run/run_picture.hpp"
 #include "apps/commands/run/run_spectra.hpp"
-#include "apps/commands/run/run_summary.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
@@ -48,7 +47,7 @@ constexpr const char* examples =
     "A recording in place of SCENE is simulated again, with the changes that its stream went through:\n"
     "  hertzline run session.h5 -o again.h5";
 
-struct RunOptions {
+struct RunArguments {
     SceneRequest scene;
     std::string changes;  ///< a file; empty: the scene stays as it is
     std::vector<std::string> files;
@@ -64,18 +63,9 @@ struct RunOptions {
 };
 
 using measures::measurable_taps;
-using measures::measured_unasked;
-
-/// @throws WrongUse unless it is a frequency, or left out
-void refuse_wrong_band(std::optional<double> from_hz) {
-    if (from_hz && !(*from_hz >= 0 && std::isfinite(*from_hz))) {
-        throw WrongUse(fmt::format("--band-from: found {}, allowed: a finite number from 0 [Hz]",
-                                   number_text(*from_hz)));
-    }
-}
 
 /// @throws WrongUse when there is no file for what is to be saved
-void refuse_taps_without_files(const RunOptions& options) {
+void refuse_taps_without_files(const RunArguments& options) {
     if (options.files.empty() && !(options.columns.empty() && options.taps.empty())) {
         throw WrongUse(fmt::format("{}: found no -o FILE to save it to, allowed: together with -o",
                                    options.columns.empty() ? "--tap" : "--columns"));
@@ -83,13 +73,13 @@ void refuse_taps_without_files(const RunOptions& options) {
 }
 
 /// The taps that the recordings hold.
-TapSet asked_taps(const RunOptions& options, TapSet columns, TapSet beside, const End& end) {
+TapSet asked_taps(const RunArguments& options, TapSet columns, TapSet beside, const End& end) {
     const TapSet taps = (options.columns.empty() ? recorded_taps(end) : columns) | beside;
     return options.all_bodies ? taps | Tap::v_chain | Tap::x_chain : taps;
 }
 
 /// What is written after the run fails before it where it can. @throws std::runtime_error
-void refuse_unwritable(const RunOptions& options) {
+void refuse_unwritable(const RunArguments& options) {
     for (const std::string& file : options.spectra) {
         recordings::require_writable(file);
     }
@@ -98,39 +88,74 @@ void refuse_unwritable(const RunOptions& options) {
     }
 }
 
-measures::RunRecord simulate(Simulation& simulation, TapSet recorded, TapSet measured,
-                             recordings::RecordingSet& recordings, measures::SceneSteps& steps) {
-    const Scene& scene = simulation.scene();
+/// Shows the progress of a run on a terminal.
+class Progress {
+public:
+    explicit Progress(const Scene& scene) : scene_(scene) {}
+
+    void add(std::size_t rows) {
+        rows_ += rows;
+        if (line_.due()) {
+            const std::chrono::duration<double> elapsed = stream::MonotonicClock::now() - start_;
+            line_.show(progress_text({static_cast<double>(rows_) / scene_.output.sample_rate_hz,
+                                      scene_.output.duration_s, elapsed.count()}));
+        }
+    }
+
+private:
+    const Scene& scene_;
+    ProgressLine line_;
+    stream::Nanoseconds start_ = stream::MonotonicClock::now();
+    std::size_t rows_ = 0;
+};
+
+measures::Run simulate(const Session& session, TapSet recorded, TapSet measured,
+                       recordings::RecordingSet& recordings) {
     recordings::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
-    measures::RunRecord record = measures::empty_record(measured, simulation.chain().end,
-                                                        static_cast<std::size_t>(rows_of_run(scene)));
-    ProgressLine line;
-    const stream::Nanoseconds start = stream::MonotonicClock::now();
-    const Status status = measures::simulate(
-        simulation, record,
-        [&](const Samples& block) {
-            row_builder.write(block);
-            if (wants_files && !recordings.any_left()) {
-                throw std::runtime_error("every recording has failed, so the run was stopped");
-            }
-            if (line.due()) {
-                const stream::Nanoseconds elapsed = stream::MonotonicClock::now() - start;
-                line.show(
-                    progress_text({static_cast<double>(record.rows()) / scene.output.sample_rate_hz,
-                                   scene.output.duration_s, std::chrono::duration<double>(elapsed).count()}));
-            }
-            return true;
-        },
-        &steps);
-    if (status != Status::running && status != Status::stopped) {
-        throw std::runtime_error((steps.last ? *steps.last : simulation).failure());
+    Progress progress(session.resolved.scene);
+    return measures::simulate(session.resolved,
+                              {.recorded = recorded,
+                               .measured = measured,
+                               .stop = &stop_asked(),
+                               .take =
+                                   [&](const Samples& block) {
+                                       row_builder.write(block);
+                                       if (wants_files && !recordings.any_left()) {
+                                           throw std::runtime_error(
+                                               "every recording has failed, so the run was stopped");
+                                       }
+                                       progress.add(block.count);
+                                       return true;
+                                   },
+                               .steps = session.steps,
+                               .begins =
+                                   [&](std::size_t step) {
+                                       recordings.note_change(stream::change_json(session.changes[step]));
+                                   }});
+}
+
+void measure(measures::Run& run, std::optional<double> band_from_hz) {
+    measures::SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
+    measures::measure(run, analyser, band_from_hz);
+    for (const std::string& text : run.warnings) {
+        spdlog::warn(text);
     }
-    return record;
+}
+
+/// Prints the numbers of a run, and as JSON its warnings, which text has on stderr.
+void print_run(const measures::Run& run, Format format) {
+    std::vector<SummaryGroup> summary = measures::summary_of(run);
+    if (format == Format::json) {
+        measures::Warnings warnings = measures::scene_warnings(run.resolved);
+        warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
+        summary.push_back({"", {{"warnings", warnings}}, ""});
+    }
+    print_summary(summary, format);
 }
 
 /// @throws WrongUse
-Session session_of(const RunOptions& options) {
+Session session_of(const RunArguments& options) {
     if (!is_recording(options.scene.scene)) {
         return session_of_scene(options.scene, options.changes);
     }
@@ -141,7 +166,7 @@ Session session_of(const RunOptions& options) {
     return session_of_recording(options.scene);
 }
 
-Exit run(const RunOptions& options) {
+Exit run(const RunArguments& options) {
     const stream::Nanoseconds start = stream::MonotonicClock::now();
     Faults faults;
     std::optional<Session> sound;  // unset: the scene has faults
@@ -162,17 +187,19 @@ Exit run(const RunOptions& options) {
     faults.of([&] { columns = tap_arguments("--columns", options.columns, there); });
     faults.of([&] { beside = tap_arguments("--tap", options.taps, there); });
     faults.of([&] { measured = tap_arguments("--measure", options.measures, there & measurable_taps); });
-    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
+    faults.of([&] {
+        if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
+            throw WrongUse("--band-from: " + *fault);
+        }
+    });
     faults.refuse();
     const Resolution& resolved = sound->resolved;
     const Scene& scene = resolved.scene;
-    measured |= there & measured_unasked;
+    measured = measures::measured_taps(scene, measured);
     const TapSet recorded = asked_taps(options, columns, beside, scene.end);
     refuse_unwritable(options);
     refuse_shortages(scene, {options.files, recorded, options.spectra, measured});
     stop_asked();  // from here on there are files to be cleaned up
-    const SimulationOptions simulated{.taps = taps_of_run(scene, recorded | measured), .stop = &stop_asked()};
-    Simulation simulation(scene, simulated);
     const recordings::RecordingHead head{
         .columns = recordings::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,
@@ -183,12 +210,9 @@ Exit run(const RunOptions& options) {
         options.files, head, recordings::RecordingPatience::endless(stop_asked()),
         [](const std::string& text) { spdlog::error(text); }, recordings::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
-    measures::SceneSteps steps{.steps = sound->steps, .options = simulated, .begins = [&](std::size_t step) {
-                                   recordings.note_change(stream::change_json(sound->changes[step]));
-                               }};
-    const measures::RunRecord record = simulate(simulation, recorded, measured, recordings, steps);
-    const Scene& last = (steps.last ? *steps.last : simulation).scene();
-    if (record.stopped) {
+    measures::Run run = simulate(*sound, recorded, measured, recordings);
+    run.setup_s += setup_s;
+    if (run.stopped) {
         recordings.discard();
         spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
@@ -202,29 +226,23 @@ Exit run(const RunOptions& options) {
         spdlog::error("stopped before the summary");
         return Exit::failed;
     }
-    bool saved = save_spectra(options.spectra, record, scene, head.provenance);
+    bool saved = save_spectra(options.spectra, run, head.provenance);
     saved = !stop_was_asked() &&
-            save_picture(options.picture, record, scene, head.provenance, options.scene.scene) && saved;
+            save_picture(options.picture, run, head.provenance, options.scene.scene) && saved;
     if (stop_was_asked()) {
         spdlog::error("stopped before the summary");
         return Exit::failed;
     }
-    measures::Warnings warnings = measures::scene_warnings(resolved);
-    std::vector<SummaryGroup> summary = measure(record, scene, options.band_from_hz, warnings);
-    summary.push_back(contacts(record, last, warnings));
-    summary.push_back(measures::trust_of_run(record, resolved));
-    summary.push_back(account(record, last, setup_s, recordings));
-    if (options.format == Format::json) {
-        summary.push_back(warnings_group(warnings));
-    }
-    print_summary(summary, options.format);
+    run.recordings = recordings::recordings_json(recordings);
+    measure(run, options.band_from_hz);
+    print_run(run, options.format);
     return recordings.sound() && saved ? Exit::done : Exit::failed;
 }
 
 }  // namespace
 
 Run run_command(CLI::App& app) {
-    auto options = std::make_shared<RunOptions>();
+    auto options = std::make_shared<RunArguments>();
     add_scene_options(app, options->scene)->required();
     app.add_option("--changes", options->changes,
                    "change the scene on the way as a stream was changed: a JSON list of {\"sample\": N, "

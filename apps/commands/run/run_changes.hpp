@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 
 #include "apps/arguments/scene_argument.hpp"
 #include "core/step_choice/resolve.hpp"

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/plot/picture.hpp"
@@ -16,32 +16,32 @@ namespace hertzline::app {
 
 namespace {
 
-recordings::RecordingHead head_of(const measures::RunRecord& record, const Scene& scene,
+recordings::RecordingHead head_of(const measures::Run& run,
                                   const Json& provenance) {
     recordings::RecordingHead head;
-    for (const measures::TapRecord& tap : record.taps) {
+    for (const measures::TapRecord& tap : run.taps) {
         const TapRow& row = row_of(tap.tap);
         head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
     }
     head.columns.resize(std::min(head.columns.size(), max_picture_columns));
-    head.sample_rate_hz = scene.output.sample_rate_hz;
+    head.sample_rate_hz = run.scene().output.sample_rate_hz;
     head.provenance = provenance;
     return head;
 }
 
 /// @returns false when stopped meanwhile
-bool draw(const std::string& file, const measures::RunRecord& record, const recordings::RecordingHead& head,
+bool draw(const std::string& file, const measures::Run& run, const recordings::RecordingHead& head,
           const std::string& title) {
     Picture picture(file, head);
-    const std::size_t rows = std::min(record.rows(), static_cast<std::size_t>(max_picture_samples));
-    if (rows < record.rows()) {
+    const std::size_t rows = std::min(run.rows(), static_cast<std::size_t>(max_picture_samples));
+    if (rows < run.rows()) {
         spdlog::info("the picture shows the first {} samples", rows);
     }
     std::vector<double> values;
     values.reserve(rows * head.columns.size());
     for (std::size_t row = 0; row < rows; ++row) {
         for (std::size_t column = 0; column < head.columns.size(); ++column) {
-            values.push_back(record.taps[column].values[row]);
+            values.push_back(run.taps[column].values[row]);
         }
     }
     picture.write(0, values);
@@ -50,7 +50,7 @@ bool draw(const std::string& file, const measures::RunRecord& record, const reco
 
 }  // namespace
 
-bool save_picture(const std::string& file, const measures::RunRecord& record, const Scene& scene,
+bool save_picture(const std::string& file, const measures::Run& run,
                   const Json& provenance, const std::string& title) {
     if (file.empty()) {
         return true;
@@ -58,7 +58,7 @@ bool save_picture(const std::string& file, const measures::RunRecord& record, co
     note_when_asked();  // from here on there are files to be cleaned up
     bool drawn = false;
     try {
-        drawn = draw(file, record, head_of(record, scene, provenance), printable(title));
+        drawn = draw(file, run, head_of(run, provenance), printable(title));
     } catch (const std::runtime_error& error) {
         spdlog::error(error.what());
     }

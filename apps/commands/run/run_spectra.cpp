@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include "measures/spectrum.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
@@ -23,12 +23,12 @@ namespace hertzline::app {
 
 namespace {
 
-recordings::Table spectra_of(const measures::RunRecord& record, const Scene& scene, const Json& provenance) {
-    measures::SpectrumAnalyser analyser(record.rows(), scene.output.sample_rate_hz);
+recordings::Table spectra_of(const measures::Run& run, const Json& provenance) {
+    measures::SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
     recordings::Table table;
     table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
     table.provenance = provenance;
-    for (const measures::TapRecord& tap : record.taps) {
+    for (const measures::TapRecord& tap : run.taps) {
         const TapRow& row = row_of(tap.tap);
         measures::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
         table.columns.front().values = std::move(spectrum.frequencies_hz);
@@ -60,12 +60,12 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
     faults.refuse();
 }
 
-bool save_spectra(std::span<const std::string> files, const measures::RunRecord& record, const Scene& scene,
+bool save_spectra(std::span<const std::string> files, const measures::Run& run,
                   const Json& provenance) {
     if (files.empty()) {
         return true;
     }
-    const recordings::Table table = spectra_of(record, scene, provenance);
+    const recordings::Table table = spectra_of(run, provenance);
     note_when_asked();  // from here on there are files to be cleaned up
     bool all = true;
     for (const std::string& file : files) {

@@ -4,7 +4,7 @@
 #include <span>
 #include <string>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 
 #include "apps/console/output.hpp"
 #include "core/scene/scene.hpp"
@@ -16,7 +16,7 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
 
 /// Saves frequency and amplitude of each tap of the record (stream/measures/spectrum.hpp has the definition). Reports files that
 /// cannot be written. @returns whether all of them were
-bool save_spectra(std::span<const std::string> files, const measures::RunRecord& record, const Scene& scene,
+bool save_spectra(std::span<const std::string> files, const measures::Run& run,
                   const Json& provenance);
 
 }  // namespace hertzline::app

@@ -147,7 +147,7 @@ studies::Shard shard_of(const std::string& text) {
 }
 
 std::vector<studies::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
-    auto columns = studies::chosen_columns(studies::number_columns(measured, modal), options.quantities);
+    auto columns = measures::chosen_columns(measures::number_columns(measured, modal), options.quantities);
     if (!columns) {
         std::string text;
         for (const std::string& fault : columns.error()) {
@@ -156,13 +156,6 @@ std::vector<studies::NumberColumn> columns_of(const SweepOptions& options, TapSe
         throw WrongUse(text);
     }
     return *std::move(columns);
-}
-
-void refuse_wrong_band(std::optional<double> from_hz) {
-    if (from_hz && !(*from_hz >= 0 && std::isfinite(*from_hz))) {
-        throw WrongUse(fmt::format("--band-from: found {}, allowed: a finite number from 0 [Hz]",
-                                   number_text(*from_hz)));
-    }
 }
 
 void refuse_wrong_output(const SweepOptions& options) {
@@ -203,7 +196,11 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     faults.of([&] { refuse_wrong_output(options); });
     faults.of([&] { jobs_of(options); });
     faults.of([&] { shard = shard_of(options.shard); });
-    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
+    faults.of([&] {
+        if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
+            throw WrongUse("--band-from: " + *fault);
+        }
+    });
     faults.of([&] { plan = plan_of(options); });
     studies::SweepSurvey survey =
         plan ? studies::survey_of(*plan, measures::measurable_among(options.measures))

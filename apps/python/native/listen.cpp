@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/python_values.hpp"

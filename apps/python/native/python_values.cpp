@@ -1,7 +1,7 @@
 #include "apps/python/native/python_values.hpp"
 
 #include "measures/resources.hpp"
-#include "measures/run_record.hpp"
+#include "measures/run.hpp"
 
 #include "core/scene/json.hpp"
 

@@ -2,31 +2,25 @@
 
 #include <array>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "measures/provenance.hpp"
-#include "measures/run_record.hpp"
-#include "measures/run_summary.hpp"
+#include "measures/quantities.hpp"
+#include "measures/run.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/save.hpp"
 #include "apps/python/native/scene_object.hpp"
-#include "core/scene/text.hpp"
-#include "core/simulation.hpp"
 
 namespace hertzline::python {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 /// What the caller asks for, checked.
 struct RunRequest {
@@ -42,69 +36,51 @@ RunRequest checked(const Scene& scene, const std::optional<std::vector<std::stri
     RunRequest request{taps ? taps_named("taps", *taps, there, faults) : recorded_taps(scene.end),
                        taps_named("measure", measure, there & measures::measurable_taps, faults),
                        band_from_hz};
-    request.measured |= there & measures::measured_unasked;
-    if (band_from_hz && !(*band_from_hz >= 0 && std::isfinite(*band_from_hz))) {
-        faults.add("band_from_hz: found " + number_text(*band_from_hz) +
-                   ", allowed: a finite number from 0 [Hz]");
+    request.measured = measures::measured_taps(scene, request.measured);
+    if (const auto fault = measures::band_from_fault(band_from_hz)) {
+        faults.add("band_from_hz: " + *fault);
     }
-    if (const double rows = measures::rows_of_run(scene); rows > measures::max_run_rows) {
-        faults.add("output.duration_s: found " + number_text(rows) + " samples, allowed: at most " +
-                   number_text(measures::max_run_rows) + ", the longest record of a spectrum");
+    if (const auto fault = measures::longest_run_fault(scene)) {
+        faults.add(*fault);
     }
     faults.refuse();
     return request;
 }
 
-/// Bytes of the samples, the simulation and the spectra, roughly from above.
+/// Bytes of a run and of the samples that it keeps, roughly from above.
 double memory_of(const Scene& scene, const RunRequest& request) {
-    const double rows = measures::rows_of_run(scene);
     const TapSet taps = measures::taps_of_run(scene, request.taps | request.measured);
-    const double numbers = channels_of(taps, static_cast<double>(scene.chain.spheres)) + 2;
-    return Simulation::memory_bytes(scene, taps) + sizeof(double) * rows * numbers +
-           measures::SpectrumAnalyser::bytes_needed(rows);
+    return measures::memory_of_run(scene, taps, request.measured) +
+           sizeof(double) * measures::rows_of_run(scene) *
+               channels_of(request.taps, static_cast<double>(scene.chain.spheres));
 }
 
-/// Simulates, and makes the summary as `hertzline run` does. Needs no GIL.
+/// Runs the scene and takes over its samples and numbers. Needs no GIL.
 /// @throws std::runtime_error when the integration fails
 void simulate(const Resolution& resolved, const RunRequest& request, const std::atomic<bool>& stop,
               RunResult& result) {
-    const Clock::time_point start = Clock::now();
-    const Scene& scene = resolved.scene;
-    const TapSet taps = measures::taps_of_run(scene, request.taps | request.measured);
-    Simulation simulation(scene, {.taps = taps, .stop = &stop});
-    const auto rows = static_cast<std::size_t>(measures::rows_of_run(scene));
-    measures::RunRecord record = measures::empty_record(request.measured, simulation.chain().end, rows);
-    TapSet beside = request.taps;  // what the record does not keep
-    for (const measures::TapRecord& tap : record.taps) {
-        beside = beside - tap.tap;
-    }
+    const TapSet beside = request.taps - (request.measured | Tap::v_out);  // taps that a Run does not keep
     for (const Tap tap : beside) {
-        result.column(tap).reserve(rows * channels_of(tap, result.spheres));
+        result.column(tap).reserve(result.rows * channels_of(tap, result.spheres));
     }
-    const double setup_s = std::chrono::duration<double>(Clock::now() - start).count();
-    const Status status = measures::simulate(simulation, record, [&](const Samples& block) {
-        for (const Tap tap : beside) {
-            result.column(tap).insert(result.column(tap).end(), block[tap].begin(), block[tap].end());
-        }
-        return true;
-    });
-    if (status == Status::stopped) {
+    measures::Run run = measures::run(
+        resolved, {.recorded = beside,
+                   .measured = request.measured,
+                   .band_from_hz = request.band_from_hz,
+                   .stop = &stop,
+                   .take = [&](const Samples& block) {
+                       for (const Tap tap : beside) {
+                           result.column(tap).insert(result.column(tap).end(), block[tap].begin(), block[tap].end());
+                       }
+                       return true;
+                   }});
+    if (run.stopped) {
         return;
     }
-    if (status != Status::running) {
-        throw std::runtime_error(simulation.failure());
-    }
-    measures::SpectrumAnalyser analyser(rows, scene.output.sample_rate_hz);
     result.warnings = measures::scene_warnings(resolved);
-    std::vector<measures::SummaryGroup> groups =
-        measures::measures_of_run(record, scene, analyser, request.band_from_hz, result.warnings);
-    groups.push_back(measures::contacts_of_run(record, scene, result.warnings));
-    groups.push_back(measures::trust_of_run(record, resolved));
-    groups.push_back(measures::account_of_run(record, scene));
-    measures::add_times(groups.back(), setup_s, record.wall_s());
-    measures::add_identity(groups.back(), scene);
-    result.summary = measures::summary_json(groups);
-    for (measures::TapRecord& tap : record.taps) {
+    result.warnings.insert(result.warnings.end(), run.warnings.begin(), run.warnings.end());
+    result.summary = measures::summary_json(measures::summary_of(run));
+    for (measures::TapRecord& tap : run.taps) {
         result.column(tap.tap) = std::move(tap.values);
     }
     result.held = beside | request.measured | Tap::v_out;

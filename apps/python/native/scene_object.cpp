@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "measures/run_summary.hpp"
+#include "measures/run.hpp"
 #include "measures/scene_report.hpp"
 #include <pybind11/stl.h>
 

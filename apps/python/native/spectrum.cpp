@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "measures/spectrum.hpp"
-#include "measures/spectrum_json.hpp"
+#include "measures/quantities.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"

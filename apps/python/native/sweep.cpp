@@ -64,16 +64,16 @@ studies::PointDemand demand_of(const SweepRequest& request, const studies::Sweep
     studies::PointDemand demand;
     demand.measured = taps_named("measure", request.measure, there, faults);
     demand.band_from_hz = request.band_from_hz;
-    if (const auto from = demand.band_from_hz; from && !(*from >= 0 && std::isfinite(*from))) {
-        faults.add("band_from_hz: found " + number_text(*from) + ", allowed: a finite number from 0 [Hz]");
+    if (const auto fault = measures::band_from_fault(demand.band_from_hz)) {
+        faults.add("band_from_hz: " + *fault);
     }
     if (request.waveforms) {
         const TapSet tap = taps_named("waveforms", {*request.waveforms}, there, faults);
         demand.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
         demand.waveform_samples = static_cast<std::size_t>(survey.rows);
     }
-    auto columns = studies::chosen_columns(
-        studies::number_columns((demand.measured | measures::measured_unasked) & there, survey.modal),
+    auto columns = measures::chosen_columns(
+        measures::number_columns((demand.measured | measures::measured_unasked) & there, survey.modal),
         request.quantities);
     if (columns) {
         demand.columns = *std::move(columns);

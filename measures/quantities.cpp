@@ -1,0 +1,438 @@
+#include "measures/quantities.hpp"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <iterator>
+#include <stdexcept>
+#include <type_traits>
+#include <utility>
+
+#include "measures/provenance.hpp"
+#include "measures/record_warnings.hpp"
+#include <fmt/format.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::measures {
+
+namespace {
+
+Json or_null(const std::optional<double>& number) {
+    return number ? Json(*number) : Json(nullptr);
+}
+
+Json or_null(const std::vector<double>& numbers) {
+    return numbers.empty() ? Json(nullptr) : Json(numbers);
+}
+
+/// A number of a band of the spectrum.
+template <auto band, auto value>
+Json of_band(const SpectrumSummary& spectrum) {
+    const std::optional<Band>& found = spectrum.*band;
+    return found ? Json(std::invoke(value, *found)) : Json(nullptr);
+}
+
+double fractional_bandwidth(const Band& band) noexcept {
+    return band.centre_hz() > 0 ? band.width_hz() / band.centre_hz() : 0;
+}
+
+template <auto energy>
+Json of_plate(const Run& run) {
+    return (*run.plate).*energy;
+}
+
+bool has_plate_energy(const Run& run) {
+    return run.plate.has_value();
+}
+
+bool has_poles(const Run& run) {
+    return run.scene().numerics.poles.has_value();
+}
+
+bool has_other_law(const Run& run) {
+    return run.scene().chain.damping_law != DampingLaw::dashpot;
+}
+
+bool has_recordings(const Run& run) {
+    return !run.recordings.is_null();
+}
+
+constexpr auto b6 = &SpectrumSummary::band_6db;
+constexpr auto b20 = &SpectrumSummary::band_20db;
+using Tr = const TapRecord&;
+using Sp = const SpectrumSummary&;
+using R = const Run&;
+
+using G = Group;
+using K = Kind;
+using C = Columns;
+
+// clang-format off
+const std::array table{
+    Quantity{G::result, "peak_{}", "tap", K::number, C::among,
+             "largest absolute value of the output among the samples",
+             [](Tr tap) { return Json(peak_of(tap.values)); }},
+    Quantity{G::result, "peak_v_last_m_per_s", "m/s", K::number, C::among,
+             "the same of `v_last`",
+             [](R run) { return Json(run.peak_v_last); }},
+    Quantity{G::result, "burst_shown_ratio", "", K::number, C::among,
+             "the part of the burst that lies within the run: 1 when the run is at least as long",
+             [](R run) { return Json(burst_shown_ratio(run.resolved.scene)); }},
+    Quantity{G::result, "ringing_ratio", "", K::number, C::among,
+             "largest value of `v_out` in the last period of the drive, over its peak: above 0.01 there is a warning; null where bursts "
+             "repeat, and where the run ends less than two periods after the burst",
+             [](R run) { return or_null(run.ringing_ratio); }},
+
+    Quantity{G::spectrum, "fundamental_hz", "Hz", K::number, C::among,
+             "f",
+             [](Sp s) { return Json(s.fundamental_hz); }},
+    Quantity{G::spectrum, "harmonics_db", "dB", K::harmonics, C::among,
+             "V_1 to V_10 under the largest of them; fewer if the sample rate ends before; null of silence, and for f above half the "
+             "sample rate",
+             [](Sp s) { return or_null(s.harmonics_db); }},
+    Quantity{G::spectrum, "subharmonic_db", "dB", K::number, C::among,
+             "the line at f/2 under the largest harmonic; null as `harmonics_db`",
+             [](Sp s) { return or_null(s.subharmonic_db); }},
+    Quantity{G::spectrum, "thd_r", "", K::number, C::among,
+             "sqrt(V_2² + ... + V_10²) / sqrt(V_1² + ... + V_10²), between 0 and 1; null as `harmonics_db`",
+             [](Sp s) { return or_null(s.thd_r); }},
+    Quantity{G::spectrum, "thd_f", "", K::number, C::among,
+             "sqrt(V_2² + ... + V_10²) / V_1, 0 or more; the other usual definition; null as `harmonics_db`, and for V_1 = 0",
+             [](Sp s) { return or_null(s.thd_f); }},
+    Quantity{G::spectrum, "band_from_hz", "Hz", K::number, C::among,
+             "lower edge of the search for bands: f/2, or `--band-from`",
+             [](Sp s) { return Json(s.lowest_hz); }},
+    Quantity{G::spectrum, "strongest_hz", "Hz", K::number, C::among,
+             "frequency of the spectrum's maximum from `band_from_hz` upward; null of silence, and for `band_from_hz` above half the "
+             "sample rate",
+             [](Sp s) { return or_null(s.strongest_hz); }},
+    Quantity{G::spectrum, "dc_db", "dB", K::number, C::among,
+             "level at 0 Hz under that maximum; null as `strongest_hz`",
+             [](Sp s) { return or_null(s.dc_db); }},
+    Quantity{G::spectrum, "below_db", "dB", K::number, C::among,
+             "largest level below `band_from_hz`, 0 Hz included, under that maximum; null as `strongest_hz`",
+             [](Sp s) { return or_null(s.below_db); }},
+    Quantity{G::spectrum, "bandwidth_6db_hz", "Hz", K::number, C::among,
+             "span between the two edges at -6 dB, holes included; null as `strongest_hz`",
+             of_band<b6, &Band::width_hz>},
+    Quantity{G::spectrum, "band_6db_low_hz", "Hz", K::number, C::among,
+             "lowest frequency within 6 dB of the maximum, from `band_from_hz` upward; null as `strongest_hz`",
+             of_band<b6, &Band::low_hz>},
+    Quantity{G::spectrum, "band_6db_high_hz", "Hz", K::number, C::among,
+             "highest frequency within 6 dB of the maximum; null as `strongest_hz`",
+             of_band<b6, &Band::high_hz>},
+    Quantity{G::spectrum, "occupied_6db_hz", "Hz", K::number, C::among,
+             "bandwidth within 6 dB of the maximum, holes left out; null as `strongest_hz`",
+             of_band<b6, &Band::occupied_hz>},
+    Quantity{G::spectrum, "centre_6db_hz", "Hz", K::number, C::among,
+             "middle of the span at -6 dB; null as `strongest_hz`",
+             of_band<b6, &Band::centre_hz>},
+    Quantity{G::spectrum, "fractional_bandwidth_6db", "", K::number, C::among,
+             "span over centre at -6 dB; null as `strongest_hz`",
+             of_band<b6, &fractional_bandwidth>},
+    Quantity{G::spectrum, "bandwidth_20db_hz", "Hz", K::number, C::among,
+             "as `bandwidth_6db_hz`, at 20 dB",
+             of_band<b20, &Band::width_hz>},
+    Quantity{G::spectrum, "band_20db_low_hz", "Hz", K::number, C::among,
+             "as `band_6db_low_hz`, at 20 dB",
+             of_band<b20, &Band::low_hz>},
+    Quantity{G::spectrum, "band_20db_high_hz", "Hz", K::number, C::among,
+             "as `band_6db_high_hz`, at 20 dB",
+             of_band<b20, &Band::high_hz>},
+    Quantity{G::spectrum, "occupied_20db_hz", "Hz", K::number, C::among,
+             "as `occupied_6db_hz`, at 20 dB",
+             of_band<b20, &Band::occupied_hz>},
+    Quantity{G::spectrum, "centre_20db_hz", "Hz", K::number, C::among,
+             "as `centre_6db_hz`, at 20 dB",
+             of_band<b20, &Band::centre_hz>},
+    Quantity{G::spectrum, "fractional_bandwidth_20db", "", K::number, C::among,
+             "as `fractional_bandwidth_6db`, at 20 dB",
+             of_band<b20, &fractional_bandwidth>},
+    Quantity{G::spectrum, "switching_db", "dB", K::harmonics, C::among,
+             "per harmonic of `v_out`: how much larger it is than without the jumps of its formula; null without a plate, and of silence",
+             [](R run) { return or_null(run.switching_db); }},
+
+    Quantity{G::contacts, "peak_contact_force_n", "N", K::number, C::among,
+             "largest elastic force of any contact, the preload included",
+             [](R run) { return Json(run.load.force_n); }},
+    Quantity{G::contacts, "peak_contact_pressure_pa", "Pa", K::number, C::among,
+             "largest pressure at the centre of any contact, by Hertz's law: 3 k sqrt(δ) / (2π R), with R/2 between two spheres",
+             [](R run) { return Json(run.load.pressure_pa); }},
+    Quantity{G::contacts, "static_contact_pressure_pa", "Pa", K::number, C::among,
+             "the same of the preload alone",
+             [](R run) { return Json(run.static_pressure_pa); }},
+    Quantity{G::contacts, "peak_strength_ratio", "", K::number, C::among,
+             "largest ratio of a contact's pressure to the strength of its weaker material (below); above 1 the model is too elastic, and "
+             "`run` warns; null where no strength is known",
+             [](R run) { return or_null(run.strength_ratio); }},
+    Quantity{G::contacts, "peak_overlap_ratio", "", K::number, C::among,
+             "largest overlap over a sphere's radius; Hertz's law is for less than 0.05, and `run` warns beyond",
+             [](R run) { return Json(run.load.overlap_ratio); }},
+    Quantity{G::contacts, "contact_events", "", K::count, C::among,
+             "openings and closings of all contacts",
+             [](R run) { return Json(run.contact_events); }},
+    Quantity{G::contacts, "damping_law", "", K::text, C::none,
+             "how contacts lose energy ([model.md](model.md#3-contacts)), where it is not the paper's dashpot",
+             [](R run) { return Json(word(run.scene().chain.damping_law)); }, has_other_law},
+
+    Quantity{G::trust, "estimated_error", "", K::number, C::first,
+             "relative L2 error of the worst of `v_last` and the plate's outputs (`v_plate`, `v_out`; of a modal plate `v_centre`, `v_face`, "
+             "`p_axis`, and the error of its fit), from a pilot run with the step in use "
+             "([core](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning; null "
+             "when the step is too short for a pilot run of about a second",
+             [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->error) : Json(nullptr); }},
+    Quantity{G::trust, "estimated_over_s", "s", K::number, C::first,
+             "for how long that holds, from the start: the run, with a warning if that would take too long, or the stretch that pilots watch "
+             "of a stream, which [estimates again](../stream/README.md#for-how-long-the-estimated-error-holds) when its motion leaves that; "
+             "good: the whole run",
+             [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->over_s) : Json(nullptr); }},
+    Quantity{G::trust, "energy_residual", "", K::number, C::among,
+             "energy missing in the ledger over the energy that came and went ([model.md](model.md#8-energy)); good: far below 1; with "
+             "series about the accuracy asked for, or below",
+             [](R run) { return Json(run.energy_residual); }},
+    Quantity{G::trust, "plate_passed_j", "J", K::number, C::modal,
+             "modal plates only: energy that the last contact passed to the plate "
+             "([model.md](model.md#10-the-plate-with-its-modes-in-a-fluid)); the next three add up to it",
+             of_plate<&PlateEnergy::passed>, has_plate_energy},
+    Quantity{G::trust, "plate_lost_j", "J", K::number, C::modal,
+             "energy that the plate's material lost",
+             of_plate<&PlateEnergy::lost>, has_plate_energy},
+    Quantity{G::trust, "plate_held_j", "J", K::number, C::modal,
+             "energy that its modes hold at the end",
+             of_plate<&PlateEnergy::held>, has_plate_energy},
+    Quantity{G::trust, "radiated_j", "J", K::number, C::modal,
+             "the rest, which is in the fluid",
+             of_plate<&PlateEnergy::radiated>, has_plate_energy},
+
+    Quantity{G::run, "simulated_s", "s", K::number, C::last,
+             "time of the last sample",
+             [](R run) { return Json(run.simulated_s()); }},
+    Quantity{G::run, "rows", "", K::count, C::last,
+             "samples of each output, the one at 0 s included",
+             [](R run) { return Json(run.rows()); }},
+    Quantity{G::run, "integrator", "", K::text, C::none,
+             "the method",
+             [](R run) { return Json(word(*run.scene().numerics.integrator)); }},
+    Quantity{G::run, "step_s", "s", K::number, C::last,
+             "the step, or the longest piece of a series",
+             [](R run) { return Json(run.step_s); }},
+    Quantity{G::run, "poles", "", K::count, C::modal,
+             "of a modal plate's response (`numerics.poles`); only with such a plate",
+             [](R run) { return Json(*run.scene().numerics.poles); }, has_poles},
+    Quantity{G::run, "steps", "", K::count, C::last,
+             "steps or pieces taken",
+             [](R run) { return Json(run.steps); }},
+    Quantity{G::run, "setup_s", "s", K::number, C::none,
+             "time before the first step; pilot runs are most of it",
+             [](R run) { return Json(run.setup_s); }},
+    Quantity{G::run, "wall_s", "s", K::number, C::none,
+             "time of the simulation alone: no pilot runs, files or spectrum",
+             [](R run) { return Json(run.wall_s()); }},
+    Quantity{G::run, "real_time_factor", "", K::number, C::none,
+             "`simulated_s` over `wall_s`; above 1 is faster than real time; null when `wall_s` is 0",
+             [](R run) { return run.wall_s() > 0 ? Json(run.simulated_s() / run.wall_s()) : Json(nullptr); }},
+    Quantity{G::run, "recordings", "", K::text, C::none,
+             "for each file: `file`, `samples` that are in it, `missing_samples` left out of it, `status` (\"complete\", or why not)",
+             [](R run) { return run.recordings; }, has_recordings},
+    Quantity{G::run, "scene_hash", "", K::text, C::none,
+             "the same for scenes that give the same samples",
+             [](R run) { return Json(scene_hash(run.scene())); }},
+    Quantity{G::run, "version", "", K::text, C::none,
+             "of the program",
+             [](R) { return Json(program_version()); }},
+};
+// clang-format on
+
+constexpr std::array headings{"result", "spectrum of v_out", "contacts", "trust", "run"};
+
+bool is_of_tap(const Quantity& quantity) {
+    return quantity.value.index() != 0;
+}
+
+std::string name_of(const Quantity& quantity, Tap tap) {
+    return is_of_tap(quantity) ? fmt::format(fmt::runtime(quantity.name), row_of(tap).column)
+                               : std::string(quantity.name);
+}
+
+/// The value of the run, or of one of its taps.
+Json value_of(const Quantity& quantity, const Run& run, const TapRecord& tap) {
+    return std::visit(
+        [&](auto value) {
+            if constexpr (std::is_invocable_v<decltype(value), const Run&>) {
+                return value(run);
+            } else if constexpr (std::is_invocable_v<decltype(value), const TapRecord&>) {
+                return value(tap);
+            } else {
+                return value(tap.spectrum);
+            }
+        },
+        quantity.value);
+}
+
+void add_columns(std::vector<NumberColumn>& columns, const Quantity& quantity, Tap tap) {
+    const TapRow& row = row_of(tap);
+    const std::string name =
+        (is_of_tap(quantity) && tap != Tap::v_out ? std::string(row.name) + '.' : "") + name_of(quantity, tap);
+    const std::string unit(quantity.unit == "tap" ? row.unit : quantity.unit);
+    if (quantity.kind != Kind::harmonics) {
+        columns.push_back({name, unit, quantity.kind == Kind::count, &quantity, tap, 0});
+        return;
+    }
+    for (std::size_t i = 0; i < SpectrumAnalyser::max_harmonics; ++i) {
+        columns.push_back({fmt::format("{}_{}", name, i + 1), unit, false, &quantity, tap, i});
+    }
+}
+
+/// The name without the number of its element: of "harmonics_db_3" "harmonics_db".
+std::string_view name_of_array(const NumberColumn& column) {
+    const std::string_view name = column.name;
+    return column.quantity->kind == Kind::harmonics ? name.substr(0, name.rfind('_')) : name;
+}
+
+bool names_it(const std::string& name, const NumberColumn& column) {
+    return column.name == name || name_of_array(column) == name;
+}
+
+std::string fault_of_name(std::string_view name, std::span<const NumberColumn> columns) {
+    std::vector<std::string> all;
+    std::ranges::transform(columns, std::back_inserter(all), &NumberColumn::name);
+    return "found " + quoted_briefly(name) + ", allowed: a number of the summary, as peak_v_out_m_per_s" +
+           suggestion(name, all);
+}
+
+}  // namespace
+
+std::span<const Quantity> quantities() noexcept {
+    return table;
+}
+
+std::vector<SummaryGroup> summary_of(const Run& run) {
+    std::vector<SummaryGroup> groups;
+    for (const char* heading : headings) {
+        groups.push_back({heading, Json::object(), ""});
+    }
+    std::vector<SummaryGroup> of_taps;
+    for (const TapRecord& tap : std::span(run.taps).subspan(1)) {
+        const std::string name(row_of(tap.tap).name);
+        of_taps.push_back({name, Json::object(), name});
+    }
+    for (const Quantity& quantity : table) {
+        if (quantity.exists != nullptr && !quantity.exists(run)) {
+            continue;
+        }
+        Json& values = groups[static_cast<std::size_t>(quantity.group)].values;
+        values[name_of(quantity, Tap::v_out)] = value_of(quantity, run, run.taps.front());
+        for (std::size_t i = 0; i < of_taps.size() && is_of_tap(quantity); ++i) {
+            const TapRecord& tap = run.taps[i + 1];
+            of_taps[i].values[name_of(quantity, tap.tap)] = value_of(quantity, run, tap);
+        }
+    }
+    const auto after_spectrum = groups.begin() + static_cast<std::ptrdiff_t>(Group::contacts);
+    groups.insert(after_spectrum, std::make_move_iterator(of_taps.begin()),
+                  std::make_move_iterator(of_taps.end()));
+    return groups;
+}
+
+Json summary_json(std::span<const SummaryGroup> groups) {
+    Json summary;
+    for (const SummaryGroup& group : groups) {
+        Json& place = group.member.empty() ? summary : summary[group.member];
+        place.update(group.values);
+    }
+    return summary;
+}
+
+Json spectrum_json(const SpectrumSummary& spectrum) {
+    Json json;
+    for (const Quantity& quantity : table) {
+        if (const auto* const value = std::get_if<2>(&quantity.value)) {
+            json[std::string(quantity.name)] = (*value)(spectrum);
+        }
+    }
+    return json;
+}
+
+std::vector<NumberColumn> number_columns(TapSet measured, bool modal) {
+    std::vector<NumberColumn> columns;
+    const auto add = [&](Columns place) {
+        for (const Quantity& quantity : table) {
+            // other outputs stand before the contacts
+            if (&quantity == std::ranges::find(table, Group::contacts, &Quantity::group) &&
+                place == Columns::among) {
+                for (const Tap tap : measured - Tap::v_out) {
+                    for (const Quantity& of_tap : table) {
+                        if (is_of_tap(of_tap)) {
+                            add_columns(columns, of_tap, tap);
+                        }
+                    }
+                }
+            }
+            if (quantity.columns == place) {
+                add_columns(columns, quantity, Tap::v_out);
+            }
+        }
+    };
+    add(Columns::first);
+    add(Columns::among);
+    if (modal) {
+        add(Columns::modal);
+    }
+    add(Columns::last);
+    return columns;
+}
+
+tl::expected<NumberColumn, std::string> find_column(std::string_view name) {
+    static const std::vector<NumberColumn> all = number_columns(measurable_taps, true);
+    const auto found = std::ranges::find(all, name, &NumberColumn::name);
+    if (found == all.end()) {
+        return tl::unexpected(fault_of_name(name, all));
+    }
+    return *found;
+}
+
+tl::expected<std::vector<NumberColumn>, std::vector<std::string>> chosen_columns(
+    std::vector<NumberColumn> columns, std::span<const std::string> names) {
+    std::vector<std::string> faults;
+    for (const std::string& name : names) {
+        if (std::ranges::none_of(columns, [&](const NumberColumn& column) { return names_it(name, column); })) {
+            faults.push_back(fault_of_name(name, columns));
+        }
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    if (!names.empty()) {
+        std::erase_if(columns, [&](const NumberColumn& column) {
+            return column.quantity->columns != Columns::first &&
+                   std::ranges::none_of(names,
+                                        [&](const std::string& name) { return names_it(name, column); });
+        });
+    }
+    return columns;
+}
+
+double number_of(const Run& run, const NumberColumn& column) {
+    const Quantity& quantity = *column.quantity;
+    const auto tap = std::ranges::find(run.taps, column.tap, &TapRecord::tap);
+    if (tap == run.taps.end() || (quantity.exists != nullptr && !quantity.exists(run))) {
+        return no_number;
+    }
+    const Json value = value_of(quantity, run, *tap);
+    if (value.is_array()) {
+        return column.element < value.size() ? value[column.element].get<double>() : no_number;
+    }
+    return value.is_number() ? value.get<double>() : no_number;
+}
+
+double Run::operator[](std::string_view name) const {
+    const auto column = find_column(name);
+    if (!column) {
+        throw std::out_of_range(column.error());
+    }
+    return number_of(*this, *column);
+}
+
+}  // namespace hertzline::measures

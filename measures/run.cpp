@@ -1,0 +1,367 @@
+#include "measures/run.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "measures/record_warnings.hpp"
+#include <fmt/format.h>
+
+#include "core/model/strength.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::measures {
+
+namespace {
+
+constexpr double block_numbers = 1 << 18;  // in a block: 2 MiB
+constexpr double longest_block = 4096;     // samples; enough to make the calls cost nothing
+
+void add_load(ContactLoad& largest, const ContactLoad& load) {
+    largest.force_n = std::max(largest.force_n, load.force_n);
+    largest.pressure_pa = std::max(largest.pressure_pa, load.pressure_pa);
+    largest.overlap_ratio = std::max(largest.overlap_ratio, load.overlap_ratio);
+    for (std::size_t kind = 0; kind < contact_kinds; ++kind) {
+        largest.pressures_pa[kind] = std::max(largest.pressures_pa[kind], load.pressures_pa[kind]);
+    }
+}
+
+PlateEnergy energy_of_plate(const Ledger& ledger) {
+    return {ledger.passed, ledger.plate_lost, ledger.plate_held, ledger.radiated()};
+}
+
+PlateEnergy sum_of(const PlateEnergy& a, const PlateEnergy& b) {
+    return {a.passed + b.passed, a.lost + b.lost, a.held + b.held, a.radiated + b.radiated};
+}
+
+/// Adds the account of a simulation that is over. @param continued its motion and ledger continue those of the one before
+void add_account(Run& run, Simulation& simulation, bool continued) {
+    const Scene& scene = simulation.scene();
+    const Chain& chain = simulation.chain();
+    const double radius_m = scene.chain.diameter_m / 2;
+    run.steps += simulation.steps();
+    run.step_s = simulation.step_s();
+    run.contact_events += simulation.contact_events();
+    const ContactLoad most = contact_load(chain, simulation.state().peak_overlap, radius_m);
+    add_load(run.load, most);
+    run.static_pressure_pa =
+        std::max(run.static_pressure_pa, contact_load(chain, chain.static_overlap, radius_m).pressure_pa);
+    const std::optional<double> ratio = strength_ratio(pressure_limits(scene), most);
+    if (ratio && !(run.strength_ratio && *ratio <= *run.strength_ratio)) {
+        run.strength_ratio = ratio;
+        run.strength_warning = strength_warning(scene, chain, most);
+    }
+    const double residual = simulation.energy_residual();
+    run.energy_residual = continued ? residual : std::max(run.energy_residual, residual);
+    if (chain.end.plate) {
+        const PlateEnergy energy = energy_of_plate(simulation.ledger());
+        run.plate = run.plate && !continued ? sum_of(*run.plate, energy) : energy;
+    }
+}
+
+/// Keeps the next samples.
+void keep(Run& run, const Samples& block, const EndModel& end) {
+    run.peak_v_last = std::max(run.peak_v_last, peak_of(block[Tap::v_last]));
+    for (TapRecord& tap : run.taps) {
+        const std::span<const double> values = block[tap.tap];
+        tap.values.insert(tap.values.end(), values.begin(), values.end());
+    }
+    if (end.has_plate) {
+        std::ranges::transform(
+            block[Tap::v_last], block[Tap::v_plate], std::back_inserter(run.v_out_smooth),
+            [&end](double v_last, double v_plate) { return end.output_velocity(v_last, v_plate, true); });
+    }
+}
+
+/// The simulations of a run, one after the other.
+class Sequence {
+public:
+    Sequence(Run& run, Simulation& first, const RunOptions& options)
+        : run_(run), now_(&first), options_(options) {
+        announce();
+    }
+
+    Simulation& now() noexcept { return *now_; }
+
+    /// Ends the present one.
+    void close() { add_account(run_, *now_, continued_); }
+
+    /// Samples that the present one has still to give.
+    std::size_t left() const noexcept {
+        return next() == nullptr ? std::numeric_limits<std::size_t>::max()
+                                 : static_cast<std::size_t>(next()->sample - now_->next_sample());
+    }
+
+    /// Changes to the next one when it is due.
+    Status advance() {
+        if (left() > 0) {
+            return Status::running;
+        }
+        const SceneStep& step = *next();
+        auto simulation = std::make_unique<Simulation>(
+            step.scene, SimulationOptions{.taps = now_->taps(), .stop = options_.stop});
+        if (step.continued) {
+            const Status status = simulation->continue_from(*now_, step.sample);
+            if (status != Status::running) {
+                return status;
+            }
+        } else {
+            simulation->begin_at(step.sample);
+        }
+        if (options_.begins) {
+            options_.begins(done_);
+        }
+        close();
+        continued_ = step.continued;
+        ++done_;
+        run_.last_scene = step.scene;
+        later_ = std::move(simulation);
+        now_ = later_.get();
+        announce();
+        return Status::running;
+    }
+
+private:
+    const SceneStep* next() const noexcept {
+        return done_ < options_.steps.size() ? &options_.steps[done_] : nullptr;
+    }
+    void announce() noexcept {
+        if (next() != nullptr && next()->continued) {
+            now_->end_at(next()->sample);
+        }
+    }
+
+    Run& run_;
+    Simulation* now_;
+    bool continued_ = false;  // the present one continues the one before
+    const RunOptions& options_;
+    std::unique_ptr<Simulation> later_;  // the present one, unless it is the first
+    std::size_t done_ = 0;
+};
+
+/// Fills the run from the sequence; the last simulation is its present one.
+Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples&)>& take) {
+    using Clock = std::chrono::steady_clock;
+    const Scene& scene = run.resolved.scene;
+    const auto rows = static_cast<std::size_t>(rows_of_run(scene));
+    Samples block = sequence.now().make_samples(block_of_run(scene, sequence.now().taps()));
+    while (run.rows() < rows) {
+        const Clock::time_point before = Clock::now();
+        Status status = sequence.advance();
+        if (status == Status::running) {
+            status = sequence.now().advance(
+                block, std::min({block.capacity(), rows - run.rows(), sequence.left()}));
+        }
+        run.busy += Clock::now() - before;
+        if (status != Status::running) {
+            run.stopped = status == Status::stopped;
+            return status;
+        }
+        keep(run, block, sequence.now().chain().end);
+        if (take && !take(block)) {
+            run.stopped = true;
+            return Status::stopped;
+        }
+    }
+    sequence.close();
+    return Status::running;
+}
+
+/// How much larger the harmonics of v_out are for the jumps of its formula [dB]; empty without a plate.
+std::vector<double> switching_of(SpectrumAnalyser& analyser, const Run& run) {
+    if (run.v_out_smooth.empty()) {
+        return {};
+    }
+    const SpectrumSummary& v_out = run.taps.front().spectrum;
+    return level_differences_db(v_out.harmonics, analyser.harmonics(run.v_out_smooth, v_out.fundamental_hz));
+}
+
+void append(Warnings& warnings, const Warnings& more) {
+    warnings.insert(warnings.end(), more.begin(), more.end());
+}
+
+}  // namespace
+
+TapSet measured_taps(const Scene& scene, TapSet asked) noexcept {
+    return (asked | measured_unasked) & taps_of(scene.end);
+}
+
+double rows_of_run(const Scene& scene) noexcept {
+    const double product = scene.output.duration_s * scene.output.sample_rate_hz;
+    const double whole = std::round(product);
+    // two decimal fractions rounded to binary, then their product: off by less than four last bits
+    const double rounding = 4 * std::numeric_limits<double>::epsilon() * product;
+    return 1 + (std::abs(product - whole) <= rounding ? whole : std::floor(product));
+}
+
+TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
+    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
+    return wanted | (of_summary & taps_of(scene.end));
+}
+
+std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
+    const double numbers = channels_of(taps, static_cast<double>(scene.chain.spheres));
+    return static_cast<std::size_t>(std::clamp(block_numbers / numbers, 1.0, longest_block));
+}
+
+double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept {
+    const double rows = rows_of_run(scene);
+    const double records = 1 + static_cast<double>((measured | Tap::v_out).size());  // v_out also without its jumps
+    const double block = static_cast<double>(block_of_run(scene, taps)) *
+                         channels_of(taps, static_cast<double>(scene.chain.spheres));
+    return Simulation::memory_bytes(scene, taps) + block * sizeof(double) + records * rows * sizeof(double) +
+           SpectrumAnalyser::bytes_needed(rows);
+}
+
+std::optional<std::string> longest_run_fault(const Scene& scene) {
+    const double rows = rows_of_run(scene);
+    if (rows <= max_run_rows) {
+        return std::nullopt;
+    }
+    return "output.duration_s: found " + number_text(rows) + " samples, allowed: at most " +
+           number_text(max_run_rows) + ", the longest record of a spectrum";
+}
+
+std::optional<std::string> band_from_fault(std::optional<double> from_hz) {
+    if (!from_hz || (*from_hz >= 0 && std::isfinite(*from_hz))) {
+        return std::nullopt;
+    }
+    return "found " + number_text(*from_hz) + ", allowed: a finite number from 0 [Hz]";
+}
+
+Run run(const Resolution& resolved, const RunOptions& options) {
+    Run run = simulate(resolved, options);
+    if (!run.stopped) {
+        SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);
+        measure(run, analyser, options.band_from_hz);
+    }
+    return run;
+}
+
+Run simulate(const Resolution& resolved, const RunOptions& options) {
+    const auto start = std::chrono::steady_clock::now();
+    const Scene& scene = resolved.scene;
+    const TapSet measured = measured_taps(scene, options.measured);
+    const SimulationOptions simulated{.taps = taps_of_run(scene, options.recorded | measured),
+                                      .stop = options.stop};
+    Simulation simulation(scene, simulated);
+    Run run = empty_run(resolved, measured, simulation.chain().end);
+    run.setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    Sequence sequence(run, simulation, options);
+    const Status status = fill(run, sequence, options.take);
+    if (status != Status::running && status != Status::stopped) {
+        throw std::runtime_error(sequence.now().failure());
+    }
+    return run;
+}
+
+Run empty_run(Resolution resolved, TapSet measured, const EndModel& end) {
+    const auto rows = static_cast<std::size_t>(rows_of_run(resolved.scene));
+    Run run;
+    run.resolved = std::move(resolved);
+    run.taps.push_back({Tap::v_out, {}, {}});
+    for (const Tap tap : measured - Tap::v_out) {
+        run.taps.push_back({tap, {}, {}});
+    }
+    for (TapRecord& tap : run.taps) {
+        tap.values.reserve(rows);
+    }
+    run.v_out_smooth.reserve(end.has_plate ? rows : 0);
+    return run;
+}
+
+Status fill(Run& run, Simulation& simulation, const std::function<bool(const Samples&)>& take) {
+    const RunOptions no_steps;
+    Sequence sequence(run, simulation, no_steps);
+    return fill(run, sequence, take);
+}
+
+void measure(Run& run, SpectrumAnalyser& analyser, std::optional<double> band_from_hz) {
+    const Scene& scene = run.resolved.scene;
+    for (TapRecord& tap : run.taps) {
+        tap.spectrum = analyser.analyse(tap.values, scene.drive.frequency_hz, band_from_hz);
+    }
+    const std::vector<double>& v_out = run.taps.front().values;
+    run.switching_db = switching_of(analyser, run);
+    run.ringing_ratio = ringing_ratio(scene, v_out);
+    append(run.warnings, record_warnings(scene, v_out));
+    append(run.warnings, band_warnings("v_out", run.taps.front().spectrum));
+    append(run.warnings, switching_warnings(run.switching_db));
+    for (const TapRecord& tap : std::span(run.taps).subspan(1)) {
+        append(run.warnings, band_warnings(row_of(tap.tap).name, tap.spectrum));
+    }
+    append(run.warnings, validity_warnings(run.load));
+    if (run.strength_warning) {
+        run.warnings.push_back(*run.strength_warning);
+    }
+}
+
+Warnings scene_warnings(const Resolution& resolved) {
+    Warnings warnings = validity_warnings(resolved.scene, Chain(resolved.scene));
+    if (auto missed = missed_accuracy(resolved)) {
+        warnings.push_back(*std::move(missed));
+    }
+    return warnings;
+}
+
+std::optional<std::string> missed_accuracy(const Resolution& resolved) {
+    const StepAdvice& advice = resolved.advice;
+    if (resolved.may_miss_accuracy()) {
+        return fmt::format(
+            "the error is estimated over the first {:.3g} s of {:.3g} s; what it grows to is not known",
+            resolved.estimate->over_s, *resolved.run_s);
+    }
+    if (!resolved.misses_accuracy()) {
+        return std::nullopt;
+    }
+    if (!resolved.estimate) {
+        return fmt::format("the error could not be estimated; requested: {:g}", advice.accuracy);
+    }
+    const ErrorEstimate& estimate = *resolved.estimate;
+    std::string why;
+    if (estimate.amplifies) {
+        why =
+            "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
+            "energy_residual and statistics, "
+            "not sample by sample";
+    } else if (advice.accuracy_met) {
+        why = fmt::format(
+            "; it is kept over the first {:.3g} s, but errors grow: a smaller numerics.accuracy may do",
+            advice.pilot_duration_s);
+    }
+    return fmt::format(
+        "the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
+        estimate.over_s, estimate.error, advice.accuracy, why);
+}
+
+std::vector<std::string> names_of(TapSet taps) {
+    std::vector<std::string> names;
+    for (const Tap tap : taps) {
+        names.emplace_back(row_of(tap).name);
+    }
+    return names;
+}
+
+tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed) {
+    if (const auto tap = tap_named(name); tap && allowed.contains(*tap)) {
+        return *tap;
+    }
+    const std::vector<std::string> names = names_of(allowed);
+    return tl::unexpected("found " + quoted_briefly(name) + ", allowed: " + comma_separated(names) +
+                          suggestion(name, names));
+}
+
+TapSet measurable_among(std::span<const std::string> names) noexcept {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = tap_named(name)) {
+            taps |= TapSet(*tap) & measurable_taps;
+        }
+    }
+    return taps;
+}
+
+}  // namespace hertzline::measures

@@ -1,0 +1,151 @@
+#include "measures/quantities.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/scene/scene_toml.hpp"
+#include "core/scene/shipped_scenes.hpp"
+
+namespace hertzline {
+
+using namespace measures;
+namespace {
+
+using testing::HasSubstr;
+
+Scene shipped(const char* name) {
+    Scene scene = parse_scene(find_shipped_scene(name)->text, name)->scene;
+    scene.output.duration_s = 300e-6;
+    return scene;
+}
+
+measures::Run run_of(const Scene& scene, const RunOptions& options = {}) {
+    return run(resolve(scene), options);
+}
+
+/// The row of docs/measures.md.
+std::string row_in_document(const Quantity& quantity) {
+    const bool of_tap = quantity.unit == "tap";
+    const std::string name = of_tap ? "peak_v_out_m_per_s" : std::string(quantity.name);
+    const std::string unit = of_tap                                              ? "m/s"
+                             : !quantity.unit.empty()                            ? std::string(quantity.unit)
+                             : quantity.kind == measures::Kind::text ? ""
+                                                                     : "1";
+    return fmt::format("| `{}` |{}| {} |\n", name, unit.empty() ? " " : ' ' + unit + ' ',
+                       quantity.definition);
+}
+
+TEST(Quantities, TheDocumentHasTheRowOfEach) {
+    std::ifstream file(HERTZLINE_SOURCE_DIR "/docs/measures.md");
+    const std::string document{std::istreambuf_iterator<char>(file), {}};
+    for (const Quantity& quantity : quantities()) {
+        EXPECT_THAT(document, HasSubstr(row_in_document(quantity)));
+    }
+}
+
+TEST(Quantities, EachNumberOfASummaryIsAColumnAndTheOtherWayRound) {
+    const measures::Run result = run_of(shipped("wet-vitreous-carbon"));
+    std::set<std::string> in_summary;
+    for (const auto& [name, value] : summary_json(summary_of(result)).items()) {
+        if (value.is_array()) {
+            for (std::size_t i = 0; i < SpectrumAnalyser::max_harmonics; ++i) {
+                in_summary.insert(fmt::format("{}_{}", name, i + 1));
+            }
+        } else if (value.is_object()) {
+            for (const auto& member : value.items()) {
+                if (member.key() == "harmonics_db") {
+                    for (std::size_t i = 0; i < SpectrumAnalyser::max_harmonics; ++i) {
+                        in_summary.insert(fmt::format("{}.harmonics_db_{}", name, i + 1));
+                    }
+                } else {
+                    in_summary.insert(name + '.' + member.key());
+                }
+            }
+        } else if (!value.is_string()) {
+            in_summary.insert(name);
+        }
+    }
+    for (const char* measured_anew : {"setup_s", "wall_s", "real_time_factor"}) {
+        EXPECT_EQ(in_summary.erase(measured_anew), 1U) << measured_anew;
+    }
+    std::set<std::string> in_table;
+    for (const NumberColumn& column : number_columns(measured_taps(result.scene(), {}), true)) {
+        EXPECT_TRUE(in_table.insert(column.name).second) << column.name << " stands twice";
+    }
+    EXPECT_EQ(in_summary, in_table);
+}
+
+TEST(Quantities, ANumberIsTheSameInTheSummaryInAColumnAndByItsName) {
+    const measures::Run result = run_of(shipped("paper-vitreous-carbon"), {.measured = Tap::v_plate});
+    const Json summary = summary_json(summary_of(result));
+    EXPECT_EQ(result["peak_v_out_m_per_s"], peak_of(result.taps.front().values));
+    EXPECT_EQ(result["peak_v_out_m_per_s"], summary["peak_v_out_m_per_s"]);
+    EXPECT_EQ(result["harmonics_db_3"], summary["harmonics_db"][2]);
+    EXPECT_EQ(result["v_plate.thd_r"], summary["v_plate"]["thd_r"]);
+    EXPECT_EQ(result["steps"], summary["steps"]);
+    EXPECT_GT(result["v_plate.peak_v_plate_m_per_s"], 0);
+}
+
+TEST(Quantities, WhatARunDoesNotDetermineIsNoNumber) {
+    const measures::Run result = run_of(shipped("paper-wall"));
+    EXPECT_TRUE(std::isnan(result["radiated_j"]));       // no modal plate
+    EXPECT_TRUE(std::isnan(result["p_axis.thd_r"]));     // not measured
+    EXPECT_TRUE(std::isnan(result["switching_db_1"]));   // no plate
+}
+
+TEST(Quantities, AWrongNameIsRefusedWithTheOneThatWasMeant) {
+    const measures::Run result = run_of(shipped("paper-wall"));
+    try {
+        static_cast<void>(result["peak_v_out_m_per_sec"]);
+        FAIL();
+    } catch (const std::out_of_range& error) {
+        EXPECT_THAT(error.what(), HasSubstr("peak_v_out_m_per_s"));
+    }
+}
+
+TEST(Quantities, UnitsAndCountsOfColumns) {
+    const auto unit = [](const char* name) { return find_column(name)->unit; };
+    EXPECT_EQ(unit("peak_v_out_m_per_s"), "m/s");
+    EXPECT_EQ(unit("harmonics_db_10"), "dB");
+    EXPECT_EQ(unit("bandwidth_6db_hz"), "Hz");
+    EXPECT_EQ(unit("fractional_bandwidth_6db"), "");
+    EXPECT_EQ(unit("p_axis.peak_p_axis_pa"), "Pa");
+    EXPECT_EQ(unit("radiated_j"), "J");
+    EXPECT_TRUE(find_column("steps")->whole);
+    EXPECT_FALSE(find_column("step_s")->whole);
+    EXPECT_FALSE(find_column("steps_"));
+}
+
+TEST(WholeRun, EndsWhenItIsStopped) {
+    const std::atomic<bool> stop = true;
+    const measures::Run result = run_of(shipped("paper-wall"), {.stop = &stop});
+    EXPECT_TRUE(result.stopped);
+    EXPECT_EQ(result.rows(), 0U);
+}
+
+TEST(WholeRun, EndsWhenItsBlocksAreRefused) {
+    const measures::Run result = run_of(shipped("paper-wall"), {.take = [](const Samples&) { return false; }});
+    EXPECT_TRUE(result.stopped);
+}
+
+TEST(WholeRun, GivesTheRecordedTapsBlockByBlock) {
+    std::size_t rows = 0;
+    std::size_t channels = 0;
+    const measures::Run result = run_of(shipped("paper-wall"), {.recorded = Tap::x_chain, .take = [&](const Samples& block) {
+                                                       rows += block.count;
+                                                       channels = block[Tap::x_chain].size() / block.count;
+                                                       return true;
+                                                   }});
+    EXPECT_EQ(rows, result.rows());
+    EXPECT_EQ(channels, static_cast<std::size_t>(result.scene().chain.spheres));
+}
+
+}  // namespace
+}  // namespace hertzline
