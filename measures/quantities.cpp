@@ -274,8 +274,8 @@ Json value_of(const Quantity& quantity, const Run& run, const TapRecord& tap) {
 
 void add_columns(std::vector<NumberColumn>& columns, const Quantity& quantity, Tap tap) {
     const TapRow& row = row_of(tap);
-    const std::string name =
-        (is_of_tap(quantity) && tap != Tap::v_out ? std::string(row.name) + '.' : "") + name_of(quantity, tap);
+    const std::string name = (is_of_tap(quantity) && tap != Tap::v_out ? std::string(row.name) + '.' : "") +
+                             name_of(quantity, tap);
     const std::string unit(quantity.unit == "tap" ? row.unit : quantity.unit);
     if (quantity.kind != Kind::harmonics) {
         columns.push_back({name, unit, quantity.kind == Kind::count, &quantity, tap, 0});
@@ -397,7 +397,8 @@ tl::expected<std::vector<NumberColumn>, std::vector<std::string>> chosen_columns
     std::vector<NumberColumn> columns, std::span<const std::string> names) {
     std::vector<std::string> faults;
     for (const std::string& name : names) {
-        if (std::ranges::none_of(columns, [&](const NumberColumn& column) { return names_it(name, column); })) {
+        if (std::ranges::none_of(columns,
+                                 [&](const NumberColumn& column) { return names_it(name, column); })) {
             faults.push_back(fault_of_name(name, columns));
         }
     }

@@ -152,8 +152,8 @@ Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples
         const Clock::time_point before = Clock::now();
         Status status = sequence.advance();
         if (status == Status::running) {
-            status = sequence.now().advance(
-                block, std::min({block.capacity(), rows - run.rows(), sequence.left()}));
+            status = sequence.now().advance(block,
+                                            std::min({block.capacity(), rows - run.rows(), sequence.left()}));
         }
         run.busy += Clock::now() - before;
         if (status != Status::running) {
@@ -209,7 +209,8 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
 
 double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept {
     const double rows = rows_of_run(scene);
-    const double records = 1 + static_cast<double>((measured | Tap::v_out).size());  // v_out also without its jumps
+    const double records =
+        1 + static_cast<double>((measured | Tap::v_out).size());  // v_out also without its jumps
     const double block = static_cast<double>(block_of_run(scene, taps)) *
                          channels_of(taps, static_cast<double>(scene.chain.spheres));
     return Simulation::memory_bytes(scene, taps) + block * sizeof(double) + records * rows * sizeof(double) +

@@ -101,7 +101,8 @@ struct Run {
     bool stopped = false;                         ///< by the user, before the end
 
     // by measure()
-    std::vector<double> switching_db;     ///< per harmonic of v_out: gain by the jumps of its formula; empty without a plate
+    std::vector<double>
+        switching_db;  ///< per harmonic of v_out: gain by the jumps of its formula; empty without a plate
     std::optional<double> ringing_ratio;  ///< ringing_ratio()
     Warnings warnings;                    ///< of the result; scene_warnings() has those of the scene
 
@@ -120,19 +121,20 @@ struct Run {
 /// The scene from a sample on.
 struct SceneStep {
     std::int64_t sample = 0;  ///< above that of the step before
-    bool continued = false;   ///< the motion goes on (Simulation::continue_from); else it restarts from static equilibrium
-    Scene scene;              ///< resolved; same samples
+    bool continued =
+        false;  ///< the motion goes on (Simulation::continue_from); else it restarts from static equilibrium
+    Scene scene;  ///< resolved; same samples
 };
 
 /// Options of a run.
 struct RunOptions {
-    TapSet recorded = {};                                  ///< for take, beside those that are measured
-    TapSet measured = {};                                  ///< beside v_out: measured_taps()
-    std::optional<double> band_from_hz = {};               ///< as SpectrumAnalyser::analyse
-    const std::atomic<bool>* stop = nullptr;               ///< true: the run ends before its end
-    std::function<bool(const Samples&)> take = {};         ///< is given each block; false ends the run
-    std::span<const SceneStep> steps = {};                 ///< scenes that follow the first one
-    std::function<void(std::size_t step)> begins = {};     ///< is called before the samples of a step
+    TapSet recorded = {};                               ///< for take, beside those that are measured
+    TapSet measured = {};                               ///< beside v_out: measured_taps()
+    std::optional<double> band_from_hz = {};            ///< as SpectrumAnalyser::analyse
+    const std::atomic<bool>* stop = nullptr;            ///< true: the run ends before its end
+    std::function<bool(const Samples&)> take = {};      ///< is given each block; false ends the run
+    std::span<const SceneStep> steps = {};              ///< scenes that follow the first one
+    std::function<void(std::size_t step)> begins = {};  ///< is called before the samples of a step
 };
 
 /// Simulates and measures a scene. @throws std::runtime_error when the integration fails; std::bad_alloc

@@ -71,8 +71,8 @@ void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
     const double rows = rows_of_run(scene);
     const TapSet recorded = recorded_taps(scene.end);
     report.push_back({"run", "rows", "rows", "", count(rows)});
-    report.push_back(
-        {"run", "memory, at most", "run_memory_bytes", "bytes", count(memory_of_recorded_run(scene, recorded, {}))});
+    report.push_back({"run", "memory, at most", "run_memory_bytes", "bytes",
+                      count(memory_of_recorded_run(scene, recorded, {}))});
     const auto csv_bytes = [&](TapSet taps) { return file_bytes(scene, rows, "run.csv", taps); };
     report.push_back({"run", "CSV file, at most", "csv_bytes", "bytes", count(csv_bytes(recorded))});
     report.push_back({"run", "CSV file of --all, at most", "csv_all_bytes", "bytes",

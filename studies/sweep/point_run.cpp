@@ -190,9 +190,8 @@ void PointRunner::measure(Attempt& attempt, PointResult& result) {
     const Scene& scene = run.resolved.scene;
     result.status = status_of(run.resolved);
     measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), demand_.band_from_hz);
-    std::ranges::transform(demand_.columns, result.numbers.begin(), [&run](const NumberColumn& column) {
-        return measures::number_of(run, column);
-    });
+    std::ranges::transform(demand_.columns, result.numbers.begin(),
+                           [&run](const NumberColumn& column) { return measures::number_of(run, column); });
     measures::Warnings warnings = validity_warnings(scene, attempt.simulation.chain());
     if (auto missed = measures::missed_accuracy(run.resolved)) {
         warnings.insert(warnings.begin(), *std::move(missed));

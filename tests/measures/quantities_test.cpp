@@ -34,8 +34,8 @@ measures::Run run_of(const Scene& scene, const RunOptions& options = {}) {
 std::string row_in_document(const Quantity& quantity) {
     const bool of_tap = quantity.unit == "tap";
     const std::string name = of_tap ? "peak_v_out_m_per_s" : std::string(quantity.name);
-    const std::string unit = of_tap                                              ? "m/s"
-                             : !quantity.unit.empty()                            ? std::string(quantity.unit)
+    const std::string unit = of_tap                                  ? "m/s"
+                             : !quantity.unit.empty()                ? std::string(quantity.unit)
                              : quantity.kind == measures::Kind::text ? ""
                                                                      : "1";
     return fmt::format("| `{}` |{}| {} |\n", name, unit.empty() ? " " : ' ' + unit + ' ',
@@ -50,28 +50,25 @@ TEST(Quantities, TheDocumentHasTheRowOfEach) {
     }
 }
 
+/// Adds the columns of a flat object of a summary. @param before each name
+void add_names(const Json& values, const std::string& before, std::set<std::string>& names) {
+    for (const auto& [name, value] : values.items()) {
+        if (value.is_object()) {
+            add_names(value, name + '.', names);
+        } else if (name.starts_with("harmonics_db") || name == "switching_db") {
+            for (std::size_t i = 1; i <= SpectrumAnalyser::max_harmonics; ++i) {
+                names.insert(fmt::format("{}{}_{}", before, name, i));
+            }
+        } else if (!value.is_string()) {
+            names.insert(before + name);
+        }
+    }
+}
+
 TEST(Quantities, EachNumberOfASummaryIsAColumnAndTheOtherWayRound) {
     const measures::Run result = run_of(shipped("wet-vitreous-carbon"));
     std::set<std::string> in_summary;
-    for (const auto& [name, value] : summary_json(summary_of(result)).items()) {
-        if (value.is_array()) {
-            for (std::size_t i = 0; i < SpectrumAnalyser::max_harmonics; ++i) {
-                in_summary.insert(fmt::format("{}_{}", name, i + 1));
-            }
-        } else if (value.is_object()) {
-            for (const auto& member : value.items()) {
-                if (member.key() == "harmonics_db") {
-                    for (std::size_t i = 0; i < SpectrumAnalyser::max_harmonics; ++i) {
-                        in_summary.insert(fmt::format("{}.harmonics_db_{}", name, i + 1));
-                    }
-                } else {
-                    in_summary.insert(name + '.' + member.key());
-                }
-            }
-        } else if (!value.is_string()) {
-            in_summary.insert(name);
-        }
-    }
+    add_names(summary_json(summary_of(result)), "", in_summary);
     for (const char* measured_anew : {"setup_s", "wall_s", "real_time_factor"}) {
         EXPECT_EQ(in_summary.erase(measured_anew), 1U) << measured_anew;
     }
@@ -95,9 +92,9 @@ TEST(Quantities, ANumberIsTheSameInTheSummaryInAColumnAndByItsName) {
 
 TEST(Quantities, WhatARunDoesNotDetermineIsNoNumber) {
     const measures::Run result = run_of(shipped("paper-wall"));
-    EXPECT_TRUE(std::isnan(result["radiated_j"]));       // no modal plate
-    EXPECT_TRUE(std::isnan(result["p_axis.thd_r"]));     // not measured
-    EXPECT_TRUE(std::isnan(result["switching_db_1"]));   // no plate
+    EXPECT_TRUE(std::isnan(result["radiated_j"]));      // no modal plate
+    EXPECT_TRUE(std::isnan(result["p_axis.thd_r"]));    // not measured
+    EXPECT_TRUE(std::isnan(result["switching_db_1"]));  // no plate
 }
 
 TEST(Quantities, AWrongNameIsRefusedWithTheOneThatWasMeant) {
@@ -131,18 +128,20 @@ TEST(WholeRun, EndsWhenItIsStopped) {
 }
 
 TEST(WholeRun, EndsWhenItsBlocksAreRefused) {
-    const measures::Run result = run_of(shipped("paper-wall"), {.take = [](const Samples&) { return false; }});
+    const measures::Run result =
+        run_of(shipped("paper-wall"), {.take = [](const Samples&) { return false; }});
     EXPECT_TRUE(result.stopped);
 }
 
 TEST(WholeRun, GivesTheRecordedTapsBlockByBlock) {
     std::size_t rows = 0;
     std::size_t channels = 0;
-    const measures::Run result = run_of(shipped("paper-wall"), {.recorded = Tap::x_chain, .take = [&](const Samples& block) {
-                                                       rows += block.count;
-                                                       channels = block[Tap::x_chain].size() / block.count;
-                                                       return true;
-                                                   }});
+    const measures::Run result =
+        run_of(shipped("paper-wall"), {.recorded = Tap::x_chain, .take = [&](const Samples& block) {
+                                           rows += block.count;
+                                           channels = block[Tap::x_chain].size() / block.count;
+                                           return true;
+                                       }});
     EXPECT_EQ(rows, result.rows());
     EXPECT_EQ(channels, static_cast<std::size_t>(result.scene().chain.spheres));
 }

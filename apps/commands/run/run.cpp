@@ -1,5 +1,7 @@
 // hertzline run: a scene flat out, to files and a summary.
 
+#include "measures/run.hpp"
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -8,7 +10,6 @@
 
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
-#include "measures/run.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/row_builder.hpp"
@@ -114,25 +115,23 @@ measures::Run simulate(const Session& session, TapSet recorded, TapSet measured,
     recordings::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
     Progress progress(session.resolved.scene);
-    return measures::simulate(session.resolved,
-                              {.recorded = recorded,
-                               .measured = measured,
-                               .stop = &stop_asked(),
-                               .take =
-                                   [&](const Samples& block) {
-                                       row_builder.write(block);
-                                       if (wants_files && !recordings.any_left()) {
-                                           throw std::runtime_error(
-                                               "every recording has failed, so the run was stopped");
-                                       }
-                                       progress.add(block.count);
-                                       return true;
-                                   },
-                               .steps = session.steps,
-                               .begins =
-                                   [&](std::size_t step) {
-                                       recordings.note_change(stream::change_json(session.changes[step]));
-                                   }});
+    return measures::simulate(
+        session.resolved,
+        {.recorded = recorded,
+         .measured = measured,
+         .stop = &stop_asked(),
+         .take =
+             [&](const Samples& block) {
+                 row_builder.write(block);
+                 if (wants_files && !recordings.any_left()) {
+                     throw std::runtime_error("every recording has failed, so the run was stopped");
+                 }
+                 progress.add(block.count);
+                 return true;
+             },
+         .steps = session.steps,
+         .begins =
+             [&](std::size_t step) { recordings.note_change(stream::change_json(session.changes[step])); }});
 }
 
 void measure(measures::Run& run, std::optional<double> band_from_hz) {
@@ -227,8 +226,8 @@ Exit run(const RunArguments& options) {
         return Exit::failed;
     }
     bool saved = save_spectra(options.spectra, run, head.provenance);
-    saved = !stop_was_asked() &&
-            save_picture(options.picture, run, head.provenance, options.scene.scene) && saved;
+    saved = !stop_was_asked() && save_picture(options.picture, run, head.provenance, options.scene.scene) &&
+            saved;
     if (stop_was_asked()) {
         spdlog::error("stopped before the summary");
         return Exit::failed;

@@ -16,8 +16,7 @@ namespace hertzline::app {
 
 namespace {
 
-recordings::RecordingHead head_of(const measures::Run& run,
-                                  const Json& provenance) {
+recordings::RecordingHead head_of(const measures::Run& run, const Json& provenance) {
     recordings::RecordingHead head;
     for (const measures::TapRecord& tap : run.taps) {
         const TapRow& row = row_of(tap.tap);
@@ -50,8 +49,8 @@ bool draw(const std::string& file, const measures::Run& run, const recordings::R
 
 }  // namespace
 
-bool save_picture(const std::string& file, const measures::Run& run,
-                  const Json& provenance, const std::string& title) {
+bool save_picture(const std::string& file, const measures::Run& run, const Json& provenance,
+                  const std::string& title) {
     if (file.empty()) {
         return true;
     }

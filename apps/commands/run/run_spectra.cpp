@@ -60,8 +60,7 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
     faults.refuse();
 }
 
-bool save_spectra(std::span<const std::string> files, const measures::Run& run,
-                  const Json& provenance) {
+bool save_spectra(std::span<const std::string> files, const measures::Run& run, const Json& provenance) {
     if (files.empty()) {
         return true;
     }

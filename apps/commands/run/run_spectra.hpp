@@ -16,7 +16,6 @@ void refuse_wrong_spectra(std::span<const std::string> spectra, std::span<const 
 
 /// Saves frequency and amplitude of each tap of the record (stream/measures/spectrum.hpp has the definition). Reports files that
 /// cannot be written. @returns whether all of them were
-bool save_spectra(std::span<const std::string> files, const measures::Run& run,
-                  const Json& provenance);
+bool save_spectra(std::span<const std::string> files, const measures::Run& run, const Json& provenance);
 
 }  // namespace hertzline::app

@@ -63,17 +63,18 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
     for (const Tap tap : beside) {
         result.column(tap).reserve(result.rows * channels_of(tap, result.spheres));
     }
-    measures::Run run = measures::run(
-        resolved, {.recorded = beside,
-                   .measured = request.measured,
-                   .band_from_hz = request.band_from_hz,
-                   .stop = &stop,
-                   .take = [&](const Samples& block) {
-                       for (const Tap tap : beside) {
-                           result.column(tap).insert(result.column(tap).end(), block[tap].begin(), block[tap].end());
-                       }
-                       return true;
-                   }});
+    measures::Run run =
+        measures::run(resolved, {.recorded = beside,
+                                 .measured = request.measured,
+                                 .band_from_hz = request.band_from_hz,
+                                 .stop = &stop,
+                                 .take = [&](const Samples& block) {
+                                     for (const Tap tap : beside) {
+                                         result.column(tap).insert(result.column(tap).end(),
+                                                                   block[tap].begin(), block[tap].end());
+                                     }
+                                     return true;
+                                 }});
     if (run.stopped) {
         return;
     }

@@ -4,8 +4,8 @@
 #include <span>
 #include <utility>
 
-#include "measures/spectrum.hpp"
 #include "measures/quantities.hpp"
+#include "measures/spectrum.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
