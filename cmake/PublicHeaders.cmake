@@ -47,6 +47,7 @@ set(stream_headers
   measures/spectrum.hpp
   measures/quantities.hpp
   measures/run.hpp
+  measures/scene_file.hpp
   stream/wire/continuity.hpp
   stream/wire/frame.hpp
   stream/wire/frame_codec.hpp

@@ -11,7 +11,7 @@ std::string Fault::message() const {
     }
     text += text.empty() ? "" : ": ";
     text += key.empty() ? "" : printable(key) + ": ";
-    return text + "found " + found + ", allowed: " + allowed;
+    return allowed.empty() ? text + found : text + "found " + found + ", allowed: " + allowed;
 }
 
 }  // namespace hertzline

@@ -15,7 +15,7 @@ struct Place {
 struct Fault {
     std::string key;      ///< "chain.spheres"; empty when the fault is not a key's
     std::string found;    ///< what stands there, as text
-    std::string allowed;  ///< what may stand there
+    std::string allowed;  ///< what may stand there; empty: found is a sentence of its own
     Place place = {};     ///< where it stands, if the scene comes from a text
 
     /// "scene.toml:12: chain.spheres: found 0, allowed: an integer from 1 to 10000000"

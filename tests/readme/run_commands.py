@@ -30,9 +30,6 @@ NOT_RUN = {
     "README.md": {
         "./scripts/demo.sh": BUILDS,
         "./scripts/test.sh": "runs this",
-        "npm ci --prefix apps/clients; node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 100000 v_out.f32":
-            "installs; the tests clients/node do it",
-        "cmake --install build/release --prefix PREFIX": INSTALL,
     },
     "CONTRIBUTING.md": {
         "./scripts/test.sh": "runs this",
@@ -72,7 +69,7 @@ NOT_RUN = {
         "cmake --install build/release --prefix ~/hertzline": INSTALL,
         "cmake -S examples -B build/examples -D CMAKE_PREFIX_PATH=~/hertzline": INSTALL,
         "cmake --build build/examples": INSTALL,
-        "build/examples/peak": INSTALL,
+        "build/examples/run": INSTALL,
         'export PKG_CONFIG_PATH=$(dirname "$(find ~/hertzline -name hertzline.pc)")': INSTALL,
         "c++ examples/core/peak.cpp $(pkg-config --cflags --libs hertzline-core) -o peak": INSTALL,
         "c++ examples/stream/listen.cpp $(pkg-config --cflags --libs hertzline) -o listen": INSTALL,
@@ -146,6 +143,14 @@ def commands(text):
                     yield "sh", command, command
                 elif not line.startswith(("  ", "#") + NO_COMMANDS):
                     raise AssertionError(f"neither a program that is known here nor named in NO_COMMANDS: {line}")
+
+
+def refuse_other_code(text, root):
+    """C++ that a document shows is that of an example, which the tests build."""
+    examples = [file.read_text() for file in (root / "examples").rglob("*.cpp")]
+    for language, lines in blocks(text):
+        if language == "cpp" and not any("\n".join(lines) in example for example in examples):
+            raise AssertionError("a block of C++ is not part of an example: " + lines[0])
 
 
 class Folder:
@@ -223,7 +228,9 @@ class Folder:
 
 def main(root, build, document):
     not_run = NOT_RUN.get(document, {})
-    shown = list(commands((root / document).read_text()))
+    text_of_document = (root / document).read_text()
+    shown = list(commands(text_of_document))
+    refuse_other_code(text_of_document, root)
     gone = not_run.keys() - {name for _, name, _ in shown}
     assert not gone, f"named as not run, but no longer there: {gone}"
     with tempfile.TemporaryDirectory() as path:

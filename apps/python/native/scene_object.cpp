@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "measures/run.hpp"
+#include "measures/scene_file.hpp"
 #include "measures/scene_report.hpp"
 #include <pybind11/stl.h>
 
@@ -28,16 +29,6 @@ std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& o
         throw py::value_error(fault_text(std::move(parsed.error())));
     }
     return std::make_shared<SceneObject>(*std::move(parsed));
-}
-
-/// What is wrong with a name that is neither a file's nor a shipped scene's.
-std::string unknown_scene(const std::string& name) {
-    std::vector<std::string> shipped;
-    for (const ShippedScene& scene : shipped_scenes()) {
-        shipped.emplace_back(scene.name);
-    }
-    return printable(name) + ": found no such file or shipped scene, allowed: a file, or one of " +
-           comma_separated(shipped) + suggestion(name, shipped);
 }
 
 py::object check(SceneObject& object) {
@@ -88,7 +79,9 @@ void add_scene(py::module_& module) {
              })
         .def("check", &check);
     module.def("parse", &parse, py::arg("text"), py::arg("origin"), py::arg("settings"));
-    module.def("unknown_scene", &unknown_scene, py::arg("name"));
+    module.def(
+        "unknown_scene", [](const std::string& name) { return measures::unknown_scene(name).message(); },
+        py::arg("name"));
     module.def("shipped_scenes", [] {
         py::list scenes;
         for (const ShippedScene& scene : shipped_scenes()) {

@@ -1,0 +1,94 @@
+#include "measures/scene_file.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "core/scene/shipped_scenes.hpp"
+#include "core/scene/text.hpp"
+#include "core/scene/toml_entries.hpp"
+
+namespace hertzline::measures {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Fault unreadable(const std::string& name, int reason) {
+    return {"", "cannot read the scene: " + std::generic_category().message(reason), "", {printable(name)}};
+}
+
+/// Reads the whole file, or one byte more than is allowed: enough to refuse it.
+tl::expected<std::string, Fault> text_of_file(const std::string& name) {
+    const auto close = [](std::FILE* file) { std::fclose(file); };
+    const std::unique_ptr<std::FILE, decltype(close)> file(std::fopen(name.c_str(), "rbe"), close);
+    if (file == nullptr) {
+        return tl::unexpected(unreadable(name, errno));
+    }
+    std::string text(max_scene_bytes + 1, '\0');
+    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+    if (std::ferror(file.get()) != 0) {
+        return tl::unexpected(unreadable(name, errno));
+    }
+    if (text.size() > max_scene_bytes) {
+        const std::string most = std::to_string(max_scene_bytes) + " bytes";
+        return tl::unexpected(Fault{"", "more than " + most, "at most " + most, {printable(name)}});
+    }
+    return text;
+}
+
+tl::expected<std::string, Fault> text_of(const std::string& name) {
+    std::error_code error;
+    const fs::file_status status = fs::status(name, error);
+    if (fs::exists(status) && !fs::is_directory(status)) {
+        return text_of_file(name);
+    }
+    if (const ShippedScene* shipped = find_shipped_scene(name)) {
+        return std::string(shipped->text);
+    }
+    if (status.type() == fs::file_type::none) {  // the name itself cannot be looked up
+        return tl::unexpected(unreadable(name, error.value()));
+    }
+    return fs::exists(status) ? text_of_file(name) : tl::unexpected(unknown_scene(name));
+}
+
+}  // namespace
+
+Fault unknown_scene(const std::string& name) {
+    std::vector<std::string> shipped;
+    for (const ShippedScene& scene : shipped_scenes()) {
+        shipped.emplace_back(scene.name);
+    }
+    const std::string stem = fs::path(name).stem().string();  // "paper-wal.toml" means a shipped one, too
+    return {"",
+            "no such file or shipped scene",
+            "a file, or one of " + comma_separated(shipped) + suggestion(stem, shipped),
+            {printable(name)}};
+}
+
+tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string& name,
+                                                               std::span<const std::string> settings) {
+    const auto text = text_of(name);
+    if (!text) {
+        return tl::unexpected(std::vector{text.error()});
+    }
+    return parse_scene(*text, printable(name), settings);
+}
+
+Scene read_scene(const std::string& name) {
+    auto parsed = parse_scene_file(name);
+    if (!parsed) {
+        std::string faults;
+        for (const Fault& fault : parsed.error()) {
+            faults += (faults.empty() ? "" : "\n") + fault.message();
+        }
+        throw std::invalid_argument(faults);
+    }
+    return std::move(parsed->scene);
+}
+
+}  // namespace hertzline::measures
