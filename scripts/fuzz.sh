@@ -33,6 +33,10 @@ for target in "$@"; do
     # A child that dies on a damaged file is no finding, and its report would take a fifth of a second.
     case "$target" in recording_hdf5 | recording_child) export ASAN_OPTIONS=symbolize=0 UBSAN_OPTIONS=symbolize=0 ;; esac
     dictionary=tests/fuzz/dictionaries/$target.dict
+    case "$target" in scene_text | set_options)
+        { cat "$dictionary" && build/fuzz/scene_words; } >build/fuzz/"$target".dict
+        dictionary=build/fuzz/$target.dict ;;
+    esac
     words=""
     [ ! -e "$dictionary" ] || words="-dict=$dictionary"
     build/fuzz/fuzz_"$target" -max_total_time="$seconds" $limits $words -print_final_stats=1 -artifact_prefix="$findings/" \

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/model/contact_law.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -85,35 +86,14 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     add_units_of_materials(s, warnings);
 }
 
-/// A key that was changed although nothing asks for it.
-struct Idle {
-    std::string_view key;
-    bool changed;
-    bool used;
-    std::string_view needs;
-};
-
-void warn_of_unused_keys(const Scene& s, std::vector<std::string>& warnings) {
+/// Keys that were changed although nothing asks for them.
+void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings) {
     const Scene untouched;
-    const End& end = untouched.end;
-    const bool plate = s.end.kind == EndKind::plate;
-    const bool modal = plate && s.end.model == PlateModel::modal;
-    constexpr std::string_view of_plate = "end.kind = \"plate\"";
-    constexpr std::string_view of_modes = "end.model = \"modal\"";
-    const std::array keys{
-        Idle{"end.radius_m", s.end.radius_m != end.radius_m, plate, of_plate},
-        Idle{"end.thickness_m", s.end.thickness_m != end.thickness_m, plate, of_plate},
-        Idle{"end.stiffness_n_per_m", s.end.stiffness_n_per_m != end.stiffness_n_per_m, plate, of_plate},
-        Idle{"end.modes", s.end.modes != end.modes, modal, of_modes},
-        Idle{"end.loss_factor", s.end.loss_factor != end.loss_factor, modal, of_modes},
-        Idle{"medium.load", s.medium.load != untouched.medium.load, modal, of_modes},
-        Idle{"output.hydrophone_m", s.output.hydrophone_m != untouched.output.hydrophone_m, modal, of_modes},
-        Idle{"drive.taper", s.drive.taper != untouched.drive.taper, s.drive.envelope == Envelope::tukey,
-             "drive.envelope = \"tukey\""},
-    };
-    for (const Idle& key : keys) {
-        if (key.changed && !key.used) {
-            warnings.push_back(std::string(key.key) + " has no effect without " + std::string(key.needs));
+    for (const SceneKey& key : scene_keys()) {
+        if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
+            const Need& needs = key.traits.needs;
+            warnings.push_back(key.name + " has no effect without " + std::string(needs.key) + " = " +
+                               hertzline::quoted(needs.word));
         }
     }
 }

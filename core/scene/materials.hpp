@@ -28,6 +28,12 @@ struct Fluid {
 
 using Material = std::variant<Solid, Fluid>;
 
+enum class MaterialSort { solid, fluid };
+
+inline MaterialSort sort_of(const Material& material) noexcept {
+    return std::holds_alternative<Solid>(material) ? MaterialSort::solid : MaterialSort::fluid;
+}
+
 /// A row of the table of built-in materials.
 struct BuiltInMaterial {
     std::string_view name;

@@ -6,95 +6,28 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
+#include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
 
 namespace {
 
-using fields::Bounds;
-using fields::Count;
-using fields::Key;
-using fields::MaterialSort;
-using fields::OneOf;
-using fields::Range;
-
-bool is_of(MaterialSort sort, const Material& material) {
-    return std::holds_alternative<Solid>(material) == (sort == MaterialSort::solid);
-}
-
 bool is_material_name(std::string_view name) {
     constexpr std::size_t max_length = 64;
     return is_bare_key(name) && name.size() <= max_length;
 }
 
-// The names of all materials of that sort that the scene can use.
-std::vector<std::string> names_of(const Scene& scene, MaterialSort sort) {
-    std::vector<std::string> names;
-    for (const BuiltInMaterial& built_in : built_in_materials()) {
-        if (is_of(sort, built_in.material) && !scene.materials.contains(std::string(built_in.name))) {
-            names.emplace_back(built_in.name);
+/// The faults of each value on its own.
+void check_values(const Scene& scene, std::span<const SceneKey> keys, std::vector<Fault>& faults) {
+    for (const SceneKey& key : keys) {
+        const auto value = key.value(scene);
+        if (auto fault = value ? value_fault(scene, key, *value) : std::nullopt) {
+            faults.push_back(*std::move(fault));
         }
     }
-    for (const auto& [name, material] : scene.materials) {
-        if (is_of(sort, material) && is_material_name(name)) {
-            names.push_back(name);
-        }
-    }
-    return names;
 }
-
-// The names as a message shows them: a scene may have a thousand materials of its own.
-std::string listed(std::span<const std::string> names) {
-    constexpr std::size_t max_listed = 16;
-    return comma_separated(names.first(std::min(max_listed, names.size()))) +
-           (names.size() > max_listed ? ", ..." : "");
-}
-
-// Visits the fields and notes what is wrong with each value on its own.
-struct FieldCheck {
-    const Scene& scene;
-    std::vector<Fault>& faults;
-
-    template <class Member, class Allowed>
-    void operator()(const Key& key, const std::optional<Member>& member, const Allowed& allowed) const {
-        if (member) {
-            (*this)(key, *member, allowed);
-        }
-    }
-    void operator()(const Key& key, double value, const Range& range) const {
-        const bool inside = range.bounds == Bounds::included ? value >= range.min && value <= range.max
-                                                             : value > range.min && value < range.max;
-        if (!inside) {  // also when the value is not a number
-            note(key, number_text(value), allowed_text(range));
-        }
-    }
-    void operator()(const Key& key, std::int64_t value, const Count& count) const {
-        if (value < count.min || value > count.max) {
-            note(key, number_text(value), allowed_text(count));
-        }
-    }
-    template <class Choice>
-    void operator()(const Key& key, Choice value, OneOf<Choice> words) const {
-        if (word(value).empty()) {
-            note(key, number_text(static_cast<std::int64_t>(value)), allowed_text(words));
-        }
-    }
-    void operator()(const Key& key, const std::string& name, MaterialSort sort) const {
-        const Material* material = find_material(scene, name);
-        if (material != nullptr && is_of(sort, *material)) {
-            return;
-        }
-        const auto names = names_of(scene, sort);
-        const auto other = sort == MaterialSort::solid ? "a fluid" : "a solid";
-        note(key, quoted_briefly(name) + (material == nullptr ? "" : std::string(", ") + other),
-             allowed_text(sort) + ": " + listed(names) + suggestion(name, names));
-    }
-    void note(const Key& key, std::string found, std::string allowed) const {
-        faults.push_back({key.text(), std::move(found), std::move(allowed)});
-    }
-};
 
 void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
     const double burst_rate_hz = scene.drive.frequency_hz / scene.drive.cycles;
@@ -174,12 +107,7 @@ void check_materials(const Scene& scene, std::vector<Fault>& faults) {
             faults.push_back(
                 {section, quoted_briefly(name), "a name of 1 to 64 letters, digits, '_' and '-'"});
         }
-        const FieldCheck check{scene, faults};
-        if (const auto* solid = std::get_if<Solid>(&material)) {
-            fields::visit_solid(*solid, section, check);
-        } else {
-            fields::visit_fluid(std::get<Fluid>(material), section, check);
-        }
+        check_values(scene, material_keys(name, material), faults);
     }
 }
 
@@ -187,7 +115,7 @@ void check_materials(const Scene& scene, std::vector<Fault>& faults) {
 
 std::vector<Fault> validate(const Scene& scene) {
     std::vector<Fault> faults;
-    fields::visit_scene(scene, FieldCheck{scene, faults});
+    check_values(scene, scene_keys(), faults);
     check_combinations(scene, faults);
     check_modal_plate(scene, faults);
     check_damping_law(scene, faults);
@@ -211,6 +139,21 @@ const Material* find_material(const Scene& scene, std::string_view name) {
     const auto found =
         std::find_if(built_in.begin(), built_in.end(), [&](const auto& m) { return m.name == name; });
     return found != built_in.end() ? &found->material : nullptr;
+}
+
+std::vector<std::string> material_names(const Scene& scene, MaterialSort sort) {
+    std::vector<std::string> names;
+    for (const BuiltInMaterial& built_in : built_in_materials()) {
+        if (sort_of(built_in.material) == sort && !scene.materials.contains(std::string(built_in.name))) {
+            names.emplace_back(built_in.name);
+        }
+    }
+    for (const auto& [name, material] : scene.materials) {
+        if (sort_of(material) == sort && is_material_name(name)) {
+            names.push_back(name);
+        }
+    }
+    return names;
 }
 
 const Solid& solid_of(const Scene& scene, std::string_view name) {

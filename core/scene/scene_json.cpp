@@ -1,64 +1,248 @@
 #include "core/scene/scene_json.hpp"
 
-#include <optional>
-#include <string>
+#include <cmath>
 #include <string_view>
-#include <type_traits>
+#include <utility>
 
-#include "core/scene/json.hpp"
-#include "core/scene/scene_fields.hpp"
-#include "core/scene/scene_words.hpp"
+#include "core/scene/text.hpp"
 
 namespace hertzline {
 
 namespace {
 
-struct ToJson {
-    Json& scene;
+/// What stands there, for a message.
+std::string found_json(const Json& value) {
+    return quoted_briefly(value.dump(-1, ' ', true, Json::error_handler_t::replace));
+}
 
-    template <class Member, class Allowed>
-    void operator()(const fields::Key& key, const Member& member, const Allowed&) const {
-        scene[std::string(key.section)][std::string(key.name)] = value(member);
+/// The value as one of that kind; nothing when it is of another kind.
+std::optional<SceneValue> value_in(const Json& json, ValueKind kind) {
+    constexpr double whole_below = 9e15;
+    if (kind == ValueKind::word) {
+        return json.is_string() ? std::optional<SceneValue>(json.get<std::string>()) : std::nullopt;
     }
+    if (!json.is_number()) {
+        return std::nullopt;
+    }
+    const auto number = json.get<double>();
+    if (kind == ValueKind::number) {
+        return number;
+    }
+    if (number != std::floor(number) || std::abs(number) > whole_below) {
+        return std::nullopt;
+    }
+    return static_cast<std::int64_t>(number);
+}
 
-    template <class T>
-    static Json value(const T& member) {
-        if constexpr (std::is_enum_v<T>) {
-            return word(member);
-        } else {
-            return member;
+/// The key of that name, or the fault of one that is unknown.
+tl::expected<SceneKey, Fault> known_key(const Scene& scene, const std::string& name) {
+    return scene_key_named(scene, name).map_error([&](Fault fault) {
+        fault.key = quoted_briefly(name);
+        fault.found = "an unknown key";
+        return fault;
+    });
+}
+
+/// Sets one key. @returns what is wrong
+std::optional<Fault> set_key(Scene& scene, const std::string& name, const Json& json) {
+    const auto key = known_key(scene, name);
+    if (!key) {
+        return key.error();
+    }
+    if (json.is_null()) {
+        return key->unset(scene) ? std::nullopt
+                                 : std::optional(Fault{name, "null", key->allowed() + ", always"});
+    }
+    const auto value = value_in(json, key->kind);
+    if (!value) {
+        return Fault{name, found_json(json), key->allowed()};
+    }
+    if (auto fault = value_fault(scene, *key, *value)) {
+        return fault;
+    }
+    key->set(scene, *value);
+    return std::nullopt;
+}
+
+Json number_json(const SceneKey& key, double number) {
+    return key.kind == ValueKind::integer ? Json(static_cast<std::int64_t>(number)) : Json(number);
+}
+
+Json described(const Scene& scene, const SceneKey& key) {
+    Json entry{{"value", json_of(key.value(scene))}};
+    if (!key.range.unit.empty()) {
+        entry["unit"] = key.range.unit;
+    }
+    if (key.kind != ValueKind::word) {
+        entry["minimum"] = number_json(key, key.range.min);
+        entry["maximum"] = number_json(key, key.range.max);
+    }
+    entry["kind"] = word(key.kind);
+    if (key.kind == ValueKind::word) {
+        entry["words"] = words_of(scene, key);
+    }
+    entry["description"] = key.allowed();
+    return entry;
+}
+
+Json key_schema(const SceneKey& key) {
+    const char* const type = key.kind == ValueKind::word ? "string" : word(key.kind).data();
+    Json schema{{"type", key.is_optional ? Json{type, "null"} : Json(type)}, {"description", key.doc}};
+    if (!key.range.unit.empty()) {
+        schema["unit"] = key.range.unit;
+    }
+    if (key.kind != ValueKind::word) {
+        const bool closed = key.range.bounds == Bounds::closed;
+        schema[closed ? "minimum" : "exclusiveMinimum"] = number_json(key, key.range.min);
+        schema[closed ? "maximum" : "exclusiveMaximum"] = number_json(key, key.range.max);
+    }
+    if (!key.words.empty()) {
+        schema["enum"] = key.words;
+        if (key.is_optional) {
+            schema["enum"].push_back(nullptr);
         }
     }
-    template <class T>
-    static Json value(const std::optional<T>& member) {
-        return member ? value(*member) : Json(nullptr);
+    if (!key.owner) {
+        schema["default"] = json_of(key.value(Scene{}));
     }
-};
+    if (!key.traits.needs.key.empty()) {
+        schema["needs"] = {{std::string(key.traits.needs.key), key.traits.needs.word}};
+    }
+    return schema;
+}
 
-Json material_json(const Material& material) {
-    Json json = Json::object();
-    const auto add = [&](const fields::Key& key, const std::optional<double>& number, const auto&) {
-        if (number) {
-            json[std::string(key.name)] = *number;
-        }
-    };
-    if (const auto* solid = std::get_if<Solid>(&material)) {
-        fields::visit_solid(*solid, "materials", add);
-    } else {
-        fields::visit_fluid(std::get<Fluid>(material), "materials", add);
+Json closed_object() {
+    return {{"type", "object"}, {"properties", Json::object()}, {"additionalProperties", false}};
+}
+
+/// Adds a key to the schema of its section.
+void add_key(Json& section, const SceneKey& key) {
+    section["properties"][std::string(key.key)] = key_schema(key);
+    if (!key.owner || !key.is_optional) {
+        section["required"].push_back(key.key);
     }
-    return json;
+}
+
+Json material_schema(const Material& material) {
+    Json schema = closed_object();
+    for (const SceneKey& key : material_keys("NAME", material)) {
+        add_key(schema, key);
+    }
+    return schema;
 }
 
 }  // namespace
 
+Json json_of(const std::optional<SceneValue>& value) {
+    return value ? std::visit([](const auto& held) { return Json(held); }, *value) : Json(nullptr);
+}
+
 Json scene_json(const Scene& scene) {
     Json json = Json::object();
-    fields::visit_scene(scene, ToJson{json});
+    for (const SceneKey& key : scene_keys()) {
+        json[key.section()][std::string(key.key)] = json_of(key.value(scene));
+    }
     for (const auto& [name, material] : scene.materials) {
-        json["materials"][name] = material_json(material);
+        Json& own = json["materials"][name] = Json::object();
+        for (const SceneKey& key : material_keys(name, material)) {
+            if (const auto value = key.value(scene)) {
+                own[std::string(key.key)] = json_of(value);
+            }
+        }
     }
     return json;
+}
+
+tl::expected<Scene, std::vector<Fault>> scene_of_json(const Json& json) {
+    Scene scene;
+    Json values = Json::object();
+    std::vector<Fault> faults;
+    const auto add = [&](const std::string& section, const Json& keys) {
+        if (!keys.is_object()) {
+            faults.push_back({section, found_json(keys), "an object of keys and values"});
+            return;
+        }
+        for (const auto& [key, value] : keys.items()) {
+            values[std::string(section).append(".").append(key)] = value;
+        }
+    };
+    for (const auto& [section, keys] : json.items()) {
+        if (section != "materials" || !keys.is_object()) {
+            add(section, keys);
+            continue;
+        }
+        for (const auto& [name, own] : keys.items()) {
+            const bool solid = own.is_object() && own.contains("youngs_modulus_pa");
+            scene.materials[name] = solid ? Material(Solid{}) : Material(Fluid{});
+            add("materials." + key_part(name), own);
+        }
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    return with_values(std::move(scene), values);
+}
+
+tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& values) {
+    std::vector<Fault> faults;
+    for (const auto& [name, value] : values.items()) {
+        if (auto fault = set_key(scene, name, value)) {
+            faults.push_back(*std::move(fault));
+        }
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    return scene;
+}
+
+Json values_of_keys(const Scene& scene, const Json& values) {
+    Json found = Json::object();
+    for (const auto& entry : values.items()) {
+        const auto key = scene_key_named(scene, entry.key());
+        found[entry.key()] = json_of(key ? key->value(scene) : std::nullopt);
+    }
+    return found;
+}
+
+tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
+                                                        const std::vector<std::string>& keys) {
+    Json all = Json::object();
+    std::vector<Fault> faults;
+    if (keys.empty()) {
+        for (const SceneKey& key : keys_of(scene)) {
+            all[key.name] = described(scene, key);
+        }
+    }
+    for (const std::string& name : keys) {
+        if (const auto key = known_key(scene, name)) {
+            all[name] = described(scene, *key);
+        } else {
+            faults.push_back(key.error());
+        }
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    return all;
+}
+
+Json scene_schema() {
+    Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                {"title", "A scene of hertzline with every default"}};
+    schema.update(closed_object());
+    Json& sections = schema["properties"];
+    for (const SceneKey& key : scene_keys()) {
+        if (!sections.contains(key.section())) {
+            sections[key.section()] = closed_object();
+            schema["required"].push_back(key.section());
+        }
+        add_key(schema["properties"][key.section()], key);
+    }
+    sections["materials"] = {
+        {"type", "object"},
+        {"additionalProperties", {{"anyOf", {material_schema(Solid{}), material_schema(Fluid{})}}}}};
+    return schema;
 }
 
 }  // namespace hertzline

@@ -1,14 +1,13 @@
 #include "core/scene/scene_key.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
-#include <cmath>
-#include <set>
 #include <type_traits>
-#include <vector>
+#include <utility>
 
-#include "core/scene/scene_fields.hpp"
-#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_table.hpp"
+#include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
 
@@ -16,296 +15,302 @@ namespace hertzline {
 
 namespace {
 
-using fields::Count;
-using fields::Key;
-using fields::MaterialSort;
-using fields::OneOf;
-using fields::Range;
-
 constexpr std::string_view materials = "materials.";
 
-bool is_called(const Key& key, std::string_view name) {
-    const std::size_t section = key.section.size();
-    return name.size() == section + 1 + key.name.size() && name.starts_with(key.section) &&
-           name[section] == '.' && name.ends_with(key.name);
-}
+template <class T>
+constexpr bool may_be_unset = false;
+template <class T>
+constexpr bool may_be_unset<std::optional<T>> = true;
 
-/// Calls visit(member, allowed) for the key of that name, if there is one.
-template <class AnyScene, class Visit>
-void visit_key(AnyScene& scene, std::string_view name, Visit&& visit) {
-    const auto chosen = [&](const Key& key, auto& member, const auto& allowed) {
-        if (is_called(key, name)) {
-            visit(key, member, allowed);
-        }
-    };
-    if (!name.starts_with(materials)) {
-        fields::visit_scene(scene, chosen);
-        return;
-    }
-    const std::size_t dot = name.rfind('.');
-    const auto found =
-        dot <= materials.size()
-            ? scene.materials.end()
-            : scene.materials.find(std::string(name.substr(materials.size(), dot - materials.size())));
-    if (found == scene.materials.end()) {
-        return;
-    }
-    const std::string_view section = name.substr(0, dot);
-    if (auto* solid = std::get_if<Solid>(&found->second)) {
-        fields::visit_solid(*solid, section, chosen);
+template <class Member>
+std::optional<SceneValue> value_in(const Member& member) {
+    if constexpr (may_be_unset<Member>) {
+        return member ? value_in(*member) : std::nullopt;
+    } else if constexpr (std::is_enum_v<Member>) {
+        const std::string_view text = word(member);
+        return text.empty() ? SceneValue(static_cast<std::int64_t>(member)) : SceneValue(std::string(text));
     } else {
-        fields::visit_fluid(std::get<Fluid>(found->second), section, chosen);
+        return member;
     }
 }
 
-// What a key takes, by the type of what it allows.
-ValueKind kind_of(const Range& /*range*/) {
-    return ValueKind::number;
-}
-ValueKind kind_of(const Count& /*count*/) {
-    return ValueKind::integer;
-}
-template <class Words>
-ValueKind kind_of(const Words& /*words*/) {
-    return ValueKind::word;
-}
-
-std::string unit_of(const Range& range) {
-    return std::string(range.unit);
-}
-template <class Other>
-std::string unit_of(const Other& /*other*/) {
-    return "";
-}
-
-/// @returns whether there is such a value
+/// Sets the member, unless the value is of another kind or no word of it. @returns whether it did
 template <class Member>
-bool assign(Member& member, const SceneValue& value, const Range& /*range*/) {
-    member = std::get<double>(value);
-    return true;
-}
-template <class Member>
-bool assign(Member& member, const SceneValue& value, const Count& /*count*/) {
-    member = std::get<std::int64_t>(value);
-    return true;
-}
-template <class Member>
-bool assign(Member& member, const SceneValue& value, MaterialSort /*sort*/) {
-    member = std::get<std::string>(value);
-    return true;
-}
-template <class Member, class Choice>
-bool assign(Member& member, const SceneValue& value, OneOf<Choice> /*words*/) {
-    for (const auto& entry : Words<Choice>::all) {
-        if (entry.text == std::get<std::string>(value)) {
-            member = entry.choice;
-            return true;
+bool assign(Member& member, const SceneValue& value) {
+    if constexpr (may_be_unset<Member>) {
+        typename Member::value_type given{};
+        const bool taken = assign(given, value);
+        if (taken) {
+            member = std::move(given);
         }
+        return taken;
+    } else if constexpr (std::is_enum_v<Member>) {
+        const auto* text = std::get_if<std::string>(&value);
+        for (const auto& entry : Words<Member>::all) {
+            if (text != nullptr && entry.text == *text) {
+                member = entry.choice;
+                return true;
+            }
+        }
+        return false;
+    } else {
+        const auto* given = std::get_if<Member>(&value);
+        if (given != nullptr) {
+            member = *given;
+        }
+        return given != nullptr;
     }
-    return false;
 }
 
-template <class Choice>
-std::vector<std::string> words_of(OneOf<Choice> /*words*/) {
-    std::vector<std::string> words;
-    words.reserve(Words<Choice>::all.size());
-    for (const auto& entry : Words<Choice>::all) {
-        words.emplace_back(entry.text);
+/// Adds what the type of the member says of the key.
+template <class Member>
+void describe(SceneKey& key, const Member& /*member*/) {
+    if constexpr (may_be_unset<Member>) {
+        key.is_optional = true;
+        describe(key, typename Member::value_type{});
+    } else if constexpr (std::is_enum_v<Member>) {
+        key.kind = ValueKind::word;
+        for (const auto& entry : Words<Member>::all) {
+            key.words.emplace_back(entry.text);
+        }
+    } else {
+        key.kind = static_cast<ValueKind>(SceneValue(Member{}).index());
+        key.is_material = key.kind == ValueKind::word;
     }
-    return words;
-}
-template <class Other>
-std::vector<std::string> words_of(const Other& /*other*/) {
-    return {};
 }
 
-// The value of a member.
-SceneValue present(const Scene& /*scene*/, double member) {
-    return member;
-}
-SceneValue present(const Scene& /*scene*/, std::int64_t member) {
-    return member;
-}
-SceneValue present(const Scene& /*scene*/, const std::string& member) {
-    return member;
-}
-template <class Choice>
-requires std::is_enum_v<Choice> SceneValue present(const Scene& /*scene*/, Choice member) {
-    return std::string(word(member));
-}
-template <class Member>
-std::optional<SceneValue> value_in(const Scene& scene, const std::optional<Member>& member) {
-    return member ? std::optional(present(scene, *member)) : std::nullopt;
-}
-template <class Member>
-std::optional<SceneValue> value_in(const Scene& scene, const Member& member) {
-    return present(scene, member);
-}
-
-template <class Member>
-bool take_back(std::optional<Member>& member) {
-    member.reset();
-    return true;
-}
-template <class Member>
-bool take_back(Member& /*member*/) {
-    return false;
-}
-
-// Bounds and words, as who draws a knob needs them.
-void add_bounds(const Scene& /*scene*/, const Range& range, SceneKeyInfo& info) {
-    info.minimum = range.min;
-    info.maximum = range.max;
-}
-void add_bounds(const Scene& /*scene*/, const Count& count, SceneKeyInfo& info) {
-    info.minimum = static_cast<double>(count.min);
-    info.maximum = static_cast<double>(count.max);
-}
-void add_bounds(const Scene& scene, MaterialSort sort, SceneKeyInfo& info) {
-    const auto is_of = [sort](const Material& material) {
-        return std::holds_alternative<Solid>(material) == (sort == MaterialSort::solid);
+/// Calls act(member) for the key's member of the scene, if it has it.
+template <class AnyScene, class Act>
+void at_member(AnyScene& scene, const SceneKey& key, const Act& act) {
+    std::size_t number = 0;
+    const auto chosen = [&](std::string_view, auto& member, const KeyRow& row) {
+        if (number++ == key.row && row.key == key.key) {
+            act(member);
+        }
     };
-    std::set<std::string> names;
-    for (const BuiltInMaterial& entry : built_in_materials()) {
-        if (is_of(entry.material)) {
-            names.emplace(entry.name);
-        }
+    if (!key.owner) {
+        table::visit_scene(scene, chosen);
+    } else if (const auto own = scene.materials.find(*key.owner); own != scene.materials.end()) {
+        table::visit_material(own->second, "", chosen);
     }
-    for (const auto& [name, material] : scene.materials) {
-        if (is_of(material)) {
-            names.insert(name);
-        }
-    }
-    info.words.assign(names.begin(), names.end());
 }
-template <class Choice>
-void add_bounds(const Scene& /*scene*/, OneOf<Choice> words, SceneKeyInfo& info) {
-    info.words = words_of(words);
+
+/// The keys that are visited. @param visit_all takes what is called for each of them
+template <class VisitAll>
+std::vector<SceneKey> keys_in(const VisitAll& visit_all) {
+    std::vector<SceneKey> keys;
+    visit_all([&](std::string_view section, const auto& member, const KeyRow& row) {
+        SceneKey key{row};
+        key.name = std::string(section) + '.' + std::string(row.key);
+        key.row = keys.size();
+        describe(key, member);
+        keys.push_back(std::move(key));
+    });
+    return keys;
+}
+
+/// A number without a look at TOML's other ways to write one; nothing where those may matter.
+template <class Number>
+std::optional<SceneValue> plain_number(std::string_view text) {
+    Number number{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool whole = error == std::errc{} && end == text.data() + text.size();
+    return whole ? std::optional<SceneValue>(number) : std::nullopt;
+}
+
+/// The names of many materials as a message shows them.
+std::string listed(std::span<const std::string> names) {
+    constexpr std::size_t max_listed = 16;
+    return comma_separated(names.first(std::min(max_listed, names.size()))) +
+           (names.size() > max_listed ? ", ..." : "");
+}
+
+std::optional<Fault> material_fault(const Scene& scene, const SceneKey& key, const std::string& name) {
+    const MaterialSort sort = key.traits.sort;
+    const Material* material = find_material(scene, name);
+    if (material != nullptr && sort_of(*material) == sort) {
+        return std::nullopt;
+    }
+    const std::vector<std::string> names = material_names(scene, sort);
+    const auto* const other = sort == MaterialSort::solid ? ", a fluid" : ", a solid";
+    return Fault{key.name, quoted_briefly(name) + (material == nullptr ? "" : other),
+                 key.allowed() + ": " + listed(names) + suggestion(name, names)};
+}
+
+bool is_inside(double value, const Range& range) {  // false also where the value is not a number
+    return range.bounds == Bounds::closed ? value >= range.min && value <= range.max
+                                          : value > range.min && value < range.max;
 }
 
 }  // namespace
 
-std::vector<std::string> scene_key_names(const Scene& scene) {
-    std::vector<std::string> keys;
-    for (const SceneKey& key : scene_keys()) {
-        keys.push_back(key.key);
-    }
-    for (const auto& [name, material] : scene.materials) {
-        const std::string section = std::string(materials) + name;
-        const auto add = [&](const Key& key, const auto&, const auto&) { keys.push_back(key.text()); };
-        if (const auto* solid = std::get_if<Solid>(&material)) {
-            fields::visit_solid(*solid, section, add);
-        } else {
-            fields::visit_fluid(std::get<Fluid>(material), section, add);
+std::string SceneKey::allowed() const {
+    switch (kind) {
+        case ValueKind::number: {
+            const bool closed = range.bounds == Bounds::closed;
+            return (closed ? "a number from " : "a number above ") + number_text(range.min) +
+                   (closed ? " to " : " and below ") + number_text(range.max) +
+                   (range.unit.empty() ? "" : " ") + std::string(range.unit);
         }
+        case ValueKind::integer:
+            return "an integer from " + number_text(static_cast<std::int64_t>(range.min)) + " to " +
+                   number_text(static_cast<std::int64_t>(range.max));
+        case ValueKind::word:
+            break;
+    }
+    if (is_material) {
+        return traits.sort == MaterialSort::solid ? "the name of a solid" : "the name of a fluid";
+    }
+    std::string text;
+    for (const std::string& entry : words) {
+        text += (text.empty() ? "one of " : ", ") + hertzline::quoted(entry);
+    }
+    return text;
+}
+
+std::optional<SceneValue> SceneKey::value(const Scene& scene) const {
+    std::optional<SceneValue> value;
+    at_member(scene, *this, [&](const auto& member) { value = value_in(member); });
+    return value;
+}
+
+bool SceneKey::set(Scene& scene, const SceneValue& value) const {
+    bool done = false;
+    at_member(scene, *this, [&](auto& member) { done = assign(member, value); });
+    return done;
+}
+
+bool SceneKey::unset(Scene& scene) const {
+    at_member(scene, *this, []<class Member>(Member& member) {
+        if constexpr (may_be_unset<Member>) {
+            member.reset();
+        }
+    });
+    return is_optional;
+}
+
+bool SceneKey::has_effect(const Scene& scene) const {
+    const auto keys = scene_keys();
+    const auto needed = std::ranges::find(keys, traits.needs.key, &SceneKey::name);
+    return needed == keys.end() || needed->value(scene) == SceneValue(std::string(traits.needs.word));
+}
+
+std::span<const SceneKey> scene_keys() {
+    static const std::vector<SceneKey> keys =
+        keys_in([scene = Scene{}](const auto& add) { table::visit_scene(scene, add); });
+    return keys;
+}
+
+std::vector<SceneKey> material_keys(const std::string& name, const Material& material) {
+    const std::string section = std::string(materials) + key_part(name);
+    std::vector<SceneKey> keys =
+        keys_in([&](const auto& add) { table::visit_material(material, section, add); });
+    for (SceneKey& key : keys) {
+        key.owner = name;
     }
     return keys;
 }
 
-namespace {
-
-/// A number without a look at TOML's other ways to write one; nothing where those may matter.
-template <class Number>
-std::optional<Number> plain_number(std::string_view text) {
-    Number number{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = error == std::errc{} && end == text.data() + text.size();
-    return whole ? std::optional(number) : std::nullopt;
+std::vector<SceneKey> keys_of(const Scene& scene) {
+    const auto fixed = scene_keys();
+    std::vector<SceneKey> keys(fixed.begin(), fixed.end());
+    for (const auto& [name, material] : scene.materials) {
+        std::ranges::move(material_keys(name, material), std::back_inserter(keys));
+    }
+    return keys;
 }
 
-}  // namespace
+tl::expected<SceneKey, Fault> scene_key_named(const Scene& scene, std::string_view name) {
+    const auto find_in = [name](std::span<const SceneKey> keys) {
+        const auto found = std::ranges::find(keys, name, &SceneKey::name);
+        return found != keys.end() ? std::optional(*found) : std::nullopt;
+    };
+    auto key = find_in(scene_keys());
+    for (const auto& [own, material] : scene.materials) {
+        if (!key && name.starts_with(std::string(materials) + key_part(own) + '.')) {
+            key = find_in(material_keys(own, material));
+        }
+    }
+    if (key) {
+        return *std::move(key);
+    }
+    std::vector<std::string> names;
+    std::ranges::transform(keys_of(scene), std::back_inserter(names), &SceneKey::name);
+    return tl::unexpected(
+        Fault{"", quoted_briefly(name), "a key of the scene, as chain.preload_n" + suggestion(name, names)});
+}
+
+std::vector<std::string> words_of(const Scene& scene, const SceneKey& key) {
+    if (!key.is_material) {
+        return key.words;
+    }
+    std::vector<std::string> names = material_names(scene, key.traits.sort);
+    std::ranges::sort(names);
+    return names;
+}
+
+std::string_view word(ValueKind kind) noexcept {
+    return std::array{"number", "integer", "word"}[static_cast<std::size_t>(kind)];
+}
 
 std::string value_text(const SceneValue& value) {
-    if (const auto* word = std::get_if<std::string>(&value)) {
-        return *word;
+    if (const auto* text = std::get_if<std::string>(&value)) {
+        return *text;
     }
     const auto* number = std::get_if<double>(&value);
     return number != nullptr ? number_text(*number) : number_text(std::get<std::int64_t>(value));
 }
 
-tl::expected<SceneKeyInfo, Fault> scene_key_named(const Scene& scene, std::string_view name) {
-    std::optional<SceneKeyInfo> found;
-    visit_key(scene, name, [&](const Key& key, const auto&, const auto& allowed) {
-        found = SceneKeyInfo{key.text(), kind_of(allowed), unit_of(allowed), allowed_text(allowed)};
-        add_bounds(scene, allowed, *found);
-    });
-    if (found) {
-        return *std::move(found);
-    }
-    return tl::unexpected(
-        Fault{"", quoted_briefly(name),
-              "a key of the scene, as chain.preload_n" + suggestion(name, scene_key_names(scene))});
-}
-
-tl::expected<SceneValue, Fault> read_value(const SceneKeyInfo& key, std::string_view text) {
-    if (key.kind == ValueKind::number) {
-        if (const auto number = plain_number<double>(text)) {
-            return *number;
-        }
-    } else if (key.kind == ValueKind::integer) {
-        if (const auto number = plain_number<std::int64_t>(text)) {
-            return *number;
-        }
-    }
-    const auto value = toml_value(text);
-    if (!value) {
-        return tl::unexpected(Fault{key.name, value.error().found, key.allowed});
-    }
-    const auto* integer = std::get_if<std::int64_t>(&*value);
-    if (integer != nullptr && key.kind == ValueKind::number) {
+std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value) {
+    const auto* integer = std::get_if<std::int64_t>(&value);
+    if (kind == ValueKind::number && integer != nullptr) {
         return static_cast<double>(*integer);
     }
-    if (integer != nullptr && key.kind == ValueKind::integer) {
-        return *integer;
-    }
-    if (const auto* number = std::get_if<double>(&*value);
-        number != nullptr && key.kind == ValueKind::number) {
-        return *number;
-    }
-    if (const auto* word = std::get_if<std::string>(&*value);
-        word != nullptr && key.kind == ValueKind::word) {
-        return *word;
-    }
-    return tl::unexpected(Fault{key.name, hertzline::value_text(*value), key.allowed});
+    return static_cast<std::size_t>(kind) == value.index() ? std::optional(value) : std::nullopt;
 }
 
-std::optional<Fault> value_fault(const Scene& scene, const SceneKeyInfo& key, const SceneValue& value) {
-    Scene changed = scene;
-    std::optional<Fault> fault;
-    visit_key(changed, key.name, [&](const Key&, auto& member, const auto& allowed) {
-        if (!assign(member, value, allowed)) {
-            const std::string text = value_text(value);
-            fault = Fault{key.name, quoted_briefly(text), key.allowed + suggestion(text, words_of(allowed))};
+tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_view text) {
+    const auto plain = kind == ValueKind::number    ? plain_number<double>(text)
+                       : kind == ValueKind::integer ? plain_number<std::int64_t>(text)
+                                                    : std::nullopt;
+    if (plain) {
+        return *plain;
+    }
+    const auto found = toml_value(text);
+    if (!found) {
+        return tl::unexpected(found.error().found);
+    }
+    const auto* const given = std::get_if<SceneValue>(&*found);
+    const auto value = given != nullptr ? value_as(kind, *given) : std::nullopt;
+    return value ? tl::expected<SceneValue, std::string>(*value) : tl::unexpected(found_text(*found));
+}
+
+tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text) {
+    auto value = read_value(key.kind, text);
+    if (!value) {
+        return tl::unexpected(Fault{key.name, std::move(value).error(), key.allowed()});
+    }
+    if (auto fault = value_fault(scene, key, *value)) {
+        return tl::unexpected(*std::move(fault));
+    }
+    return *std::move(value);
+}
+
+std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const SceneValue& value) {
+    if (const auto* text = std::get_if<std::string>(&value)) {
+        if (key.is_material) {
+            return material_fault(scene, key, *text);
         }
-    });
-    if (fault) {
-        return fault;
+        return std::ranges::find(key.words, *text) != key.words.end()
+                   ? std::nullopt
+                   : std::optional(Fault{key.name, quoted_briefly(*text),
+                                         key.allowed() + suggestion(*text, key.words)});
     }
-    // what is wrong with a value by itself is said in the words of its bounds
-    for (Fault& of_scene : validate(changed)) {
-        if (of_scene.key == key.name && of_scene.allowed.starts_with(key.allowed)) {
-            return std::move(of_scene);
-        }
-    }
-    return std::nullopt;
-}
-
-std::optional<SceneValue> value_of(const Scene& scene, std::string_view key) {
-    std::optional<SceneValue> value;
-    visit_key(scene, key,
-              [&](const Key&, const auto& member, const auto&) { value = value_in(scene, member); });
-    return value;
-}
-
-bool unset_value(Scene& scene, std::string_view key) {
-    bool done = false;
-    visit_key(scene, key, [&](const Key&, auto& member, const auto&) { done = take_back(member); });
-    return done;
-}
-
-void set_value(Scene& scene, std::string_view key, const SceneValue& value) {
-    visit_key(scene, key,
-              [&](const Key&, auto& member, const auto& allowed) { assign(member, value, allowed); });
+    const auto* number = std::get_if<double>(&value);
+    const double size = number != nullptr ? *number : static_cast<double>(std::get<std::int64_t>(value));
+    return key.kind != ValueKind::word && is_inside(size, key.range)
+               ? std::nullopt
+               : std::optional(Fault{key.name, value_text(value), key.allowed()});
 }
 
 }  // namespace hertzline

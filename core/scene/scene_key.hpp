@@ -1,8 +1,11 @@
 #pragma once
-// One key of a scene as something that varies: what it takes, and how a value is read, judged and set.
+// A key of a scene at run time: what it takes, and how its value is read, judged, set and taken back. The keys are the rows of
+// scene_table.hpp; whatever names keys loops over them.
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -17,42 +20,98 @@ namespace hertzline {
 /// A value of a key: a number, an integer, or a word (of a choice, or the name of a material).
 using SceneValue = std::variant<double, std::int64_t, std::string>;
 
-/// The value as a scene file has it, words without quotes; reads back to the same value.
-std::string value_text(const SceneValue& value);
+enum class ValueKind { number, integer, word };  // in the order of SceneValue
+enum class Bounds { closed, open };
 
-enum class ValueKind { number, integer, word };
-
-/// A key that a scene has: one of scene_fields.hpp, or of one of its own materials.
-struct SceneKeyInfo {
-    std::string name;  ///< "chain.preload_n", "materials.mine.density_kg_per_m3"
-    ValueKind kind = ValueKind::number;
-    std::string unit;                                  ///< of a number; may be empty
-    std::string allowed;                               ///< as messages have it
-    std::optional<double> minimum = {}, maximum = {};  ///< of a number or an integer
-    std::vector<std::string> words = {};               ///< that there are
+/// The numbers or integers that a key allows.
+struct Range {
+    double min = 0;
+    double max = 0;
+    std::string_view unit{};
+    Bounds bounds = Bounds::closed;
 };
 
+/// Another key and the word without which a key has no effect.
+struct Need {
+    std::string_view key{};  ///< empty: the key always has an effect
+    std::string_view word{};
+};
+
+/// When a hash depends on a key. Where keys that came later have their defaults, a scene has the hash that it had before.
+enum class Hashed { always, when_changed };
+
+struct KeyTraits {
+    std::string_view unset = "none";  ///< of an optional key: what holds where it is not given
+    Need needs = {};
+    Hashed hashed = Hashed::always;
+    MaterialSort sort = MaterialSort::solid;  ///< of the name of a material
+};
+
+/// A row of the table.
+struct KeyRow {
+    std::string_view key;  ///< without its section: "preload_n"
+    Range range = {};      ///< of a number or an integer
+    std::string_view doc;  ///< what it means, in Markdown
+    KeyTraits traits = {};
+};
+
+/// A key that a scene has: one of scene_keys(), or of one of its own materials.
+struct SceneKey : KeyRow {
+    std::string name = {};  ///< "chain.preload_n", "materials.mine.density_kg_per_m3"
+    ValueKind kind = ValueKind::number;
+    bool is_optional = false;
+    bool is_material = false;               ///< the word is the name of a material
+    std::vector<std::string> words = {};    ///< of a choice
+    std::optional<std::string> owner = {};  ///< the scene's own material that it belongs to
+    std::size_t row = 0;                    ///< in the table
+
+    /// "chain", "materials.mine"
+    std::string section() const { return name.substr(0, name.size() - key.size() - 1); }
+    /// "an integer from 1 to 10000000"
+    std::string allowed() const;
+
+    /// Nothing where the scene does not give it.
+    std::optional<SceneValue> value(const Scene& scene) const;
+    /// False, and nothing is changed, where the key has no such word. @param value of the key's kind
+    bool set(Scene& scene, const SceneValue& value) const;
+    /// Takes the value back; false where the key always has one.
+    bool unset(Scene& scene) const;
+    /// False where the scene has another word than the key needs.
+    bool has_effect(const Scene& scene) const;
+};
+
+/// Every key of a scene but those of its own materials, in the order of its file.
+std::span<const SceneKey> scene_keys();
+
+/// The keys of a scene's own material of that name; of a solid or a fluid as `material` is one.
+std::vector<SceneKey> material_keys(const std::string& name, const Material& material);
+
 /// Every key that the scene has, those of its own materials included.
-std::vector<std::string> scene_key_names(const Scene& scene);
-
-/// The key's value; nothing where it is not given, or there is no such key.
-std::optional<SceneValue> value_of(const Scene& scene, std::string_view key);
-
-/// Takes the key's value back; false where the key always has one.
-bool unset_value(Scene& scene, std::string_view key);
+std::vector<SceneKey> keys_of(const Scene& scene);
 
 /// The key of that name, or a fault that suggests another one.
-tl::expected<SceneKeyInfo, Fault> scene_key_named(const Scene& scene, std::string_view name);
+tl::expected<SceneKey, Fault> scene_key_named(const Scene& scene, std::string_view name);
 
-/// The text as a value of the key, as --set takes it, or what is wrong with it. Whether the key allows the value is for
-/// value_fault() to say.
-tl::expected<SceneValue, Fault> read_value(const SceneKeyInfo& key, std::string_view text);
+/// The words that the key takes in this scene: of a choice, or the names of materials; none of a number.
+std::vector<std::string> words_of(const Scene& scene, const SceneKey& key);
+
+/// "number", "integer" or "word".
+std::string_view word(ValueKind kind) noexcept;
+
+/// The value for a message, words without quotes; reads back to the same value.
+std::string value_text(const SceneValue& value);
+
+/// The value as one of that kind, an integer as a number, too; nothing when it is of another kind.
+std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value);
+
+/// The text as a value of that kind, as --set takes it, or what was found instead.
+tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_view text);
+
+/// The text as a value that the key allows, or what is wrong with it. @param scene has the materials
+tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text);
 
 /// What is wrong with the value whatever else the scene says: out of the key's bounds, no such word. @param scene has the
-/// materials
-std::optional<Fault> value_fault(const Scene& scene, const SceneKeyInfo& key, const SceneValue& value);
-
-/// Sets the key. Words that there are not leave it as it is.
-void set_value(Scene& scene, std::string_view key, const SceneValue& value);
+/// materials @param value of the key's kind
+std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const SceneValue& value);
 
 }  // namespace hertzline

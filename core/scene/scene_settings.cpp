@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -18,7 +18,7 @@ bool contains(const std::vector<std::string>& words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// What a scene file may name, in the order of the table in scene_fields.hpp.
+// What a scene file may name, in the order of its keys.
 struct KnownKeys {
     std::vector<std::string> sections;                      // "drive", ..., "materials"
     std::vector<std::string> keys;                          // "drive.material", ...; none of the materials
@@ -34,18 +34,15 @@ struct KnownKeys {
                 of_section.emplace_back(name);
             }
         };
-        const Scene scene;
-        fields::visit_scene(scene, [&](const fields::Key& key, const auto&, const auto&) {
-            add(key.section, key.name);
-            keys.push_back(key.text());
-        });
-        const auto add_key = [&](const fields::Key& key, const auto&, const auto&) {
-            add(key.section, key.name);
-        };
-        const Solid solid;
-        fields::visit_solid(solid, "materials", add_key);
-        const Fluid fluid;
-        fields::visit_fluid(fluid, "materials", add_key);
+        for (const SceneKey& key : scene_keys()) {
+            add(key.section(), key.key);
+            keys.push_back(key.name);
+        }
+        for (const Material& material : {Material(Solid{}), Material(Fluid{})}) {
+            for (const SceneKey& key : material_keys("NAME", material)) {
+                add("materials", key.key);
+            }
+        }
     }
 };
 
@@ -105,7 +102,7 @@ void SceneSettings::add_entry(TomlEntry entry) {
                                         ? "a section, [" + joined(path) + "]"
                                         : "keys in sections (" + comma_separated(known.sections) + ")" +
                                               suggestion(path[0], known.keys);
-        refuse(place, joined(path), value_text(entry.value), allowed);
+        refuse(place, joined(path), found_text(entry.value), allowed);
     } else if (knows(path, place)) {
         set(path, std::move(entry.value), place);
     }
@@ -145,7 +142,7 @@ void SceneSettings::set(Path path, TomlValue value, const Place& place) {
     const Setting* earlier = find(key);
     // Two lines of the file: TOML itself refuses the same key twice, so one of them is the alias.
     if (earlier != nullptr && place.line != 0 && earlier->place.line != 0) {
-        refuse(place, key, value_text(value),
+        refuse(place, key, found_text(value),
                std::string(density_alias) + " or " + std::string(density) + ", not both");
     }
     settings_.insert_or_assign(key, Setting{std::move(value), place});

@@ -5,7 +5,7 @@
 #include <set>
 #include <utility>
 
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/scene_settings.hpp"
 #include "core/scene/text.hpp"
 
@@ -13,112 +13,57 @@ namespace hertzline {
 
 namespace {
 
-using fields::Count;
-using fields::Key;
-using fields::MaterialSort;
-using fields::OneOf;
-using fields::Range;
-
-// The value as the type that the field wants; whether the value itself is allowed is for validate() to say.
-std::optional<double> read(const TomlValue& value, const Range& /*range*/) {
-    if (const auto* integer = std::get_if<std::int64_t>(&value)) {
-        return static_cast<double>(*integer);
-    }
-    const auto* number = std::get_if<double>(&value);
-    return number != nullptr ? std::optional(*number) : std::nullopt;
-}
-
-std::optional<std::int64_t> read(const TomlValue& value, const Count& /*count*/) {
-    const auto* integer = std::get_if<std::int64_t>(&value);
-    return integer != nullptr ? std::optional(*integer) : std::nullopt;
-}
-
-std::optional<std::string> read(const TomlValue& value, MaterialSort /*sort*/) {
-    const auto* name = std::get_if<std::string>(&value);
-    return name != nullptr ? std::optional(*name) : std::nullopt;
-}
-
-template <class Choice>
-std::optional<Choice> read(const TomlValue& value, OneOf<Choice> /*words*/) {
-    const auto* text = std::get_if<std::string>(&value);
-    for (const auto& entry : Words<Choice>::all) {
-        if (text != nullptr && entry.text == *text) {
-            return entry.choice;
+/// Sets what the settings say of the key; whether that is within its bounds is for validate() to say.
+/// @param section the beginning of a [materials.NAME], which gives every key but the optional ones; nullptr: none
+void read_key(const SceneSettings& settings, const SceneKey& key, const Setting* section, Scene& scene,
+              std::vector<Fault>& faults) {
+    const Setting* given = settings.find(key.name);
+    if (given == nullptr) {
+        if (section != nullptr && !key.is_optional) {
+            faults.push_back({key.name, "nothing", key.allowed(), section->place});
         }
+        return;
     }
-    return std::nullopt;
+    const auto* found = std::get_if<SceneValue>(&given->value);
+    const auto value = found != nullptr ? value_as(key.kind, *found) : std::nullopt;
+    if (!value || !key.set(scene, *value)) {
+        const std::string hint = value ? suggestion(value_text(*value), key.words) : "";
+        faults.push_back({key.name, found_text(given->value), key.allowed() + hint, given->place});
+    }
 }
 
-template <class Choice>
-std::string hint(const TomlValue& value, OneOf<Choice> /*words*/) {
-    std::vector<std::string> words;
-    words.reserve(Words<Choice>::all.size());
-    for (const auto& entry : Words<Choice>::all) {
-        words.emplace_back(entry.text);
-    }
-    const auto* text = std::get_if<std::string>(&value);
-    return text != nullptr ? suggestion(*text, words) : "";
+/// The keys that a material of one sort has and one of the other lacks, each with its end after "materials.NAME.".
+bool gives_key_of(const SceneSettings& settings, const std::string& name, const Material& material,
+                  const Material& other) {
+    const auto others = material_keys(name, other);
+    return std::ranges::any_of(material_keys(name, material), [&](const SceneKey& key) {
+        return settings.find(key.name) != nullptr &&
+               std::ranges::find(others, key.name, &SceneKey::name) == others.end();
+    });
 }
 
-template <class Allowed>
-std::string hint(const TomlValue& /*value*/, const Allowed& /*allowed*/) {
-    return "";
-}
-
-template <class Member>
-constexpr bool is_optional = false;
-template <class Value>
-constexpr bool is_optional<std::optional<Value>> = true;
-
-// Visits the fields and sets those that are given.
-struct FieldReader {
-    const SceneSettings& settings;
-    std::vector<Fault>& faults;
-    const Setting* material =
-        nullptr;  // the beginning of a [materials.NAME], which must give every key but the optional ones
-
-    template <class Member, class Allowed>
-    void operator()(const Key& key, Member& member, const Allowed& allowed) const {
-        const std::string text = key.text();
-        if (const Setting* given = settings.find(text)) {
-            if (auto value = read(given->value, allowed)) {
-                member = *std::move(value);
-            } else {
-                faults.push_back({text, value_text(given->value),
-                                  allowed_text(allowed) + hint(given->value, allowed), given->place});
-            }
-        } else if (material != nullptr && !is_optional<Member>) {
-            faults.push_back({text, "nothing", allowed_text(allowed), material->place});
-        }
-    }
-};
-
-// The material of that name, where the keys tell a solid from a fluid.
-std::optional<Material> read_material(const SceneSettings& settings, const std::string& name,
-                                      std::vector<Fault>& faults) {
+/// Adds the material of that name, where the keys tell a solid from a fluid. @returns whether they do
+bool read_material(const SceneSettings& settings, const std::string& name, Scene& scene,
+                   std::vector<Fault>& faults) {
+    // Keys that are missing or wrong keep harmless values: validate() need not complain of them again.
+    const Material solid = Solid{1e9, 0.3, 1000};
+    const Material fluid = Fluid{1000, 1500};
     const std::string section = "materials." + key_part(name);
     const Setting* beginning = settings.find(section);
-    const auto given = [&](const char* key) { return settings.find(section + '.' + key) != nullptr; };
-    const bool solid_keys = given("youngs_modulus_pa") || given("poissons_ratio") ||
-                            given("yield_strength_pa") || given("flexural_strength_pa");
-    const bool fluid_keys = given("sound_speed_m_per_s");
+    const bool solid_keys = gives_key_of(settings, name, solid, fluid);
+    const bool fluid_keys = gives_key_of(settings, name, fluid, solid);
     if (solid_keys == fluid_keys) {
         faults.push_back({section, solid_keys ? "keys of a solid and of a fluid" : "no material",
                           "youngs_modulus_pa, poissons_ratio and density_kg_per_m3 for a solid; "
                           "density_kg_per_m3 and sound_speed_m_per_s for a fluid",
                           beginning->place});
-        return std::nullopt;
+        return false;
     }
-    // Keys that are missing or wrong keep harmless values: validate() need not complain of them again.
-    const FieldReader read_field{settings, faults, beginning};
-    if (solid_keys) {
-        Solid solid{1e9, 0.3, 1000};
-        fields::visit_solid(solid, section, read_field);
-        return solid;
+    const Material& material = scene.materials.emplace(name, solid_keys ? solid : fluid).first->second;
+    for (const SceneKey& key : material_keys(name, material)) {
+        read_key(settings, key, beginning, scene, faults);
     }
-    Fluid fluid{1000, 1500};
-    fields::visit_fluid(fluid, section, read_field);
-    return fluid;
+    return true;
 }
 
 // Reads every [materials.NAME]. Returns the quoted names of those that are neither solid nor fluid.
@@ -126,13 +71,34 @@ std::set<std::string> read_materials(const SceneSettings& settings, Scene& scene
                                      std::vector<Fault>& faults) {
     std::set<std::string> unclear;
     for (const std::string& name : settings.materials()) {
-        if (const auto material = read_material(settings, name, faults)) {
-            scene.materials.emplace(name, *material);
-        } else {
+        if (!read_material(settings, name, scene, faults)) {
             unclear.insert(quoted_briefly(name));
         }
     }
     return unclear;
+}
+
+/// A section's heading comes before its first key. @param defaults keys that are hashed when changed are left out where they have
+/// these values; nullptr: every key is written
+std::string text_of(const Scene& scene, const Scene* defaults) {
+    std::string text;
+    std::string section;
+    for (const SceneKey& key : keys_of(scene)) {
+        auto value = key.value(scene);
+        if (!value || (defaults != nullptr && key.traits.hashed == Hashed::when_changed &&
+                       value == key.value(*defaults))) {
+            continue;
+        }
+        if (key.section() != section) {
+            section = key.section();
+            text += (text.empty() ? "[" : "\n[") + section + "]\n";
+        }
+        if (const auto* number = std::get_if<double>(&*value); number != nullptr && *number == 0) {
+            value = 0.0;  // -0 equals 0: one text for both
+        }
+        text += std::string(key.key) + " = " + toml_text(*value) + '\n';
+    }
+    return text;
 }
 
 }  // namespace
@@ -153,7 +119,9 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
     }
 
     ParsedScene parsed{{}, std::string(origin), settings.places()};
-    fields::visit_scene(parsed.scene, FieldReader{settings, faults});
+    for (const SceneKey& key : scene_keys()) {
+        read_key(settings, key, nullptr, parsed.scene, faults);
+    }
     const std::set<std::string> unclear_materials = read_materials(settings, parsed.scene, faults);
     if (readable) {  // else the options would be judged without what the file says beside them
         for (Fault& fault : validate(parsed.scene)) {
@@ -171,6 +139,25 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
                std::pair(b.place.origin != origin, b.place.line);
     });
     return tl::unexpected(std::move(faults));
+}
+
+std::string to_toml(const Scene& scene) {
+    return text_of(scene, nullptr);
+}
+
+std::string scene_hash(const Scene& scene) {
+    static const Scene defaults;
+    // Constants: http://www.isthe.com/chongo/tech/comp/fnv/ (Fowler, Noll, Vo).
+    std::uint64_t hash = 0xCBF29CE484222325;
+    for (const char c : text_of(scene, &defaults)) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3;
+    }
+    constexpr std::string_view hex = "0123456789abcdef";
+    std::string digits;
+    for (int shift = 60; shift >= 0; shift -= 4) {
+        digits += hex[(hash >> shift) & 0xF];
+    }
+    return digits;
 }
 
 }  // namespace hertzline

@@ -1,5 +1,5 @@
 #pragma once
-// Scene files: TOML text to Scene and back. The keys are those of scene_fields.hpp.
+// Scene files: TOML text to Scene and back. The keys are those of scene_table.hpp.
 
 #include <map>
 #include <span>
@@ -35,21 +35,8 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
 /// unset are left out. Reading it back gives a scene equal to `scene`, to the last bit.
 std::string to_toml(const Scene& scene);
 
-/// 16 hexadecimal digits that tell scenes apart: FNV-1a (64 bits) of to_toml(), without the keys of modal plates, damping laws, fluid
-/// loads and hydrophones that have their defaults.
+/// 16 hexadecimal digits that tell scenes apart: FNV-1a (64 bits) of to_toml(), without the keys that are
+/// Hashed::when_changed and have their defaults.
 std::string scene_hash(const Scene& scene);
-
-/// What a scene file may say about one key.
-struct SceneKey {
-    std::string key;            ///< "chain.spheres"
-    std::string default_value;  ///< as TOML; empty when the program chooses
-    std::string allowed;        ///< "an integer from 1 to 10000000"
-};
-
-/// Every key of a scene file but those of [materials.NAME], in the file's order.
-std::vector<SceneKey> scene_keys();
-
-/// The keys of [materials.NAME], with "NAME" in their place.
-std::vector<SceneKey> material_keys();
 
 }  // namespace hertzline

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 // Where toml++ is compiled here instead of linked: its assertions abort on "[+a]", which it reports as an error anyway.
@@ -67,13 +66,13 @@ std::optional<Fault> guard_fault(std::string_view text) {
 
 TomlValue value_of(const toml::node& node) {
     if (const auto* integer = node.as_integer()) {
-        return integer->get();
+        return SceneValue(integer->get());
     }
     if (const auto* number = node.as_floating_point()) {
-        return number->get();
+        return SceneValue(number->get());
     }
     if (const auto* text = node.as_string()) {
-        return text->get();
+        return SceneValue(text->get());
     }
     if (const auto* truth = node.as_boolean()) {
         return TomlOther{truth->get() ? "true" : "false"};
@@ -138,7 +137,7 @@ tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text) 
 tl::expected<TomlValue, Fault> toml_value(std::string_view text) {
     const bool starts_like_a_word = !text.empty() && text[0] != '-' && !(text[0] >= '0' && text[0] <= '9');
     if (starts_like_a_word && is_bare_key(text) && !is_toml_word(text)) {
-        return TomlValue{std::string(text)};
+        return TomlValue{SceneValue(std::string(text))};
     }
     // A line end would begin further keys. A comment is harmless but never meant: no value needs a '#'.
     if (text.find_first_of("\r\n#") != std::string_view::npos) {
@@ -149,20 +148,26 @@ tl::expected<TomlValue, Fault> toml_value(std::string_view text) {
     });
 }
 
-std::string value_text(const TomlValue& value) {
-    struct Text {
-        std::string operator()(std::int64_t number) const { return number_text(number); }
-        std::string operator()(double number) const {
-            // 6.0 is shown as 6.0: where an integer is wanted, the point is what is wrong.
-            const bool integral = std::isfinite(number) && number == std::trunc(number);
-            const std::string text = number_text(number);
-            return integral && text.find('e') == std::string::npos ? text + ".0" : text;
-        }
-        std::string operator()(const std::string& text) const { return quoted_briefly(text); }
-        std::string operator()(const TomlTable& /*table*/) const { return "a table"; }
-        std::string operator()(const TomlOther& other) const { return other.description; }
-    };
-    return std::visit(Text{}, value);
+std::string toml_text(const SceneValue& value) {
+    if (const auto* text = std::get_if<std::string>(&value)) {
+        return hertzline::quoted(*text);
+    }
+    // a number is written as a float, so that a reader of any kind sees its type
+    const std::string text = value_text(value);
+    const bool whole = text.find_first_of(".eni") == std::string::npos;  // n, i: nan, inf
+    return whole && std::holds_alternative<double>(value) ? text + ".0" : text;
+}
+
+std::string found_text(const TomlValue& value) {
+    if (const auto* other = std::get_if<TomlOther>(&value)) {
+        return other->description;
+    }
+    const auto* given = std::get_if<SceneValue>(&value);
+    if (given == nullptr) {
+        return "a table";
+    }
+    const auto* text = std::get_if<std::string>(given);
+    return text != nullptr ? quoted_briefly(*text) : toml_text(*given);
 }
 
 }  // namespace hertzline

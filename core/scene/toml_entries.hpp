@@ -1,7 +1,6 @@
 #pragma once
 // TOML text to a flat list of entries, behind the guard. The only place that meets the TOML library.
 
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -10,6 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "core/scene/fault.hpp"
+#include "core/scene/scene_key.hpp"
 
 namespace hertzline {
 
@@ -24,7 +24,7 @@ struct TomlOther {
     std::string description;
 };
 
-using TomlValue = std::variant<std::int64_t, double, std::string, TomlTable, TomlOther>;
+using TomlValue = std::variant<SceneValue, TomlTable, TomlOther>;
 
 /// One key of the text: a section ("drive"), a key of a section, or a key of a table in a section.
 struct TomlEntry {
@@ -40,7 +40,10 @@ tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text);
 /// A single value; a bare word that means nothing else in TOML is a string. A fault tells neither key nor place.
 tl::expected<TomlValue, Fault> toml_value(std::string_view text);
 
-/// The value as a message shows it.
-std::string value_text(const TomlValue& value);
+/// The value as TOML: 5 from 5.0 is told by the point, words are quoted.
+std::string toml_text(const SceneValue& value);
+
+/// The value as a message shows it: TOML, cut where it is long.
+std::string found_text(const TomlValue& value);
 
 }  // namespace hertzline

@@ -3,11 +3,6 @@ import {withUnit} from './axes.js';
 
 const SECTIONS_OPEN = ['drive'];
 const JUST_TURNED_MS = 1000;  // what comes meanwhile may be older than the turn
-const UNITS = {_hz: 'Hz', _m: 'm', _n: 'N', _s: 's', _kg_per_s: 'kg/s', _k: 'K', _pa: 'Pa'};
-
-function unitOf(key) {
-  return UNITS[Object.keys(UNITS).sort((a, b) => b.length - a.length).find((ending) => key.endsWith(ending))] ?? '';
-}
 
 /** The scene of meta as knobs that only show. */
 function shownOnly(scene) {
@@ -15,7 +10,7 @@ function shownOnly(scene) {
   for (const [section, keys] of Object.entries(scene?.scene ?? {})) {
     for (const [name, value] of section === 'materials' ? [] : Object.entries(keys)) {
       const key = `${section}.${name}`;
-      values[key] = {value, unit: unitOf(key), allowed: scene.allowed?.[key]};
+      values[key] = {value, ...scene.keys?.[key]};
     }
   }
   return values;

@@ -8,7 +8,7 @@
 #include "scope/server/scene_text.hpp"
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_key.hpp"
 
 namespace hertzline::scope {
 
@@ -293,7 +293,7 @@ void ScopeSession::update_scene() {
         }
     }
     for (const SceneKey& key : scene_keys()) {
-        scene["allowed"][key.key] = key.allowed;
+        scene["keys"][key.name] = {{"unit", key.range.unit}, {"allowed", key.allowed()}};
     }
     scene["repetition_hz"] = hearing_.repetition_hz();
     scene["fundamental_hz"] = hearing_.fundamental_hz();

@@ -15,18 +15,6 @@
 
 namespace hertzline::stream {
 
-/// The scene with other values of some keys, or what is wrong with each of them. Whether the scene can then be simulated is for
-/// validate() to say.
-/// @param values an object: keys, "drive.amplitude_m", and their values as numbers and texts; null takes an optional value back
-tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& values);
-
-/// A scene's values of the keys in `values`; null where it has none.
-Json values_of_keys(const Scene& scene, const Json& values);
-
-/// What there is to know of keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has
-tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
-                                                        const std::vector<std::string>& keys);
-
 /// As replies have it.
 Json faults_json(const std::vector<Fault>& faults);
 

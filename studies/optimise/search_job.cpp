@@ -39,7 +39,7 @@ Json request_json(const SearchRequest& request) {
 }
 
 Sweep sweep_of(const SearchRequest& request) {
-    std::vector<SceneKeyInfo> keys;
+    std::vector<SceneKey> keys;
     for (const Axis& axis : request.axes) {
         keys.push_back(axis.key);
     }

@@ -31,7 +31,7 @@ double number_of(const SceneValue& value) {
     return number != nullptr ? *number : static_cast<double>(std::get<std::int64_t>(value));
 }
 
-SceneValue value_of(const SceneKeyInfo& key, double number) {
+SceneValue value_of(const SceneKey& key, double number) {
     return key.kind == ValueKind::integer ? SceneValue(static_cast<std::int64_t>(std::llround(number)))
                                           : SceneValue(number);
 }
@@ -61,13 +61,9 @@ private:
 };
 
 std::optional<SceneValue> AxisReader::value(std::string_view text) {
-    auto value = read_value(axis_.key, text);
+    auto value = read_allowed(scene_, axis_.key, text);
     if (!value) {
         faults.push_back(std::move(value).error());
-        return std::nullopt;
-    }
-    if (auto fault = value_fault(scene_, axis_.key, *value)) {
-        faults.push_back(*std::move(fault));
         return std::nullopt;
     }
     return *std::move(value);
@@ -86,8 +82,7 @@ void AxisReader::read_list(std::string_view text) {
 }
 
 void AxisReader::read_count(std::string_view text) {
-    const SceneKeyInfo counted{"", ValueKind::integer, "", ""};
-    const auto count = read_value(counted, text);
+    const auto count = read_value(ValueKind::integer, text);
     const auto* number = count ? std::get_if<std::int64_t>(&*count) : nullptr;
     if (number == nullptr || *number < 2 || *number > max_points) {
         refuse(text, "a count from 2 to " + number_text(max_points));

@@ -23,7 +23,7 @@ enum class Sampling { grid, anywhere };
 
 /// A key and its values: a range, or a list.
 struct Axis {
-    SceneKeyInfo key;
+    SceneKey key;
     std::vector<SceneValue> list;  ///< empty: a range
     double from = 0;
     double to = 0;

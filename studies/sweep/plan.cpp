@@ -53,7 +53,7 @@ tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, c
             faults.insert(faults.end(), axis.error().begin(), axis.error().end());
             continue;
         }
-        if (std::ranges::find(plan.keys_, axis->key.name, &SceneKeyInfo::name) != plan.keys_.end()) {
+        if (std::ranges::find(plan.keys_, axis->key.name, &SceneKey::name) != plan.keys_.end()) {
             faults.push_back(
                 {axis->key.name, "it a second time", "each key once", {"--vary " + printable(option), 0}});
         }
@@ -72,7 +72,7 @@ tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, c
     return plan;
 }
 
-SweepPlan SweepPlan::growing(const Scene& base, std::vector<SceneKeyInfo> keys) {
+SweepPlan SweepPlan::growing(const Scene& base, std::vector<SceneKey> keys) {
     SweepPlan plan;
     plan.base_ = base;
     plan.keys_ = std::move(keys);
@@ -165,7 +165,7 @@ Scene SweepPlan::scene(std::int64_t point) const {
     Scene scene = base_;
     const std::vector<SceneValue> here = values(point);
     for (std::size_t key = 0; key < keys_.size(); ++key) {
-        set_value(scene, keys_[key].name, here[key]);
+        keys_[key].set(scene, here[key]);
     }
     return scene;
 }
@@ -202,7 +202,7 @@ std::string SweepPlan::text() const {
         counts = number_text(size_);
     }
     std::vector<std::string> names;
-    for (const SceneKeyInfo& key : keys_) {
+    for (const SceneKey& key : keys_) {
         names.push_back(key.name);
     }
     return counts + (size_ == 1 ? " point" : " points") + " of " + comma_separated(names);

@@ -36,7 +36,7 @@ public:
     static SweepPlan from_json(const Json& json);
 
     /// A plan of no points, for a search that adds them as it goes on. @param keys that vary, of the base
-    static SweepPlan growing(const Scene& base, std::vector<SceneKeyInfo> keys);
+    static SweepPlan growing(const Scene& base, std::vector<SceneKey> keys);
     /// Adds a point to such a plan. @param values allowed ones, in the order of the keys
     void add(const std::vector<SceneValue>& values);
 
@@ -46,7 +46,7 @@ public:
     std::int64_t size() const noexcept { return size_; }
     const Scene& base() const noexcept { return base_; }
     /// What varies, in the order of the options or of the list's columns.
-    const std::vector<SceneKeyInfo>& keys() const noexcept { return keys_; }
+    const std::vector<SceneKey>& keys() const noexcept { return keys_; }
 
     /// What --vary says of each key; none of a list of points.
     const std::vector<Axis>& axes() const noexcept { return axes_; }
@@ -73,7 +73,7 @@ private:
     std::vector<Axis> axes_;
     std::optional<PointList> list_;
     std::optional<boost::random::sobol> sequence_;  // at its first point
-    std::vector<SceneKeyInfo> keys_;
+    std::vector<SceneKey> keys_;
     std::int64_t size_ = 0;
 };
 

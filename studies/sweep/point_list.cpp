@@ -59,7 +59,7 @@ void PointsReader::read_keys(const std::vector<std::string_view>& cells) {
         auto key = scene_key_named(scene_, cell);
         if (!key) {
             refuse(std::move(key).error());
-        } else if (std::ranges::find(points.keys, key->name, &SceneKeyInfo::name) != points.keys.end()) {
+        } else if (std::ranges::find(points.keys, key->name, &SceneKey::name) != points.keys.end()) {
             refuse({key->name, "it a second time", "each key once"});
         } else {
             points.keys.push_back(*std::move(key));
@@ -74,13 +74,10 @@ void PointsReader::read_values(const std::vector<std::string_view>& cells) {
         return;
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        auto value = read_value(points.keys[i], cells[i]);
-        if (!value) {
-            refuse(std::move(value).error());
-        } else if (auto fault = value_fault(scene_, points.keys[i], *value)) {
-            refuse(*std::move(fault));
-        } else {
+        if (auto value = read_allowed(scene_, points.keys[i], cells[i])) {
             points.values.push_back(*std::move(value));
+        } else {
+            refuse(std::move(value).error());
         }
     }
 }

@@ -13,7 +13,7 @@ namespace hertzline::studies {
 
 /// Points and what varies in them.
 struct PointList {
-    std::vector<SceneKeyInfo> keys;
+    std::vector<SceneKey> keys;
     std::vector<SceneValue> values;  ///< point by point
 
     std::size_t size() const noexcept { return values.size() / keys.size(); }

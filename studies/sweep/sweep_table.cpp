@@ -16,12 +16,13 @@ constexpr std::size_t status_bytes = 12;
 constexpr double exact_whole_numbers = 9007199254740992;  // 2^53
 
 recordings::RecordField field_of(const SweepPlan& plan, std::size_t number) {
-    const SceneKeyInfo& key = plan.keys()[number];
+    const SceneKey& key = plan.keys()[number];
     switch (key.kind) {
         case ValueKind::integer:
-            return {key.name, key.unit, recordings::RecordKind::integer, sizeof(std::int64_t)};
+            return {key.name, std::string(key.range.unit), recordings::RecordKind::integer,
+                    sizeof(std::int64_t)};
         case ValueKind::number:
-            return {key.name, key.unit, recordings::RecordKind::number, sizeof(double)};
+            return {key.name, std::string(key.range.unit), recordings::RecordKind::number, sizeof(double)};
         case ValueKind::word:
             break;
     }

@@ -7,7 +7,9 @@ from streaming import LONG_ENOUGH_S, Stream
 program, schema_file = sys.argv[1:]
 with open(schema_file) as text:
     schema = json.load(text)
+schema["$defs"]["scene"] = json.loads(subprocess.run([program, "scenes", "--keys", "--json"], check=True, stdout=subprocess.PIPE).stdout)
 jsonschema.Draft202012Validator.check_schema(schema)
+jsonschema.Draft202012Validator.check_schema(schema["$defs"]["scene"])
 topics = {name: jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$defs": schema["$defs"]})
           for name in ("meta", "meters", "end")}
 header = jsonschema.Draft202012Validator({"$ref": "#/$defs/header", "$defs": schema["$defs"]})

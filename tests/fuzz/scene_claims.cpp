@@ -2,13 +2,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/tone_burst.hpp"
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/simulation.hpp"
 #include "tests/fuzz/claim.hpp"
 
@@ -19,30 +18,11 @@ namespace {
 /// Keys and texts are cut in messages; what is allowed may be a list of names.
 constexpr std::size_t longest_message = 2000;
 
-struct FiniteNumbers {
-    template <class Member, class Allowed>
-    void operator()(const fields::Key& key, const std::optional<Member>& member,
-                    const Allowed& allowed) const {
-        if (member) {
-            (*this)(key, *member, allowed);
-        }
-    }
-    template <class Member, class Allowed>
-    void operator()(const fields::Key& key, const Member& member, const Allowed& /*allowed*/) const {
-        if constexpr (std::is_same_v<Member, double>) {
-            claim(std::isfinite(member), "an accepted number is finite", key.text());
-        }
-    }
-};
-
 void claim_finite_numbers(const Scene& scene) {
-    fields::visit_scene(scene, FiniteNumbers{});
-    for (const auto& [name, material] : scene.materials) {
-        if (const auto* solid = std::get_if<Solid>(&material)) {
-            fields::visit_solid(*solid, name, FiniteNumbers{});
-        } else {
-            fields::visit_fluid(std::get<Fluid>(material), name, FiniteNumbers{});
-        }
+    for (const SceneKey& key : keys_of(scene)) {
+        const auto value = key.value(scene);
+        const auto* number = value ? std::get_if<double>(&*value) : nullptr;
+        claim(number == nullptr || std::isfinite(*number), "an accepted number is finite", key.name);
     }
 }
 

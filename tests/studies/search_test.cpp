@@ -193,8 +193,8 @@ public:
 
     Score operator()(const std::vector<SceneValue>& values) {
         Scene scene = scene_;
-        set_value(scene, "end.thickness_m", values[0]);
-        set_value(scene, "chain.preload_n", values[1]);
+        scene.end.thickness_m = number(values[0]);
+        scene.chain.preload_n = number(values[1]);
         return judge_.score(*runner_.run(0, scene));
     }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/integrators/stability.hpp"
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/draw.hpp"
 
@@ -58,25 +58,14 @@ void draw_chain_and_end(Draw& draw, Scene& scene) {
 }
 
 /// Puts some of the numbers of a scene at the ends of what validate() allows.
-struct ToTheEnds {
-    Draw& draw;
-
-    void operator()(const fields::Key& key, double& value, const fields::Range& range) const {
-        if (key.section != "output" && draw.one_in(6)) {
-            value = draw.one_in(2) ? range.min : range.max;
-        }
-    }
-    void operator()(const fields::Key& key, std::optional<double>& value, const fields::Range& range) const {
-        if (key.section != "numerics" && value) {
-            (*this)(key, *value, range);
-        }
-    }
-    template <class Member, class Allowed>
-    void operator()(const fields::Key&, Member&, const Allowed&) const {}
-};
-
 void draw_extremes(Draw& draw, Scene& scene) {
-    fields::visit_scene(scene, ToTheEnds{draw});
+    for (const SceneKey& key : scene_keys()) {
+        const bool given = key.kind == ValueKind::number && key.value(scene);
+        const bool wanted = key.section() != "output" && !(key.is_optional && key.section() == "numerics");
+        if (given && wanted && draw.one_in(6)) {
+            key.set(scene, draw.one_in(2) ? key.range.min : key.range.max);
+        }
+    }
     const double max_bursts = scene.drive.frequency_hz / scene.drive.cycles;
     scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, max_bursts);
 }

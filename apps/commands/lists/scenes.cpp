@@ -1,7 +1,8 @@
-// hertzline scenes: the shipped scenes, or one scene with every default resolved.
+// hertzline scenes: the shipped scenes, one scene with every default resolved, or the keys of all scenes.
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -10,9 +11,11 @@
 #include "apps/command.hpp"
 #include "apps/console/output.hpp"
 #include "core/scene/scene_json.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
+#include "core/scene/toml_entries.hpp"
 
 namespace hertzline::app {
 
@@ -22,10 +25,12 @@ constexpr const char* scenes_examples =
     "Examples:\n"
     "  hertzline scenes\n"
     "  hertzline scenes paper-wall > my-scene.toml\n"
-    "  hertzline scenes paper-wall --set chain.spheres=7 --json";
+    "  hertzline scenes paper-wall --set chain.spheres=7 --json\n"
+    "  hertzline scenes --keys";
 
 struct ScenesOptions {
     SceneRequest scene;
+    bool keys = false;
     Format format = Format::text;
 };
 
@@ -43,6 +48,33 @@ void list_scenes(Format format) {
     print(format == Format::json ? json_text(list) + '\n' : text);
 }
 
+/// A row of the tables in scenes/README.md.
+std::string key_row(const SceneKey& key) {
+    const auto value = key.value(Scene{});
+    const std::string standard = value                           ? '`' + toml_text(*value) + '`'
+                                 : key.owner && !key.is_optional ? "needed"
+                                                                 : std::string(key.traits.unset);
+    return fmt::format("| `{}` | {} | {} | {} |\n", key.name, standard, key.allowed(), key.doc);
+}
+
+void list_keys(Format format) {
+    if (format == Format::json) {
+        print(json_text(scene_schema()) + '\n');
+        return;
+    }
+    std::string text = "| key | default | allowed |  |\n|---|---|---|---|\n";
+    for (const SceneKey& key : scene_keys()) {
+        text += key_row(key);
+    }
+    std::set<std::string> names;
+    for (const Material& material : {Material(Solid{}), Material(Fluid{})}) {
+        for (const SceneKey& key : material_keys("NAME", material)) {
+            text += names.insert(key.name).second ? key_row(key) : "";
+        }
+    }
+    print(text);
+}
+
 /// A scene file that says what its step is good for.
 std::string annotated_toml(const Resolution& resolved, const SceneRequest& request) {
     return fmt::format("# {} with every default resolved; step_s was {}: estimated relative error {}\n\n{}",
@@ -53,6 +85,13 @@ std::string annotated_toml(const Resolution& resolved, const SceneRequest& reque
 }
 
 Exit scenes(const ScenesOptions& options) {
+    if (options.keys) {
+        if (!options.scene.scene.empty()) {
+            throw WrongUse("--keys: found a SCENE, allowed: none, since all scenes have the same keys");
+        }
+        list_keys(options.format);
+        return Exit::done;
+    }
     if (options.scene.scene.empty()) {
         if (!options.scene.settings.empty()) {
             throw WrongUse("--set: found no SCENE, allowed: only together with a SCENE");
@@ -71,6 +110,9 @@ Exit scenes(const ScenesOptions& options) {
 Run scenes_command(CLI::App& app) {
     auto options = std::make_shared<ScenesOptions>();
     add_scene_options(app, options->scene);
+    app.add_flag(
+        "--keys", options->keys,
+        "list the keys of scenes: defaults, what is allowed, what they mean; with --json as a schema");
     add_format_option(app, options->format, "print JSON");
     app.footer(scenes_examples);
     return [options] { return scenes(*options); };

@@ -33,7 +33,7 @@ using studies::SearchRequest;
 constexpr const char* journal_ending = ".journal";
 
 studies::Sweep rows_of(const SearchRequest& request) {
-    std::vector<SceneKeyInfo> keys;
+    std::vector<SceneKey> keys;
     for (const studies::Axis& axis : request.axes) {
         keys.push_back(axis.key);
     }

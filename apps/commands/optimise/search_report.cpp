@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::app {
@@ -35,10 +35,6 @@ Json feasible_value(const SearchJob& job, std::int64_t evaluation) {
 /// null: nobody looked, or a neighbour is not feasible
 Json worst_near(const SearchJob& job, const Surroundings& around) {
     return around.near.empty() ? Json(nullptr) : feasible_value(job, around.worst(job.evaluations()));
-}
-
-Json json_of(const SceneValue& value) {
-    return std::visit([](const auto& held) { return Json(held); }, value);
 }
 
 /// The values of the keys, the goal and what is bounded, of a point.
@@ -74,7 +70,7 @@ double fall_of(const SearchJob& job, const Surroundings& around) {
 
 /// "end.thickness_m.minus_1_percent", "chain.spheres.plus_1"
 std::string name_of(const SearchJob& job, const Neighbour& neighbour) {
-    const SceneKeyInfo& key = job.request().axes[neighbour.key].key;
+    const SceneKey& key = job.request().axes[neighbour.key].key;
     const bool whole = key.kind == ValueKind::integer;
     return fmt::format("{}.{}_{:.0f}{}", key.name, neighbour.change < 0 ? "minus" : "plus",
                        std::abs(neighbour.change) * (whole ? 1 : 100), whole ? "" : "_percent");

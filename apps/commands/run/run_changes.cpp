@@ -14,7 +14,7 @@
 
 #include "apps/command.hpp"
 #include "core/integrators/kernels.hpp"
-#include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 #include "core/simulation.hpp"
 
@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 }
 
 Scene changed(const Scene& scene, const Json& values, const std::string& where) {
-    auto result = stream::with_values(scene, values);
+    auto result = with_values(scene, values);
     if (!result) {
         refuse(where, result.error());
     }
@@ -102,26 +102,11 @@ Scene recorded_scene(const Json& provenance, const std::string& origin) {
     if (!provenance.is_object() || found == provenance.end() || !found->is_object()) {
         throw WrongUse(origin + ": found no scene in this recording, allowed: recordings of hertzline");
     }
-    Scene scene;
-    Json values = Json::object();
-    for (const auto& [section, keys] : found->items()) {
-        if (section != "materials" && keys.is_object()) {
-            for (const auto& [key, value] : keys.items()) {
-                values[section + "." + key] = value;
-            }
-        }
+    auto scene = scene_of_json(*found);
+    if (!scene) {
+        refuse(origin, scene.error());
     }
-    const Json materials = found->value("materials", Json::object());
-    for (const auto& [name, keys] : materials.items()) {
-        if (!keys.is_object()) {
-            continue;
-        }
-        scene.materials[name] = keys.contains("youngs_modulus_pa") ? Material(Solid{}) : Material(Fluid{});
-        for (const auto& [key, value] : keys.items()) {
-            values["materials." + name + "." + key] = value;
-        }
-    }
-    return changed(scene, values, origin);
+    return *std::move(scene);
 }
 
 /// Index of the last sample.

@@ -69,7 +69,7 @@ void refuse_set_keys(const SweepOptions& options, const studies::SweepPlan& plan
     Faults faults;
     for (const std::string& setting : options.scene.settings) {
         const std::string key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
-        if (std::ranges::find(plan.keys(), key, &SceneKeyInfo::name) != plan.keys().end()) {
+        if (std::ranges::find(plan.keys(), key, &SceneKey::name) != plan.keys().end()) {
             faults.of([&] {
                 throw WrongUse(fmt::format("--set {}: found a key that varies, allowed: one that does not",
                                            printable(setting)));

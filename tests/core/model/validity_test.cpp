@@ -88,9 +88,9 @@ TEST(Validity, KeysThatNothingAsksForAreNoticed) {
                     s.output.hydrophone_m = 20e-3;
                     s.drive.taper = 0.1;
                 }),
-                ElementsAre("end.modes has no effect without end.model = \"modal\"",
-                            HasSubstr("output.hydrophone_m has no effect"),
-                            HasSubstr("drive.taper has no effect without drive.envelope = \"tukey\"")));
+                ElementsAre("drive.taper has no effect without drive.envelope = \"tukey\"",
+                            "end.modes has no effect without end.model = \"modal\"",
+                            HasSubstr("output.hydrophone_m has no effect")));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
                     s.end.modes = 2;

@@ -7,8 +7,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/scene_toml.hpp"
+#include "core/scene/toml_entries.hpp"
 
 namespace hertzline {
 namespace {
@@ -16,47 +17,52 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// Visits the fields and gives each a random value that is allowed.
-struct Randomise {
-    std::mt19937_64& bits;
-    double unit() { return std::uniform_real_distribution<double>(0, 1)(bits); }
-    bool coin() { return (bits() & 1) != 0; }
+/// Random values that are allowed.
+class Randomise {
+public:
+    explicit Randomise(std::uint64_t seed) : bits_(seed) {}
 
-    template <class Member, class Allowed>
-    void operator()(const fields::Key& key, std::optional<Member>& member, const Allowed& allowed) {
-        member.reset();
-        if (coin()) {
-            (*this)(key, member.emplace(), allowed);
+    double unit() { return std::uniform_real_distribution<double>(0, 1)(bits_); }
+
+    void set(Scene& scene, const SceneKey& key) {
+        if (key.is_optional && coin()) {
+            key.unset(scene);
+        } else {
+            key.set(scene, value(scene, key));
         }
     }
-    void operator()(const fields::Key& /*key*/, double& member, const fields::Range& range) {
-        const double span = range.max - range.min;
+
+private:
+    bool coin() { return (bits_() & 1) != 0; }
+    SceneValue value(const Scene& scene, const SceneKey& key) {
+        const Range& range = key.range;
+        if (key.kind == ValueKind::integer) {
+            return std::uniform_int_distribution(static_cast<std::int64_t>(range.min),
+                                                 static_cast<std::int64_t>(range.max))(bits_);
+        }
+        if (key.kind == ValueKind::word) {
+            const std::vector<std::string> words = words_of(scene, key);
+            return words[bits_() % words.size()];
+        }
         const double scale = std::pow(10.0, -12 * unit());  // small values as often as large ones
-        member = std::clamp(range.min + span * unit() * scale, range.min, range.max);
-        if (range.bounds == fields::Bounds::excluded) {
-            member = std::clamp(member, std::nextafter(range.min, 0), std::nextafter(range.max, 0));
-        }
+        const double number =
+            std::clamp(range.min + (range.max - range.min) * unit() * scale, range.min, range.max);
+        return range.bounds == Bounds::closed
+                   ? number
+                   : std::clamp(number, std::nextafter(range.min, 0), std::nextafter(range.max, 0));
     }
-    void operator()(const fields::Key& /*key*/, std::int64_t& member, const fields::Count& count) {
-        member = std::uniform_int_distribution<std::int64_t>(count.min, count.max)(bits);
-    }
-    template <class Choice>
-    void operator()(const fields::Key& /*key*/, Choice& member, fields::OneOf<Choice> /*words*/) {
-        member = Words<Choice>::all[bits() % Words<Choice>::all.size()].choice;
-    }
-    void operator()(const fields::Key& /*key*/, std::string& member, fields::MaterialSort sort) {
-        member = sort == fields::MaterialSort::fluid ? (coin() ? "water" : "my-fluid")
-                                                     : (coin() ? "pyrex" : "my_solid");
-    }
+
+    std::mt19937_64 bits_;
 };
 
 Scene random_scene(std::uint64_t seed) {
-    std::mt19937_64 bits(seed);
-    Randomise randomise{bits};
+    Randomise random(seed);
     Scene scene;
-    fields::visit_scene(scene, randomise);
-    scene.drive.repetition_hz =
-        std::min(1e9, randomise.unit() * scene.drive.frequency_hz / scene.drive.cycles);
+    scene.materials = {{"my_solid", Solid{}}, {"my-fluid", Fluid{}}};
+    for (const SceneKey& key : keys_of(scene)) {
+        random.set(scene, key);
+    }
+    scene.drive.repetition_hz = std::min(1e9, random.unit() * scene.drive.frequency_hz / scene.drive.cycles);
     if (scene.numerics.step_s) {
         scene.numerics.accuracy.reset();
     }
@@ -68,15 +74,10 @@ Scene random_scene(std::uint64_t seed) {
         scene.output.hydrophone_m = 0;
     }
     if (scene.chain.damping_law != DampingLaw::dashpot) {
-        scene.chain.damping_time_s = randomise.unit();
-        scene.chain.damping_alpha = randomise.unit();
+        scene.chain.damping_time_s = random.unit();
+        scene.chain.damping_alpha = random.unit();
         scene.numerics.integrator.reset();
     }
-    Solid solid;
-    fields::visit_solid(solid, "materials.my_solid", randomise);
-    Fluid fluid;
-    fields::visit_fluid(fluid, "materials.my-fluid", randomise);
-    scene.materials = {{"my_solid", solid}, {"my-fluid", fluid}};
     return scene;
 }
 
@@ -91,33 +92,22 @@ RC_GTEST_PROP(SceneToml, WhatIsWrittenReadsBackToTheLastBit, (std::uint64_t seed
 
 TEST(SceneToml, WritesEveryKeyThatIsSet) {
     Scene scene;
-    scene.end.stiffness_n_per_m = 1e5;
-    scene.numerics.integrator = Integrator::chin4a;
-    scene.numerics.step_s = 1e-9;
-    scene.numerics.poles = 32;
-    scene.end.model = PlateModel::modal;
-    scene.chain.damping_law = DampingLaw::tsuji;
-    scene.chain.damping_time_s = 1e-6;
-    scene.chain.damping_alpha = 0.1;
-    scene.end.modes = 3;
-    scene.end.loss_factor = 0.01;
-    scene.medium.load = FluidLoad::none;
-    scene.output.hydrophone_m = 0.02;
-    const std::string text = to_toml(scene);
-    for (const SceneKey& key : scene_keys()) {
-        const std::string name = key.key.substr(key.key.find('.') + 1);
-        if (name != "accuracy") {
-            EXPECT_THAT(text, HasSubstr('\n' + name + " = "));
+    scene.materials = {{"mine", Solid{1e9, 0.3, 1000}}};
+    for (const SceneKey& key : keys_of(scene)) {
+        if (key.is_optional) {
+            key.set(scene, key.kind == ValueKind::word ? SceneValue(key.words.front())
+                                                       : *value_as(key.kind, std::int64_t{32}));
         }
     }
-    EXPECT_THAT(text, Not(HasSubstr("accuracy")));
+    const std::string text = to_toml(scene);
     const std::string of_defaults = to_toml(Scene{});
-    for (const SceneKey& key : scene_keys()) {
-        const std::string name = '\n' + key.key.substr(key.key.find('.') + 1) + " = ";
-        if (key.default_value.empty()) {
-            EXPECT_THAT(of_defaults, Not(HasSubstr(name)));
+    for (const SceneKey& key : keys_of(scene)) {
+        const std::string line = '\n' + std::string(key.key) + " = ";
+        EXPECT_THAT(text, HasSubstr(line + toml_text(*key.value(scene)))) << key.name;
+        if (const auto standard = key.value(Scene{})) {
+            EXPECT_THAT(of_defaults, HasSubstr(line + toml_text(*standard)));
         } else {
-            EXPECT_THAT(of_defaults, HasSubstr(name + key.default_value));
+            EXPECT_THAT(of_defaults, Not(HasSubstr(line)));
         }
     }
 }

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
 #include "stream/control/scene_change.hpp"
 #include "tests/fuzz/claim.hpp"
 #include "tests/fuzz/scene_claims.hpp"

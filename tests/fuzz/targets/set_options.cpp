@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/scene/scene_fields.hpp"
+#include "core/scene/scene_key.hpp"
 #include "tests/fuzz/claim.hpp"
 #include "tests/fuzz/scene_claims.hpp"
 
@@ -26,46 +25,13 @@ std::vector<std::string> options_of(std::string_view text) {
     return options;
 }
 
-struct Values {
-    std::vector<std::pair<std::string, std::string>>& of_keys;
-
-    template <class Member, class Allowed>
-    void operator()(const fields::Key& key, const std::optional<Member>& member,
-                    const Allowed& allowed) const {
-        if (member) {
-            (*this)(key, *member, allowed);
-        } else {
-            of_keys.emplace_back(key.text(), "");
-        }
-    }
-    template <class Member, class Allowed>
-    void operator()(const fields::Key& key, const Member& member, const Allowed& /*allowed*/) const {
-        if constexpr (std::is_same_v<Member, std::string>) {
-            of_keys.emplace_back(key.text(), member);
-        } else if constexpr (std::is_enum_v<Member>) {
-            of_keys.emplace_back(key.text(), word(member));
-        } else {
-            of_keys.emplace_back(key.text(), number_text(member));
-        }
-    }
-};
-
-std::vector<std::pair<std::string, std::string>> values_of(const Scene& scene) {
-    std::vector<std::pair<std::string, std::string>> values;
-    fields::visit_scene(scene, Values{values});
-    return values;
-}
-
 /// No option sets another key than the one before its '='.
 void claim_nothing_else_is_set(const Scene& scene, const std::vector<std::string>& options) {
-    const auto defaults = values_of(Scene{});
-    const auto values = values_of(scene);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto& [key, value] = values[i];
-        const bool named = std::any_of(options.begin(), options.end(), [&key = key](const auto& option) {
-            return option.substr(0, option.find('=')).find(key) != std::string::npos;
+    for (const SceneKey& key : scene_keys()) {
+        const bool named = std::any_of(options.begin(), options.end(), [&](const auto& option) {
+            return option.substr(0, option.find('=')).find(key.name) != std::string::npos;
         });
-        claim(named || value == defaults[i].second, "an option sets its own key alone", key);
+        claim(named || key.value(scene) == key.value(Scene{}), "an option sets its own key alone", key.name);
     }
 }
 

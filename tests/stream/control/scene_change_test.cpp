@@ -4,8 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
+#include "core/scene/scene_json.hpp"
 #include "tests/support/seen_scenes.hpp"
 
 namespace hertzline::test {
@@ -14,68 +13,6 @@ using namespace measures;
 using namespace stream;
 
 namespace {
-
-using testing::HasSubstr;
-
-TEST(SceneChange, SetsNumbersIntegersWordsAndTakesOptionalValuesBack) {
-    Scene scene;
-    scene.end.stiffness_n_per_m = 1e6;
-    scene.materials["mine"] = Solid{70e9, 0.3, 2700};
-    const auto changed = with_values(scene, {{"drive.amplitude_m", 2e-6},
-                                             {"drive.cycles", 10},
-                                             {"end.modes", 3},
-                                             {"drive.envelope", "tukey"},
-                                             {"chain.material", "mine"},
-                                             {"materials.mine.density_kg_per_m3", 2800},
-                                             {"end.stiffness_n_per_m", nullptr}});
-    ASSERT_TRUE(changed);
-    EXPECT_EQ(changed->drive.amplitude_m, 2e-6);
-    EXPECT_EQ(changed->drive.cycles, 10);
-    EXPECT_EQ(changed->end.modes, 3);
-    EXPECT_EQ(changed->drive.envelope, Envelope::tukey);
-    EXPECT_EQ(std::get<Solid>(changed->materials.at("mine")).density_kg_per_m3, 2800);
-    EXPECT_EQ(changed->end.stiffness_n_per_m, std::nullopt);
-}
-
-TEST(SceneChange, NamesEveryFault) {
-    const auto changed = with_values(Scene{}, {{"drive.amplitud_m", 1},
-                                               {"drive.amplitude_m", -1},
-                                               {"drive.cycles", "many"},
-                                               {"end.modes", 2.5},
-                                               {"drive.envelope", "hanning"},
-                                               {"drive.frequency_hz", nullptr}});
-    ASSERT_FALSE(changed);
-    const Json faults = faults_json(changed.error())["faults"];
-    ASSERT_EQ(faults.size(), 6U);
-    EXPECT_THAT(faults[0]["allowed"].get<std::string>(), HasSubstr("drive.amplitude_m"));
-    EXPECT_EQ(faults[1]["key"], "drive.amplitude_m");
-    EXPECT_EQ(faults[1]["found"], "-1");
-    EXPECT_EQ(faults[1]["allowed"], "a number from 0 to 1 m");
-    EXPECT_THAT(faults[1]["message"].get<std::string>(), HasSubstr("drive.amplitude_m: found -1, allowed: "));
-    EXPECT_EQ(faults[3]["key"], "end.modes");
-    EXPECT_THAT(faults[4]["allowed"].get<std::string>(), HasSubstr("\"hann\""));
-    EXPECT_EQ(faults[5]["found"], "null");
-}
-
-TEST(SceneChange, DescribesEveryKeyOfAScene) {
-    const auto all = described_values(Scene{}, {});
-    ASSERT_TRUE(all);
-    EXPECT_EQ(all->size(), scene_keys().size());
-    const Json amplitude = (*all)["drive.amplitude_m"];
-    EXPECT_EQ(amplitude["value"], 3e-6);
-    EXPECT_EQ(amplitude["unit"], "m");
-    EXPECT_EQ(amplitude["minimum"], 0);
-    EXPECT_EQ(amplitude["maximum"], 1);
-    EXPECT_EQ(amplitude["kind"], "number");
-    EXPECT_FALSE(amplitude.contains("words"));
-    EXPECT_EQ((*all)["end.modes"]["kind"], "integer");
-    EXPECT_EQ((*all)["end.modes"]["maximum"], 6);
-    EXPECT_EQ((*all)["drive.envelope"]["words"], Json({"hann", "tukey", "rectangular"}));
-    EXPECT_THAT((*all)["medium.material"]["words"].dump(), HasSubstr("water"));
-    EXPECT_EQ((*all)["end.stiffness_n_per_m"]["value"], nullptr);
-    EXPECT_EQ(described_values(Scene{}, {"drive.cycles"})->size(), 1U);
-    EXPECT_EQ(described_values(Scene{}, {"drive.cycle", "chain"}).error().size(), 2U);
-}
 
 TEST(SceneChange, OnlyADriveLetsTheMotionGoOn) {
     const Scene scene = steady_scene();

@@ -1,0 +1,132 @@
+#pragma once
+// The table of a scene's keys: a row each, which holds all that the program knows of the key. Scene files, --set, JSON, bounds, live
+// changes, sweeps, hashes, warnings, the schema and the tables of scenes/README.md loop over it (scene_key.hpp).
+//
+// The structured bindings name every member of a section, so a member without a row does not compile.
+//
+// The bounds are generous. They are there so that no product of allowed numbers overflows, and so that sample and step counts
+// (duration times 1e12 at most) fit 63 bits; not to say what is a sensible device.
+
+#include "core/scene/scene.hpp"
+#include "core/scene/scene_key.hpp"
+
+namespace hertzline::table {
+
+inline constexpr Need plate{"end.kind", "plate"};
+inline constexpr Need modal{"end.model", "modal"};
+inline constexpr Need tukey{"drive.envelope", "tukey"};
+inline constexpr Hashed changed = Hashed::when_changed;
+inline constexpr std::string_view chosen = "the program's choice";
+
+/// Calls visit(section, member, row) for each key of a scene, in the order of its file.
+template <class AnyScene, class Visit>
+void visit_scene(AnyScene& scene, const Visit& visit) {
+    {
+        auto& [material, frequency_hz, cycles, amplitude_m, envelope, taper, repetition_hz] = scene.drive;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("drive", member, facts); };
+        row(material, {"material", {}, "of the horn"});
+        row(frequency_hz, {"frequency_hz", {1e-3, 1e9, "Hz"}, "of the tone"});
+        row(cycles, {"cycles", {1e-3, 1e9}, "periods of the tone in a burst"});
+        row(amplitude_m, {"amplitude_m", {0, 1, "m"}, "largest displacement of the horn's tip"});
+        row(envelope, {"envelope", {}, "how the burst rises and falls"});
+        row(taper, {"taper", {0, 1}, "fraction of a tukey burst spent rising and falling", {.needs = tukey}});
+        row(repetition_hz, {"repetition_hz", {0, 1e9, "Hz"}, "bursts a second; 0: a single burst"});
+    }
+    {
+        auto& [material, spheres, diameter_m, damping_kg_per_s, damping_law, damping_time_s, damping_alpha,
+               preload_n, tension] = scene.chain;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("chain", member, facts); };
+        row(material, {"material", {}, "of the spheres"});
+        row(spheres, {"spheres", {1, max_spheres}, "how many"});
+        row(diameter_m, {"diameter_m", {1e-9, 10, "m"}, "of each sphere"});
+        row(damping_kg_per_s,
+            {"damping_kg_per_s", {0, 1e9, "kg/s"}, R"(of each closed contact, with `"dashpot"`)"});
+        row(damping_law, {"damping_law",
+                          {},
+                          "[how closed contacts lose energy](../docs/model.md#3-contacts)",
+                          {.hashed = changed}});
+        row(damping_time_s, {"damping_time_s", {0, 1, "s"}, R"(A of `"kuwabara_kono"`, which needs it)"});
+        row(damping_alpha, {"damping_alpha", {0, 10}, "\u03b1 of `\"tsuji\"`, which needs it"});
+        row(preload_n, {"preload_n", {0, 1e9, "N"}, "static force that presses the chain together"});
+        row(tension, {"tension", {}, "whether damping may pull just before a contact opens"});
+    }
+    {
+        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor] =
+            scene.end;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("end", member, facts); };
+        row(kind, {"kind", {}, "a clamped disc, an immovable wall, only the preload"});
+        row(material, {"material", {}, "of the disc or wall"});
+        row(radius_m, {"radius_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
+        row(thickness_m, {"thickness_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
+        row(stiffness_n_per_m, {"stiffness_n_per_m",
+                                {0, 1e15, "N/m"},
+                                "of the disc",
+                                {.unset = "from plate theory", .needs = plate}});
+        row(preload, {"preload", {}, "whether the disc starts in balance with the preload"});
+        row(model, {"model",
+                    {},
+                    "the paper's mass on a spring, or [modes in a "
+                    "fluid](../docs/model.md#10-the-plate-with-its-modes-in-a-fluid)",
+                    {.hashed = changed}});
+        row(modes, {"modes", {1, 6}, "of a modal plate", {.needs = modal, .hashed = changed}});
+        row(loss_factor, {"loss_factor",
+                          {1e-6, 1},
+                          "of a modal plate's material: an assumption",
+                          {.needs = modal, .hashed = changed}});
+    }
+    {
+        auto& [material, load] = scene.medium;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("medium", member, facts); };
+        row(material, {"material", {}, "that the disc radiates into", {.sort = MaterialSort::fluid}});
+        row(load, {"load", {}, "what it does to a modal plate", {.needs = modal, .hashed = changed}});
+    }
+    {
+        auto& [integrator, step_s, accuracy, rest_tolerance, poles] = scene.numerics;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("numerics", member, facts); };
+        row(integrator, {"integrator", {}, "the method", {.unset = chosen}});
+        row(step_s,
+            {"step_s", {1e-12, 1, "s"}, "the step, or the longest piece of a series", {.unset = chosen}});
+        row(accuracy,
+            {"accuracy", {1e-15, 0.1}, "wanted relative error of the velocities", {.unset = chosen}});
+        row(rest_tolerance, {"rest_tolerance", {0, 0.01}, "when a chain may sleep between bursts; 0: never"});
+        row(poles, {"poles", {16, 64}, "of a modal plate's response in its fluid", {.unset = "by accuracy"}});
+    }
+    {
+        auto& [sample_rate_hz, duration_s, frame_samples, hydrophone_m] = scene.output;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("output", member, facts); };
+        row(sample_rate_hz, {"sample_rate_hz", {1e-3, 1e12, "Hz"}, "samples a second"});
+        row(duration_s,
+            {"duration_s", {1e-12, 1e6, "s"}, "simulated by `run`; a stream goes on until stopped"});
+        row(frame_samples, {"frame_samples", {1, 1'048'576}, "samples in each frame of a stream"});
+        row(hydrophone_m, {"hydrophone_m",
+                           {0, 10, "m"},
+                           "its distance from a modal plate, on the axis",
+                           {.needs = modal, .hashed = changed}});
+    }
+}
+
+inline constexpr KeyRow density{"density_kg_per_m3", {1e-3, 1e6, "kg/m^3"}, "of a solid or a fluid"};
+
+/// The same for a material of a scene, in the section [materials.NAME].
+template <class AnyMaterial, class Visit>
+void visit_material(AnyMaterial& material, std::string_view section, const Visit& visit) {
+    const auto row = [&](auto& member, const KeyRow& facts) { visit(section, member, facts); };
+    if (auto* solid = std::get_if<Solid>(&material)) {
+        auto& [youngs_modulus_pa, poissons_ratio, density_kg_per_m3, yield_strength_pa,
+               flexural_strength_pa] = *solid;
+        row(youngs_modulus_pa, {"youngs_modulus_pa", {1, 1e15, "Pa"}, "of a solid"});
+        row(poissons_ratio, {"poissons_ratio", {-1, 0.5, "", Bounds::open}, "of a solid"});
+        row(density_kg_per_m3, density);
+        row(yield_strength_pa, {"yield_strength_pa", {1, 1e15, "Pa"}, "of a solid", {.unset = "unknown"}});
+        row(flexural_strength_pa, {"flexural_strength_pa",
+                                   {1, 1e15, "Pa"},
+                                   "of a solid that breaks before it yields",
+                                   {.unset = "unknown"}});
+    } else {
+        auto& [density_kg_per_m3, sound_speed_m_per_s] = std::get<Fluid>(material);
+        row(density_kg_per_m3, density);
+        row(sound_speed_m_per_s, {"sound_speed_m_per_s", {1e-3, 1e6, "m/s"}, "of a fluid"});
+    }
+}
+
+}  // namespace hertzline::table
