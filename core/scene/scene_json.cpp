@@ -43,6 +43,18 @@ tl::expected<SceneKey, Fault> known_key(const Scene& scene, const std::string& n
     });
 }
 
+/// Adds the values in the object and the objects in it, each by its key: "drive.cycles".
+void add_values(const Json& object, const std::string& section, Json& values) {
+    for (const auto& [name, value] : object.items()) {
+        const std::string key = section.empty() ? name : section + '.' + key_part(name);
+        if (value.is_object()) {
+            add_values(value, key, values);
+        } else {
+            values[key] = value;
+        }
+    }
+}
+
 /// Sets one key. @returns what is wrong
 std::optional<Fault> set_key(Scene& scene, const std::string& name, const Json& json) {
     const auto key = known_key(scene, name);
@@ -50,8 +62,9 @@ std::optional<Fault> set_key(Scene& scene, const std::string& name, const Json& 
         return key.error();
     }
     if (json.is_null()) {
-        return key->unset(scene) ? std::nullopt
-                                 : std::optional(Fault{name, "null", key->allowed() + ", always"});
+        return key->set(scene, std::nullopt)
+                   ? std::nullopt
+                   : std::optional(Fault{name, "null", key->allowed() + ", always"});
     }
     const auto value = value_in(json, key->kind);
     if (!value) {
@@ -86,7 +99,7 @@ Json described(const Scene& scene, const SceneKey& key) {
 }
 
 Json key_schema(const SceneKey& key) {
-    const char* const type = key.kind == ValueKind::word ? "string" : word(key.kind).data();
+    const std::string_view type = key.kind == ValueKind::word ? "string" : word(key.kind);
     Json schema{{"type", key.is_optional ? Json{type, "null"} : Json(type)}, {"description", key.doc}};
     if (!key.range.unit.empty()) {
         schema["unit"] = key.range.unit;
@@ -154,32 +167,17 @@ Json scene_json(const Scene& scene) {
 }
 
 tl::expected<Scene, std::vector<Fault>> scene_of_json(const Json& json) {
+    if (!json.is_object()) {
+        return tl::unexpected(std::vector{Fault{"scene", found_json(json), "an object of sections"}});
+    }
     Scene scene;
+    const Json materials = json.value("materials", Json::object());
+    for (const auto& [name, keys] : materials.items()) {
+        const bool solid = keys.is_object() && keys.contains("youngs_modulus_pa");
+        scene.materials[name] = solid ? Material(Solid{}) : Material(Fluid{});
+    }
     Json values = Json::object();
-    std::vector<Fault> faults;
-    const auto add = [&](const std::string& section, const Json& keys) {
-        if (!keys.is_object()) {
-            faults.push_back({section, found_json(keys), "an object of keys and values"});
-            return;
-        }
-        for (const auto& [key, value] : keys.items()) {
-            values[std::string(section).append(".").append(key)] = value;
-        }
-    };
-    for (const auto& [section, keys] : json.items()) {
-        if (section != "materials" || !keys.is_object()) {
-            add(section, keys);
-            continue;
-        }
-        for (const auto& [name, own] : keys.items()) {
-            const bool solid = own.is_object() && own.contains("youngs_modulus_pa");
-            scene.materials[name] = solid ? Material(Solid{}) : Material(Fluid{});
-            add("materials." + key_part(name), own);
-        }
-    }
-    if (!faults.empty()) {
-        return tl::unexpected(std::move(faults));
-    }
+    add_values(json, "", values);
     return with_values(std::move(scene), values);
 }
 

@@ -34,18 +34,18 @@ std::optional<SceneValue> value_in(const Member& member) {
     }
 }
 
-/// Sets the member, unless the value is of another kind or no word of it. @returns whether it did
+/// Sets the member, or takes its value back. @returns whether it may have that value
 template <class Member>
-bool assign(Member& member, const SceneValue& value) {
+bool assign(Member& member, const std::optional<SceneValue>& value) {
     if constexpr (may_be_unset<Member>) {
         typename Member::value_type given{};
-        const bool taken = assign(given, value);
+        const bool taken = !value || assign(given, value);
         if (taken) {
-            member = std::move(given);
+            member = value ? Member(std::move(given)) : std::nullopt;
         }
         return taken;
     } else if constexpr (std::is_enum_v<Member>) {
-        const auto* text = std::get_if<std::string>(&value);
+        const auto* text = value ? std::get_if<std::string>(&*value) : nullptr;
         for (const auto& entry : Words<Member>::all) {
             if (text != nullptr && entry.text == *text) {
                 member = entry.choice;
@@ -54,7 +54,7 @@ bool assign(Member& member, const SceneValue& value) {
         }
         return false;
     } else {
-        const auto* given = std::get_if<Member>(&value);
+        const auto* given = value ? std::get_if<Member>(&*value) : nullptr;
         if (given != nullptr) {
             member = *given;
         }
@@ -174,19 +174,10 @@ std::optional<SceneValue> SceneKey::value(const Scene& scene) const {
     return value;
 }
 
-bool SceneKey::set(Scene& scene, const SceneValue& value) const {
+bool SceneKey::set(Scene& scene, const std::optional<SceneValue>& value) const {
     bool done = false;
     at_member(scene, *this, [&](auto& member) { done = assign(member, value); });
     return done;
-}
-
-bool SceneKey::unset(Scene& scene) const {
-    at_member(scene, *this, []<class Member>(Member& member) {
-        if constexpr (may_be_unset<Member>) {
-            member.reset();
-        }
-    });
-    return is_optional;
 }
 
 bool SceneKey::has_effect(const Scene& scene) const {

@@ -72,10 +72,9 @@ struct SceneKey : KeyRow {
 
     /// Nothing where the scene does not give it.
     std::optional<SceneValue> value(const Scene& scene) const;
-    /// False, and nothing is changed, where the key has no such word. @param value of the key's kind
-    bool set(Scene& scene, const SceneValue& value) const;
-    /// Takes the value back; false where the key always has one.
-    bool unset(Scene& scene) const;
+    /// False, and nothing is changed, where the key has no such word, or always has a value. @param value of the key's kind; nothing
+    /// takes it back
+    bool set(Scene& scene, const std::optional<SceneValue>& value) const;
     /// False where the scene has another word than the key needs.
     bool has_effect(const Scene& scene) const;
 };

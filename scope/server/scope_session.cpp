@@ -5,10 +5,9 @@
 #include <utility>
 
 #include "measures/run.hpp"
-#include "scope/server/scene_text.hpp"
 
-#include "core/scene/json.hpp"
-#include "core/scene/scene_key.hpp"
+#include "core/scene/scene_json.hpp"
+#include "core/scene/scene_toml.hpp"
 
 namespace hertzline::scope {
 
@@ -29,6 +28,14 @@ double since_1970_s() {
 double number_in(const Json& object, const char* section, const char* key) {
     const Json::json_pointer path = Json::json_pointer() / section / key;
     return object.contains(path) && object.at(path).is_number() ? object.at(path).get<double>() : 0;
+}
+
+/// The scene in a stream's meta as a scene file; null where it holds none that this program knows.
+Json scene_toml(const Json& meta) {
+    const auto scene = scene_of_json(meta.is_object() ? meta.value("scene", Json()) : Json());
+    return scene && validate(*scene).empty()
+               ? Json("# The scene of a stream, saved by hertzline scope.\n" + to_toml(*scene))
+               : Json(nullptr);
 }
 
 const char* word(Hearing::State state) {
@@ -143,8 +150,7 @@ void ScopeSession::take_request(PageId id, ScopePage& page, const std::string& t
                 {{"to", request}, {"answer", fault_answer("this scope was started without --control")}});
         }
     } else if (request.contains("scene")) {
-        const auto scene = scene_text(hearing_.meta());
-        page.reply({{"scene_toml", scene ? Json(*scene) : Json(nullptr)}});
+        page.reply({{"scene_toml", scene_toml(hearing_.meta())}});
     } else if (request.contains("record")) {
         take_recording_request(page, request["record"]);
     } else {

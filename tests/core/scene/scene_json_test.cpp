@@ -43,8 +43,9 @@ TEST(SceneJson, NamesEveryFaultOfASceneThatIsNone) {
                                &Fault::key);
         return keys;
     };
+    EXPECT_THAT(faulty(nullptr), ElementsAre("scene"));
     EXPECT_THAT(faulty({{"drive", 3}, {"materials", {{"a b", 1}}}}),
-                ElementsAre("drive", "materials.\"a b\""));
+                ElementsAre("\"drive\"", R"("materials.\"a b\"")"));
     EXPECT_THAT(
         faulty({{"chain", {{"spheres", 0}, {"sphere", 1}}}, {"materials", {{"oil", {{"colour", 1}}}}}}),
         ElementsAre("chain.spheres", "\"chain.sphere\"", "\"materials.oil.colour\""));

@@ -44,7 +44,7 @@ TEST(SceneKey, SetsItsOwnMemberAndNoOther) {
         for (const SceneKey& other : keys) {
             EXPECT_EQ(other.value(scene), other.name == key.name ? value : other.value(before)) << other.name;
         }
-        EXPECT_EQ(key.unset(scene), key.is_optional);
+        EXPECT_EQ(key.set(scene, std::nullopt), key.is_optional);
         EXPECT_EQ(key.value(scene).has_value(), !key.is_optional);
     }
 }

@@ -25,11 +25,7 @@ public:
     double unit() { return std::uniform_real_distribution<double>(0, 1)(bits_); }
 
     void set(Scene& scene, const SceneKey& key) {
-        if (key.is_optional && coin()) {
-            key.unset(scene);
-        } else {
-            key.set(scene, value(scene, key));
-        }
+        key.set(scene, key.is_optional && coin() ? std::nullopt : std::optional(value(scene, key)));
     }
 
 private:

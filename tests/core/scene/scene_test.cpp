@@ -71,19 +71,16 @@ TEST(Scene, DefaultsAreValid) {
 }
 
 TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
-    int numbers = 0;
     for (const SceneKey& key : scene_keys()) {
         if (key.kind != ValueKind::number) {
             continue;
         }
-        ++numbers;
         for (const double value : {nan, inf, -inf, 1e300, -1e300}) {
             Scene scene;
             EXPECT_TRUE(key.set(scene, value));
             EXPECT_THAT(faulty_keys(scene), testing::Contains(key.name)) << value;
         }
     }
-    EXPECT_EQ(numbers, 20);
 }
 
 struct Bound {
