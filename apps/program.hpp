@@ -1,5 +1,5 @@
 #pragma once
-// What the programs have in common: a command line with subcommands, and what becomes of errors.
+// A command line with subcommands, and the exit status of each error.
 
 #include <functional>
 #include <string>

@@ -1,15 +1,14 @@
 #!/usr/bin/env bash
 # cluster.sh [BUILD]: sweeps on a real Slurm: munged, slurmctld and two slurmd on this machine, started here and gone afterwards. Submits
-# an array of jobs and a job of two MPI ranks, one on each node, and compares their tables with that of one process, byte for byte.
-# Exit status 1 when one differs or does not end. Needs hertzline and hertzline-mpi in BUILD (build/release), and Debian's slurm-wlm and
-# munge: install_packages.sh --optional.
+# an array of jobs, one of its tasks again alone, and a job of two ranks, one on each node, and compares their tables with that of one
+# process, byte for byte. Exit status 1 when one differs or does not end. Needs hertzline in BUILD (build/release), and Debian's slurm-wlm
+# and munge: install_packages.sh --optional.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=$(realpath "${1:-build/release}")
 for program in munged slurmctld slurmd sbatch srun; do
     PATH=$PATH:/usr/sbin command -v "$program" >/dev/null || { echo "cluster.sh: needs Debian's slurm-wlm and munge" >&2; exit 1; }
 done
-[ -x "$build/hertzline-mpi" ] || { echo "cluster.sh: $build has no hertzline-mpi; it is built where OpenMPI is" >&2; exit 1; }
 export PATH=$PATH:/usr/sbin
 
 folder=$(mktemp -d "${TMPDIR:-/tmp}/hertzline-cluster-XXXXXX")
@@ -85,7 +84,7 @@ NodeName=two NodeHostname=$host NodeAddr=127.0.0.1 Port=$two CPUs=2
 PartitionName=all Nodes=one,two Default=YES State=UP OverSubscribe=NO
 CONF
 export SLURM_CONF=$folder/slurm.conf
-mkdir "$folder"/{state,tmp.one,tmp.two}  # PMIx keeps its sockets in the latter
+mkdir "$folder"/{state,tmp.one,tmp.two}
 
 daemon munged munged --foreground --force --key-file="$folder/munge/key" --socket="$folder/munge.socket" \
     --pid-file="$folder/munge/pid" --log-file="$folder/munge/log" --seed-file="$folder/munge/seed"
@@ -106,13 +105,18 @@ echo "one process ..."
 # shellcheck disable=SC2086  # a list of words
 "$build/hertzline" sweep $sweep -o "$folder/alone.csv" >"$folder/alone.log" 2>&1
 
-echo "an array of 4 jobs ..."
-submit array --array=1-4 --ntasks=1 "exec '$build/hertzline' sweep $sweep --shard slurm -o array.csv"
-"$build/hertzline" sweep --merge "$folder"/array.csv.*-of-4.journal -o "$folder/array.csv" >"$folder/merge.log" 2>&1
-cmp "$folder/alone.csv" "$folder/array.csv"
+merge() { # NAME PARTS: joins the parts and compares
+    "$build/hertzline" sweep --merge "$folder/$1.csv".*-of-"$2".journal -o "$folder/$1.csv" >"$folder/merge.log" 2>&1
+    cmp "$folder/alone.csv" "$folder/$1.csv"
+}
 
-echo "2 MPI ranks on 2 nodes ..."
-submit ranks --nodes=2 --ntasks-per-node=1 "exec srun --mpi=pmix '$build/hertzline-mpi' sweep $sweep -o ranks.csv"
-grep -h "ranks of" "$folder"/ranks.*.log
-cmp "$folder/alone.csv" "$folder/ranks.csv"
+echo "an array of 4 jobs, the third of which is lost and submitted again ..."
+submit array --array=1-4 --ntasks=1 "exec '$build/hertzline' sweep $sweep --shard slurm -o array.csv"
+rm "$folder/array.csv.3-of-4.journal"
+submit again --array=3 --ntasks=1 "exec '$build/hertzline' sweep $sweep --shard slurm/4 --resume -o array.csv"
+merge array 4
+
+echo "2 ranks on 2 nodes ..."
+submit ranks --nodes=2 --ntasks-per-node=1 "exec srun '$build/hertzline' sweep $sweep --shard mpi -o ranks.csv"
+merge ranks 2
 echo "all three tables are the same: $(wc -l <"$folder/alone.csv") lines, $(cksum <"$folder/alone.csv")"

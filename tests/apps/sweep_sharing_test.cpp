@@ -3,6 +3,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -28,6 +31,16 @@ protected:
         const Outcome outcome = swept(with(more, {"-o", folder.file(name)}));
         EXPECT_EQ(outcome.status, 0) << outcome.err;
         return contents(folder.file(name));
+    }
+    /// The table of all parts.
+    std::string merged(const std::string& name, int parts) const {
+        Words merge{"sweep", "--merge"};
+        for (int part = 1; part <= parts; ++part) {
+            merge.push_back(folder.file(fmt::format("{}.{}-of-{}.journal", name, part, parts)));
+        }
+        const Outcome outcome = hertzline(with(merge, {"-o", folder.file("merged-" + name)}));
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return contents(folder.file("merged-" + name));
     }
     json provenance(const std::string& name) const {
         return json::parse(contents(folder.file(name + "-metadata.json")))["urn:hertzline:provenance"];
@@ -82,39 +95,115 @@ TEST_F(SharedSweep, ARunGivesTheNumbersOfTheNamedInstructionSet) {
     EXPECT_EQ(samples("c.csv", {}) == narrow, kernels::kernel_targets().size() == 1);
 }
 
-/// What Slurm tells a task of an array, for what is started meanwhile.
-class SlurmTask {
+/// Variables for the programs that are started meanwhile.
+class Environment {
 public:
-    SlurmTask(const char* task, const char* tasks, const char* first, const char* last) {
-        set("ID", task);
-        set("COUNT", tasks);
-        set("MIN", first);
-        set("MAX", last);
-    }
-    ~SlurmTask() {
-        for (const char* name : {"ID", "COUNT", "MIN", "MAX"}) {
-            unsetenv((before + name).c_str());
+    using Values = std::vector<std::pair<std::string, std::string>>;
+
+    explicit Environment(Values values) : values_(std::move(values)) {
+        for (const auto& [name, value] : values_) {
+            setenv(name.c_str(), value.c_str(), 1);
         }
     }
-    SlurmTask(const SlurmTask&) = delete;
-    SlurmTask& operator=(const SlurmTask&) = delete;
+    ~Environment() {
+        for (const auto& [name, value] : values_) {
+            unsetenv(name.c_str());
+        }
+    }
+    Environment(const Environment&) = delete;
+    Environment& operator=(const Environment&) = delete;
 
 private:
-    void set(const char* name, const char* value) const { setenv((before + name).c_str(), value, 1); }
-    std::string before = "SLURM_ARRAY_TASK_";
+    Values values_;
+};
+
+/// A task of a Slurm array, as Slurm describes it.
+class SlurmTask : public Environment {
+public:
+    SlurmTask(const char* task, const char* tasks, const char* first, const char* last)
+        : Environment({{"SLURM_ARRAY_TASK_ID", task},
+                       {"SLURM_ARRAY_TASK_COUNT", tasks},
+                       {"SLURM_ARRAY_TASK_MIN", first},
+                       {"SLURM_ARRAY_TASK_MAX", last}}) {}
 };
 
 TEST_F(SharedSweep, TasksOfASlurmArrayAreItsParts) {
     const std::string whole = table("whole.csv", {});
-    for (const char* task : {"5", "6", "7"}) {
-        const SlurmTask slurm(task, "3", "5", "7");
+    for (const char* task : {"1", "2", "3"}) {
+        const SlurmTask slurm(task, "3", "1", "3");
         EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm"}).status, 0);
     }
-    const auto part = [&](int number) { return folder.file(fmt::format("s.csv.{}-of-3.journal", number)); };
-    const Outcome merged =
-        hertzline({"sweep", "--merge", part(1), part(2), part(3), "-o", folder.file("merged.csv")});
-    EXPECT_EQ(merged.status, 0) << merged.err;
-    EXPECT_EQ(contents(folder.file("merged.csv")), whole);
+    EXPECT_EQ(merged("s.csv", 3), whole);
+}
+
+TEST_F(SharedSweep, ATaskThatIsSubmittedAgainLandsInItsPlace) {
+    const std::string whole = table("whole.csv", {});
+    const Words words_of_part{"-o", folder.file("s.csv"), "--shard", "slurm", "--resume"};
+    for (const char* task : {"0", "1", "3"}) {  // an array that begins at 0
+        const SlurmTask slurm(task, "4", "0", "3");
+        EXPECT_EQ(swept(words_of_part).status, 0);
+    }
+    const SlurmTask again("3", "1", "3", "3");
+    const Outcome alone = swept(words_of_part);
+    EXPECT_EQ(alone.status, 2);
+    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/N takes a task of it that is submitted again"));
+    EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm/4", "--resume"}).status, 0);
+    EXPECT_EQ(merged("s.csv", 4), whole);
+}
+
+TEST_F(SharedSweep, ATaskIsNotTakenForAllWherePartsOfAnotherNumberLie) {
+    EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "2/4"}).status, 0);
+    const SlurmTask alone("1", "1", "1", "1");
+    const Outcome outcome = swept({"-o", folder.file("s.csv"), "--shard", "slurm", "--resume"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr("found part 1 of 1, and beside it"),
+                                   HasSubstr("s.csv.2-of-4.journal"), HasSubstr("--shard slurm/4")));
+    EXPECT_FALSE(fs::exists(folder.file("s.csv")));
+    EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm/4", "--resume"}).status, 0);
+    EXPECT_TRUE(fs::exists(folder.file("s.csv.1-of-4.journal")));
+}
+
+TEST_F(SharedSweep, RanksOfMpirunAreItsParts) {
+    if (std::system("command -v mpirun >/dev/null") != 0) {
+        GTEST_SKIP() << "there is no mpirun: openmpi-bin";
+    }
+    const Environment environment({{"OMPI_ALLOW_RUN_AS_ROOT", "1"},
+                                   {"OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1"},
+                                   {"OMPI_MCA_rmaps_base_oversubscribe", "1"},
+                                   {"OMPI_MCA_plm_rsh_agent", "/bin/false"}});  // this machine alone
+    const std::string whole = table("whole.csv", {});
+    std::string line = fmt::format("mpirun -n 4 {}", HERTZLINE_PROGRAM);
+    for (const std::string& word : words) {
+        line += fmt::format(" '{}'", word);
+    }
+    line += fmt::format(" -o '{}' --shard mpi 2>'{}'", folder.file("s.csv"), folder.file("messages"));
+    ASSERT_EQ(std::system(line.c_str()), 0) << contents(folder.file("messages"));
+    EXPECT_EQ(merged("s.csv", 4), whole);
+}
+
+TEST_F(SharedSweep, ARankIsThatOfTheLauncherInUse) {
+    const auto part = [&](const Environment::Values& values) {
+        const Environment environment(values);
+        const Outcome outcome = swept({"-o", folder.file("s.csv"), "--shard", "mpi", "--resume"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("on 1 thread;"));
+        return outcome.out;
+    };
+    EXPECT_THAT(part({{"PMI_RANK", "1"}, {"PMI_SIZE", "3"}}), HasSubstr("s.csv.2-of-3.journal"));
+    EXPECT_THAT(part({{"SLURM_PROCID", "0"}, {"SLURM_STEP_NUM_TASKS", "3"}}),
+                HasSubstr("s.csv.1-of-3.journal"));
+    EXPECT_THAT(part({{"SLURM_PROCID", "0"},
+                      {"SLURM_STEP_NUM_TASKS", "1"},
+                      {"OMPI_COMM_WORLD_RANK", "2"},
+                      {"OMPI_COMM_WORLD_SIZE", "3"}}),
+                HasSubstr("s.csv.3-of-3.journal"));
+    for (const Environment::Values& none :
+         {Environment::Values{}, {{"PMI_RANK", "3"}, {"PMI_SIZE", "3"}}, {{"SLURM_PROCID", "0"}}}) {
+        const Environment environment(none);
+        const Outcome outcome = swept({"-o", folder.file("s.csv"), "--shard", "mpi"});
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_THAT(outcome.err, HasSubstr("--shard mpi: found no rank in the environment"));
+    }
 }
 
 TEST_F(SharedSweep, OutsideAnArrayOrInOneWithGapsNoPartIsNamed) {
@@ -128,6 +217,10 @@ TEST_F(SharedSweep, OutsideAnArrayOrInOneWithGapsNoPartIsNamed) {
         const SlurmTask slurm("7", "2", "3", "7");
         EXPECT_THAT(fault(),
                     HasSubstr("found task 7 of 2 tasks from 3 to 7, allowed: an array without gaps"));
+    }
+    {
+        const SlurmTask slurm("4", "2", "3", "4");
+        EXPECT_THAT(fault(), HasSubstr("that begins at 1"));
     }
     const SlurmTask slurm("x", "2", "1", "2");
     EXPECT_THAT(fault(), HasSubstr("found no SLURM_ARRAY_TASK_ID"));

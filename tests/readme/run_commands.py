@@ -37,9 +37,12 @@ NOT_RUN = {
         "ninja -C build/release test_core && ctest --preset release -R '^core/'": BUILDS,
     },
     "apps/README.md": {
-        "mpirun -n 4 hertzline-mpi sweep paper-wall --vary chain.preload_n=0.01..2:log:400 -o m.h5": "the tests mpi/ do it",
+        "mpirun -n 4 hertzline sweep paper-wall --vary chain.preload_n=0.01..2:log:400 -o m.h5 --shard mpi --resume":
+            "the tests apps/SharedSweep do it",
         'sbatch --array=1-8 --wrap "hertzline sweep my-scene.toml --points p.csv -o s.h5 --shard slurm --resume"': SLURM,
-        'sbatch --ntasks=64 --wrap "srun --mpi=pmix hertzline-mpi sweep my-scene.toml --points p.csv -o s.h5 --resume"': SLURM,
+        'sbatch --array=3,7 --wrap "hertzline sweep my-scene.toml --points p.csv -o s.h5 --shard slurm/8 --resume"': SLURM,
+        'sbatch --ntasks=64 --wrap "srun hertzline sweep my-scene.toml --points p.csv -o s.h5 --shard mpi --resume"': SLURM,
+        "hertzline sweep --merge s.h5.*-of-8.journal -o s.h5": SLURM,
     },
     "apps/clients/README.md": {
         "node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 10000 heard.f32": "the tests clients/node do it",

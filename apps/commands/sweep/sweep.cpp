@@ -1,5 +1,3 @@
-#include "apps/commands/sweep/sweep.hpp"
-
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -19,7 +17,7 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/sweep/sweep_crew.hpp"
+#include "apps/commands/sweep/shard_argument.hpp"
 #include "apps/commands/sweep/sweep_merge.hpp"
 #include "apps/commands/sweep/sweep_options.hpp"
 #include "apps/commands/sweep/sweep_progress.hpp"
@@ -41,20 +39,12 @@ using studies::PointCounts;
 using studies::PointStatus;
 using studies::Sweep;
 
-constexpr const char* journal_ending = ".journal";
-
-/// Beside the file: FILE.journal, or FILE.1-of-4.journal.
-fs::path journal_path(const SweepOptions& options, const studies::Shard& shard) {
-    return options.files.front() +
-           (shard.parts > 1 ? fmt::format(".{}-of-{}", shard.part, shard.parts) : std::string()) +
-           journal_ending;
-}
-
 Journal open_journal(const SweepOptions& options, const Sweep& sweep) {
     if (options.files.empty()) {
         return Journal::passing();
     }
-    return {journal_path(options, sweep.shard), options.resume ? Journal::Use::resume : Journal::Use::begin};
+    return {journal_name(options.files.front(), sweep.shard),
+            options.resume ? Journal::Use::resume : Journal::Use::begin};
 }
 
 /// What helps where a journal's rows were made with other instructions.
@@ -104,12 +94,12 @@ std::vector<std::int64_t> missing_points(const Sweep& sweep, const Journal& jour
 }
 
 void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std::size_t missing,
-                      const SweepCrew& crew) {
+                      int threads) {
     const Sweep& sweep = sound.sweep;
     const double points_bytes = 16 * static_cast<double>(sweep.plan.size());  // the journal's index
-    const double memory = crew.threads_here() * sound.survey.memory_bytes + points_bytes;
+    const double memory = threads * sound.survey.memory_bytes + points_bytes;
     if (const auto shortage =
-            measures::memory_shortage(fmt::format("a sweep with {} jobs", crew.threads_here()), memory)) {
+            measures::memory_shortage(fmt::format("a sweep with {} jobs", threads), memory)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
     const double journal = Journal::bytes(static_cast<double>(missing), studies::payload_bytes(sweep.demand));
@@ -119,8 +109,9 @@ void refuse_shortages(const SweepOptions& options, const SoundSweep& sound, std:
     if (const auto shortage = measures::disk_shortage(path, journal + tables)) {
         throw std::runtime_error(*shortage);
     }
-    spdlog::info("{}; {} to run, on {}; about {} of disk and {} of memory", sweep.plan.text(), missing,
-                 crew.text(), measures::human_bytes(journal + tables), measures::human_bytes(memory));
+    spdlog::info("{}; {} to run, on {} {}; about {} of disk and {} of memory", sweep.plan.text(), missing,
+                 threads, threads == 1 ? "thread" : "threads", measures::human_bytes(journal + tables),
+                 measures::human_bytes(memory));
 }
 
 void tell_of_refused(const studies::SweepSurvey& survey, std::int64_t points) {
@@ -131,21 +122,21 @@ void tell_of_refused(const studies::SweepSurvey& survey, std::int64_t points) {
 
 /// The first point alone tells how long the others will take, roughly.
 PointCounts run_missing(const Sweep& sweep, Journal& journal, const std::vector<std::int64_t>& missing,
-                        SweepCrew& crew) {
+                        int threads) {
     const std::atomic<bool>& stop = stop_asked();
     SweepProgress progress(static_cast<std::int64_t>(missing.size()));
     PointCounts first;
     if (!missing.empty()) {
         first = studies::run_points(sweep, journal, std::span(missing).first(1), 1, stop,
                                     [](const PointCounts&) {});
-        const double left = progress.elapsed_s() * static_cast<double>(missing.size() - 1) / crew.threads();
+        const double left = progress.elapsed_s() * static_cast<double>(missing.size() - 1) / threads;
         spdlog::info("the first point took {}: about {} for all", time_text(progress.elapsed_s()),
                      time_text(progress.elapsed_s() + left));
     }
     PointCounts others;
     if (missing.size() > 1) {
-        others = crew.run(sweep, journal, std::span(missing).subspan(1),
-                          [&](PointCounts done) { progress.tell(done += first); });
+        others = studies::run_points(sweep, journal, std::span(missing).subspan(1), threads, stop,
+                                     [&](PointCounts done) { progress.tell(done += first); });
     }
     return others += first;
 }
@@ -164,9 +155,9 @@ Exit stopped(const SweepOptions& options, const Journal& journal, const PointCou
 
 /// What is missing, and what to do next when that cannot be gone on with.
 PointCounts run_or_tell(const SweepOptions& options, const Sweep& sweep, Journal& journal,
-                        const std::vector<std::int64_t>& missing, SweepCrew& crew) {
+                        const std::vector<std::int64_t>& missing, int threads) {
     try {
-        return run_missing(sweep, journal, missing, crew);
+        return run_missing(sweep, journal, missing, threads);
     } catch (const std::runtime_error& error) {
         if (options.files.empty() || !journal.has_rows()) {
             throw;
@@ -194,15 +185,18 @@ bool finish(const SweepOptions& options, const Sweep& sweep, Journal& journal, s
     return true;
 }
 
-Exit run_sweep(const SweepOptions& options, SweepCrew& crew) {
+Exit run_sweep(const SweepOptions& options) {
     const SoundSweep sound = sound_sweep(options);
     const Sweep& sweep = sound.sweep;
     const bool whole = sweep.shard.parts == 1;
+    const int threads = jobs_of(options);
     if (whole) {
         std::ranges::for_each(options.files, recordings::require_writable);
     }
+    if (!options.files.empty()) {
+        refuse_other_parts(options.shard, options.files.front(), sweep.shard);
+    }
     tell_of_refused(sound.survey, sweep.plan.size());
-    crew.muster(options, sweep);
     Journal journal = open_journal(options, sweep);
     prepare(journal, sweep, options.resume);
     stop_asked();  // from here on there are rows to be saved
@@ -213,8 +207,8 @@ Exit run_sweep(const SweepOptions& options, SweepCrew& crew) {
         spdlog::info("{} of {} points are in {}", there.all(), all, journal.path().string());
     }
     const UnusedJournal unused(journal, !missing.empty());
-    refuse_shortages(options, sound, missing.size(), crew);
-    PointCounts counts = run_or_tell(options, sweep, journal, missing, crew);
+    refuse_shortages(options, sound, missing.size(), threads);
+    PointCounts counts = run_or_tell(options, sweep, journal, missing, threads);
     counts += there;
     if (counts.all() < all) {
         return stopped(options, journal, counts, all);
@@ -233,23 +227,18 @@ Exit run_sweep(const SweepOptions& options, SweepCrew& crew) {
 
 }  // namespace
 
-Run add_sweep(CLI::App& app, SweepCrew& crew) {
+Run sweep_command(CLI::App& app) {
     auto options = std::make_shared<SweepOptions>();
     add_sweep_options(app, *options);
-    return [options, &crew] {
+    return [options] {
         if (!options->parts.empty()) {
             return merge_parts(*options);
         }
         if (options->scene.scene.empty()) {
             throw WrongUse("SCENE: found none, allowed: a scene file, or the name of a shipped scene");
         }
-        return run_sweep(*options, crew);
+        return run_sweep(*options);
     };
-}
-
-Run sweep_command(CLI::App& app) {
-    static ThreadCrew threads;
-    return add_sweep(app, threads);
 }
 
 }  // namespace hertzline::app

@@ -1,9 +1,7 @@
 #include "apps/commands/sweep/sweep_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -20,6 +18,7 @@
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/target_option.hpp"
 #include "apps/command.hpp"
+#include "apps/commands/sweep/shard_argument.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
 #include "core/scene/text.hpp"
 
@@ -93,59 +92,6 @@ studies::SweepPlan plan_of(const SweepOptions& options) {
     return *std::move(plan);
 }
 
-/// A number that Slurm has put into the environment; nothing where there is none.
-std::optional<std::int64_t> slurm_number(const char* name) {
-    const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before there are threads
-    if (text == nullptr) {
-        return std::nullopt;
-    }
-    const std::string_view digits(text);
-    std::int64_t number = 0;
-    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    const bool whole = read.ec == std::errc{} && read.ptr == digits.data() + digits.size();
-    return whole ? std::optional(number) : std::nullopt;
-}
-
-/// The task of an array of jobs: --array=1-8 has parts 1/8 to 8/8.
-studies::Shard shard_of_slurm_task() {
-    const auto task = slurm_number("SLURM_ARRAY_TASK_ID");
-    const auto tasks = slurm_number("SLURM_ARRAY_TASK_COUNT");
-    const auto first = slurm_number("SLURM_ARRAY_TASK_MIN");
-    const auto last = slurm_number("SLURM_ARRAY_TASK_MAX");
-    if (!task || !tasks || !first || !last) {
-        throw WrongUse(
-            "--shard slurm: found no SLURM_ARRAY_TASK_ID with its COUNT, MIN and MAX, allowed: in a job of "
-            "sbatch --array=1-N");
-    }
-    if (*last - *first + 1 != *tasks || *task < *first || *task > *last || *tasks > studies::max_points) {
-        throw WrongUse(fmt::format(
-            "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps, as 1-8; "
-            "--shard I/N names a part of it",
-            *task, *tasks, *first, *last));
-    }
-    return {*task - *first + 1, *tasks};
-}
-
-studies::Shard shard_of(const std::string& text) {
-    studies::Shard shard;
-    if (text.empty()) {
-        return shard;
-    }
-    if (text == "slurm") {
-        return shard_of_slurm_task();
-    }
-    const char* const end = text.data() + text.size();
-    const auto part = std::from_chars(text.data(), end, shard.part);
-    const bool divided = part.ec == std::errc{} && part.ptr != end && *part.ptr == '/';
-    const auto parts = divided ? std::from_chars(part.ptr + 1, end, shard.parts) : part;
-    if (!divided || parts.ec != std::errc{} || parts.ptr != end || shard.part < 1 ||
-        shard.part > shard.parts || shard.parts > studies::max_points) {
-        throw WrongUse(fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm",
-                                   quoted_briefly(text)));
-    }
-    return shard;
-}
-
 std::vector<studies::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
     auto columns = measures::chosen_columns(measures::number_columns(measured, modal), options.quantities);
     if (!columns) {
@@ -180,6 +126,9 @@ void refuse_wrong_output(const SweepOptions& options) {
 }  // namespace
 
 int jobs_of(const SweepOptions& options) {
+    if (!options.jobs && options.shard == "mpi") {
+        return 1;  // the ranks of a machine share its processors
+    }
     if (!options.jobs) {
         return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_jobs);
     }
@@ -195,7 +144,7 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     studies::Shard shard;
     faults.of([&] { refuse_wrong_output(options); });
     faults.of([&] { jobs_of(options); });
-    faults.of([&] { shard = shard_of(options.shard); });
+    faults.of([&] { shard = shard_argument(options.shard); });
     faults.of([&] {
         if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
             throw WrongUse("--band-from: " + *fault);
@@ -236,8 +185,7 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
     app.add_option("--band-from", options.band_from_hz,
                    "bands are looked for from here upward (default: half the drive's frequency)")
         ->type_name("HZ");
-    app.add_option("--jobs", options.jobs,
-                   "threads (default: one for each processor; of hertzline-mpi one for each rank)")
+    app.add_option("--jobs", options.jobs, "threads (default: one for each processor; with --shard mpi one)")
         ->type_name("N");
     add_target_option(app);
 }
@@ -263,10 +211,12 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
         ->check(missing_name)
         ->type_name("NAME");
     app.add_flag("--resume", options.resume, "go on where a sweep was ended, or begin");
-    app.add_option("--shard", options.shard,
-                   "run only the I-th of N parts, or that of this task of a Slurm array; --merge joins them")
+    app.add_option(
+           "--shard", options.shard,
+           "run only the I-th of N parts, or that of this task of a Slurm array or rank of mpirun or srun; "
+           "--merge joins them")
         ->check(missing_name)
-        ->type_name("I/N|slurm");
+        ->type_name("I/N|slurm[/N]|mpi");
     app.add_option("--merge", options.parts, "write FILE from the journals of all parts")
         ->expected(1, -1)
         ->type_name("JOURNAL");

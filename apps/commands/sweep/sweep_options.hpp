@@ -25,9 +25,9 @@ struct SweepOptions {
     std::vector<std::string> quantities;  ///< what is kept; none: all
     std::optional<double> band_from_hz;
     std::string waveform;     ///< a tap; empty: none
-    std::optional<int> jobs;  ///< unset: as many as there are processors
+    std::optional<int> jobs;  ///< unset: jobs_of() decides
     bool resume = false;
-    std::string shard;               ///< "I/N" or "slurm"; empty: all
+    std::string shard;               ///< as shard_argument() reads it; empty: all
     std::vector<std::string> parts;  ///< journals to be merged; none: a sweep is run
     Format format = Format::text;
 };

@@ -1,0 +1,160 @@
+#include "apps/commands/sweep/shard_argument.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <regex>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "apps/command.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+using Number = std::optional<std::int64_t>;
+
+Number whole_number(std::string_view text) {
+    std::int64_t number = 0;
+    const char* const end = text.data() + text.size();
+    const auto read = std::from_chars(text.data(), end, number);
+    return !text.empty() && read.ec == std::errc{} && read.ptr == end ? Number(number) : std::nullopt;
+}
+
+/// A number that a launcher has put into the environment; nothing where there is none.
+Number number_of_launcher(const char* name) {
+    const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before there are threads
+    return text != nullptr ? whole_number(text) : std::nullopt;
+}
+
+[[noreturn]] void refuse_gaps(std::int64_t task, std::int64_t tasks, std::int64_t first, std::int64_t last) {
+    throw WrongUse(fmt::format(
+        "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps that begins at "
+        "1, as 1-8, or at 0; --shard slurm/N takes a task of it that is submitted again",
+        task, tasks, first, last));
+}
+
+/// A task of an array of jobs. --array=1-8 has parts 1/8 to 8/8; where tasks are submitted again the number of parts has to be given.
+studies::Shard shard_of_slurm_task(Number parts) {
+    const Number task = number_of_launcher("SLURM_ARRAY_TASK_ID");
+    const Number tasks = number_of_launcher("SLURM_ARRAY_TASK_COUNT");
+    const Number first = number_of_launcher("SLURM_ARRAY_TASK_MIN");
+    const Number last = number_of_launcher("SLURM_ARRAY_TASK_MAX");
+    if (!task || !tasks || !first || !last) {
+        throw WrongUse(
+            "--shard slurm: found no SLURM_ARRAY_TASK_ID with its COUNT, MIN and MAX, allowed: in a job of "
+            "sbatch --array=1-N");
+    }
+    if (parts) {
+        if (*first < 1 || *task < 1 || *task > *parts) {
+            throw WrongUse(fmt::format(
+                "--shard slurm/{0}: found task {1} of an array from {2} to {3}, allowed: tasks from 1 to {0}",
+                *parts, *task, *first, *last));
+        }
+        return {*task, *parts};
+    }
+    const bool whole = (*first == 0 || *first == 1) && *last - *first + 1 == *tasks;
+    if (!whole || *task < *first || *task > *last || *tasks > studies::max_points) {
+        refuse_gaps(*task, *tasks, *first, *last);
+    }
+    return {*task - *first + 1, *tasks};
+}
+
+/// How a launcher of ranks names them.
+struct RankNames {
+    const char* rank;  ///< from 0
+    const char* ranks;
+};
+/// A launcher inside of a job of Slurm comes before Slurm. The last one is srun's own: sbatch sets SLURM_NTASKS without starting tasks.
+constexpr std::array launchers{RankNames{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                               RankNames{"PMI_RANK", "PMI_SIZE"},
+                               RankNames{"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
+
+studies::Shard shard_of_rank() {
+    for (const RankNames& names : launchers) {
+        const Number rank = number_of_launcher(names.rank);
+        const Number ranks = number_of_launcher(names.ranks);
+        if (rank && ranks && *rank >= 0 && *rank < *ranks && *ranks <= studies::max_points) {
+            return {*rank + 1, *ranks};
+        }
+    }
+    std::string allowed;
+    for (const RankNames& names : launchers) {
+        allowed += fmt::format("{}{} with {}", allowed.empty() ? "" : ", ", names.rank, names.ranks);
+    }
+    throw WrongUse("--shard mpi: found no rank in the environment, allowed: under mpirun or srun, which set " +
+                   allowed);
+}
+
+/// A launcher names the part, and knows nothing of earlier parts.
+bool is_of_launcher(const std::string& text) {
+    return text == "slurm" || text == "mpi";
+}
+
+}  // namespace
+
+studies::Shard shard_argument(const std::string& text) {
+    if (text.empty()) {
+        return {};
+    }
+    if (text == "mpi") {
+        return shard_of_rank();
+    }
+    if (text == "slurm") {
+        return shard_of_slurm_task(std::nullopt);
+    }
+    const std::size_t slash = std::min(text.find('/'), text.size());
+    const std::string_view before = std::string_view(text).substr(0, slash);
+    const Number part = whole_number(before);
+    const Number parts = whole_number(std::string_view(text).substr(std::min(slash + 1, text.size())));
+    if (parts && *parts >= 1 && *parts <= studies::max_points) {
+        if (before == "slurm") {
+            return shard_of_slurm_task(parts);
+        }
+        if (part && *part >= 1 && *part <= *parts) {
+            return {*part, *parts};
+        }
+    }
+    throw WrongUse(fmt::format(
+        "--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm, slurm/N, mpi", quoted_briefly(text)));
+}
+
+std::string journal_name(const std::string& file, const studies::Shard& shard) {
+    return file + (shard.parts > 1 ? fmt::format(".{}-of-{}", shard.part, shard.parts) : std::string()) +
+           ".journal";
+}
+
+void refuse_other_parts(const std::string& text, const std::string& file, const studies::Shard& shard) {
+    if (!is_of_launcher(text)) {
+        return;
+    }
+    const fs::path path(file);
+    const std::string before = path.filename().string() + '.';
+    const std::regex form(R"((\d+)-of-(\d+)\.journal)");
+    std::error_code unreadable;
+    for (const fs::directory_entry& entry :
+         fs::directory_iterator(path.has_parent_path() ? path.parent_path() : fs::path("."), unreadable)) {
+        const std::string name = entry.path().filename().string();
+        std::smatch numbers;
+        const std::string rest = name.starts_with(before) ? name.substr(before.size()) : std::string();
+        if (std::regex_match(rest, numbers, form) && whole_number(numbers[2].str()) != shard.parts) {
+            throw WrongUse(fmt::format(
+                "--shard {0}: found part {1} of {2}, and beside it {3}, allowed: parts of one number; --shard "
+                "{4}{5} runs a part of those again",
+                text, shard.part, shard.parts, printable(entry.path().string()),
+                text == "slurm" ? "slurm/" : "I/", numbers[2].str()));
+        }
+    }
+}
+
+}  // namespace hertzline::app
