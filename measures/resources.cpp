@@ -6,8 +6,10 @@
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <string>
 
+#include <sched.h>
 #include <sys/statvfs.h>
 
 namespace hertzline::measures {
@@ -50,28 +52,24 @@ std::optional<std::uint64_t> smaller(std::optional<std::uint64_t> a, std::option
     return a && b ? std::min(*a, *b) : (a ? a : b);
 }
 
-/// The tightest of a group and all groups above it. In a container the group's own path may not be visible;
-/// the root of the hierarchy then is the container's group.
-std::optional<std::uint64_t> left_up_the_tree(const fs::path& hierarchy, std::string_view group,
-                                              bool unified) {
-    std::optional<std::uint64_t> left;
-    fs::path relative = fs::path(group).relative_path().lexically_normal();
-    for (;; relative = relative.parent_path()) {
-        const fs::path d = hierarchy / relative;
-        left = smaller(left, unified ? left_in_group(d / "memory.max", d / "memory.current",
-                                                     d / "memory.stat", "inactive_file")
-                                     : left_in_group(d / "memory.limit_in_bytes", d / "memory.usage_in_bytes",
-                                                     d / "memory.stat", "total_inactive_file"));
+/// Looks at a group and at all groups above it. In a container the group's own path may not be visible; the root of the hierarchy then is
+/// the container's group.
+template <class Look>
+void look_up_the_tree(const fs::path& hierarchy, std::string_view group, const Look& look) {
+    for (fs::path relative = fs::path(group).relative_path().lexically_normal();;
+         relative = relative.parent_path()) {
+        look(hierarchy / relative);
         if (relative.empty()) {
-            return left;
+            return;
         }
     }
 }
 
+/// Looks at the folders of the control groups of this process that have the controller, and tells whether they are of the second version.
 /// Lines of /proc/self/cgroup: "0::/path" (v2) or "7:memory,other:/path" (v1), cgroups(7).
-std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
+template <class Look>
+void look_at_control_groups(const fs::path& root, const std::string& controller, const Look& look) {
     std::ifstream groups(root / "proc/self/cgroup");
-    std::optional<std::uint64_t> left;
     for (std::string line; std::getline(groups, line);) {
         const auto first = line.find(':');
         const auto second = line.find(':', first + 1);
@@ -81,12 +79,55 @@ std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
         const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
         const std::string group = line.substr(second + 1);
         if (controllers == ",,") {
-            left = smaller(left, left_up_the_tree(root / "sys/fs/cgroup", group, true));
-        } else if (controllers.find(",memory,") != std::string::npos) {
-            left = smaller(left, left_up_the_tree(root / "sys/fs/cgroup/memory", group, false));
+            look_up_the_tree(root / "sys/fs/cgroup", group, [&](const fs::path& d) { look(d, true); });
+        } else if (controllers.find("," + controller + ",") != std::string::npos) {
+            look_up_the_tree(root / "sys/fs/cgroup" / controller, group,
+                             [&](const fs::path& d) { look(d, false); });
         }
     }
+}
+
+std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
+    std::optional<std::uint64_t> left;
+    look_at_control_groups(root, "memory", [&](const fs::path& d, bool unified) {
+        left = smaller(left, unified ? left_in_group(d / "memory.max", d / "memory.current",
+                                                     d / "memory.stat", "inactive_file")
+                                     : left_in_group(d / "memory.limit_in_bytes", d / "memory.usage_in_bytes",
+                                                     d / "memory.stat", "total_inactive_file"));
+    });
     return left;
+}
+
+/// Processors that a quota of time comes to, rounded up.
+std::optional<std::uint64_t> processors_of(std::optional<std::uint64_t> quota,
+                                           std::optional<std::uint64_t> period) {
+    return quota && period && *period > 0
+               ? std::optional(std::max<std::uint64_t>(1, *quota / *period + (*quota % *period != 0)))
+               : std::nullopt;
+}
+
+std::optional<std::uint64_t> processors_in_group(const fs::path& group, bool unified) {
+    if (!unified) {  // without a quota it is -1, which reads as the largest number
+        return processors_of(number_in(group / "cpu.cfs_quota_us", ""),
+                             number_in(group / "cpu.cfs_period_us", ""));
+    }
+    std::ifstream file(group / "cpu.max");  // "max 100000" or "150000 100000"
+    std::uint64_t quota = 0;
+    std::uint64_t period = 0;
+    return file >> quota >> period ? processors_of(quota, period) : std::nullopt;
+}
+
+/// Processors that the system lets this process run on.
+std::optional<std::uint64_t> processors_of_affinity() {
+    for (int most = CPU_SETSIZE; most <= 1 << 16; most *= 2) {
+        const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(static_cast<std::size_t>(most)),
+                                                                   [](cpu_set_t* old) { CPU_FREE(old); });
+        const std::size_t bytes = CPU_ALLOC_SIZE(static_cast<std::size_t>(most));
+        if (set != nullptr && ::sched_getaffinity(0, bytes, set.get()) == 0) {
+            return static_cast<std::uint64_t>(CPU_COUNT_S(bytes, set.get()));
+        }
+    }
+    return std::nullopt;
 }
 
 bool fits(double needed, std::optional<std::uint64_t> available) {
@@ -105,6 +146,15 @@ std::optional<std::uint64_t> available_memory_bytes(const fs::path& root) {
         *available *= 1024;
     }
     return smaller(available, left_by_control_groups(root));
+}
+
+int usable_processors(const fs::path& root) {
+    std::optional<std::uint64_t> processors = processors_of_affinity();
+    look_at_control_groups(root, "cpu", [&](const fs::path& group, bool unified) {
+        processors = smaller(processors, processors_in_group(group, unified));
+    });
+    constexpr std::uint64_t most = 1 << 16;
+    return static_cast<int>(std::clamp<std::uint64_t>(processors.value_or(1), 1, most));
 }
 
 std::optional<std::uint64_t> free_disk_bytes(const fs::path& path) {

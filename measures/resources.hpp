@@ -15,6 +15,10 @@ namespace hertzline::measures {
 /// not say. `root` is where the system's files are found.
 std::optional<std::uint64_t> available_memory_bytes(const std::filesystem::path& root = "/");
 
+/// Processors that this process may use at a time, at least 1: those of its affinity, or fewer where the quota of a control group (v2 or
+/// v1) comes to fewer; a part of one counts as one. `root` as above.
+int usable_processors(const std::filesystem::path& root = "/");
+
 /// Space that a file of that name could take [bytes]: what the file system of its directory has free for
 /// ordinary users. Absent when the path is not a file's (a device, a FIFO) or the directory cannot be asked.
 std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& path);

@@ -69,9 +69,10 @@ void refuse_shortages(const Scene& scene, const RunDemand& demand) {
                                              number_text(measures::max_run_rows)));
     }
     refuse_disk_shortages(scene, rows, demand.files, demand.recorded);
+    const std::vector<recordings::TableColumn> numbers(static_cast<std::size_t>(columns));
     for (const std::string& file : demand.spectra) {
         if (const auto shortage =
-                measures::disk_shortage(file, recordings::table_bytes(file, columns, lines))) {
+                measures::disk_shortage(file, recordings::table_bytes(file, numbers, lines))) {
             throw std::runtime_error(*shortage);
         }
     }

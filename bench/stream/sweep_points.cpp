@@ -20,6 +20,7 @@
 
 #include "bench/peers/problem.hpp"
 #include "bench/support/arguments.hpp"
+#include "studies/sweep/sweep_table.hpp"
 #include "studies/sweep/workers.hpp"
 
 #include "core/scene/json.hpp"
@@ -88,9 +89,9 @@ public:
     std::int64_t judged(std::int64_t i) const { return i * points() / std::min(judged_points, points()); }
 
     void run(int threads) const {
-        studies::Journal journal = studies::Journal::passing();
-        journal.begin(studies::journal_text(sweep_), studies::payload_bytes(sweep_.demand));
-        journal.load(points());
+        studies::Journal journal = studies::Journal::in_memory();
+        journal.begin(studies::journal_text(sweep_), studies::columns_of(sweep_));
+        studies::load_rows(journal, sweep_);
         std::vector<std::int64_t> all(static_cast<std::size_t>(points()));
         for (std::size_t i = 0; i < all.size(); ++i) {
             all[i] = static_cast<std::int64_t>(i);

@@ -1,15 +1,22 @@
 #pragma once
-// Columns of numbers that are no samples in time, such as spectra, in a file. Its ending picks the format:
+// Typed columns that are no samples in time, such as spectra and the points of a sweep, in a file. Its ending picks the format:
 //
 //     .csv   a line of column names, then a line for each row; units and provenance lie beside it, as of a recording
-//     .npy   two arrays: structured with a field for each column, then text, JSON: columns with units, provenance
-//     .h5    a dataset for each column, called as its quantity, with its "units"; "columns" and "provenance" at the root
+//     .npy   two arrays: structured with a field for each column, then text, JSON: columns with units, provenance; numbers alone
+//     .h5    attributes "columns" and "provenance" of the root, and a dataset for each column, called as its quantity, with its "units";
+//            or, of a table of records, one compound dataset whose "units" has a text for each column, and the samples beside it
+//
+// The files have the same bytes whenever they are written.
 
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "recordings/recording.hpp"
@@ -18,32 +25,71 @@
 
 namespace hertzline::recordings {
 
+/// Order of Cell's alternatives.
+enum class CellKind { integer, number, text };
+/// An integer, a number (NaN: none) or a text.
+using Cell = std::variant<std::int64_t, double, std::string>;
+
 struct TableColumn {
     Column about;
-    std::vector<double> values;
+    CellKind kind = CellKind::number;
+    std::size_t bytes = sizeof(double);  ///< a cell's, in HDF5; a longer text is cut
+};
+
+/// A row of float32 samples for each row of a table.
+struct TableSamples {
+    std::string name;
+    std::string unit;
+    std::size_t count = 0;  ///< in a row
+};
+
+struct TableRow {
+    std::vector<Cell> cells;     ///< one for each column, of its kind
+    std::vector<float> samples;  ///< empty where the table has none
 };
 
 struct Table {
-    std::vector<TableColumn> columns;  ///< at least one, all as long; the first is what the others are over
+    std::vector<TableColumn> columns;  ///< at least one; the first is what the others are over
+    std::int64_t rows = 0;
     Json provenance;
-
-    std::size_t rows() const noexcept { return columns.front().values.size(); }
+    std::string records;  ///< name of the dataset that holds all columns; empty: a dataset for each
+    std::optional<TableSamples> samples;  ///< in HDF5 files of records
+    /// Fills in a row, whose cells keep their kinds from call to call. Rows may be asked for several times, each time in order.
+    std::function<void(std::int64_t row, TableRow& into)> read;
 };
 
-/// [[name, quantity, unit]...], as of recordings.
-Json table_columns_json(const Table& table);
+/// A table of numbers. @param values of each column, all as long
+Table number_table(const std::vector<Column>& columns, std::vector<std::vector<double>> values,
+                   Json provenance);
 
-/// Every ending that a table can have: ".csv, .npy, .h5".
-std::string table_endings();
+/// Every ending that a table can have: ".csv, .npy, .h5". @param table text needs .csv or .h5, samples need .h5
+std::string table_endings(const Table& table = {});
 
-/// Why no table can have that name; nothing when it can.
-std::optional<std::string> table_fault(const std::filesystem::path& path);
+/// Why the table cannot have that name; nothing when it can.
+std::optional<std::string> table_fault(const std::filesystem::path& path, const Table& table = {});
 
 /// Bytes of a table, from above.
-double table_bytes(const std::filesystem::path& path, double columns, double rows) noexcept;
+double table_bytes(const std::filesystem::path& path, std::span<const TableColumn> columns, double rows,
+                   std::size_t samples = 0) noexcept;
 
 /// Writes the table. The file has its name when it is complete. False, and nothing is left, once `stop` is true.
 /// @throws std::runtime_error that names the path and the reason; then nothing is left, either
 bool write_table(const std::filesystem::path& path, const Table& table, const std::atomic<bool>& stop);
+
+/// A file of records that write_table() has written.
+struct WrittenTable {
+    std::vector<std::string> columns;  ///< names
+    bool has_samples = false;
+    Json provenance;
+};
+
+/// Reads what a table of records is. @param records name of its dataset in HDF5
+/// @throws std::runtime_error that names the path, when it is another file or damaged
+WrittenTable read_table(const std::filesystem::path& path, const std::string& records);
+
+/// Reads the rows of a table of records, without samples. @param columns those of the file
+/// @throws std::runtime_error that names the path
+std::vector<TableRow> read_table_rows(const std::filesystem::path& path, const std::string& records,
+                                      std::span<const TableColumn> columns);
 
 }  // namespace hertzline::recordings

@@ -37,9 +37,14 @@ std::vector<std::int64_t> Evaluations::run(std::span<const std::vector<SceneValu
         return numbers;
     }
     for (std::size_t i = 0; i < batch.size(); ++i) {
-        all_.push_back({std::move(batch[i]), (*scores)[i], merit_of((*scores)[i], maximise_)});
+        add(std::move(batch[i]), (*scores)[i]);
     }
     return numbers;
+}
+
+void Evaluations::add(std::vector<SceneValue> values, const Score& score) {
+    numbers_.emplace(values, size());
+    all_.push_back({std::move(values), score, merit_of(score, maximise_)});
 }
 
 std::int64_t Evaluations::best() const noexcept {

@@ -33,6 +33,9 @@ public:
     /// The numbers of these points, `none` where there is no budget left. Points that are new are evaluated as one batch.
     std::vector<std::int64_t> run(std::span<const std::vector<SceneValue>> points);
 
+    /// Adds a point whose score is known.
+    void add(std::vector<SceneValue> values, const Score& score);
+
     /// The number of a point; `none` when it was not looked at yet.
     std::int64_t find(const std::vector<SceneValue>& values) const;
 

@@ -44,7 +44,8 @@ public:
         : space_(space),
           evaluations_(evaluations),
           sequence_(space.keys(), seed),
-          ranges_(std::max<std::size_t>(1, space.ranges().size())) {}
+          ranges_(std::max<std::size_t>(1, space.ranges().size())),
+          earlier_(static_cast<std::size_t>(evaluations.size())) {}
 
     std::vector<SearchStart> run();
 
@@ -66,6 +67,7 @@ private:
     Evaluations& evaluations_;
     SampleSequence sequence_;
     std::size_t ranges_;
+    std::size_t earlier_;  // evaluations before this search, of which its first samples may be
     std::vector<Sampled> sampled_;
     std::vector<SearchStart> starts_;
 };
@@ -198,7 +200,7 @@ std::vector<SearchStart> Search::run() {
         for (Walk& walk : walks) {
             starts_.push_back(std::move(walk.start));
         }
-        if (evaluations_.size() == before) {
+        if (evaluations_.size() == before && sampled_.size() >= earlier_) {
             break;  // all there is has been looked at
         }
     }

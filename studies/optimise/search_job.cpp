@@ -7,21 +7,18 @@
 #include <nlopt.hpp>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::studies {
 
 namespace {
 
-constexpr int search_format = 1;
-
 std::string method_text() {
     return fmt::format("MLSL with Sobol's sequence and Subplex, NLopt {}.{}.{}", nlopt::version_major(),
                        nlopt::version_minor(), nlopt::version_bugfix());
 }
 
-/// What was asked for, as files have it.
+/// The request as files have it.
 Json request_json(const SearchRequest& request) {
     Json json{{"vary", Json::array()}};
     for (const Axis& axis : request.axes) {
@@ -35,10 +32,15 @@ Json request_json(const SearchRequest& request) {
     json["evaluations"] = request.evaluations;
     json["seed"] = request.seed;
     json["method"] = method_text();
+    if (request.after > 0) {
+        json["after"] = request.after;
+    }
     return json;
 }
 
-Sweep sweep_of(const SearchRequest& request) {
+}  // namespace
+
+Sweep study_of(const SearchRequest& request) {
     std::vector<SceneKey> keys;
     for (const Axis& axis : request.axes) {
         keys.push_back(axis.key);
@@ -46,60 +48,48 @@ Sweep sweep_of(const SearchRequest& request) {
     return {SweepPlan::growing(request.base, std::move(keys)), request.demand, {}, request_json(request)};
 }
 
-}  // namespace
-
-std::string journal_text(const SearchRequest& request) {
-    Json json{{"search_format", search_format}};
-    json.update(maker_json());
-    json["scene"] = to_toml(request.base);
-    json.update(request_json(request));
-    json["measured"] = Json::array();
-    for (const Tap tap : request.demand.measured) {
-        json["measured"].push_back(row_of(tap).name);
-    }
-    const auto& band = request.demand.band_from_hz;
-    json["band_from_hz"] = band ? Json(*band) : Json(nullptr);
-    json["columns"] = Json::array();
-    for (const NumberColumn& column : request.demand.columns) {
-        json["columns"].push_back(column.name);
-    }
-    return json.dump(-1, ' ', true, Json::error_handler_t::replace);
-}
-
-std::optional<std::string> search_difference(const std::string& journal, const std::string& wanted) {
-    if (journal == wanted) {
-        return std::nullopt;
-    }
-    const Json found = json_from_outside(journal);
-    if (!found.is_object() || found.value("search_format", Json()) != search_format) {
-        return "the journal of a sweep, or of another version";
-    }
-    const Json here = json_from_outside(wanted);
-    for (const auto& [name, value] : here.items()) {
-        if (found.value(name, Json()) != value) {
-            return "another " + name;
-        }
-    }
-    return "another search";
-}
-
 SearchJob::SearchJob(SearchRequest request, Journal& journal, int jobs, const std::atomic<bool>& stop,
-                     SearchNews news)
+                     std::function<void(std::int64_t evaluations)> progress)
     : request_(std::move(request)),
       journal_(journal),
       jobs_(jobs),
       stop_(stop),
-      news_(std::move(news)),
+      progress_(std::move(progress)),
       space_(request_.axes),
       judge_(request_.goal, request_.demand.columns),
-      sweep_(sweep_of(request_)),
+      sweep_(study_of(request_)),
       evaluations_(request_.goal.maximise, request_.evaluations,
-                   [this](std::span<const std::vector<SceneValue>> points) { return evaluate(points); }) {}
+                   [this](std::span<const std::vector<SceneValue>> points) { return evaluate(points); }) {
+    take_earlier();
+}
+
+/// The points of an earlier search are known before this one asks for any.
+void SearchJob::take_earlier() {
+    recordings::TableRow row;
+    for (std::int64_t point = 0; point < request_.after; ++point) {
+        journal_.read(point, row);
+        std::vector<SceneValue> values;
+        for (std::size_t key = 0; key < space_.keys(); ++key) {
+            std::visit([&](const auto& held) { values.emplace_back(held); }, row.cells[1 + key]);
+        }
+        sweep_.plan.add(values);
+        evaluations_.add(std::move(values), score_of(point));
+    }
+}
 
 PointResult SearchJob::row(std::int64_t evaluation) const {
-    std::vector<std::byte> payload(journal_.payload_bytes());
-    journal_.read(evaluation, payload);
-    return decode(evaluation, journal_.status(evaluation), request_.demand, payload);
+    recordings::TableRow row;
+    journal_.read(evaluation, row);
+    return result_of(sweep_, row);
+}
+
+Score SearchJob::score_of(std::int64_t point) {
+    const PointResult result = row(point);
+    if (result.status == PointStatus::failed) {  // without its score the search would take another way
+        throw std::runtime_error(sweep_.plan.name(point) + ": " + result.message);
+    }
+    ++counts_[result.status];
+    return judge_.score(result);
 }
 
 /// Rows that the journal has are taken from there.
@@ -116,20 +106,14 @@ std::optional<std::vector<Score>> SearchJob::evaluate(std::span<const std::vecto
     if (!missing.empty()) {
         const std::int64_t there = first + static_cast<std::int64_t>(points.size() - missing.size());
         run_points(sweep_, journal_, missing, jobs_, stop_,
-                   [&](const PointCounts& done) { news_(there + done.all()); });
+                   [&](const PointCounts& done) { progress_(there + done.all()); });
     }
     std::vector<Score> scores;
     for (std::int64_t point = first; point < sweep_.plan.size(); ++point) {
         if (!journal_.has(point)) {
             return std::nullopt;  // it was stopped
         }
-        const PointResult result = row(point);
-        if (result.status ==
-            PointStatus::failed) {  // what it is worth nobody knows: the search would go another way
-            throw std::runtime_error(sweep_.plan.name(point) + ": " + result.message);
-        }
-        ++counts_[result.status];
-        scores.push_back(judge_.score(result));
+        scores.push_back(score_of(point));
     }
     return scores;
 }

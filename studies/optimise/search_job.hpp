@@ -1,6 +1,6 @@
 #pragma once
-// A search at work: its points are rows of a sweep, evaluated in batches on several threads and kept in a journal. Resumed, it asks for
-// the same points again and finds their rows there.
+// A search at work: a study whose points come one batch after another. Resumed, it asks for the same points again and finds their rows in
+// the journal.
 
 #include <atomic>
 #include <cstdint>
@@ -23,22 +23,18 @@ struct SearchRequest {
     std::int64_t evaluations = 0;  ///< at least fewest_evaluations()
     std::uint64_t seed = 0;
     PointDemand demand;  ///< its columns have the measures of the goal
+    std::int64_t after =
+        0;  ///< evaluations of an earlier search, which this one goes on from: the first rows of the journal
 };
 
-/// The search as the text of its journal: all that its points and rows hang on, and what makes them.
-std::string journal_text(const SearchRequest& request);
-
-/// In what a journal is of another search, as "found another --vary"; nothing when it is of this one.
-std::optional<std::string> search_difference(const std::string& journal, const std::string& wanted);
-
-/// What a search is about to tell while it works.
-using SearchNews = std::function<void(std::int64_t evaluations)>;
+/// The search as a study of no points yet.
+Sweep study_of(const SearchRequest& request);
 
 class SearchJob {
 public:
-    /// @param journal loaded, with room for all evaluations; outlives this
+    /// @param journal loaded, with room for all evaluations, and with the rows of an earlier search; outlives this
     SearchJob(SearchRequest request, Journal& journal, int jobs, const std::atomic<bool>& stop,
-              SearchNews news);
+              std::function<void(std::int64_t evaluations)> progress);
 
     /// Searches to the end, or until `stop` is set (evaluations().stopped()).
     /// @throws std::runtime_error when the journal cannot be written, or the machine lacks what a point needs
@@ -51,18 +47,20 @@ public:
     /// Points by status, of all evaluations.
     const PointCounts& counts() const noexcept { return counts_; }
 
-    /// The evaluations as a sweep, in their order; complete once run() has returned.
+    /// The evaluations as a study, in their order; complete once run() has returned.
     const Sweep& sweep() const noexcept { return sweep_; }
     PointResult row(std::int64_t evaluation) const;
 
 private:
+    void take_earlier();
+    Score score_of(std::int64_t point);
     std::optional<std::vector<Score>> evaluate(std::span<const std::vector<SceneValue>> points);
 
     SearchRequest request_;
     Journal& journal_;
     int jobs_;
     const std::atomic<bool>& stop_;
-    SearchNews news_;
+    std::function<void(std::int64_t evaluations)> progress_;
     SearchSpace space_;
     Judge judge_;
     Sweep sweep_;

@@ -1,322 +1,288 @@
 #include "studies/sweep/journal.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
+#include <cctype>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 
 #include "recordings/files/errors.hpp"
-#include "recordings/files/write_all.hpp"
-#include <boost/crc.hpp>
+#include "studies/sweep/database.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 namespace hertzline::studies {
 
-struct Journal::Head {
-    std::array<char, 8> magic{};
-    std::uint32_t text_bytes = 0;
-    std::uint32_t payload_bytes = 0;
-    std::uint32_t checksum = 0;
-    std::uint32_t unused = 0;
-};
-
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "samples are written as they lie in memory");
 
-constexpr std::string_view magic = "HZSWEEP1";
-constexpr std::uint32_t max_text_bytes = 1U << 30;
-constexpr std::size_t max_payload_bytes = std::size_t{1} << 31;
+using recordings::Cell;
+using recordings::CellKind;
+using recordings::TableColumn;
+using recordings::TableRow;
 
-struct RowHead {
-    std::int64_t point = 0;
-    PointStatus status = PointStatus::ok;
-    std::uint32_t checksum = 0;
-};
+constexpr int application = 0x485a534a;  // "HZSJ": how a journal is known among other SQLite files
+constexpr auto between_commits = std::chrono::milliseconds(100);
+constexpr auto patience = std::chrono::minutes(1);
+constexpr int a_moment_ms = 50;
 
-/// CRC-32 as of zlib.
-template <class... Parts>
-std::uint32_t checksum_of(const Parts&... parts) {
-    boost::crc_32_type crc;
-    (crc.process_bytes(parts.data(), parts.size_bytes()), ...);
-    return crc.checksum();
+std::optional<PointStatus> status_named(std::string_view word) {
+    const auto* const found = std::ranges::find(point_status_words, word);
+    return found != point_status_words.end()
+               ? std::optional(static_cast<PointStatus>(found - point_status_words.begin()))
+               : std::nullopt;
 }
 
-template <class T>
-std::span<const std::byte> bytes_of(const T& value) {
-    return std::as_bytes(std::span(&value, 1));
-}
-
-std::uint32_t checksum_of_head(std::uint32_t text_bytes, std::uint32_t payload_bytes, std::string_view text) {
-    return checksum_of(bytes_of(text_bytes), bytes_of(payload_bytes), std::as_bytes(std::span(text)));
-}
-
-std::uint32_t checksum_of_row(const RowHead& head, std::span<const std::byte> payload) {
-    return checksum_of(bytes_of(head.point), bytes_of(head.status), payload);
-}
-
-/// Reads until the bytes are full or the file ends. @returns how many there were, or -errno
-std::int64_t read_at(int descriptor, std::span<std::byte> bytes, std::uint64_t offset) {
-    std::size_t done = 0;
-    while (done < bytes.size()) {
-        const ssize_t read =
-            ::pread(descriptor, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
-        if (read == 0) {
-            break;
+/// The table's columns as SQL has them, and one for samples. Names that differ in case alone are the same to SQLite: the later one gets an
+/// underscore.
+std::vector<std::string> names_in_sql(std::span<const TableColumn> columns) {
+    std::vector<std::string> names;
+    std::set<std::string> seen;
+    const auto add = [&](std::string name) {
+        const auto lower = [&] {
+            std::string text = name;
+            std::ranges::transform(text, text.begin(),
+                                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            return text;
+        };
+        while (!seen.insert(lower()).second) {
+            name += '_';
         }
-        if (read > 0) {
-            done += static_cast<std::size_t>(read);
-        } else if (errno != EINTR) {
-            return -errno;
-        }
+        names.push_back(quoted_name(name));
+    };
+    for (const TableColumn& column : columns) {
+        add(column.about.name);
     }
-    return static_cast<std::int64_t>(done);
+    add("samples");
+    return names;
 }
 
-/// Whether the path still leads to the open file: another sweep may have removed it meanwhile.
-bool is_there(int descriptor, const std::filesystem::path& path) {
-    struct stat open {};
-    struct stat named {};
-    return ::fstat(descriptor, &open) == 0 && ::stat(path.c_str(), &named) == 0 &&
-           open.st_ino == named.st_ino && open.st_dev == named.st_dev;
+/// Numbers have no declared type: a column of type REAL would keep -0.0 as the integer 0.
+std::string create_points(std::span<const TableColumn> columns) {
+    const std::vector<std::string> names = names_in_sql(columns);
+    std::string sql = "CREATE TABLE points (" + names.front() + " INTEGER PRIMARY KEY";
+    for (std::size_t i = 1; i < columns.size(); ++i) {
+        sql += ", " + names[i] + (columns[i].kind == CellKind::text ? " TEXT" : "");
+    }
+    return sql + ", " + names.back() + " BLOB)";
+}
+
+void bind(Statement& statement, int parameter, const Cell& cell) {
+    if (const auto* text = std::get_if<std::string>(&cell)) {
+        statement.bind(parameter, std::string_view(*text));
+    } else if (const auto* number = std::get_if<double>(&cell)) {
+        statement.bind(parameter, *number);
+    } else {
+        statement.bind(parameter, std::get<std::int64_t>(cell));
+    }
 }
 
 }  // namespace
 
-Journal::Journal(std::filesystem::path path, Use use) : path_(std::move(path)) {
-    open(use);
-    try {
-        read_head(use);
-    } catch (...) {
-        ::close(descriptor_);
-        throw;
+Journal::Journal(std::unique_ptr<Database> database) : database_(std::move(database)) {}
+
+Journal::Journal(const std::filesystem::path& path, Use use)
+    : Journal(
+          std::make_unique<Database>(path, use == Use::read ? Database::Use::read : Database::Use::write)) {
+    if (use == Use::read) {
+        database_->wait_for_others(1000);
+        database_->run("BEGIN");  // all that is read is of one moment
+    } else {
+        claim();
     }
+    read_text(use);
 }
 
-Journal::~Journal() {
-    if (descriptor_ >= 0) {
-        ::close(descriptor_);
-    }
-}
+Journal::~Journal() = default;
+Journal::Journal(Journal&& other) noexcept = default;
 
-Journal Journal::passing() {
-    std::string name = std::filesystem::temp_directory_path() / "hertzline-sweep-XXXXXX";
-    const int descriptor = ::mkstemp(name.data());
-    if (descriptor < 0) {
-        throw std::system_error(errno, std::generic_category(), "cannot write " + name);
-    }
-    ::close(descriptor);
-    Journal journal(name, Use::begin);
-    std::filesystem::remove(name);
+Journal Journal::in_memory() {
+    Journal journal(std::make_unique<Database>());
+    journal.claim();
     return journal;
 }
 
-Journal::Journal(Journal&& other) noexcept
-    : path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      text_(std::move(other.text_)),
-      payload_bytes_(other.payload_bytes_),
-      first_row_(other.first_row_),
-      row_count_(other.row_count_),
-      rows_(std::move(other.rows_)),
-      statuses_(std::move(other.statuses_)),
-      row_(std::move(other.row_)),
-      damaged_(other.damaged_) {}
-
-void Journal::fail(const char* what, int reason) const {
-    throw std::system_error(reason, std::generic_category(),
-                            fmt::format("cannot {} {}", what, path_.string()));
+const std::filesystem::path& Journal::path() const noexcept {
+    return database_->path();
 }
 
-void Journal::open(Use use) {
-    const bool reads = use == Use::read;
-    const int flags =
-        (reads ? O_RDONLY : O_RDWR | O_CREAT) | O_CLOEXEC | O_NONBLOCK;  // a FIFO shall not wait
-    do {
-        if (descriptor_ >= 0) {
-            ::close(descriptor_);
-        }
-        descriptor_ = ::open(path_.c_str(), flags, 0666);
-        struct stat status {};
-        if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
-            fail(reads ? "read" : "write", errno);
-        }
-        if (!S_ISREG(status.st_mode)) {
-            ::close(descriptor_);
-            recordings::cannot_read(path_, "it is no file");
-        }
-        if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-            const int reason = errno;
-            ::close(descriptor_);
-            if (reason == EWOULDBLOCK) {
-                throw std::runtime_error(path_.string() + " is in use by another sweep or search");
-            }
-            fail("lock", reason);
-        }
-    } while (!is_there(descriptor_, path_));
+bool Journal::is_in_memory() const noexcept {
+    return path().empty();
 }
 
-/// Where the file is too short for its text, it was torn off before the first row.
-void Journal::read_text(const Head& head) {
-    struct stat status {};
-    if (head.text_bytes > max_text_bytes || head.payload_bytes > max_payload_bytes ||
-        ::fstat(descriptor_, &status) != 0 ||
-        static_cast<std::uint64_t>(status.st_size) < sizeof(Head) + head.text_bytes) {
+/// Opens the transaction that keeps other studies out.
+void Journal::claim() {
+    database_->run("BEGIN IMMEDIATE");
+    database_->wait_for_others(a_moment_ms);
+    database_->run("PRAGMA cache_spill=OFF");  // would lock readers out before there is something to commit
+}
+
+void Journal::read_text(Use use) {
+    const bool is_empty = database_->number("SELECT count(*) FROM sqlite_master") == 0;
+    if (!is_empty && database_->number("PRAGMA application_id") != application) {
+        recordings::cannot_read(path(), "it is no journal of a sweep or search");
+    }
+    if (is_empty && use == Use::read) {
+        recordings::cannot_read(path(), "it is not complete");
+    }
+    if (is_empty) {
         return;
     }
-    std::string text(head.text_bytes, '\0');
-    const std::int64_t there = read_at(descriptor_, std::as_writable_bytes(std::span(text)), sizeof(Head));
-    if (there != static_cast<std::int64_t>(text.size()) ||
-        checksum_of_head(head.text_bytes, head.payload_bytes, text) != head.checksum) {
-        recordings::cannot_read(path_, "its beginning is damaged; without it nobody knows what was swept");
+    if (use == Use::begin) {
+        if (database_->number("SELECT count(*) FROM (SELECT 1 FROM points LIMIT 1)") > 0) {
+            throw std::runtime_error(
+                path().string() +
+                " is the journal of a sweep or search that has not ended, allowed: --resume to go on "
+                "with it, another -o FILE, or remove it");
+        }
+        return;  // nothing is lost
     }
-    text_ = std::move(text);
-    payload_bytes_ = head.payload_bytes;
-    first_row_ = sizeof(Head) + text_.size();
+    Statement query(*database_, "SELECT text FROM about");
+    if (!query.step() || query.text(0).empty()) {
+        recordings::cannot_read(path(), "it does not say what was studied");
+    }
+    text_ = query.text(0);
 }
 
-void Journal::read_head(Use use) {
-    Head head;
-    const std::int64_t there = read_at(descriptor_, std::as_writable_bytes(std::span(&head, 1)), 0);
-    if (there < 0) {
-        fail("read", static_cast<int>(-there));
-    }
-    const std::string_view begins(head.magic.data(),
-                                  std::min<std::size_t>(magic.size(), static_cast<std::size_t>(there)));
-    if (!magic.starts_with(begins)) {
-        recordings::cannot_read(path_, "it is no journal of a sweep or search");
-    }
-    if (there == static_cast<std::int64_t>(sizeof(Head))) {
-        read_text(head);
-    }
-    if (use == Use::read && is_new()) {
-        recordings::cannot_read(path_, "it is not complete");
-    }
-    struct stat status {};
-    const std::uint64_t one_row = first_row_ + sizeof(RowHead) + payload_bytes_;
-    if (use != Use::begin || is_new() || ::fstat(descriptor_, &status) != 0) {
-        return;
-    }
-    if (static_cast<std::uint64_t>(status.st_size) >= one_row) {
-        throw std::runtime_error(
-            path_.string() +
-            " is the journal of a sweep or search that has not ended, allowed: --resume to go on "
-            "with it, another -o FILE, or remove it");
-    }
-    text_.clear();  // nothing is lost
-}
-
-void Journal::begin(const std::string& text, std::size_t payload_bytes) {
-    Head head{{}, static_cast<std::uint32_t>(text.size()), static_cast<std::uint32_t>(payload_bytes), 0, 0};
-    if (text.size() > max_text_bytes || payload_bytes > max_payload_bytes) {
-        recordings::cannot_write(path_, "the plan or a row is too long");
-    }
-    std::ranges::copy(magic, head.magic.begin());
-    head.checksum = checksum_of_head(head.text_bytes, head.payload_bytes, text);
-    std::vector<std::byte> bytes(sizeof(Head) + text.size());
-    std::memcpy(bytes.data(), &head, sizeof(Head));
-    std::memcpy(bytes.data() + sizeof(Head), text.data(), text.size());
-    if (::ftruncate(descriptor_, 0) != 0) {
-        fail("write", errno);
-    }
-    if (const int reason = recordings::write_all_at(descriptor_, bytes, 0); reason != 0) {
-        const int removed = ::ftruncate(descriptor_, 0);
-        (void)removed;
-        fail("write", reason);
-    }
+void Journal::begin(const std::string& text, std::span<const TableColumn> columns) {
+    database_->run(
+        fmt::format("PRAGMA application_id={}; DROP TABLE IF EXISTS about; DROP TABLE IF EXISTS points; "
+                    "CREATE TABLE about (text TEXT)",
+                    application));
+    database_->run(create_points(columns));
+    Statement(*database_, "INSERT INTO about VALUES (?)").bind(0, std::string_view(text)).run();
     text_ = text;
-    payload_bytes_ = payload_bytes;
-    first_row_ = bytes.size();
+    text_waits_ = true;
 }
 
-void Journal::take_row(std::span<const std::byte> row, std::uint32_t number) {
-    RowHead head;
-    std::memcpy(&head, row.data(), sizeof(RowHead));
-    const bool sound = head.point >= 0 && head.point < static_cast<std::int64_t>(rows_.size()) &&
-                       head.status <= PointStatus::failed &&
-                       checksum_of_row(head, row.subspan(sizeof(RowHead))) == head.checksum;
-    if (!sound) {
-        ++damaged_;
+void Journal::prepare(std::span<const TableColumn> columns, std::size_t samples) {
+    kinds_.clear();
+    std::ranges::transform(columns, std::back_inserter(kinds_), &TableColumn::kind);
+    samples_ = samples;
+    std::string names;
+    std::string places;
+    for (const std::string& name : names_in_sql(columns)) {
+        names += (names.empty() ? "" : ", ") + name;
+        places += places.empty() ? "?" : ", ?";
+    }
+    insert_ = std::make_unique<Statement>(
+        *database_, fmt::format("INSERT OR REPLACE INTO points ({}) VALUES ({})", names, places));
+    select_ = std::make_unique<Statement>(*database_, fmt::format("SELECT {} FROM points WHERE {} = ?", names,
+                                                                  quoted_name(columns.front().about.name)));
+}
+
+void Journal::load(std::span<const TableColumn> columns, std::size_t samples, std::int64_t points) {
+    prepare(columns, samples);
+    statuses_.assign(static_cast<std::size_t>(points), none);
+    committed_ = 0;
+    if (text_waits_) {
         return;
     }
-    const auto point = static_cast<std::size_t>(head.point);
-    rows_[point] = number;
-    statuses_[point] = head.status;
-}
-
-void Journal::load(std::int64_t points) {
-    rows_.assign(static_cast<std::size_t>(points), 0);
-    statuses_.assign(static_cast<std::size_t>(points), PointStatus::ok);
-    const std::size_t row_bytes = sizeof(RowHead) + payload_bytes_;
-    row_count_ = 0;
-    struct stat status {};
-    if (::fstat(descriptor_, &status) != 0) {
-        fail("read", errno);
-    }
-    if (static_cast<std::uint64_t>(status.st_size) < first_row_ + row_bytes) {
-        return;  // a row may be a long waveform: no memory is taken for none
-    }
-    constexpr std::size_t portion = std::size_t{1} << 20;
-    const std::size_t rows_at_once = std::max<std::size_t>(1, portion / row_bytes);
-    std::vector<std::byte> rows(rows_at_once * row_bytes);
-    while (true) {
-        const std::int64_t there =
-            read_at(descriptor_, rows, first_row_ + std::uint64_t{row_count_} * row_bytes);
-        if (there < 0) {
-            fail("read", static_cast<int>(-there));
+    Statement query(*database_, "SELECT point, status FROM points");
+    while (query.step()) {
+        const std::int64_t point = query.integer(0);
+        const auto status = status_named(query.text(1));
+        if (point < 0 || point >= points || !status) {
+            recordings::cannot_read(
+                path(), fmt::format("found a row of point {} with status \"{}\"", point, query.text(1)));
         }
-        const std::size_t whole = static_cast<std::size_t>(there) / row_bytes;
-        for (std::size_t i = 0; i < whole; ++i) {
-            take_row(std::span(rows).subspan(i * row_bytes, row_bytes), ++row_count_);
+        statuses_[static_cast<std::size_t>(point)] = static_cast<std::uint8_t>(*status);
+        ++committed_;
+    }
+}
+
+void Journal::append(PointStatus status, const TableRow& row) {
+    const auto columns = static_cast<int>(row.cells.size());
+    for (int i = 0; i < columns; ++i) {
+        bind(*insert_, i, row.cells[static_cast<std::size_t>(i)]);
+    }
+    insert_->bind(columns, std::as_bytes(std::span(row.samples)));
+    insert_->run();
+    statuses_[static_cast<std::size_t>(std::get<std::int64_t>(row.cells.front()))] =
+        static_cast<std::uint8_t>(status);
+    ++waiting_;
+}
+
+/// While another program reads, the transaction stays open, and so it may be committed later.
+bool Journal::try_commit() {
+    if (!database_->in_transaction() || !database_->try_run("COMMIT")) {
+        return false;
+    }
+    committed_ += std::exchange(waiting_, 0);
+    text_waits_ = false;
+    last_commit_ = Clock::now();
+    database_->run("BEGIN IMMEDIATE");
+    return true;
+}
+
+void Journal::commit_when_due() {
+    if (waiting_ > 0 && Clock::now() - last_commit_ >= between_commits) {
+        try_commit();
+    }
+}
+
+void Journal::commit() {
+    const auto asked = Clock::now();
+    while ((waiting_ > 0 || text_waits_) && !try_commit()) {
+        if (!database_->in_transaction()) {
+            recordings::cannot_write(path(), "what was not committed before the last error is lost");
         }
-        if (whole < rows_at_once) {
-            return;  // a row that was torn off is overwritten by the next one
+        if (Clock::now() - asked > patience) {
+            recordings::cannot_write(path(), "another program has been reading it for a minute");
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(a_moment_ms));
+    }
+}
+
+void Journal::read(std::int64_t point, TableRow& row) const {
+    Statement& select = *select_;
+    row.cells.resize(kinds_.size());
+    select.bind(0, point);
+    bool sound = select.step();
+    for (int i = 0; sound && i < static_cast<int>(kinds_.size()); ++i) {
+        Cell& cell = row.cells[static_cast<std::size_t>(i)];
+        switch (kinds_[static_cast<std::size_t>(i)]) {
+            case CellKind::integer:
+                sound = select.is_integer(i);
+                cell = select.integer(i);
+                break;
+            case CellKind::number:
+                sound = select.is_number(i) || select.is_null(i);
+                cell = select.number(i);
+                break;
+            case CellKind::text:
+                sound = select.is_text(i);
+                cell = std::string(select.text(i));
+                break;
         }
     }
-}
-
-void Journal::append(std::int64_t point, PointStatus status, std::span<const std::byte> payload) {
-    row_.resize(sizeof(RowHead) + payload.size());
-    RowHead head{point, status, 0};
-    head.checksum = checksum_of_row(head, payload);
-    std::memcpy(row_.data(), &head, sizeof(RowHead));
-    std::ranges::copy(payload, row_.begin() + sizeof(RowHead));
-    const std::uint64_t at = first_row_ + std::uint64_t{row_count_} * row_.size();
-    if (const int reason = recordings::write_all_at(descriptor_, row_, at); reason != 0) {
-        fail("write", reason);
+    if (sound) {
+        const std::span<const std::byte> bytes = select.bytes(static_cast<int>(kinds_.size()));
+        sound = bytes.size() == samples_ * sizeof(float);
+        row.samples.resize(samples_);
+        std::memcpy(row.samples.data(), bytes.data(), sound ? bytes.size() : 0);
     }
-    rows_[static_cast<std::size_t>(point)] = ++row_count_;
-    statuses_[static_cast<std::size_t>(point)] = status;
-}
-
-void Journal::read(std::int64_t point, std::span<std::byte> payload) const {
-    const std::uint64_t row = rows_[static_cast<std::size_t>(point)] - 1;
-    const std::uint64_t at = first_row_ + row * (sizeof(RowHead) + payload_bytes_) + sizeof(RowHead);
-    const std::int64_t there = read_at(descriptor_, payload, at);
-    if (there != static_cast<std::int64_t>(payload.size())) {
-        fail("read", there < 0 ? static_cast<int>(-there) : EIO);
-    }
-}
-
-void Journal::sync() {
-    if (::fdatasync(descriptor_) != 0) {
-        fail("write", errno);
+    select.reset();
+    if (!sound) {
+        recordings::cannot_read(path(), fmt::format("the row of point {} is damaged", point));
     }
 }
 
 void Journal::remove() noexcept {
+    if (is_in_memory()) {
+        return;
+    }
     std::error_code gone;
-    std::filesystem::remove(path_, gone);
+    std::filesystem::remove(path(), gone);
 }
 
 void Journal::replace_by(std::span<const std::string> files) {
@@ -330,14 +296,20 @@ void Journal::replace_by(std::span<const std::string> files) {
         if (!there) {
             throw std::system_error(
                 reason, std::generic_category(),
-                fmt::format("cannot write {} to the disk, so {} is kept", file, path_.string()));
+                fmt::format("cannot write {} to the disk, so {} is kept", file, path().string()));
         }
     }
     remove();
 }
 
-double Journal::bytes(double rows, std::size_t payload_bytes) noexcept {
-    return rows * static_cast<double>(sizeof(RowHead) + payload_bytes);
+double Journal::bytes(double rows, std::span<const TableColumn> columns, std::size_t samples) noexcept {
+    constexpr double row_bytes = 40;
+    constexpr double head_bytes = 1;  // of a cell
+    double bytes = row_bytes + static_cast<double>(samples * sizeof(float));
+    for (const TableColumn& column : columns) {
+        bytes += head_bytes + static_cast<double>(column.bytes);
+    }
+    return rows * bytes;
 }
 
 }  // namespace hertzline::studies

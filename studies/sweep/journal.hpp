@@ -1,97 +1,113 @@
 #pragma once
-// The journal of a sweep: a text that tells what is swept, then rows of one size with checksums, in the order in which points finish.
-// It is whole at any time: what a killed program has not written is missing, and nothing else.
+// The journal of a study: a SQLite file with a text that says what is studied, and the rows that are done.
 //
-//     "HZSWEEP1" | u32 bytes of the text | u32 bytes of a payload | u32 CRC-32 of these and the text | u32 0 | text
-//     for each row: i64 point | u32 status | u32 CRC-32 of the row without it | payload          little-endian
+//     about(text)                                           JSON: sweep.hpp
+//     points(point, a column for each of the table, samples)   NULL: no number; samples: float32, little-endian
+//
+// Any tool may read it while it grows:
+//
+//     sqlite3 -cmd '.timeout 1000' s.h5.journal 'SELECT "chain.preload_n", thd_r FROM points'
+//
+// It is whole at any time: what a killed program has not committed is missing, and nothing else. It keeps SQLite's rollback journal. A
+// write-ahead log is faster, but needs memory that all who have the file open share, and parts of a sweep lie on file systems of clusters.
+// A transaction that may write is open all the time: it lets others read, and keeps other studies out.
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "recordings/formats/table.hpp"
 #include "studies/sweep/point_result.hpp"
 
 namespace hertzline::studies {
 
-/// A journal, locked against other sweeps as long as it is open. Errors are std::runtime_error that names path and reason.
-/// append() may be called from one thread at a time.
+class Database;
+class Statement;
+
+/// Errors are std::runtime_error that names path and reason. For one thread at a time.
 class Journal {
 public:
     enum class Use { begin, resume, read };
 
     /// begin: there is none with rows yet; resume: goes on with one, or begins it; read: for merging, and must be there.
-    Journal(std::filesystem::path path, Use use);
-    /// One without a name, in the folder for temporary files: for rows that stay in this process.
-    static Journal passing();
+    Journal(const std::filesystem::path& path, Use use);
+    /// One without a file: for rows that stay in this process.
+    static Journal in_memory();
     ~Journal();
     Journal(Journal&& other) noexcept;
     Journal& operator=(Journal&&) = delete;
     Journal(const Journal&) = delete;
     Journal& operator=(const Journal&) = delete;
 
+    bool is_in_memory() const noexcept;
     /// Nothing was written to it yet: begin() does.
     bool is_new() const noexcept { return text_.empty(); }
-    /// What it says of the sweep.
+    /// What it says of the study.
     const std::string& text() const noexcept { return text_; }
-    const std::filesystem::path& path() const noexcept { return path_; }
+    const std::filesystem::path& path() const noexcept;
 
-    /// Writes the text. @param payload_bytes of a row
-    void begin(const std::string& text, std::size_t payload_bytes);
+    /// Writes the text, and makes room for rows; in the file once it is committed. @param columns of the table, `point` first
+    void begin(const std::string& text, std::span<const recordings::TableColumn> columns);
 
-    /// Looks for the rows of so many points. A row that was torn off is overwritten by the next one.
-    void load(std::int64_t points);
+    /// Looks for the rows of so many points. @param columns as it was begun with @param samples in a row
+    /// @throws std::runtime_error when its rows are others
+    void load(std::span<const recordings::TableColumn> columns, std::size_t samples, std::int64_t points);
 
-    bool has_rows() const noexcept { return row_count_ > 0; }
+    /// Some rows are in the file for good.
+    bool has_rows() const noexcept { return committed_ > 0; }
 
-    /// Rows that were found damaged: they are as if they were not there.
-    std::int64_t damaged() const noexcept { return damaged_; }
-
-    /// Whether there is a row. One that is `failed` is tried again where a sweep is resumed.
-    bool has(std::int64_t point) const noexcept { return rows_[static_cast<std::size_t>(point)] != 0; }
+    /// Whether there is a row. One that is `failed` is tried again where a study is resumed.
+    bool has(std::int64_t point) const noexcept { return statuses_[static_cast<std::size_t>(point)] != none; }
     PointStatus status(std::int64_t point) const noexcept {
-        return statuses_[static_cast<std::size_t>(point)];
+        return static_cast<PointStatus>(statuses_[static_cast<std::size_t>(point)]);
     }
 
-    /// Adds a row; one of the same point counts no more.
-    void append(std::int64_t point, PointStatus status, std::span<const std::byte> payload);
+    /// Adds a row, or replaces that of the same point. It is in the file once it is committed.
+    void append(PointStatus status, const recordings::TableRow& row);
 
-    /// The payload of a point that it has.
-    void read(std::int64_t point, std::span<std::byte> payload) const;
+    /// Commits the rows, unless this was done a moment ago, or another program reads the file just now: then they wait for the next time.
+    void commit_when_due();
+    /// Commits the rows, and waits for who reads the file. @throws std::runtime_error also when that takes a minute
+    void commit();
 
-    std::size_t payload_bytes() const noexcept { return payload_bytes_; }
-
-    /// Waits until the disk has what was appended.
-    void sync();
+    /// Fills in the row of a point that it has.
+    void read(std::int64_t point, recordings::TableRow& row) const;
 
     /// Removes the file.
     void remove() noexcept;
     /// The same once the disk has the files that were written from it. @throws std::runtime_error when it has not; the journal stays
     void replace_by(std::span<const std::string> files);
 
-    /// Bytes of a journal with so many rows, without its text.
-    static double bytes(double rows, std::size_t payload_bytes) noexcept;
+    /// Bytes of a journal with so many rows, from above, without its text.
+    static double bytes(double rows, std::span<const recordings::TableColumn> columns,
+                        std::size_t samples) noexcept;
 
 private:
-    void open(Use use);
-    struct Head;
-    void read_head(Use use);
-    void read_text(const Head& head);
-    void take_row(std::span<const std::byte> row, std::uint32_t number);
-    [[noreturn]] void fail(const char* what, int reason) const;
+    static constexpr std::uint8_t none = 0xff;
+    using Clock = std::chrono::steady_clock;
 
-    std::filesystem::path path_;
-    int descriptor_ = -1;
+    explicit Journal(std::unique_ptr<Database> database);
+    void claim();
+    void read_text(Use use);
+    void prepare(std::span<const recordings::TableColumn> columns, std::size_t samples);
+    bool try_commit();
+
+    std::unique_ptr<Database> database_;
     std::string text_;
-    std::size_t payload_bytes_ = 0;
-    std::uint64_t first_row_ = 0;  // where rows begin in the file
-    std::uint32_t row_count_ = 0;
-    std::vector<std::uint32_t> rows_;  // of each point: number of its row from 1, 0: none
-    std::vector<PointStatus> statuses_;
-    std::vector<std::byte> row_;  // that is appended
-    std::int64_t damaged_ = 0;
+    std::vector<recordings::CellKind> kinds_;  // of the columns
+    std::size_t samples_ = 0;
+    std::unique_ptr<Statement> insert_;
+    std::unique_ptr<Statement> select_;
+    std::vector<std::uint8_t> statuses_;  // of each point
+    bool text_waits_ = false;             // to be committed
+    std::int64_t waiting_ = 0;            // rows that are to be committed
+    std::int64_t committed_ = 0;
+    Clock::time_point last_commit_ = Clock::now();
 };
 
 }  // namespace hertzline::studies

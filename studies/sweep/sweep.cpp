@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
+#include <cmath>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include "measures/provenance.hpp"
@@ -12,83 +11,176 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::studies {
 
 namespace {
 
-constexpr int journal_format = 1;
+using recordings::Cell;
+using recordings::CellKind;
+using recordings::TableColumn;
+using recordings::TableRow;
 
-Json sweep_json(const Sweep& sweep) {
-    const PointDemand& demand = sweep.demand;
-    Json columns = Json::array();
-    for (const NumberColumn& column : demand.columns) {
-        columns.push_back(column.name);
+constexpr int journal_format = 2;
+constexpr std::size_t status_bytes = 12;
+constexpr std::size_t integrator_bytes = 16;
+constexpr std::size_t hash_bytes = 16;
+/// Whole numbers below it, and none beyond, are all exact.
+constexpr double exact_whole_numbers = 9007199254740992;  // 2^53
+
+Json names_of(TapSet taps) {
+    Json names = Json::array();
+    for (const Tap tap : taps) {
+        names.push_back(hertzline::row_of(tap).name);
     }
+    return names;
+}
+
+Json number_names(const PointDemand& demand) {
+    Json names = Json::array();
+    for (const NumberColumn& column : demand.columns) {
+        names.push_back(column.name);
+    }
+    return names;
+}
+
+/// A member of a study's identity, and how messages call it.
+struct Member {
+    std::string_view key;
+    std::string_view name;
+};
+/// In the order in which they are compared. Nothing else has to be equal.
+constexpr std::array members{Member{"scene", "scene"},
+                             Member{"vary", "--vary"},
+                             Member{"sobol", "--sobol"},
+                             Member{"points", "--points"},
+                             Member{"maximise", "--maximise"},
+                             Member{"minimise", "--minimise"},
+                             Member{"subject_to", "--subject-to"},
+                             Member{"evaluations", "--evaluations"},
+                             Member{"seed", "--seed"},
+                             Member{"method", "method"},
+                             Member{"after", "number of earlier evaluations"},
+                             Member{"version", "version"},
+                             Member{"git_hash", "commit"},
+                             Member{"compiler", "compiler"},
+                             Member{"simd_target", "instruction set"},
+                             Member{"measured", "--measure"},
+                             Member{"band_from_hz", "--band-from"},
+                             Member{"columns", "--quantity"},
+                             Member{"waveform", "--waveforms"},
+                             Member{"waveform_samples", "length of waveforms"},
+                             Member{"shard", "--shard"}};
+
+/// All that tells one study from another. What a study does not have is null or missing.
+Json identity_of(const Sweep& sweep) {
+    const PointDemand& demand = sweep.demand;
     Json json{{"format", journal_format}};
     json.update(maker_json());
-    json["plan"] = sweep.plan.json();
-    json["measured"] = Json::array();
-    for (const Tap tap : demand.measured) {
-        json["measured"].push_back(row_of(tap).name);
+    json.update(sweep.plan.json());
+    if (sweep.is_search()) {
+        json.update(sweep.search);
     }
+    json["measured"] = names_of(demand.measured);
     json["band_from_hz"] = demand.band_from_hz ? Json(*demand.band_from_hz) : Json(nullptr);
-    json["columns"] = std::move(columns);
-    json["waveform"] = demand.waveform ? Json(row_of(*demand.waveform).name) : Json(nullptr);
+    json["columns"] = number_names(demand);
+    json["waveform"] = demand.waveform ? Json(hertzline::row_of(*demand.waveform).name) : Json(nullptr);
     json["waveform_samples"] = demand.waveform_samples;
     json["shard"] = {sweep.shard.part, sweep.shard.parts};
     return json;
 }
 
-Tap tap_of(const Json& name) {
-    const auto tap = tap_named(name.get<std::string>());
-    if (!tap) {
-        throw std::runtime_error("it measures what there is not");
+/// What a table tells of its study, with the names of identity_of().
+Json identity_of_table(const Json& provenance, Json columns, bool has_waveforms) {
+    Json json = provenance;
+    for (const char* part : {"plan", "search"}) {
+        if (json.contains(part) && json[part].is_object()) {
+            json.update(Json(json[part]));
+        }
     }
-    return *tap;
+    json["columns"] = std::move(columns);
+    json["waveform"] = has_waveforms;
+    return json;
 }
 
-/// A member of the journal's text, and how messages call it.
-struct Member {
-    const char* key;
-    const char* name;
-};
-/// In the order in which they are compared.
-constexpr std::array members{Member{"version", "version"},    Member{"git_hash", "commit"},
-                             Member{"compiler", "compiler"},  Member{"simd_target", "instruction set"},
-                             Member{"measured", "--measure"}, Member{"band_from_hz", "--band-from"},
-                             Member{"columns", "--quantity"}, Member{"waveform", "--waveforms"},
-                             Member{"shard", "--shard"}};
-constexpr std::array plan_members{Member{"scene", "scene"}, Member{"vary", "--vary"},
-                                  Member{"sobol", "--sobol"}, Member{"points", "--points"}};
-
-bool is_of_this_format(const Json& json) {
-    return json.is_object() && json.contains("format") && json["format"] == journal_format &&
-           json.contains("plan") && json["plan"].is_object();
+bool is_search(const Json& identity) {
+    return identity.contains("maximise") || identity.contains("minimise");
 }
 
-std::string difference(const Member& member, const Json& found, const Json& wanted) {
+std::string difference(const Member& member, const Json& found, const Json& wanted, std::string_view study) {
     constexpr std::size_t longest = 100;
     const std::string there = found.dump();
     const std::string here = wanted.dump();
     if (std::max(there.size(), here.size()) > longest) {
         return fmt::format("another {}", member.name);
     }
-    return fmt::format("the {} {} where this sweep has {}", member.name, printable(there), printable(here));
+    return fmt::format("the {} {} where this {} has {}", member.name, printable(there), study,
+                       printable(here));
 }
 
-void write_text(std::span<std::byte> field, std::string_view text) {
-    std::ranges::fill(field, std::byte{0});
-    std::memcpy(field.data(), text.data(), std::min(field.size(), text.size()));
+std::optional<std::string> difference(const Json& found, const Json& wanted,
+                                      std::initializer_list<std::string_view> but) {
+    const std::string_view study = is_search(wanted) ? "search" : "sweep";
+    if (is_search(found) != is_search(wanted)) {
+        return fmt::format("that of a {}", is_search(wanted) ? "sweep" : "search");
+    }
+    for (const Member& member : members) {
+        const Json there = found.value(member.key, Json());
+        const Json here = wanted.value(member.key, Json());
+        if (there != here && std::ranges::find(but, member.key) == but.end()) {
+            return difference(member, there, here, study);
+        }
+    }
+    return std::nullopt;
 }
 
-std::string read_text(std::span<const std::byte> field) {
-    const std::string text(reinterpret_cast<const char*>(field.data()), field.size());
-    return text.substr(0, std::min(text.find('\0'), text.size()));
+Tap tap_of(const Json& name) {
+    const auto tap = tap_named(name.get<std::string>());
+    if (!tap) {
+        throw std::runtime_error("it names an unknown output");
+    }
+    return *tap;
 }
 
-constexpr std::size_t text_bytes = integrator_bytes + hash_bytes + max_message_bytes;
+Json journal_json(const std::string& text) {
+    Json json = json_from_outside(text);
+    if (!json.is_object() || json.value("format", Json()) != journal_format) {
+        throw std::runtime_error("it is of another version of hertzline");
+    }
+    return json;
+}
+
+TableColumn column_of(const SweepPlan& plan, std::size_t number) {
+    const SceneKey& key = plan.keys()[number];
+    switch (key.kind) {
+        case ValueKind::integer:
+            return {{key.name, "", std::string(key.range.unit)}, CellKind::integer, sizeof(std::int64_t)};
+        case ValueKind::number:
+            return {{key.name, "", std::string(key.range.unit)}};
+        case ValueKind::word:
+            break;
+    }
+    return {{key.name, "", ""}, CellKind::text, plan.longest_word(number)};
+}
+
+std::string short_message(const std::string& text) {
+    std::string message = printable(text, max_message_bytes * 4);
+    if (message.size() > max_message_bytes) {
+        constexpr std::string_view goes_on = " ...";
+        const std::size_t room = max_message_bytes - goes_on.size();
+        const std::size_t word_end = message.find_last_of(' ', room);
+        message.resize(word_end != std::string::npos && word_end > room / 2 ? word_end : room);
+        message += goes_on;
+    }
+    return message;
+}
+
+/// Where the numbers begin in a row.
+std::size_t first_number(const Sweep& sweep) {
+    return sweep.plan.keys().size() + 2;
+}
 
 }  // namespace
 
@@ -100,29 +192,17 @@ Json maker_json() {
             {"simd_target", kernels::kernel_target()}};
 }
 
-Json maker_of_journal(const std::string& text) {
-    const Json json = json_from_outside(text);
-    Json maker = maker_json();
-    for (const auto& [key, value] : maker.items()) {
-        if (!json.is_object() || !json.contains(key) || !json[key].is_string()) {
-            throw std::runtime_error("it does not tell what made it");
-        }
-        value = json[key];
-    }
-    return maker;
-}
-
 std::string journal_text(const Sweep& sweep) {
-    return sweep_json(sweep).dump(-1, ' ', true, Json::error_handler_t::replace);
+    return identity_of(sweep).dump(-1, ' ', true, Json::error_handler_t::replace);
 }
 
 Sweep sweep_of_journal(const std::string& text) {
-    const Json json = json_from_outside(text);
-    if (!is_of_this_format(json)) {
-        throw std::runtime_error("it is of another version of hertzline");
+    const Json json = journal_json(text);
+    if (is_search(json)) {
+        throw std::runtime_error("it is that of a search");
     }
     try {
-        Sweep sweep{SweepPlan::from_json(json.at("plan")), {}, {}};
+        Sweep sweep{SweepPlan::from_json(json), {}, {}};
         for (const Json& tap : json.at("measured")) {
             sweep.demand.measured |= tap_of(tap);
         }
@@ -154,77 +234,113 @@ Sweep sweep_of_journal(const std::string& text) {
     }
 }
 
-std::optional<std::string> journal_difference(const std::string& journal, const std::string& wanted,
-                                              bool beside_shard) {
-    if (journal == wanted) {
-        return std::nullopt;
+Json sweep_provenance(const Sweep& sweep) {
+    Json json = maker_json();
+    json["scene"] = scene_json(sweep.plan.base());
+    if (sweep.demand.band_from_hz) {
+        json["band_from_hz"] = *sweep.demand.band_from_hz;
     }
-    const Json found = json_from_outside(journal);
-    const Json here = json_from_outside(wanted);
-    if (!is_of_this_format(found)) {
+    if (sweep.is_search()) {
+        json["search"] = sweep.search;
+        return json;
+    }
+    const Json plan = sweep.plan.json();
+    for (const char* key : {"vary", "sobol", "points"}) {
+        json["plan"][key] = plan[key];
+    }
+    return json;
+}
+
+std::optional<std::string> journal_difference(const std::string& journal, const Sweep& wanted,
+                                              std::initializer_list<std::string_view> but) {
+    try {
+        return difference(journal_json(journal), identity_of(wanted), but);
+    } catch (const std::runtime_error&) {
         return "another format";
     }
-    const auto compare = [](const auto& list, const Json& a, const Json& b,
-                            bool beside) -> std::optional<std::string> {
-        for (const Member& member : list) {
-            if (a.value(member.key, Json()) != b.value(member.key, Json()) &&
-                !(beside && std::string_view(member.key) == "shard")) {
-                return difference(member, a.value(member.key, Json()), b.value(member.key, Json()));
-            }
-        }
-        return std::nullopt;
-    };
-    if (auto of_plan =
-            compare(plan_members, found.value("plan", Json()), here.value("plan", Json()), false)) {
-        return of_plan;
-    }
-    if (auto of_sweep = compare(members, found, here, beside_shard)) {
-        return of_sweep;
-    }
-    return beside_shard ? std::nullopt : std::optional<std::string>("another sweep");
 }
 
-std::size_t payload_bytes(const PointDemand& demand) noexcept {
-    const std::size_t samples = demand.waveform ? demand.waveform_samples : 0;
-    return text_bytes + demand.columns.size() * sizeof(double) + samples * sizeof(float);
+std::optional<std::string> table_difference(const recordings::WrittenTable& written, const Sweep& wanted,
+                                            std::initializer_list<std::string_view> but) {
+    if (!written.provenance.is_object() || !written.provenance.contains("simd_target")) {
+        return "a file that is no table of a sweep or search";
+    }
+    Json columns = Json::array();
+    for (const TableColumn& column : columns_of(wanted)) {
+        columns.push_back(column.about.name);
+    }
+    return difference(
+        identity_of_table(written.provenance, written.columns, written.has_samples),
+        identity_of_table(sweep_provenance(wanted), std::move(columns), wanted.demand.waveform.has_value()),
+        but);
 }
 
-void encode(const PointResult& result, std::span<std::byte> payload) {
-    std::string message = printable(result.message, max_message_bytes * 4);
-    if (message.size() > max_message_bytes) {
-        constexpr std::string_view goes_on = " ...";
-        const std::size_t room = max_message_bytes - goes_on.size();
-        const std::size_t word_end = message.find_last_of(' ', room);
-        message.resize(word_end != std::string::npos && word_end > room / 2 ? word_end : room);
-        message += goes_on;
+std::vector<TableColumn> columns_of(const Sweep& sweep) {
+    std::vector<TableColumn> columns{{{"point", "", ""}, CellKind::integer, sizeof(std::int64_t)}};
+    for (std::size_t key = 0; key < sweep.plan.keys().size(); ++key) {
+        columns.push_back(column_of(sweep.plan, key));
     }
-    write_text(payload.first(integrator_bytes), result.integrator);
-    write_text(payload.subspan(integrator_bytes, hash_bytes), result.scene_hash);
-    write_text(payload.subspan(integrator_bytes + hash_bytes, max_message_bytes), message);
-    const std::size_t number_bytes = result.numbers.size() * sizeof(double);
-    std::memcpy(payload.data() + text_bytes, result.numbers.data(), number_bytes);
-    if (!result.waveform.empty()) {
-        std::memcpy(payload.data() + text_bytes + number_bytes, result.waveform.data(),
-                    result.waveform.size() * sizeof(float));
+    columns.push_back({{"status", "", ""}, CellKind::text, status_bytes});
+    for (const NumberColumn& column : sweep.demand.columns) {
+        columns.push_back({{column.name, "", column.unit}});
     }
+    columns.push_back({{"integrator", "", ""}, CellKind::text, integrator_bytes});
+    columns.push_back({{"scene_hash", "", ""}, CellKind::text, hash_bytes});
+    columns.push_back({{"message", "", ""}, CellKind::text, max_message_bytes});
+    return columns;
 }
 
-PointResult decode(std::int64_t point, PointStatus status, const PointDemand& demand,
-                   std::span<const std::byte> payload) {
-    PointResult result{point,
-                       status,
-                       read_text(payload.first(integrator_bytes)),
-                       read_text(payload.subspan(integrator_bytes, hash_bytes)),
-                       read_text(payload.subspan(integrator_bytes + hash_bytes, max_message_bytes)),
-                       std::vector<double>(demand.columns.size()),
-                       std::vector<float>(demand.waveform ? demand.waveform_samples : 0)};
-    const std::size_t number_bytes = result.numbers.size() * sizeof(double);
-    std::memcpy(result.numbers.data(), payload.data() + text_bytes, number_bytes);
-    if (!result.waveform.empty()) {
-        std::memcpy(result.waveform.data(), payload.data() + text_bytes + number_bytes,
-                    result.waveform.size() * sizeof(float));
+TableRow row_of(const Sweep& sweep, const PointResult& result) {
+    TableRow row{{result.point}, result.waveform};
+    row.cells.reserve(first_number(sweep) + result.numbers.size() + 3);
+    for (SceneValue& value : sweep.plan.values(result.point)) {
+        std::visit([&](auto& held) { row.cells.emplace_back(std::move(held)); }, value);
     }
+    row.cells.emplace_back(std::string(word_of(result.status)));
+    row.cells.insert(row.cells.end(), result.numbers.begin(), result.numbers.end());
+    row.cells.emplace_back(result.integrator);
+    row.cells.emplace_back(result.scene_hash);
+    row.cells.emplace_back(short_message(result.message));
+    return row;
+}
+
+PointResult result_of(const Sweep& sweep, const TableRow& row) {
+    const std::size_t first = first_number(sweep);
+    const auto text = [&](std::size_t at) { return std::get<std::string>(row.cells[at]); };
+    PointResult result;
+    result.point = std::get<std::int64_t>(row.cells.front());
+    const auto* const status = std::ranges::find(point_status_words, text(first - 1));
+    result.status = static_cast<PointStatus>(status - point_status_words.begin());
+    for (std::size_t i = 0; i < sweep.demand.columns.size(); ++i) {
+        result.numbers.push_back(std::get<double>(row.cells[first + i]));
+    }
+    const std::size_t after = first + result.numbers.size();
+    result.integrator = text(after);
+    result.scene_hash = text(after + 1);
+    result.message = text(after + 2);
+    result.waveform = row.samples;
     return result;
+}
+
+Json row_json(const Sweep& sweep, const TableRow& row) {
+    const std::vector<TableColumn> columns = columns_of(sweep);
+    const std::vector<NumberColumn>& numbers = sweep.demand.columns;
+    Json json = Json::object();
+    for (std::size_t i = 0; i < row.cells.size(); ++i) {
+        const std::string& name = columns[i].about.name;
+        const auto* number = std::get_if<double>(&row.cells[i]);
+        if (number == nullptr) {
+            std::visit([&](const auto& held) { json.push_back({name, held}); }, row.cells[i]);
+        } else if (!std::isfinite(*number)) {
+            json.push_back({name, nullptr});
+        } else if (const std::size_t k = i - first_number(sweep);
+                   k < numbers.size() && numbers[k].whole && std::abs(*number) < exact_whole_numbers) {
+            json.push_back({name, static_cast<std::int64_t>(*number)});
+        } else {
+            json.push_back({name, *number});
+        }
+    }
+    return json;
 }
 
 }  // namespace hertzline::studies

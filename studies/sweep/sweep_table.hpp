@@ -1,54 +1,26 @@
 #pragma once
-// The rows of a sweep as its files have them: what varies, status, numbers, message; in the order of the points.
+// The table of a study, from its journals to its files: HDF5 or CSV, by the ending of the name.
 
-#include <cstddef>
 #include <cstdint>
-#include <string>
-#include <variant>
+#include <span>
 #include <vector>
 
-#include "recordings/formats/hdf5/hdf5_records.hpp"
+#include "recordings/formats/table.hpp"
 #include "studies/sweep/journal.hpp"
 #include "studies/sweep/sweep.hpp"
 
-#include "core/scene/json.hpp"
-
 namespace hertzline::studies {
 
-/// A whole number, a number (no_number: none) or a text.
-using Cell = std::variant<std::int64_t, double, std::string>;
+/// The dataset of an HDF5 file that holds the table.
+inline constexpr const char* records_name = "points";
 
-/// Points of a sweep, complete or not, read from the journals of its parts.
-class SweepTable {
-public:
-    /// @param parts the journals of part 1, 2, ...; both outlive this
-    SweepTable(const Sweep& sweep, std::vector<const Journal*> parts);
+/// All but the rows.
+recordings::Table empty_table(const Sweep& sweep);
 
-    /// point, a column for each key that varies, status, the numbers, integrator, scene_hash, message.
-    const std::vector<recordings::RecordField>& columns() const noexcept { return columns_; }
+/// All points, which must be there. @param parts the journals of part 1, 2, ..., loaded; they outlive the table
+recordings::Table table_of(const Sweep& sweep, std::span<const Journal> parts);
 
-    /// The cells of a point, which must be there. @param waveform its samples, where the sweep keeps them
-    std::vector<Cell> row(std::int64_t point, std::vector<float>* waveform = nullptr) const;
-
-    const Sweep& sweep() const noexcept { return sweep_; }
-
-    /// The first point that is missing; -1: none.
-    std::int64_t first_missing() const noexcept;
-
-private:
-    const Journal& part_of(std::int64_t point) const {
-        return *parts_[static_cast<std::size_t>(point) % parts_.size()];
-    }
-
-    const Sweep& sweep_;
-    std::vector<const Journal*> parts_;
-    std::vector<recordings::RecordField> columns_;
-};
-
-/// One row as a JSON object; null where there is no number.
-Json row_json(const SweepTable& table, std::int64_t point);
-
-/// What the files say of where their rows come from: what made them, base scene, and plan or search.
-Json sweep_provenance(const Sweep& sweep);
+/// Tells the journal to look for the rows of its study.
+void load_rows(Journal& journal, const Sweep& sweep);
 
 }  // namespace hertzline::studies

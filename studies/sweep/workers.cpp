@@ -2,50 +2,105 @@
 
 #include <algorithm>
 #include <chrono>
+#include <condition_variable>
+#include <exception>
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <system_error>
+#include <thread>
+#include <utility>
+#include <vector>
 
-#include "studies/sweep/point_workers.hpp"
 #include <fmt/format.h>
 
 namespace hertzline::studies {
 
 namespace {
 
-using std::chrono::steady_clock;
+constexpr auto between_looks = std::chrono::milliseconds(100);
 
-constexpr auto between_news = std::chrono::milliseconds(200);
-constexpr auto between_syncs = std::chrono::seconds(1);
-
-/// Points in their order, rows into a journal.
-class JournalExchange : public PointExchange {
+/// Threads that run points. Their results wait to be fetched.
+class Workers {
 public:
-    JournalExchange(Journal& journal, std::span<const std::int64_t> points)
-        : journal_(journal), points_(points) {}
+    /// @param stop ends each point within a few steps; all outlive this @throws std::system_error when no thread can be started
+    Workers(const Sweep& sweep, std::span<const std::int64_t> points, std::size_t threads,
+            const std::atomic<bool>& stop)
+        : sweep_(sweep), points_(points), stop_(stop) {
+        try {
+            while (threads_.size() < threads) {
+                threads_.emplace_back([this] { work(); });
+            }
+        } catch (const std::system_error&) {
+            if (threads_.empty()) {
+                throw;
+            }  // the others do the work
+        }
+    }
+    ~Workers() { next_ = points_.size(); }
+    Workers(const Workers&) = delete;
+    Workers& operator=(const Workers&) = delete;
 
-    std::optional<std::int64_t> take() override {
-        const std::size_t next = next_.fetch_add(1, std::memory_order_relaxed);
-        return next < points_.size() ? std::optional(points_[next]) : std::nullopt;
+    /// Waits for all threads to end, or a moment. @returns whether they have
+    bool wait() {
+        std::unique_lock lock(mutex_);
+        return changed_.wait_for(lock, between_looks, [this] { return ended_ == threads_.size(); });
     }
 
-    void put(std::int64_t point, PointStatus status, std::span<const std::byte> payload) override {
+    /// Takes the results that have come since the last call.
+    std::vector<PointResult> fetch() {
         const std::scoped_lock lock(mutex_);
-        journal_.append(point, status, payload);
-        ++counts_[status];
+        return std::exchange(results_, {});
     }
 
-    PointCounts counts() {
-        const std::scoped_lock lock(mutex_);
-        return counts_;
+    /// @throws what the first thread has failed with
+    void rethrow() {
+        if (failure_) {
+            std::rethrow_exception(failure_);
+        }
     }
 
 private:
-    Journal& journal_;
+    void work() noexcept {
+        std::exception_ptr failure;
+        try {
+            run_points();
+        } catch (...) {
+            failure = std::current_exception();
+            next_ = points_.size();
+        }
+        const std::scoped_lock lock(mutex_);
+        failure_ = failure_ ? failure_ : failure;
+        ++ended_;
+        changed_.notify_all();
+    }
+
+    void run_points() {
+        PointRunner runner(sweep_.demand, stop_);
+        while (!stop_.load(std::memory_order_relaxed)) {
+            const std::size_t next = next_.fetch_add(1, std::memory_order_relaxed);
+            if (next >= points_.size()) {
+                return;
+            }
+            std::optional<PointResult> result = runner.run(points_[next], sweep_.plan.scene(points_[next]));
+            if (!result) {
+                return;
+            }
+            const std::scoped_lock lock(mutex_);
+            results_.push_back(*std::move(result));
+        }
+    }
+
+    const Sweep& sweep_;
     std::span<const std::int64_t> points_;
+    const std::atomic<bool>& stop_;
     std::atomic<std::size_t> next_{0};
-    std::mutex mutex_;  // of the journal, and of what follows
-    PointCounts counts_;
+    std::mutex mutex_;  // of what follows
+    std::condition_variable changed_;
+    std::vector<PointResult> results_;
+    std::size_t ended_ = 0;
+    std::exception_ptr failure_;
+    std::vector<std::jthread> threads_;  // last: they use all before
 };
 
 }  // namespace
@@ -70,25 +125,20 @@ std::string PointCounts::faults() const {
 }
 
 PointCounts run_points(const Sweep& sweep, Journal& journal, std::span<const std::int64_t> points, int jobs,
-                       const std::atomic<bool>& stop, const std::function<void(const PointCounts&)>& news) {
-    JournalExchange exchange(journal, points);
-    PointWorkers workers(sweep, exchange, std::min(static_cast<std::size_t>(jobs), points.size()), stop);
-    auto synced = steady_clock::now();
-    while (!workers.wait_for(between_news)) {
-        news(exchange.counts());
-        if (steady_clock::now() - synced >= between_syncs) {
-            try {
-                journal.sync();
-            } catch (...) {
-                workers.give_up(std::current_exception());
-            }
-            synced = steady_clock::now();
+                       const std::atomic<bool>& stop, const OnProgress& progress) {
+    PointCounts counts;
+    Workers workers(sweep, points, std::min(static_cast<std::size_t>(jobs), points.size()), stop);
+    for (bool ended = false; !ended;) {
+        ended = workers.wait();
+        for (const PointResult& result : workers.fetch()) {
+            journal.append(result.status, row_of(sweep, result));
+            ++counts[result.status];
         }
+        journal.commit_when_due();
+        progress(counts);
     }
-    workers.finish();
-    journal.sync();
-    news(exchange.counts());
-    return exchange.counts();
+    workers.rethrow();
+    return counts;
 }
 
 }  // namespace hertzline::studies

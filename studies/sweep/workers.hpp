@@ -1,11 +1,12 @@
 #pragma once
-// Runs the points of a sweep on several threads, each with a runner of its own, and puts their rows into the journal.
+// Runs the points of a study on several threads, each with a runner of its own, and puts their rows into the journal.
 
 #include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 
 #include "studies/sweep/journal.hpp"
 #include "studies/sweep/sweep.hpp"
@@ -24,11 +25,13 @@ struct PointCounts {
     std::string faults() const;
 };
 
-/// Runs the points, in that order as workers are free. Returns early when `stop` is set: what was not ended is missing in the journal.
-/// @param journal loaded; is written to disk each second @param news is called a few times a second, by the caller's thread, with the
-/// points that have been run here
-/// @throws std::runtime_error when the journal cannot be written; what was written is in it
+/// Called a few times a second, with the points that have been run.
+using OnProgress = std::function<void(const PointCounts&)>;
+
+/// Runs the points, in that order as threads are free. Returns early when `stop` is set: what was not ended is missing in the journal.
+/// @param journal loaded; rows are committed a few times a second, the last ones not yet @param progress called by this thread
+/// @throws std::runtime_error when the journal cannot be written; what was committed is in it
 PointCounts run_points(const Sweep& sweep, Journal& journal, std::span<const std::int64_t> points, int jobs,
-                       const std::atomic<bool>& stop, const std::function<void(const PointCounts&)>& news);
+                       const std::atomic<bool>& stop, const OnProgress& progress);
 
 }  // namespace hertzline::studies

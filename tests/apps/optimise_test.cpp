@@ -5,12 +5,10 @@
 #include <sstream>
 #include <thread>
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/file.h>
-#include <unistd.h>
 
+#include "tests/apps/journal_rows.hpp"
 #include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/quick_points.hpp"
@@ -126,14 +124,7 @@ class LongSearch : public Optimise {
 protected:
     Outcome interrupt(int signal) {
         Program program(words);
-        const auto size = [&] {
-            std::error_code error;
-            const auto bytes = fs::file_size(journal, error);
-            return error ? 0 : bytes;
-        };
-        for (int tries = 0; size() < 60'000 && tries < 6000; ++tries) {
-            std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        }
+        wait_for_rows(journal);
         program.send(signal);
         return program.wait();
     }
@@ -142,23 +133,23 @@ protected:
         ASSERT_EQ(outcome.status, 0) << outcome.err;
         EXPECT_FALSE(fs::exists(journal));
         const Outcome undisturbed =
-            optimised("u.csv", {"--json"}, with(long_words, {"--evaluations", "300"}));
+            optimised("u.csv", {"--json"}, with(long_words, {"--evaluations", evaluations}));
         ASSERT_EQ(undisturbed.status, 0);
         EXPECT_EQ(contents(file), contents(folder.file("u.csv")));
         EXPECT_EQ(outcome.json()["best"], undisturbed.json()["best"]);
         EXPECT_EQ(outcome.json()["starts"], undisturbed.json()["starts"]);
     }
 
+    static constexpr const char* evaluations = "1000";
     std::string file = folder.file("s.csv");
     std::string journal = file + ".journal";
     Words long_words = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s"});
-    Words words = with(long_words, {"--evaluations", "300", "-o", file});
+    Words words = with(long_words, {"--evaluations", evaluations, "-o", file});
 };
 
 TEST_F(LongSearch, GoesOnAfterItWasKilled) {
     EXPECT_EQ(interrupt(SIGKILL).status, -1);
     EXPECT_FALSE(fs::exists(file));
-    fs::resize_file(journal, fs::file_size(journal) - 7);  // as if it had been killed amid a row
     expect_resumed({"--jobs", "3"});
 }
 
@@ -169,30 +160,84 @@ TEST_F(LongSearch, CtrlCSavesWhatThereIs) {
     EXPECT_THAT(hertzline(words).err, HasSubstr("--resume to go on"));
     const Outcome other = hertzline(with(words, {"--resume", "--seed", "5"}));
     EXPECT_EQ(other.status, 2);
-    EXPECT_THAT(other.err, HasSubstr("found another seed"));
+    EXPECT_THAT(other.err, HasSubstr("found the --seed 1 where this search has 5"));
     const Outcome sweep =
         hertzline({"sweep", "paper-wall", "--vary", "chain.spheres=3,4", "-o", file, "--resume"});
     EXPECT_EQ(sweep.status, 2);
+    EXPECT_THAT(sweep.err, HasSubstr("found that of a search, allowed: the journal of the same sweep"));
     expect_resumed();
 }
 
 TEST_F(LongSearch, AFileInUseByAnotherSearchIsRefused) {
     interrupt(SIGINT);
-    const int descriptor = ::open(journal.c_str(), O_RDWR);
-    ASSERT_EQ(::flock(descriptor, LOCK_EX), 0);
+    Program other(with(words, {"--resume"}));
+    other.messages_with("evaluations at most");
     const Outcome outcome = hertzline(with(words, {"--resume"}));
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr(journal + " is in use by another sweep or search"));
-    ::close(descriptor);
+}
+
+/// The lines of a table, without their provenance.
+std::vector<std::string> lines_of(const std::string& name) {
+    std::istringstream text(contents(name));
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(text, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+TEST_F(LongSearch, FinishedGoesOnWithMoreEvaluations) {
+    for (const std::string name : {"g.csv", "g.h5"}) {
+        const auto searched = [&](const char* most, const Words& more) {
+            return optimised(name, with({"--json", "--evaluations", most}, more), long_words);
+        };
+        ASSERT_EQ(searched("60", {}).status, 0);
+        const std::string first = contents(folder.file(name));
+        const Outcome more = searched("150", {"--resume"});
+        ASSERT_EQ(more.status, 0) << more.err;
+        EXPECT_THAT(more.err, HasSubstr("the search goes on from them"));
+        EXPECT_GT(more.json()["evaluations"], 60);
+        EXPECT_LE(more.json()["evaluations"], 150);
+        EXPECT_FALSE(fs::exists(folder.file(name + ".journal")));
+        if (name == "g.csv") {
+            EXPECT_THAT(contents(folder.file(name)), testing::StartsWith(first));
+        }
+        const Outcome again = searched("150", {"--resume"});
+        EXPECT_EQ(again.status, 0);
+        EXPECT_THAT(again.err, HasSubstr(name + " is complete with"));
+        EXPECT_EQ(again.json(), more.json());
+        EXPECT_THAT(searched("60", {"--resume"}).err, HasSubstr(name + " is complete with"));
+        const Outcome other = searched("150", {"--resume", "--seed", "5"});
+        EXPECT_EQ(other.status, 2);
+        EXPECT_THAT(other.err, HasSubstr("found the --seed 1 where this search has 5"));
+        ASSERT_EQ(searched("200", {"--resume"}).status, 0);
+    }
+}
+
+TEST_F(LongSearch, ThatGoesOnIsResumedToTheSameBytes) {
+    const auto searched = [&](const std::string& name, const Words& more) {
+        return optimised(name, more, long_words);
+    };
+    for (const char* name : {"s.csv", "w.csv"}) {
+        ASSERT_EQ(searched(name, {"--evaluations", "60"}).status, 0);
+    }
+    const Words more{"--evaluations", evaluations, "--resume"};
+    words = with(long_words, with(more, {"-o", file}));
+    interrupt(SIGKILL);
+    ASSERT_TRUE(fs::exists(journal));
+    ASSERT_EQ(searched("s.csv", more).status, 0);
+    ASSERT_EQ(searched("w.csv", more).status, 0);
+    EXPECT_EQ(lines_of(file), lines_of(folder.file("w.csv")));
 }
 
 TEST_F(LongSearch, AFullDiskLosesNoRow) {
     {
-        const Limit limit(RLIMIT_FSIZE, 60'000);
+        const Limit limit(RLIMIT_FSIZE, 400'000);
         const Outcome outcome = hertzline(words);
         EXPECT_EQ(outcome.status, 1);
         EXPECT_THAT(outcome.err, AllOf(HasSubstr("cannot write " + journal), HasSubstr("File too large"),
-                                       HasSubstr("--resume goes on")));
+                                       HasSubstr("--resume continues")));
     }
     expect_resumed();
 }
@@ -201,10 +246,10 @@ TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
     const Words maximise{"--maximise", "peak_v_out_m_per_s"};
     const Words sound = with(with(scene, vary), maximise);
     const Words output{"-o", folder.file("w.csv")};
-    EXPECT_THAT(fault({"optimise", "-o", "x.h5"}), HasSubstr("SCENE: found none"));
-    EXPECT_THAT(fault(sound), HasSubstr("-o: found no file"));
-    EXPECT_THAT(fault(with(sound, {"-o", "a.txt"})), HasSubstr(".h5, .csv"));
-    EXPECT_THAT(fault(with(with(scene, maximise), output)), HasSubstr("--vary: found none"));
+    EXPECT_THAT(fault({"optimise", "-o", "x.h5"}), HasSubstr("SCENE is missing"));
+    EXPECT_THAT(fault(sound), HasSubstr("-o FILE is missing"));
+    EXPECT_THAT(fault(with(sound, {"-o", "a.txt"})), HasSubstr(".csv, .h5"));
+    EXPECT_THAT(fault(with(with(scene, maximise), output)), HasSubstr("--vary is missing"));
     EXPECT_THAT(fault(with(with(scene, vary), output)), HasSubstr("--maximise: found no measure"));
     EXPECT_THAT(fault(with(sound, with(output, {"--minimise", "thd_r"}))),
                 HasSubstr("--maximise: found a second measure"));
@@ -232,7 +277,7 @@ TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
                     AllOf(HasSubstr("--seed"), HasSubstr("a whole number from 0 to 18446744073709551615")));
     }
     EXPECT_THAT(fault({"optimise", "paper-wall", "--vary", "chain.sphere=1", "--subject-to", "x"}),
-                AllOf(HasSubstr("-o: found no file"), HasSubstr("--maximise: found no measure"),
+                AllOf(HasSubstr("-o FILE is missing"), HasSubstr("--maximise: found no measure"),
                       HasSubstr("--subject-to: found \"x\""), HasSubstr("did you mean 'chain.spheres'?")));
     const Outcome nowhere = hertzline(with(sound, {"-o", folder.file("no/a.csv")}));
     EXPECT_EQ(nowhere.status, 1);

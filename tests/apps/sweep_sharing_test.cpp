@@ -78,7 +78,7 @@ TEST_F(SharedSweep, OfAnotherInstructionSetIsNotGoneOnWith) {
     const Outcome outcome = swept({"-o", folder.file("s.csv"), "--shard", "1/2", "--resume"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("found the instruction set \"" + narrowest + '"'),
-                                   HasSubstr("--target " + narrowest + " goes on with it")));
+                                   HasSubstr("--target " + narrowest + " continues it")));
     EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "1/2", "--resume", "--target", narrowest}).status,
               0);
 }

@@ -222,14 +222,14 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
     EXPECT_THAT(fault({"paper-wall", "--vary", "chain.sphere=3..1", "--jobs", "0x"}), HasSubstr("--jobs"));
     EXPECT_THAT(fault({"paper-wall", "--vary", "chain.sphere=3", "--jobs", "-1", "--shard", "3/2",
                        "--band-from", "-1"}),
-                AllOf(HasSubstr("-o: found no file"), HasSubstr("--jobs: found -1"),
+                AllOf(HasSubstr("-o FILE is missing"), HasSubstr("--jobs: found -1"),
                       HasSubstr("--shard: found \"3/2\""), HasSubstr("--band-from"),
                       HasSubstr("did you mean 'chain.spheres'?")));
     EXPECT_THAT(fault(with(vary, {"--json", "--jobs", "0"})),
                 HasSubstr("--jobs: found 0, allowed: 1 to 1024"));
     EXPECT_THAT(fault({"--json"}), HasSubstr("SCENE"));
     EXPECT_THAT(fault({"paper-wall", "--json"}), HasSubstr("--vary or --points"));
-    EXPECT_THAT(fault(with(vary, {"-o", folder.file("a.txt")})), HasSubstr(".h5, .csv"));
+    EXPECT_THAT(fault(with(vary, {"-o", folder.file("a.txt")})), HasSubstr(".csv, .h5"));
     EXPECT_THAT(fault(with(vary, {"-o", folder.file("a.csv"), "--waveforms", "v_last"})), HasSubstr(".h5"));
     EXPECT_THAT(fault(with(vary, {"--json", "--measure", "v_plate"})),
                 HasSubstr("--measure: found \"v_plate\""));

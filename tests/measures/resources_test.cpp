@@ -1,11 +1,13 @@
 #include "measures/resources.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
 
 namespace hertzline {
 
@@ -100,6 +102,61 @@ TEST(Memory, ThisMachineHasMoreThanAMegabyteAndLessThanAnExbibyte) {
     ASSERT_TRUE(available);
     EXPECT_GT(*available, 1U << 20);
     EXPECT_LT(*available, std::uint64_t{1} << 60);
+}
+
+/// This process kept to some processors, for a while.
+class Affinity {
+public:
+    Affinity() { sched_getaffinity(0, sizeof before_, &before_); }
+    ~Affinity() { sched_setaffinity(0, sizeof before_, &before_); }
+    Affinity(const Affinity&) = delete;
+    Affinity& operator=(const Affinity&) = delete;
+
+    /// Keeps to the first one of them.
+    void keep_to_one() const {
+        cpu_set_t one;
+        CPU_ZERO(&one);
+        for (int cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; ++cpu) {
+            if (CPU_ISSET(cpu, &before_)) {
+                CPU_SET(cpu, &one);
+            }
+        }
+        sched_setaffinity(0, sizeof one, &one);
+    }
+    int count() const { return CPU_COUNT(&before_); }
+
+private:
+    cpu_set_t before_{};
+};
+
+using ProcessorsOf = MemoryOf;
+
+TEST_F(ProcessorsOf, ProcessAreThoseOfItsAffinity) {
+    const Affinity affinity;
+    EXPECT_EQ(usable_processors(root), affinity.count());
+    affinity.keep_to_one();
+    EXPECT_EQ(usable_processors(root), 1);
+}
+
+TEST_F(ProcessorsOf, GroupsAreWhatTheTightestQuotaComesTo) {
+    const int all = Affinity().count();
+    put("proc/self/cgroup", "0::/a/b\n");
+    put("sys/fs/cgroup/a/b/cpu.max", "max 100000\n");
+    EXPECT_EQ(usable_processors(root), all);
+    put("sys/fs/cgroup/a/cpu.max", "150000 100000\n");
+    EXPECT_EQ(usable_processors(root), std::min(all, 2));
+    put("sys/fs/cgroup/a/b/cpu.max", "20000 100000\n");
+    EXPECT_EQ(usable_processors(root), 1);
+}
+
+TEST_F(ProcessorsOf, OlderGroupsAreUnderstood) {
+    const int all = Affinity().count();
+    put("proc/self/cgroup", "4:cpu,cpuacct:/a\n3:memory:/a\n");
+    put("sys/fs/cgroup/cpu/a/cpu.cfs_period_us", "100000\n");
+    put("sys/fs/cgroup/cpu/a/cpu.cfs_quota_us", "-1\n");
+    EXPECT_EQ(usable_processors(root), all);
+    put("sys/fs/cgroup/cpu/a/cpu.cfs_quota_us", "100000\n");
+    EXPECT_EQ(usable_processors(root), 1);
 }
 
 TEST(Disk, DirectoryOfANewFileIsAsked) {

@@ -64,14 +64,13 @@ void write_all(const fs::path& folder, const std::string& name, const RecordingH
 
 /// spectrum.csv, .npy and .h5, as read_recordings.py expects them.
 void write_tables(const fs::path& folder) {
-    Table table;
-    table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
-    table.columns.push_back({{"f_last_n", "f_last", "N"}, {}});
-    table.provenance["version"] = "1.2.3";
+    std::vector<std::vector<double>> values(2);
     for (int i = 0; i < 300'000; ++i) {
-        table.columns[0].values.push_back(i / 3.0);
-        table.columns[1].values.push_back(1.0 / (1 + i));
+        values[0].push_back(i / 3.0);
+        values[1].push_back(1.0 / (1 + i));
     }
+    const Table table = number_table({{"frequency_hz", "frequency", "Hz"}, {"f_last_n", "f_last", "N"}},
+                                     std::move(values), {{"version", "1.2.3"}});
     const std::atomic<bool> stop{false};
     for (const char* name : {"spectrum.csv", "spectrum.npy", "spectrum.h5"}) {
         write_table(folder / name, table, stop);

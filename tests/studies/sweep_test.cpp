@@ -14,6 +14,7 @@ namespace hertzline::test {
 
 using namespace measures;
 using namespace studies;
+using studies::row_of;
 
 namespace {
 
@@ -57,8 +58,8 @@ TEST(SweepOfAJournal, IsTheSweepThatWroteIt) {
 }
 
 TEST(SweepOfAJournal, OfAnotherProgramOrPlanIsTold) {
-    const std::string here = journal_text(sweep_of());
-    EXPECT_EQ(journal_difference(here, here), std::nullopt);
+    const Sweep here = sweep_of();
+    EXPECT_EQ(journal_difference(journal_text(here), here), std::nullopt);
     EXPECT_EQ(
         journal_difference(changed("simd_target", "AVX9"), here),
         std::string("the instruction set \"AVX9\" where this sweep has \"") + kernels::kernel_target() + '"');
@@ -70,27 +71,55 @@ TEST(SweepOfAJournal, OfAnotherProgramOrPlanIsTold) {
                 HasSubstr("the --band-from null"));
     EXPECT_THAT(*journal_difference(journal_text(sweep_of("chain.preload_n=0.1..1:6")), here),
                 HasSubstr("--vary"));
-    EXPECT_THAT(*journal_difference(changed("format", 2), here), HasSubstr("another format"));
+    EXPECT_THAT(*journal_difference(changed("format", 1), here), HasSubstr("another format"));
+    EXPECT_THAT(*journal_difference(changed("maximise", "thd_r"), here), HasSubstr("that of a search"));
     EXPECT_THAT(*journal_difference(changed("shard", {1, 3}), here), HasSubstr("--shard [1,3]"));
-    EXPECT_EQ(journal_difference(changed("shard", {1, 3}), here, true), std::nullopt);
+    EXPECT_EQ(journal_difference(changed("shard", {1, 3}), here, {"shard"}), std::nullopt);
+}
+
+recordings::WrittenTable written(const Sweep& sweep) {
+    recordings::WrittenTable table{{}, sweep.samples() > 0, sweep_provenance(sweep)};
+    for (const recordings::TableColumn& column : columns_of(sweep)) {
+        table.columns.push_back(column.about.name);
+    }
+    return table;
+}
+
+TEST(TableOfAStudy, OfAnotherProgramOrPlanIsTold) {
+    const Sweep here = sweep_of();
+    EXPECT_EQ(table_difference(written(here), here), std::nullopt);
+    const auto differs = [&](const Sweep& other) { return *table_difference(written(other), here); };
+    EXPECT_THAT(differs(sweep_of("chain.preload_n=0.1..1:6")), HasSubstr("--vary"));
+    Sweep other = sweep_of();
+    other.demand.waveform = std::nullopt;
+    EXPECT_THAT(differs(other), HasSubstr("--waveforms"));
+    other = sweep_of();
+    other.demand.columns.pop_back();
+    EXPECT_THAT(differs(other), HasSubstr("another --quantity"));
+    other = sweep_of();
+    other.demand.band_from_hz = std::nullopt;
+    EXPECT_THAT(differs(other), HasSubstr("the --band-from null"));
+    other = sweep_of();
+    other.search = {{"maximise", "thd_r"}};
+    EXPECT_THAT(differs(other), HasSubstr("that of a search"));
+    recordings::WrittenTable older = written(here);
+    older.provenance["version"] = "0.0.1";
+    EXPECT_THAT(*table_difference(older, here), HasSubstr("the version \"0.0.1\""));
+    EXPECT_THAT(*table_difference({{"t_s"}, false, nullptr}, here), HasSubstr("no table"));
 }
 
 TEST(SweepOfAJournal, ThatTellsOfNoneIsRefused) {
     for (const std::string& text :
          {std::string("no JSON"), std::string("[]"), std::string("{}"), changed("format", "1"),
-          changed("plan", 1),
-          changed("plan", {{"scene", "[chain]\nspheres = 0\n"},
-                           {"vary", {"chain.preload_n=1,2"}},
-                           {"points", ""},
-                           {"sobol", nullptr}}),
-          changed("columns", 3), changed("columns", {1}), changed("measured", {"v_nothing"}),
-          changed("waveform", 7), changed("shard", {4, 3}), changed("shard", 1),
-          changed("waveform_samples", "many")}) {
+          changed("scene", 1), changed("scene", "[chain]\nspheres = 0\n"), changed("vary", 1),
+          changed("points", 1), changed("sobol", "many"), changed("maximise", "thd_r"), changed("columns", 3),
+          changed("columns", {1}), changed("measured", {"v_nothing"}), changed("waveform", 7),
+          changed("shard", {4, 3}), changed("shard", 1), changed("waveform_samples", "many")}) {
         EXPECT_THAT(error_of([&] { sweep_of_journal(text); }), Not(IsEmpty())) << text;
     }
 }
 
-TEST(SweepRow, SurvivesTheJournal) {
+TEST(SweepRow, IsItsResult) {
     const Sweep sweep = sweep_of();
     PointResult result;
     result.point = 3;
@@ -100,32 +129,31 @@ TEST(SweepRow, SurvivesTheJournal) {
     result.message = "one; two\nthree";
     result.numbers.assign(sweep.demand.columns.size(), no_number);
     result.numbers[1] = -0.0;
-    result.numbers[2] = 1e-310;
     result.waveform = {1.5F, -2.5F, NAN};
-    std::vector<std::byte> payload(payload_bytes(sweep.demand));
-    encode(result, payload);
-    const PointResult again = decode(3, PointStatus::chaotic, sweep.demand, payload);
+    const recordings::TableRow row = row_of(sweep, result);
+    EXPECT_EQ(row.cells.size(), columns_of(sweep).size());
+    EXPECT_EQ(row.cells[1], recordings::Cell(std::get<double>(sweep.plan.values(3).front())));
+    const PointResult again = result_of(sweep, row);
+    EXPECT_EQ(again.point, 3);
+    EXPECT_EQ(again.status, PointStatus::chaotic);
     EXPECT_EQ(again.integrator, result.integrator);
     EXPECT_EQ(again.scene_hash, result.scene_hash);
     EXPECT_EQ(again.message, "one; two?three");
     EXPECT_TRUE(std::isnan(again.numbers[0]));
     EXPECT_TRUE(std::signbit(again.numbers[1]));
-    EXPECT_EQ(again.numbers[2], 1e-310);
     EXPECT_EQ(again.waveform[1], -2.5F);
-    EXPECT_TRUE(std::isnan(again.waveform[2]));
 
-    result.message = std::string(1000, 'x');
-    encode(result, payload);
-    const std::string cut = decode(3, PointStatus::ok, sweep.demand, payload).message;
-    EXPECT_THAT(cut, SizeIs(max_message_bytes));
-    EXPECT_THAT(cut, EndsWith("x ..."));
-
-    result.message.clear();
-    while (result.message.size() < 1000) {
-        result.message += "word ";
+    const auto cut = [&](const std::string& message) {
+        result.message = message;
+        return result_of(sweep, row_of(sweep, result)).message;
+    };
+    EXPECT_THAT(cut(std::string(1000, 'x')), SizeIs(max_message_bytes));
+    EXPECT_THAT(cut(std::string(1000, 'x')), EndsWith("x ..."));
+    std::string words;
+    while (words.size() < 1000) {
+        words += "word ";
     }
-    encode(result, payload);
-    EXPECT_THAT(decode(3, PointStatus::ok, sweep.demand, payload).message, EndsWith(" word ..."));
+    EXPECT_THAT(cut(words), EndsWith(" word ..."));
 }
 
 }  // namespace

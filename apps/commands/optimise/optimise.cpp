@@ -1,26 +1,30 @@
 // hertzline optimise: the best point of ranges, under bounds.
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 #include <memory>
-#include <stdexcept>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "measures/resources.hpp"
+#include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
+#include "studies/sweep/sweep_table.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/command.hpp"
 #include "apps/commands/optimise/optimise_options.hpp"
 #include "apps/commands/optimise/search_report.hpp"
+#include "apps/commands/sweep/study_session.hpp"
 #include "apps/commands/sweep/sweep_progress.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
-#include "apps/commands/sweep/unused_journal.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/json.hpp"
 
 namespace hertzline::app {
 
@@ -30,36 +34,39 @@ using studies::Journal;
 using studies::SearchJob;
 using studies::SearchRequest;
 
-constexpr const char* journal_ending = ".journal";
+/// Evaluations of a finished search, which --resume finds in its table.
+struct EarlierSearch {
+    std::vector<recordings::TableRow> rows;
+    std::int64_t evaluations = 0;  ///< that it was allowed
+    std::int64_t after = 0;        ///< those that it had found itself
+};
 
-studies::Sweep rows_of(const SearchRequest& request) {
-    std::vector<SceneKey> keys;
-    for (const studies::Axis& axis : request.axes) {
-        keys.push_back(axis.key);
+std::optional<EarlierSearch> earlier_search(const SweepOptions& options, const SearchRequest& request) {
+    const studies::Sweep study = study_of(request);
+    const auto written = finished_table(options, study, {"evaluations", "after"});
+    if (!written) {
+        return std::nullopt;
     }
-    return {studies::SweepPlan::growing(request.base, std::move(keys)), request.demand, {}};
+    const Json& search = written->provenance["search"];
+    return EarlierSearch{
+        recordings::read_table_rows(options.files.front(), studies::records_name, studies::columns_of(study)),
+        search.value("evaluations", std::int64_t{0}), search.value("after", std::int64_t{0})};
 }
 
-Journal open_journal(const SweepOptions& options, const SearchRequest& request) {
-    Journal journal(options.files.front() + journal_ending,
-                    options.resume ? Journal::Use::resume : Journal::Use::begin);
-    const std::string text = studies::journal_text(request);
-    if (journal.is_new()) {
-        if (options.resume) {
-            spdlog::info("{} is not there; the search begins anew", journal.path().string());
-        }
-        journal.begin(text, studies::payload_bytes(request.demand));
-    } else if (const auto difference = studies::search_difference(journal.text(), text)) {
-        throw WrongUse(
-            fmt::format("{}: found {}, allowed: the journal of the same search, made by the same program",
-                        journal.path().string(), *difference));
+/// How many evaluations of an earlier search a journal begins with.
+std::int64_t evaluations_before(const Journal& journal) {
+    const Json json = json_from_outside(journal.text());
+    const Json after = json.is_object() ? json.value("after", Json()) : Json();
+    return after.is_number_integer() ? after.get<std::int64_t>() : 0;
+}
+
+void load(Journal& journal, const SearchRequest& request, const std::vector<recordings::TableRow>& rows) {
+    const studies::Sweep study = study_of(request);
+    journal.load(studies::columns_of(study), study.samples(), request.evaluations);
+    for (const recordings::TableRow& row : rows) {
+        journal.append(studies::result_of(study, row).status, row);
     }
-    require_rows_of(rows_of(request), journal);
-    journal.load(request.evaluations);
-    if (journal.damaged() > 0) {
-        spdlog::warn("{}: {} damaged rows are computed again", journal.path().string(), journal.damaged());
-    }
-    return journal;
+    journal.commit();
 }
 
 void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
@@ -67,42 +74,15 @@ void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
     const int jobs = jobs_of(options);
     const auto points = static_cast<double>(request.evaluations);
     constexpr double point_bytes = 500;  // what is known of each
-    const double memory = jobs * search.survey.memory_bytes + points * point_bytes;
-    if (const auto shortage = measures::memory_shortage(fmt::format("a search with {} jobs", jobs), memory)) {
-        throw std::runtime_error(*shortage + "; fewer --jobs take less");
-    }
-    const double row = Journal::bytes(1, studies::payload_bytes(request.demand));
+    const studies::Sweep study = study_of(request);
     const auto tables = static_cast<double>(options.files.size());
-    const double disk = (1 + tables) * points * row;  // the journal, and the tables beside it
-    if (const auto shortage = measures::disk_shortage(options.files.front(), disk)) {
-        throw std::runtime_error(*shortage);
-    }
+    const StudyNeeds needs{
+        jobs * search.survey.memory_bytes + points * point_bytes,
+        (1 + tables) * Journal::bytes(points, studies::columns_of(study), study.samples())};
+    refuse_shortages(options, "a search", jobs, needs);
     spdlog::info("{} evaluations at most, on {} {}; about {} of disk and {} of memory", request.evaluations,
-                 jobs, jobs == 1 ? "thread" : "threads", measures::human_bytes(disk),
-                 measures::human_bytes(memory));
-}
-
-void search_or_tell(SearchJob& job, const Journal& journal) {
-    try {
-        job.run();
-    } catch (const std::runtime_error& error) {
-        if (!journal.has_rows()) {
-            throw;
-        }
-        throw std::runtime_error(
-            fmt::format("{}; the points that are done are in {}: the same command with --resume goes on",
-                        error.what(), journal.path().string()));
-    }
-}
-
-Exit stopped(const Journal& journal, std::int64_t evaluations) {
-    if (!journal.has_rows()) {
-        spdlog::error("stopped before the first point was done; nothing was saved");
-    } else {
-        spdlog::error("stopped after {} evaluations, which are in {}: the same command with --resume goes on",
-                      evaluations, journal.path().string());
-    }
-    return Exit::failed;
+                 jobs, jobs == 1 ? "thread" : "threads", measures::human_bytes(needs.disk_bytes),
+                 measures::human_bytes(needs.memory_bytes));
 }
 
 Exit report(const SearchJob& job, const SweepOptions& options) {
@@ -117,27 +97,53 @@ Exit report(const SearchJob& job, const SweepOptions& options) {
     return Exit::done;
 }
 
+/// Leaves a table as it is that has all evaluations; its summary follows from its rows.
+Exit tell_finished(const SweepOptions& options, SearchRequest request, const EarlierSearch& earlier) {
+    spdlog::info("{} is complete with {} evaluations, and stays as it is", options.files.front(),
+                 earlier.rows.size());
+    request.evaluations = earlier.evaluations;
+    request.after = earlier.after;
+    Journal journal = Journal::in_memory();
+    begin_or_compare(journal, study_of(request), false);
+    load(journal, request, earlier.rows);
+    SearchJob job(request, journal, jobs_of(options), stop_asked(), [](std::int64_t) {});
+    job.run();
+    return report(job, options);
+}
+
 Exit optimise(const OptimiseOptions& options) {
-    const SoundSearch search = sound_search(options);
+    SoundSearch search = sound_search(options);
+    SearchRequest& request = search.request;
     const std::vector<std::string>& files = options.sweep.files;
+    const auto earlier = earlier_search(options.sweep, request);
+    if (earlier && earlier->evaluations >= request.evaluations) {
+        return tell_finished(options.sweep, request, *earlier);
+    }
     std::ranges::for_each(files, recordings::require_writable);
     if (search.survey.refused > 0) {
         spdlog::warn("{} of {} points all over the ranges cannot be simulated; {}", search.survey.refused,
-                     search.request.evaluations, search.survey.first_refused);
+                     request.evaluations, search.survey.first_refused);
     }
-    Journal journal = open_journal(options.sweep, search.request);
+    Journal journal = open_journal(options.sweep, {});
+    if (earlier) {
+        request.after = static_cast<std::int64_t>(earlier->rows.size());
+        spdlog::info("{} evaluations are in {}; the search goes on from them", request.after, files.front());
+    } else if (!journal.is_new()) {
+        request.after = std::clamp<std::int64_t>(evaluations_before(journal), 0, request.evaluations);
+    }
+    begin_or_compare(journal, study_of(request), options.sweep.resume && !earlier);
+    load(journal, request, earlier ? earlier->rows : std::vector<recordings::TableRow>());
     const UnusedJournal unused(journal, true);
     stop_asked();  // from here on there are rows to be saved
     refuse_shortages(options.sweep, search);
-    SweepProgress progress(search.request.evaluations);
-    SearchJob job(search.request, journal, jobs_of(options.sweep), stop_asked(),
+    SweepProgress progress(request.evaluations);
+    SearchJob job(request, journal, jobs_of(options.sweep), stop_asked(),
                   [&](std::int64_t done) { progress.tell({{done}}); });
-    search_or_tell(job, journal);
-    if (job.evaluations().stopped()) {
-        return stopped(journal, job.evaluations().size());
-    }
-    if (!write_tables(files, studies::SweepTable(job.sweep(), {&journal}))) {
-        return stopped(journal, job.evaluations().size());
+    run_to_journal(journal, [&] { job.run(); });
+    const std::string done = fmt::format("{} evaluations", job.evaluations().size());
+    if (job.evaluations().stopped() ||
+        !write_tables(files, studies::table_of(job.sweep(), std::span(&journal, 1)))) {
+        return stopped(journal, done);
     }
     const Exit exit = report(job, options.sweep);
     journal.replace_by(files);

@@ -8,7 +8,6 @@
 #include <system_error>
 #include <utility>
 
-#include "studies/sweep/sweep_files.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -36,7 +35,7 @@ constexpr std::int64_t most_evaluations = 1'000'000;
 /// As sweeps have it, where they may do without.
 void refuse_no_file(const OptimiseOptions& options) {
     if (options.sweep.files.empty()) {
-        throw WrongUse("-o: found no file, allowed: a file that ends in .h5 or .csv");
+        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv");
     }
 }
 
@@ -78,7 +77,7 @@ void refuse_wrong_evaluations(const OptimiseOptions& options, std::int64_t fewes
 SoundSweep sound_sample(const OptimiseOptions& options) {
     if (options.sweep.vary.empty()) {
         throw WrongUse(
-            "--vary: found none, allowed: KEY=FROM..TO[:lin|log] or KEY=A,B,C, for each key that varies");
+            "--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
     }
     SweepOptions sample = options.sweep;
     sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
@@ -111,7 +110,7 @@ std::string wrong_seed(const std::string& text) {
 
 SoundSearch sound_search(const OptimiseOptions& options) {
     if (options.sweep.scene.scene.empty()) {
-        throw WrongUse("SCENE: found none, allowed: a scene file, or the name of a shipped scene");
+        throw WrongUse("SCENE is missing: give a scene file, or the name of a shipped scene");
     }
     Faults faults;
     std::optional<studies::Goal> goal;

@@ -25,17 +25,16 @@ namespace {
 
 recordings::Table spectra_of(const measures::Run& run, const Json& provenance) {
     measures::SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
-    recordings::Table table;
-    table.columns.push_back({{"frequency_hz", "frequency", "Hz"}, {}});
-    table.provenance = provenance;
+    std::vector<recordings::Column> columns{{"frequency_hz", "frequency", "Hz"}};
+    std::vector<std::vector<double>> values(1);
     for (const measures::TapRecord& tap : run.taps) {
         const TapRow& row = row_of(tap.tap);
         measures::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
-        table.columns.front().values = std::move(spectrum.frequencies_hz);
-        table.columns.push_back({{std::string(row.column), std::string(row.name), std::string(row.unit)},
-                                 std::move(spectrum.amplitudes)});
+        columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
+        values.front() = std::move(spectrum.frequencies_hz);
+        values.push_back(std::move(spectrum.amplitudes));
     }
-    return table;
+    return recordings::number_table(columns, std::move(values), provenance);
 }
 
 }  // namespace

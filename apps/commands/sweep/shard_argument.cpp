@@ -38,10 +38,11 @@ Number number_of_launcher(const char* name) {
 }
 
 [[noreturn]] void refuse_gaps(std::int64_t task, std::int64_t tasks, std::int64_t first, std::int64_t last) {
-    throw WrongUse(fmt::format(
-        "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps that begins at "
-        "1, as 1-8, or at 0; --shard slurm/N takes a task of it that is submitted again",
-        task, tasks, first, last));
+    throw WrongUse(
+        fmt::format("--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps "
+                    "that begins at "
+                    "1, as 1-8, or at 0; --shard slurm/N takes a task of it that is submitted again",
+                    task, tasks, first, last));
 }
 
 /// A task of an array of jobs. --array=1-8 has parts 1/8 to 8/8; where tasks are submitted again the number of parts has to be given.
@@ -92,8 +93,8 @@ studies::Shard shard_of_rank() {
     for (const RankNames& names : launchers) {
         allowed += fmt::format("{}{} with {}", allowed.empty() ? "" : ", ", names.rank, names.ranks);
     }
-    throw WrongUse("--shard mpi: found no rank in the environment, allowed: under mpirun or srun, which set " +
-                   allowed);
+    throw WrongUse(
+        "--shard mpi: found no rank in the environment, allowed: under mpirun or srun, which set " + allowed);
 }
 
 /// A launcher names the part, and knows nothing of earlier parts.
@@ -125,8 +126,9 @@ studies::Shard shard_argument(const std::string& text) {
             return {*part, *parts};
         }
     }
-    throw WrongUse(fmt::format(
-        "--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm, slurm/N, mpi", quoted_briefly(text)));
+    throw WrongUse(
+        fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm, slurm/N, mpi",
+                    quoted_briefly(text)));
 }
 
 std::string journal_name(const std::string& file, const studies::Shard& shard) {
@@ -148,11 +150,12 @@ void refuse_other_parts(const std::string& text, const std::string& file, const 
         std::smatch numbers;
         const std::string rest = name.starts_with(before) ? name.substr(before.size()) : std::string();
         if (std::regex_match(rest, numbers, form) && whole_number(numbers[2].str()) != shard.parts) {
-            throw WrongUse(fmt::format(
-                "--shard {0}: found part {1} of {2}, and beside it {3}, allowed: parts of one number; --shard "
-                "{4}{5} runs a part of those again",
-                text, shard.part, shard.parts, printable(entry.path().string()),
-                text == "slurm" ? "slurm/" : "I/", numbers[2].str()));
+            throw WrongUse(
+                fmt::format("--shard {0}: found part {1} of {2}, and beside it {3}, allowed: parts of one "
+                            "number; --shard "
+                            "{4}{5} runs a part of those again",
+                            text, shard.part, shard.parts, printable(entry.path().string()),
+                            text == "slurm" ? "slurm/" : "I/", numbers[2].str()));
         }
     }
 }

@@ -1,9 +1,7 @@
 #include "apps/commands/sweep/sweep_merge.hpp"
 
-#include <algorithm>
 #include <cstdint>
 #include <filesystem>
-#include <iterator>
 #include <map>
 #include <set>
 #include <stdexcept>
@@ -13,6 +11,7 @@
 
 #include "recordings/recording_formats.hpp"
 #include "studies/sweep/journal.hpp"
+#include "studies/sweep/sweep_table.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -43,10 +42,9 @@ void refuse_repeated(const std::vector<std::string>& names) {
 std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep) {
     refuse_repeated(options.parts);
     std::map<std::int64_t, Journal> parts;  // a journal may say that there are millions
-    const std::string text = studies::journal_text(sweep);
     for (const std::string& name : options.parts) {
         Journal journal(name, Journal::Use::read);
-        if (const auto difference = studies::journal_difference(journal.text(), text, true)) {
+        if (const auto difference = studies::journal_difference(journal.text(), sweep, {"shard"})) {
             throw WrongUse(
                 fmt::format("{}: found {}, allowed: parts of one sweep", printable(name), *difference));
         }
@@ -57,8 +55,7 @@ std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep)
                                        printable(name), shard.part, shard.parts, again ? " again" : "",
                                        sweep.shard.parts));
         }
-        require_rows_of(sweep, journal);
-        journal.load(sweep.plan.size());
+        studies::load_rows(journal, sweep);
         parts.emplace(shard.part, std::move(journal));
     }
     std::vector<Journal> all;
@@ -71,6 +68,10 @@ std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep)
         all.push_back(std::move(there->second));
     }
     return all;
+}
+
+const Journal& part_of(const std::vector<Journal>& parts, std::int64_t point) {
+    return parts[static_cast<std::size_t>(point) % parts.size()];
 }
 
 void refuse_options_beside_merge(const SweepOptions& options) {
@@ -97,24 +98,22 @@ Sweep first_sweep(const std::string& name) {
 Exit merge_parts(const SweepOptions& options) {
     refuse_options_beside_merge(options);
     const Sweep sweep = first_sweep(options.parts.front());
-    refuse_wrong_tables(options.files, sweep.demand.waveform.has_value());
+    refuse_wrong_tables(options.files, sweep.demand.waveform);
     const std::vector<Journal> parts = open_parts(options, sweep);
-    std::vector<const Journal*> journals;
-    std::ranges::transform(parts, std::back_inserter(journals), [](const Journal& part) { return &part; });
-    const studies::SweepTable table(sweep, journals);
-    if (const std::int64_t point = table.first_missing(); point >= 0) {
-        const Journal& part = parts[static_cast<std::size_t>(point % sweep.shard.parts)];
-        throw std::runtime_error(fmt::format("{} lacks {}: run that part to its end with --resume",
-                                             part.path().string(), sweep.plan.name(point)));
+    for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
+        if (const Journal& part = part_of(parts, point); !part.has(point)) {
+            throw std::runtime_error(fmt::format("{} lacks {}: run that part to its end with --resume",
+                                                 part.path().string(), sweep.plan.name(point)));
+        }
     }
     stop_asked();
-    if (!write_result(options, table)) {
+    if (!write_result(options, sweep, studies::table_of(sweep, parts))) {
         spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }
     PointCounts counts;
     for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
-        ++counts[parts[static_cast<std::size_t>(point % sweep.shard.parts)].status(point)];
+        ++counts[part_of(parts, point).status(point)];
     }
     print_counts(options, counts, options.files);
     return Exit::done;

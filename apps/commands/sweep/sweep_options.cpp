@@ -8,11 +8,10 @@
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
-#include <thread>
 #include <utility>
 
+#include "measures/resources.hpp"
 #include "recordings/files/input_file.hpp"
-#include "studies/sweep/sweep_files.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -120,7 +119,7 @@ void refuse_wrong_output(const SweepOptions& options) {
                 fmt::format("-o {}: found the file of --points, allowed: another one", printable(file)));
         }
     }
-    refuse_wrong_tables(options.files, !options.waveform.empty());
+    refuse_wrong_tables(options.files, options.waveform.empty() ? std::nullopt : std::optional(Tap::v_out));
 }
 
 }  // namespace
@@ -130,7 +129,7 @@ int jobs_of(const SweepOptions& options) {
         return 1;  // the ranks of a machine share its processors
     }
     if (!options.jobs) {
-        return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_jobs);
+        return std::min(measures::usable_processors(), max_jobs);
     }
     if (*options.jobs < 1 || *options.jobs > max_jobs) {
         throw WrongUse(fmt::format("--jobs: found {}, allowed: 1 to {}", *options.jobs, max_jobs));
@@ -185,7 +184,8 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
     app.add_option("--band-from", options.band_from_hz,
                    "bands are looked for from here upward (default: half the drive's frequency)")
         ->type_name("HZ");
-    app.add_option("--jobs", options.jobs, "threads (default: one for each processor; with --shard mpi one)")
+    app.add_option("--jobs", options.jobs,
+                   "threads (default: one for each processor that it may use; with --shard mpi one)")
         ->type_name("N");
     add_target_option(app);
 }

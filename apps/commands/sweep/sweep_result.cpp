@@ -8,9 +8,8 @@
 #include <optional>
 #include <set>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
-#include "studies/sweep/sweep_files.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -23,11 +22,13 @@ namespace hertzline::app {
 
 namespace {
 
-void print_rows(const studies::SweepTable& table) {
+void print_rows(const studies::Sweep& sweep, const recordings::Table& table) {
     constexpr std::size_t enough = std::size_t{1} << 16;
     std::string text;
-    for (std::int64_t point = 0; point < table.sweep().plan.size(); ++point) {
-        text += json_text(studies::row_json(table, point)) + '\n';
+    recordings::TableRow row;
+    for (std::int64_t point = 0; point < table.rows; ++point) {
+        table.read(point, row);
+        text += json_text(studies::row_json(sweep, row)) + '\n';
         if (text.size() > enough) {
             print(text);
             text.clear();
@@ -40,17 +41,22 @@ void print_rows(const studies::SweepTable& table) {
 
 void refuse_no_output(const SweepOptions& options) {
     if (options.files.empty() && options.format == Format::text) {
-        throw WrongUse("-o: found no file, allowed: a file that ends in .h5 or .csv, or --json");
+        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
     }
 }
 
-void refuse_wrong_tables(std::span<const std::string> files, bool with_waveforms) {
+void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform) {
+    recordings::Table table;
+    table.columns.push_back({{"status", "", ""}, recordings::CellKind::text});
+    if (waveform) {
+        table.samples.emplace();
+    }
     Faults faults;
     std::set<std::filesystem::path> names;
     for (const std::string& file : files) {
         faults.of([&] {
-            if (const auto fault = studies::sweep_file_fault(file, with_waveforms)) {
-                throw WrongUse(*fault);
+            if (const auto fault = recordings::table_fault(file, table)) {
+                throw WrongUse(*fault + (waveform ? ", which holds waveforms" : ""));
             }
             if (!names.insert(recordings::recording_name(file)).second) {
                 throw WrongUse(
@@ -61,29 +67,25 @@ void refuse_wrong_tables(std::span<const std::string> files, bool with_waveforms
     faults.refuse();
 }
 
-void require_rows_of(const studies::Sweep& sweep, const studies::Journal& journal) {
-    if (journal.payload_bytes() != studies::payload_bytes(sweep.demand)) {
-        recordings::cannot_read(journal.path(), "its rows are not those of its sweep");
-    }
-}
-
 double table_bytes(std::span<const std::string> files, const studies::Sweep& sweep) {
+    const std::vector<recordings::TableColumn> columns = studies::columns_of(sweep);
     return std::accumulate(files.begin(), files.end(), 0.0, [&](double bytes, const std::string& file) {
-        return bytes + studies::sweep_file_bytes(file, sweep);
+        return bytes + recordings::table_bytes(file, columns, static_cast<double>(sweep.plan.size()),
+                                               sweep.samples());
     });
 }
 
-bool write_tables(std::span<const std::string> files, const studies::SweepTable& table) {
+bool write_tables(std::span<const std::string> files, const recordings::Table& table) {
     return std::ranges::all_of(
-        files, [&](const std::string& file) { return studies::write_sweep(file, table, stop_asked()); });
+        files, [&](const std::string& file) { return recordings::write_table(file, table, stop_asked()); });
 }
 
-bool write_result(const SweepOptions& options, const studies::SweepTable& table) {
+bool write_result(const SweepOptions& options, const studies::Sweep& sweep, const recordings::Table& table) {
     if (!write_tables(options.files, table)) {
         return false;
     }
     if (options.format == Format::json) {
-        print_rows(table);
+        print_rows(sweep, table);
     }
     return true;
 }

@@ -1,11 +1,13 @@
 #pragma once
 // What a sweep gives when its points are done: the file, the rows on stdout, and the counts.
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "studies/sweep/sweep_table.hpp"
+#include "recordings/formats/table.hpp"
+#include "studies/sweep/sweep.hpp"
 #include "studies/sweep/workers.hpp"
 
 #include "apps/commands/sweep/sweep_options.hpp"
@@ -15,20 +17,17 @@ namespace hertzline::app {
 /// @throws WrongUse when there is neither a file nor --json
 void refuse_no_output(const SweepOptions& options);
 
-/// @throws WrongUse that names every file that cannot be a sweep's table, or is named twice. @param with_waveforms only HDF5 holds them
-void refuse_wrong_tables(std::span<const std::string> files, bool with_waveforms);
-
-/// @throws std::runtime_error when the journal's rows are not as long as those of the sweep
-void require_rows_of(const studies::Sweep& sweep, const studies::Journal& journal);
+/// @throws WrongUse that names every file that cannot be a sweep's table, or is named twice. @param waveform only HDF5 holds them
+void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform);
 
 /// Bytes of all the files, from above.
 double table_bytes(std::span<const std::string> files, const studies::Sweep& sweep);
 
 /// Writes the tables. @returns whether all are written: false once the user stops it
-bool write_tables(std::span<const std::string> files, const studies::SweepTable& table);
+bool write_tables(std::span<const std::string> files, const recordings::Table& table);
 
 /// The same, and prints the rows where --json asks for them.
-bool write_result(const SweepOptions& options, const studies::SweepTable& table);
+bool write_result(const SweepOptions& options, const studies::Sweep& sweep, const recordings::Table& table);
 
 /// As summaries name them: a text, or several.
 Json names_json(const std::vector<std::string>& files);

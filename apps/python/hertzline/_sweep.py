@@ -36,7 +36,7 @@ def sweep(
     vary: the values of each key, or a range as the program takes it. Of several keys the last one varies fastest.
     points: instead of `vary` points of your own, for each key as many values.
     sobol: so many points of Sobol's sequence in the ranges of `vary`, which then have no count ("0.01..2:log").
-    jobs: threads; by default one for each processor. The rows are the same, bit for bit, whatever it is.
+    jobs: threads; by default one for each processor that the process may use. The rows are the same, bit for bit, whatever it is.
     measure: peaks and spectra of these taps beside v_out.
     quantities: only these numbers of the summary; by default all.
     band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.

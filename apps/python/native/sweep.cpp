@@ -5,13 +5,13 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <string>
-#include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include "studies/sweep/journal.hpp"
+#include "measures/resources.hpp"
 #include "studies/sweep/survey.hpp"
 #include "studies/sweep/sweep.hpp"
 #include "studies/sweep/sweep_table.hpp"
@@ -48,8 +48,7 @@ struct Rows {
 };
 
 int jobs_of(const SweepRequest& request, ArgumentFaults& faults) {
-    const int processors = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, max_jobs);
-    const int jobs = request.jobs.value_or(processors);
+    const int jobs = request.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
     if (jobs < 1 || jobs > max_jobs) {
         faults.add("jobs: found " + number_text(std::int64_t{jobs}) + ", allowed: 1 to " +
                    number_text(std::int64_t{max_jobs}));
@@ -85,49 +84,53 @@ studies::PointDemand demand_of(const SweepRequest& request, const studies::Sweep
     return demand;
 }
 
-std::vector<TableColumn> empty_columns(const studies::SweepTable& table) {
+std::vector<TableColumn> empty_columns(const recordings::Table& table) {
     std::vector<TableColumn> columns;
-    for (const recordings::RecordField& field : table.columns()) {
-        if (field.kind == recordings::RecordKind::integer) {
-            columns.emplace_back(std::vector<std::int64_t>());
-        } else if (field.kind == recordings::RecordKind::number) {
-            columns.emplace_back(std::vector<double>());
-        } else {
-            columns.emplace_back(std::vector<std::string>());
+    for (const recordings::TableColumn& column : table.columns) {
+        switch (column.kind) {
+            case recordings::CellKind::integer:
+                columns.emplace_back(std::vector<std::int64_t>());
+                break;
+            case recordings::CellKind::number:
+                columns.emplace_back(std::vector<double>());
+                break;
+            case recordings::CellKind::text:
+                columns.emplace_back(std::vector<std::string>());
+                break;
         }
     }
     return columns;
 }
 
-Rows rows_of(const studies::SweepTable& table, bool with_waveforms) {
+Rows rows_of(const recordings::Table& table) {
     Rows rows{empty_columns(table), {}};
-    for (std::int64_t point = 0; point < table.sweep().plan.size(); ++point) {
-        std::vector<float> waveform;
-        std::vector<studies::Cell> cells = table.row(point, with_waveforms ? &waveform : nullptr);
-        for (std::size_t i = 0; i < cells.size(); ++i) {
+    recordings::TableRow row;
+    for (std::int64_t point = 0; point < table.rows; ++point) {
+        table.read(point, row);
+        for (std::size_t i = 0; i < row.cells.size(); ++i) {
             std::visit(
                 [&](auto& cell) {
                     std::get<std::vector<std::decay_t<decltype(cell)>>>(rows.columns[i]).push_back(cell);
                 },
-                cells[i]);
+                row.cells[i]);
         }
-        rows.waveforms.insert(rows.waveforms.end(), waveform.begin(), waveform.end());
+        rows.waveforms.insert(rows.waveforms.end(), row.samples.begin(), row.samples.end());
     }
     return rows;
 }
 
 /// Runs all points. @returns nothing when it was stopped
 std::optional<Rows> run(const studies::Sweep& sweep, int jobs, const std::atomic<bool>& stop) {
-    studies::Journal journal = studies::Journal::passing();
-    journal.begin(studies::journal_text(sweep), studies::payload_bytes(sweep.demand));
-    journal.load(sweep.plan.size());
+    studies::Journal journal = studies::Journal::in_memory();
+    journal.begin(studies::journal_text(sweep), studies::columns_of(sweep));
+    studies::load_rows(journal, sweep);
     std::vector<std::int64_t> points(static_cast<std::size_t>(sweep.plan.size()));
     std::iota(points.begin(), points.end(), std::int64_t{0});
     studies::run_points(sweep, journal, points, jobs, stop, [](const studies::PointCounts&) {});
     if (stop) {
         return std::nullopt;
     }
-    return rows_of(studies::SweepTable(sweep, {&journal}), sweep.demand.waveform.has_value());
+    return rows_of(studies::table_of(sweep, std::span(&journal, 1)));
 }
 
 py::object python_column(TableColumn& column) {
@@ -142,11 +145,11 @@ py::object python_column(TableColumn& column) {
 
 /// [(name, unit, values)], waveforms or None, and where it all comes from.
 py::tuple python_table(const studies::Sweep& sweep, Rows& rows) {
-    const studies::SweepTable empty(sweep, {});
+    const std::vector<recordings::TableColumn> about = studies::columns_of(sweep);
     py::list columns;
     for (std::size_t i = 0; i < rows.columns.size(); ++i) {
-        const recordings::RecordField& field = empty.columns()[i];
-        columns.append(py::make_tuple(field.name, field.unit, python_column(rows.columns[i])));
+        columns.append(
+            py::make_tuple(about[i].about.name, about[i].about.unit, python_column(rows.columns[i])));
     }
     py::object waveforms = py::none();
     if (sweep.demand.waveform) {
@@ -172,9 +175,9 @@ py::tuple sweep(const SceneObject& scene, const SweepRequest& request) {
     studies::PointDemand demand = demand_of(request, survey, faults);
     faults.refuse();
     const auto points = static_cast<double>(plan->size());
-    const double kept = points * static_cast<double>(studies::payload_bytes(demand));
-    require_memory("the sweep", jobs * survey.memory_bytes + 2 * kept);
     const studies::Sweep wanted{*std::move(plan), std::move(demand), {}};
+    const double kept = studies::Journal::bytes(points, studies::columns_of(wanted), wanted.samples());
+    require_memory("the sweep", jobs * survey.memory_bytes + 2 * kept);
     std::optional<Rows> rows;
     with_os_errors(
         [&] { interruptible([&](const std::atomic<bool>& stop) { rows = run(wanted, jobs, stop); }); });

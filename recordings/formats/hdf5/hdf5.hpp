@@ -1,5 +1,5 @@
 #pragma once
-// RecordingSet as HDF5: a dataset for each quantity.
+// Recordings as HDF5: a dataset for each quantity.
 //
 //     /v_last, /v_plate, /v_out   [sample]
 //     /v_chain, /x_chain          [sample][sphere]; each with its "units"
@@ -10,7 +10,6 @@
 // The HDF5 library is not thread-safe. A writer or reader belongs to one thread at a time; several of them may be
 // in several threads, since each waits for the others here, as long as nobody else in the process uses HDF5.
 
-#include <atomic>
 #include <filesystem>
 #include <memory>
 
@@ -18,8 +17,6 @@
 #include "recordings/recording.hpp"
 
 namespace hertzline::recordings {
-
-struct Table;
 
 /// Creates FILE.partial-...; commit() gives it its name. Memory: at most 1 MiB for each dataset.
 std::unique_ptr<RecordingWriter> open_hdf5_writer(const std::filesystem::path& path,
@@ -32,8 +29,5 @@ std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& p
 
 /// The same in this process, for files that it wrote itself.
 std::unique_ptr<RecordingReader> open_own_hdf5(const std::filesystem::path& path);
-
-/// A table (formats/table.hpp), as write_table() writes it.
-bool write_hdf5_table(const std::filesystem::path& path, const Table& table, const std::atomic<bool>& stop);
 
 }  // namespace hertzline::recordings

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
 
 namespace hertzline::recordings {
 
@@ -41,6 +44,20 @@ void hdf5_write_text(hid_t object, const char* name, const std::string& text) {
                                H5Aclose);
     const char* const characters = text.c_str();
     hdf5(H5Awrite(attribute.id(), type.id(), &characters));
+}
+
+std::string hdf5_read_text(hid_t object, const char* name) {
+    const Hdf5Object attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+    const Hdf5Object type(H5Aget_type(attribute.id()), H5Tclose);
+    const Hdf5Object space(H5Aget_space(attribute.id()), H5Sclose);
+    if (hdf5(H5Tis_variable_str(type.id())) == 0 || H5Sget_simple_extent_npoints(space.id()) != 1) {
+        throw std::runtime_error(fmt::format("attribute {} is not a string", name));
+    }
+    char* characters = nullptr;
+    hdf5(H5Aread(attribute.id(), hdf5_text_type().id(), &characters));
+    std::string text = characters != nullptr ? characters : "";
+    H5free_memory(characters);
+    return text;
 }
 
 Hdf5Object hdf5_create_dataset(hid_t file, const std::string& name, hid_t type, int rank, hsize_t columns,

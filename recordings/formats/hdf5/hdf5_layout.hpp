@@ -35,6 +35,9 @@ hid_t hdf5_type(NumberType numbers);
 /// Gives an object an attribute.
 void hdf5_write_text(hid_t object, const char* name, const std::string& text);
 
+/// Reads such an attribute. @throws std::runtime_error when it is no text
+std::string hdf5_read_text(hid_t object, const char* name);
+
 /// An empty dataset whose rows may be many. @param rank 1: of numbers; 2: of rows with so many columns
 Hdf5Object hdf5_create_dataset(hid_t file, const std::string& name, hid_t type, int rank, hsize_t columns,
                                std::array<hsize_t, 2> chunk);

@@ -27,20 +27,6 @@ constexpr hsize_t max_chunk_bytes = 16 << 20;
 constexpr hsize_t max_change_bytes = 64 << 20;
 constexpr std::size_t read_bytes = std::size_t{1} << 20;
 
-std::string read_text(hid_t object, const char* name) {
-    const Hdf5Object attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
-    const Hdf5Object type(H5Aget_type(attribute.id()), H5Tclose);
-    const Hdf5Object space(H5Aget_space(attribute.id()), H5Sclose);
-    if (hdf5(H5Tis_variable_str(type.id())) == 0 || H5Sget_simple_extent_npoints(space.id()) != 1) {
-        throw std::runtime_error(fmt::format("attribute {} is not a string", name));
-    }
-    char* characters = nullptr;
-    hdf5(H5Aread(attribute.id(), hdf5_text_type().id(), &characters));
-    std::string text = characters != nullptr ? characters : "";
-    H5free_memory(characters);
-    return text;
-}
-
 double read_number(hid_t object, const char* name) {
     const Hdf5Object attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
     const Hdf5Object type(H5Aget_type(attribute.id()), H5Tclose);
@@ -141,8 +127,8 @@ private:
         file_ = Hdf5Object(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
         Json description;
         description["sample_rate_hz"] = read_number(file_.id(), "sample_rate_hz");
-        description["columns"] = json_from_outside(read_text(file_.id(), "columns"));
-        description["provenance"] = json_from_outside(read_text(file_.id(), "provenance"));
+        description["columns"] = json_from_outside(hdf5_read_text(file_.id(), "columns"));
+        description["provenance"] = json_from_outside(hdf5_read_text(file_.id(), "provenance"));
         head_ = head_of(std::move(description), NumberType::float32);
         quantities_ = hdf5_quantities(head_);
         hsize_t rows = 0;
