@@ -124,7 +124,8 @@ Database::Database(std::filesystem::path path, Use use) : path_(std::move(path))
         fail(code);
     }
     sqlite3_extended_result_codes(database, 1);
-    sqlite3_db_config(database, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);  // an unknown column is an error, no text
+    sqlite3_db_config(database, SQLITE_DBCONFIG_DQS_DML, 0,
+                      nullptr);  // an unknown column is an error, no text
     run("PRAGMA trusted_schema=OFF");
 }
 

@@ -35,13 +35,22 @@ std::string target_advice(const std::string& journal) {
                              printable(target.get<std::string>()));
 }
 
+/// Whether a study has begun its journal: one that was killed before leaves an empty file.
+bool has_begun(const std::string& journal) {
+    try {
+        return fs::is_regular_file(journal) && !Journal(journal, Journal::Use::read).is_new();
+    } catch (const std::runtime_error&) {
+        return false;
+    }
+}
+
 }  // namespace
 
 std::optional<recordings::WrittenTable> finished_table(const SweepOptions& options, const Sweep& sweep,
                                                        std::initializer_list<std::string_view> but) {
     const bool whole = options.resume && !options.files.empty() && sweep.shard.parts == 1;
     const auto is_there = [](const std::string& file) { return fs::is_regular_file(file); };
-    if (!whole || is_there(journal_name(options.files.front(), sweep.shard)) ||
+    if (!whole || has_begun(journal_name(options.files.front(), sweep.shard)) ||
         !std::ranges::all_of(options.files, is_there)) {
         return std::nullopt;
     }
@@ -49,9 +58,10 @@ std::optional<recordings::WrittenTable> finished_table(const SweepOptions& optio
     for (const std::string& file : options.files) {
         recordings::WrittenTable written = recordings::read_table(file, studies::records_name);
         if (const auto difference = studies::table_difference(written, sweep, but)) {
-            throw WrongUse(fmt::format("{}: found {}, allowed: the table of the same {}, made by the same program; "
-                                       "without --resume it is replaced",
-                                       printable(file), *difference, sweep.is_search() ? "search" : "sweep"));
+            throw WrongUse(
+                fmt::format("{}: found {}, allowed: the table of the same {}, made by the same program; "
+                            "without --resume it is replaced",
+                            printable(file), *difference, sweep.is_search() ? "search" : "sweep"));
         }
         first = first ? std::move(first) : std::optional(std::move(written));
     }
@@ -70,17 +80,19 @@ void begin_or_compare(Journal& journal, const Sweep& sweep, bool resume) {
     const std::string_view study = sweep.is_search() ? "search" : "sweep";
     if (journal.is_new()) {
         if (resume) {
-            spdlog::info("{} is not there; the {} begins with its first point", journal.path().string(), study);
+            spdlog::info("{} is not there; the {} begins with its first point", journal.path().string(),
+                         study);
         }
         journal.begin(studies::journal_text(sweep), studies::columns_of(sweep));
     } else if (const auto difference = studies::journal_difference(journal.text(), sweep)) {
-        throw WrongUse(fmt::format("{}: found {}, allowed: the journal of the same {}, made by the same program{}",
-                                   journal.path().string(), *difference, study,
-                                   target_advice(journal.text())));
+        throw WrongUse(
+            fmt::format("{}: found {}, allowed: the journal of the same {}, made by the same program{}",
+                        journal.path().string(), *difference, study, target_advice(journal.text())));
     }
 }
 
-void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs, const StudyNeeds& needs) {
+void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs,
+                      const StudyNeeds& needs) {
     if (const auto shortage =
             measures::memory_shortage(fmt::format("{} with {} jobs", study, jobs), needs.memory_bytes)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
@@ -115,7 +127,8 @@ Exit stopped(const Journal& journal, std::string_view done) {
     if (!journal.has_rows() || journal.is_in_memory()) {
         spdlog::error("stopped after {}; nothing was saved", done);
     } else {
-        spdlog::error("stopped after {}, which are in {}: {}", done, journal.path().string(), how_to_continue);
+        spdlog::error("stopped after {}, which are in {}: {}", done, journal.path().string(),
+                      how_to_continue);
     }
     return Exit::failed;
 }

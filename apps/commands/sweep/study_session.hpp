@@ -20,7 +20,8 @@ namespace hertzline::app {
 /// The finished table that --resume finds where there is no journal; nothing when not all files of -o are there.
 /// @param but members of its identity that may differ (studies::table_difference)
 /// @throws WrongUse when a file is of another study: it would be replaced
-std::optional<recordings::WrittenTable> finished_table(const SweepOptions& options, const studies::Sweep& sweep,
+std::optional<recordings::WrittenTable> finished_table(const SweepOptions& options,
+                                                       const studies::Sweep& sweep,
                                                        std::initializer_list<std::string_view> but = {});
 
 /// The journal of the options' first file; without files one in memory.
