@@ -217,9 +217,9 @@ bool Journal::try_commit() {
     if (!database_->in_transaction() || !database_->try_run("COMMIT")) {
         return false;
     }
+    last_commit_ = waiting_ > 0 ? Clock::now() : last_commit_;
     committed_ += std::exchange(waiting_, 0);
     text_waits_ = false;
-    last_commit_ = Clock::now();
     database_->run("BEGIN IMMEDIATE");
     return true;
 }

@@ -107,7 +107,7 @@ private:
     bool text_waits_ = false;             // to be committed
     std::int64_t waiting_ = 0;            // rows that are to be committed
     std::int64_t committed_ = 0;
-    Clock::time_point last_commit_ = Clock::now();
+    Clock::time_point last_commit_;  // of rows: the first ones are committed at once
 };
 
 }  // namespace hertzline::studies
