@@ -120,14 +120,17 @@ def draw_spectrum(axes, v, rate, drive, colour):
               va="top", fontsize=8)
 
 
-def draw(samples, about, title):
+def draw(samples, about, title, rows=None):
+    """A row of two axes for each column: waveform and spectrum. `rows` are axes of the caller's."""
     matplotlib.rcParams.update(STYLE | {"font.size": 9})
     columns = about["columns"]
     rate, drive, t = about["sample_rate_hz"], drive_frequency(about), samples["t_s"]
     unit_s, unit = (1e-6, "µs") if t[-1] - t[0] < 2e-3 else (1e-3, "ms")
     stretch = longest_stretch(t, rate)
-    figure, rows = plt.subplots(len(columns), 2, figsize=(10, 1.0 + 1.8 * len(columns)), sharex="col",
-                                layout="constrained", squeeze=False)
+    if rows is None:
+        _, rows = plt.subplots(len(columns), 2, figsize=(10, 1.0 + 1.8 * len(columns)), sharex="col",
+                               layout="constrained", squeeze=False)
+    figure = rows[0, 0].figure
     for (name, quantity, of), (wave, lines), colour in zip(columns, rows, COLOURS * len(columns)):
         v = samples[name].astype(float)
         draw_waveform(wave, t, v, rate, unit_s, colour)
@@ -352,23 +355,28 @@ def draw_search(sweep, title):
     return figure
 
 
-def draw_sweep(sweep, quantities, title):
-    if sweep.search and not quantities:
+def draw_sweep(sweep, quantities, title, panels=None):
+    """An axes for each quantity. `panels` are axes of the caller's."""
+    if sweep.search and not quantities and panels is None:
         return draw_search(sweep, title)
     if len(sweep.numbers) > 2 or len(sweep.words) > 1 or (len(sweep.numbers) == 2 and sweep.words):
         raise ValueError(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: a number, two numbers, "
                          "or a number and a word")
     matplotlib.rcParams.update(STYLE | {"font.size": 9})
     quantities = sweep.chosen(quantities)
-    if len(sweep.numbers) == 2:
-        figure, panels = plt.subplots(1, len(quantities), figsize=(5.4 * len(quantities), 4.2), layout="constrained",
-                                      squeeze=False)
-        for axes, quantity in zip(panels[0], quantities):
+    is_map = len(sweep.numbers) == 2
+    if panels is None:
+        rows, columns, size = ((1, len(quantities), (5.4 * len(quantities), 4.2)) if is_map else
+                               (len(quantities), 1, (7, 0.6 + 2.6 * len(quantities))))
+        _, panels = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
+    panels = np.ravel(panels)
+    if len(panels) != len(quantities):
+        raise ValueError(f"axes: found {len(panels)}, allowed: {len(quantities)}, one for each quantity")
+    figure = panels[0].figure
+    for axes, quantity in zip(panels, quantities):
+        if is_map:
             draw_map(figure, axes, sweep, quantity)
-    else:
-        figure, panels = plt.subplots(len(quantities), 1, figsize=(7, 0.6 + 2.6 * len(quantities)), layout="constrained",
-                                      squeeze=False)
-        for axes, quantity in zip(panels[:, 0], quantities):
+        else:
             draw_curves(axes, sweep, quantity)
     if title:
         figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)

@@ -225,6 +225,29 @@ tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
     return all;
 }
 
+Json material_json(const BuiltInMaterial& material) {
+    const auto* solid = std::get_if<Solid>(&material.material);
+    const double density =
+        std::visit([](const auto& sort) { return sort.density_kg_per_m3; }, material.material);
+    const auto of_solid = [&](auto member) {
+        const std::optional<double> value =
+            solid != nullptr ? std::optional<double>(solid->*member) : std::nullopt;
+        return value ? Json(*value) : Json(nullptr);
+    };
+    Json json;
+    json["name"] = material.name;
+    json["sort"] = solid != nullptr ? "solid" : "fluid";
+    json["youngs_modulus_pa"] = of_solid(&Solid::youngs_modulus_pa);
+    json["poissons_ratio"] = of_solid(&Solid::poissons_ratio);
+    json["density_kg_per_m3"] = density;
+    json["sound_speed_m_per_s"] = acoustic_impedance(material.material) / density;
+    json["impedance_pa_s_per_m"] = acoustic_impedance(material.material);
+    json["yield_strength_pa"] = of_solid(&Solid::yield_strength_pa);
+    json["flexural_strength_pa"] = of_solid(&Solid::flexural_strength_pa);
+    json["source"] = material.source;
+    return json;
+}
+
 Json scene_schema() {
     Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"},
                 {"title", "A scene of hertzline with every default"}};

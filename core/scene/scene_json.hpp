@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
+#include "core/scene/materials.hpp"
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_key.hpp"
 
@@ -34,6 +35,9 @@ Json values_of_keys(const Scene& scene, const Json& values);
 /// What there is to know of keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has
 tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
                                                         const std::vector<std::string>& keys);
+
+/// A built-in material: name, sort, its numbers, sound speed and impedance, and where they come from.
+Json material_json(const BuiltInMaterial& material);
 
 /// The JSON Schema of scene_json(): each key with its bounds, words, unit, default and description.
 Json scene_schema();

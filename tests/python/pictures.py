@@ -3,7 +3,7 @@ import sys
 import unittest
 
 try:
-    import matplotlib
+    import matplotlib.pyplot
 except ImportError:
     print("skipped: matplotlib is not there")
     sys.exit(77)
@@ -37,6 +37,19 @@ class Pictures(InAFolder):
         self.check(table.plot(["peak_v_out_m_per_s"]), 1)
         table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.3], "end.thickness_m": [2e-4, 5e-4]})
         self.check(table.plot(["peak_v_out_m_per_s"]), 2)  # with its scale
+
+    def test_into_axes_of_the_callers(self):
+        figure, axes = matplotlib.pyplot.subplots(2, 2)
+        self.assertIs(short_scene().run(taps=["v_out", "v_last"]).plot(["v_out", "v_last"], axes=axes), figure)
+        self.assertTrue(all(panel.has_data() for panel in axes.ravel()))
+        with self.assertRaisesRegex(ValueError, "axes: found 4, allowed: 2"):
+            short_scene().run().plot(["v_out"], axes=axes)
+        matplotlib.pyplot.close(figure)
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": np.geomspace(0.1, 1, 4)})
+        figure, panel = matplotlib.pyplot.subplots()
+        self.assertIs(table.plot(["peak_v_out_m_per_s"], axes=panel), figure)
+        self.assertTrue(panel.has_data())
+        matplotlib.pyplot.close(figure)
 
     def test_of_nothing_is_refused(self):
         with self.assertRaisesRegex(ValueError, "plot: found no taps"):

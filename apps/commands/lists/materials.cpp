@@ -11,6 +11,7 @@
 
 #include "apps/command.hpp"
 #include "apps/console/output.hpp"
+#include "core/scene/scene_json.hpp"
 
 namespace hertzline::app {
 
@@ -34,29 +35,9 @@ double sound_speed(const Material& material) {
     return acoustic_impedance(material) / density(material);
 }
 
-Json or_null(const std::optional<double>& value) {
-    return value ? Json(*value) : Json(nullptr);
-}
-
 /// In MPa.
 std::string strength_text(const Solid* solid, std::optional<double> Solid::*strength) {
     return solid != nullptr && solid->*strength ? fmt::format("{:.4g}", *(solid->*strength) / 1e6) : "-";
-}
-
-Json json_of(const BuiltInMaterial& row) {
-    Json json;
-    const auto* solid = std::get_if<Solid>(&row.material);
-    json["name"] = row.name;
-    json["sort"] = solid != nullptr ? "solid" : "fluid";
-    json["youngs_modulus_pa"] = solid != nullptr ? Json(solid->youngs_modulus_pa) : Json(nullptr);
-    json["poissons_ratio"] = solid != nullptr ? Json(solid->poissons_ratio) : Json(nullptr);
-    json["density_kg_per_m3"] = density(row.material);
-    json["sound_speed_m_per_s"] = sound_speed(row.material);
-    json["impedance_pa_s_per_m"] = acoustic_impedance(row.material);
-    json["yield_strength_pa"] = solid != nullptr ? or_null(solid->yield_strength_pa) : Json(nullptr);
-    json["flexural_strength_pa"] = solid != nullptr ? or_null(solid->flexural_strength_pa) : Json(nullptr);
-    json["source"] = row.source;
-    return json;
 }
 
 std::string text_of(const BuiltInMaterial& row) {
@@ -75,7 +56,7 @@ Exit list_materials(Format format) {
     std::string text = fmt::format("{:<17} {:>7} {:>6} {:>9} {:>7} {:>9} {:>7} {:>8}   {}\n", "", "E [GPa]",
                                    "nu", "[kg/m^3]", "c [m/s]", "Z [MRayl]", "Y [MPa]", "sf [MPa]", "source");
     for (const BuiltInMaterial& row : built_in_materials()) {
-        list.push_back(json_of(row));
+        list.push_back(material_json(row));
         text += text_of(row);
     }
     print(format == Format::json ? json_text(list) + '\n' : text);

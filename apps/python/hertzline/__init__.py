@@ -14,26 +14,32 @@ becomes unstable a `RuntimeError`. While it computes other threads of Python go 
 FFTW is used for spectra: no other code of the process (pyfftw) may plan with it at the same time.
 """
 
+from ._control import Control, control
 from ._listen import Block, GapError, Live, listen
 from ._native import version as __version__
 from ._recording import Recording, load
 from ._samples import Samples, Spectrum
-from ._scene import Result, Scene, scene, scenes
+from ._scene import Result, Scene, materials, scene, scenes
+from ._simulation import Simulation
 from ._sweep import Table, sweep
 
 __all__ = [
     "Block",
+    "Control",
     "GapError",
     "Live",
     "Recording",
     "Result",
     "Samples",
     "Scene",
+    "Simulation",
     "Spectrum",
     "Table",
     "__version__",
+    "control",
     "listen",
     "load",
+    "materials",
     "scene",
     "scenes",
     "sweep",

@@ -22,7 +22,7 @@ def _script() -> Any:
     return _draw
 
 
-def draw_samples(samples: Samples, names: Sequence[str], title: str) -> Figure:
+def draw_samples(samples: Samples, names: Sequence[str], title: str, axes: Any = None) -> Figure:
     import matplotlib
 
     columns: dict[str, Any] = {"t_s": samples.t}
@@ -38,16 +38,20 @@ def draw_samples(samples: Samples, names: Sequence[str], title: str) -> Figure:
         raise ValueError("plot: found no taps, allowed: at least one")
     if len(samples.t) == 0:
         raise ValueError("plot: found no samples, allowed: at least one")
+    rows = None if axes is None else np.asarray(axes).reshape(-1, 2) if np.size(axes) % 2 == 0 else np.empty((0, 2))
+    if rows is not None and len(rows) != len(about):
+        raise ValueError(f"axes: found {np.size(axes)}, allowed: {2 * len(about)}, two for each column")
     with matplotlib.rc_context():
         figure: Figure = _script().draw(
             columns,
             {"columns": about, "sample_rate_hz": samples.sample_rate_hz, "provenance": samples.provenance},
             title,
+            rows,
         )
     return figure
 
 
-def draw_table(table: Table, quantities: Sequence[str], title: str) -> Figure:
+def draw_table(table: Table, quantities: Sequence[str], title: str, axes: Any = None) -> Figure:
     import matplotlib
 
     script = _script()
@@ -55,5 +59,5 @@ def draw_table(table: Table, quantities: Sequence[str], title: str) -> Figure:
     names = plain.dtype.names or ()
     columns = {name: plain[name] if plain.dtype[name].kind == "U" else plain[name].astype(float) for name in names}
     with matplotlib.rc_context():
-        figure: Figure = script.draw_sweep(script.Sweep(columns, table.units), list(quantities), title)
+        figure: Figure = script.draw_sweep(script.Sweep(columns, table.units), list(quantities), title, axes)
     return figure

@@ -69,15 +69,17 @@ class Samples:
         """
         return Spectrum(*_native.spectrum(self[name], self.sample_rate_hz, self._drive_hz(), band_from_hz))
 
-    def plot(self, taps: Sequence[str] | None = None, *, title: str = "") -> Figure:
+    def plot(self, taps: Sequence[str] | None = None, *, title: str = "", axes: Any = None) -> Figure:
         """Draws waveform and spectrum of taps (by default of those with one channel), as `hertzline plot` does.
+
+        axes: draws into these, two for each tap: waveform and spectrum; by default a figure is made.
 
         Needs matplotlib. The figure is one of pyplot's: a notebook shows it by itself, a script by `plt.show()`.
         """
         from ._plot import draw_samples
 
         names = [name for name in self.taps if self[name].ndim == 1] if taps is None else list(taps)
-        return draw_samples(self, names, title)
+        return draw_samples(self, names, title, axes)
 
     def unit(self, name: str) -> str:
         """The unit of a tap: "m/s", "N", "Pa", "m"."""

@@ -21,6 +21,14 @@ def scenes() -> dict[str, str]:
     return {name: description for name, description, _ in _native.shipped_scenes()}
 
 
+def materials() -> dict[str, dict[str, Any]]:
+    """The built-in materials by name: density, moduli, sound speed, impedance, strengths and their source, in SI units.
+
+    Solids are for drive.material, chain.material and end.material, fluids for medium.material.
+    """
+    return {material.pop("name"): material for material in _native.materials()}
+
+
 def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping[str, Any]) -> Scene:
     """A scene: a file, a shipped scene's name (if both exist, the file is taken), or another scene, with keys changed.
 

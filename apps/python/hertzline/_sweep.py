@@ -189,8 +189,11 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
             dataset[key].attrs["units"] = self.units[key]
         return dataset
 
-    def plot(self, quantities: Sequence[str] = (), *, title: str = "") -> Figure:
-        """Draws curves over one key that varies, a map over two, as `hertzline plot` does. Needs matplotlib."""
+    def plot(self, quantities: Sequence[str] = (), *, title: str = "", axes: Any = None) -> Figure:
+        """Draws curves over one key that varies, a map over two, as `hertzline plot` does. Needs matplotlib.
+
+        axes: draws into these, one for each quantity; by default a figure is made.
+        """
         from ._plot import draw_table
 
-        return draw_table(self, names_in("quantities", quantities), title)
+        return draw_table(self, names_in("quantities", quantities), title, axes)

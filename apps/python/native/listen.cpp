@@ -23,13 +23,6 @@
 
 namespace hertzline::python {
 
-namespace {
-
-using Clock = std::chrono::steady_clock;
-
-constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the clock and at signals
-constexpr double usual_patience_s = 15;  // with a stream that was heard; it sends its meta once a second
-
 std::optional<stream::CurveClient> keys_of(const std::optional<std::string>& own,
                                            const std::optional<std::string>& server, ArgumentFaults& faults) {
     if (!own && !server) {
@@ -50,6 +43,13 @@ std::optional<stream::CurveClient> keys_of(const std::optional<std::string>& own
     }
     return pair && key ? std::optional(stream::CurveClient{*pair, *key}) : std::nullopt;
 }
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the clock and at signals
+constexpr double usual_patience_s = 15;  // with a stream that was heard; it sends its meta once a second
 
 /// A connection, and what has come of it. For one thread at a time, but for close().
 class Listener {

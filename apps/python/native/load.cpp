@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -13,6 +14,7 @@
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "core/scene/json.hpp"
 #include "core/taps.hpp"
 
 namespace hertzline::python {
@@ -100,6 +102,39 @@ py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, cons
     return view_of(recording->values.data() + first, shape, py::cast(recording), strides);
 }
 
+using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
+
+/// All of a recording for pickle; JSON as text, which keeps every number.
+py::tuple state_of(const std::shared_ptr<Recording>& recording) {
+    py::list columns;
+    for (const recordings::Column& column : recording->head.columns) {
+        columns.append(py::make_tuple(column.name, column.quantity, column.unit));
+    }
+    py::list stretches;
+    for (const Stretch& stretch : recording->stretches) {
+        stretches.append(py::make_tuple(stretch.first, stretch.row));
+    }
+    const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(recording->values.size())};
+    return py::make_tuple(columns, recording->head.sample_rate_hz, json_text(recording->head.provenance),
+                          view_of(recording->values.data(), shape, py::cast(recording)), stretches);
+}
+
+std::shared_ptr<Recording> restored(const py::tuple& state) {
+    auto recording = std::make_shared<Recording>();
+    for (const auto& [name, quantity, unit] :
+         state[0].cast<std::vector<std::tuple<std::string, std::string, std::string>>>()) {
+        recording->head.columns.push_back({name, quantity, unit});
+    }
+    recording->head.sample_rate_hz = state[1].cast<double>();
+    recording->head.provenance = json_from_outside(state[2].cast<std::string>());
+    const auto values = state[3].cast<Rows>();
+    recording->values.assign(values.data(), values.data() + values.size());
+    for (const auto& [first, row] : state[4].cast<std::vector<std::pair<std::int64_t, std::size_t>>>()) {
+        recording->stretches.push_back({first, row});
+    }
+    return recording;
+}
+
 }  // namespace
 
 void add_load(py::module_& module) {
@@ -126,7 +161,8 @@ void add_load(py::module_& module) {
                                })
         .def("provenance",
              [](const Recording& recording) { return python_object(recording.head.provenance); })
-        .def("samples", &samples_of, py::arg("name"));
+        .def("samples", &samples_of, py::arg("name"))
+        .def(py::pickle(&state_of, &restored));
     module.def("load", &load, py::arg("path"));
 }
 

@@ -17,6 +17,7 @@
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/save.hpp"
 #include "apps/python/native/scene_object.hpp"
+#include "core/scene/json.hpp"
 
 namespace hertzline::python {
 
@@ -122,6 +123,38 @@ py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, con
     return view_of(result->column(tap).data(), shape, py::cast(result));
 }
 
+/// All of a run for pickle; JSON as text, which keeps every number.
+py::tuple state_of(const std::shared_ptr<RunResult>& result) {
+    py::dict samples;
+    for (const Tap tap : result->held) {
+        samples[py::str(std::string(row_of(tap).name))] =
+            samples_of_tap(result, std::string(row_of(tap).name));
+    }
+    return py::make_tuple(result->sample_rate_hz, result->rows, result->spheres,
+                          measures::names_of(result->asked), samples, json_text(result->summary),
+                          json_text(result->provenance), result->warnings);
+}
+
+std::shared_ptr<RunResult> restored(const py::tuple& state) {
+    auto result = std::make_shared<RunResult>();
+    result->sample_rate_hz = state[0].cast<double>();
+    result->rows = state[1].cast<std::size_t>();
+    result->spheres = state[2].cast<std::size_t>();
+    for (const auto& name : state[3].cast<std::vector<std::string>>()) {
+        result->asked |= tap_named(name).value();
+    }
+    for (const auto& [name, samples] : state[4].cast<py::dict>()) {
+        const Tap tap = tap_named(name.cast<std::string>()).value();
+        const auto values = samples.cast<py::array_t<double, py::array::c_style | py::array::forcecast>>();
+        result->held |= tap;
+        result->column(tap).assign(values.data(), values.data() + values.size());
+    }
+    result->summary = json_from_outside(state[5].cast<std::string>());
+    result->provenance = json_from_outside(state[6].cast<std::string>());
+    result->warnings = state[7].cast<std::vector<std::string>>();
+    return result;
+}
+
 }  // namespace
 
 void add_run(py::module_& module) {
@@ -142,6 +175,7 @@ void add_run(py::module_& module) {
                 return std::string(row_of(held_tap(result, name)).unit);
             },
             py::arg("tap"))
+        .def(py::pickle(&state_of, &restored))
         .def("save", &save, py::arg("paths"), py::arg("taps"), py::arg("wav_scale"));
     module.def("run", &run, py::arg("scene"), py::arg("taps"), py::arg("measure"), py::arg("band_from_hz"));
 }

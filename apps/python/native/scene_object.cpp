@@ -82,6 +82,13 @@ void add_scene(py::module_& module) {
     module.def(
         "unknown_scene", [](const std::string& name) { return measures::unknown_scene(name).message(); },
         py::arg("name"));
+    module.def("materials", [] {
+        py::list materials;
+        for (const BuiltInMaterial& material : built_in_materials()) {
+            materials.append(python_object(material_json(material)));
+        }
+        return materials;
+    });
     module.def("shipped_scenes", [] {
         py::list scenes;
         for (const ShippedScene& scene : shipped_scenes()) {

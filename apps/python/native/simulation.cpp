@@ -1,0 +1,125 @@
+#include "apps/python/native/simulation.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "measures/run.hpp"
+#include <pybind11/stl.h>
+
+#include "apps/python/native/python_values.hpp"
+#include "apps/python/native/scene_object.hpp"
+#include "core/simulation.hpp"
+
+namespace hertzline::python {
+
+namespace {
+
+/// A simulation and the block that it fills. For one thread at a time.
+class Steps {
+public:
+    Steps(const Resolution& resolved, TapSet taps)
+        : simulation_(resolved, {.taps = taps}),
+          block_(simulation_.make_samples(measures::block_of_run(simulation_.scene(), taps))) {}
+
+    /// The next samples of each tap: name and array [sample], or [sample][channel].
+    /// @throws std::runtime_error when the motion becomes unstable; py::error_already_set of a signal handler
+    py::dict advance(std::int64_t samples) {
+        std::vector<std::vector<double>> columns(tap_count);
+        const auto spheres = static_cast<std::size_t>(simulation_.scene().chain.spheres);
+        for (const Tap tap : simulation_.taps()) {
+            columns[index_of(tap)].reserve(static_cast<std::size_t>(samples) * channels_of(tap, spheres));
+        }
+        for (std::int64_t done = 0; done < samples; done += static_cast<std::int64_t>(block_.count)) {
+            fill(static_cast<std::size_t>(
+                std::min<std::int64_t>(samples - done, static_cast<std::int64_t>(block_.capacity()))));
+            for (const Tap tap : simulation_.taps()) {
+                std::vector<double>& column = columns[index_of(tap)];
+                column.insert(column.end(), block_[tap].begin(), block_[tap].end());
+            }
+        }
+        py::dict result;
+        for (const Tap tap : simulation_.taps()) {
+            std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(samples)};
+            if (chain_taps.contains(tap)) {
+                shape.push_back(static_cast<py::ssize_t>(channels_of(tap, spheres)));
+            }
+            result[py::str(std::string(row_of(tap).name))] =
+                array_of(std::move(columns[index_of(tap)]), std::move(shape));
+        }
+        return result;
+    }
+
+    /// Bytes of the arrays that advance() returns.
+    double bytes_of(std::int64_t samples) const {
+        return sizeof(double) * static_cast<double>(samples) *
+               channels_of(simulation_.taps(), static_cast<double>(simulation_.scene().chain.spheres));
+    }
+
+    Simulation& simulation() noexcept { return simulation_; }
+
+private:
+    static std::size_t index_of(Tap tap) noexcept { return static_cast<std::size_t>(tap); }
+
+    void fill(std::size_t count) {
+        Status status = Status::running;
+        {
+            const py::gil_scoped_release without_python;
+            status = simulation_.advance(block_, count);
+        }
+        if (status != Status::running) {
+            throw std::runtime_error(simulation_.failure());
+        }
+        if (PyErr_CheckSignals() != 0) {
+            throw py::error_already_set();
+        }
+    }
+
+    Simulation simulation_;
+    Samples block_;
+};
+
+std::unique_ptr<Steps> simulation_of(SceneObject& object,
+                                     const std::optional<std::vector<std::string>>& names) {
+    ArgumentFaults faults;
+    const TapSet there = taps_of(object.scene().end);
+    const TapSet taps = names ? taps_named("taps", *names, there, faults) : recorded_taps(object.scene().end);
+    if (taps.empty()) {
+        faults.add("taps: found none, allowed: at least one");
+    }
+    faults.refuse();
+    return std::make_unique<Steps>(*object.resolved(), taps);
+}
+
+py::dict advance(Steps& steps, std::int64_t samples) {
+    if (samples < 1) {
+        throw py::value_error("samples: found " + std::to_string(samples) + ", allowed: at least 1");
+    }
+    require_memory(std::to_string(samples) + " samples", steps.bytes_of(samples));
+    return steps.advance(samples);
+}
+
+}  // namespace
+
+void add_simulation(py::module_& module) {
+    py::class_<Steps>(module, "Simulation")
+        .def("advance", &advance, py::arg("samples"))
+        .def("reset", [](Steps& steps) { steps.simulation().reset(); })
+        .def_property_readonly("sample", [](Steps& steps) { return steps.simulation().next_sample(); })
+        .def_property_readonly(
+            "sample_rate_hz", [](Steps& steps) { return steps.simulation().scene().output.sample_rate_hz; })
+        .def_property_readonly("step_s", [](Steps& steps) { return steps.simulation().step_s(); })
+        .def_property_readonly("steps", [](Steps& steps) { return steps.simulation().steps(); })
+        .def_property_readonly("contact_events",
+                               [](Steps& steps) { return steps.simulation().contact_events(); })
+        .def_property_readonly("energy_residual",
+                               [](Steps& steps) { return steps.simulation().energy_residual(); });
+    module.def("simulation", &simulation_of, py::arg("scene"), py::arg("taps"));
+}
+
+}  // namespace hertzline::python
