@@ -25,9 +25,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds glance{50};  // between looks at the flag of interruption
-constexpr milliseconds longest_end{
-    1000};    // for a killed child to end: one that waits for a disk cannot
+constexpr milliseconds glance{50};         // between looks at the flag of interruption
+constexpr milliseconds longest_end{1000};  // for a killed child to end: one that waits for a disk cannot
 
 [[noreturn]] void fail(const char* what) {
     throw std::system_error(errno, std::generic_category(), what);

@@ -19,12 +19,12 @@ constexpr milliseconds look_every{50};  // between looks at the stop flag
 // After the user has asked to stop: to write the queues, then to end the files.
 constexpr milliseconds last_writes{400};
 constexpr milliseconds last_end{200};
-constexpr milliseconds longest_stall{5000};    // at the end, without a request to stop
+constexpr milliseconds longest_stall{5000};  // at the end, without a request to stop
 
 }  // namespace
 
 double RecordingSet::queue_bytes(double columns, double sample_rate_hz) noexcept {
-    constexpr double seconds = 2;    // for which a disk may be busy with other work
+    constexpr double seconds = 2;  // for which a disk may be busy with other work
     constexpr double least = 16.0 * 1024 * 1024;
     constexpr double most = 256.0 * 1024 * 1024;
     return std::clamp(seconds * columns * sample_rate_hz * sizeof(double), least, most);

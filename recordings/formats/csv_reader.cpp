@@ -54,7 +54,7 @@ double rounded(double rate, int digits) {
 /// times the rate that follows from the first and the last. @param times increasing @returns 0 if they do not
 double rate_of(std::vector<double> times) {
     if (times.size() < 2) {
-        return 1;    // a single sample has no rate
+        return 1;  // a single sample has no rate
     }
     double rate = 1 / (times[1] - times[0]);
     for (std::size_t i = 2; i < times.size(); ++i) {  // the farther the finer

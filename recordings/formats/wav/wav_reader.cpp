@@ -148,8 +148,8 @@ private:
         const Json noted = json_from_outside(comment != nullptr ? comment : "");
         try {
             if (noted.at("rows") != info.frames) {
-                throw std::runtime_error(fmt::format("damaged: {} rows where the comment has {}",
-                                                     info.frames, noted.at("rows").dump()));
+                throw std::runtime_error(fmt::format("damaged: {} rows where the comment has {}", info.frames,
+                                                     noted.at("rows").dump()));
             }
             head_.full_scale = noted.value("full_scale", 1.0);
             if (!(head_.full_scale > 0) || !std::isfinite(head_.full_scale)) {
