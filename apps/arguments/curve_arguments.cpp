@@ -61,7 +61,7 @@ void refuse_exposure(const CurveServerRequest& request, const std::string& endpo
     const bool has_keys = !request.key.empty() || !request.clients.empty();
     if (!has_keys && !stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
         throw WrongUse(fmt::format(
-            "--bind: {} can be reached from other machines, where anyone could listen; give  "
+            "--bind: {} can be reached from other machines, where anyone could listen; give "
             "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
             endpoint));
     }

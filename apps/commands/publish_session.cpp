@@ -116,7 +116,7 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
         "--wait-for-subscriber", [&request] { request.start = stream::StreamStart::with_first_subscriber; },
         "hold back sample 0 until a stream has a subscriber");
     app.add_option("--on-overrun", request.on_overrun,
-                   "treatment of a frame whose time has passed while the program was held up: drop it and  "
+                   "treatment of a frame whose time has passed while the program was held up: drop it and "
                    "count it, or wait and fall behind (default: drop; where samples are recorded: wait)")
         ->transform(
             CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
@@ -124,7 +124,7 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
                 .description(""))
         ->type_name("WORD");
     app.add_option("--queue-memory", request.queue_bytes,
-                   "memory for the queues of all slow subscribers together, such as 200MiB (default: an  "
+                   "memory for the queues of all slow subscribers together, such as 200MiB (default: an "
                    "eighth of the available memory, at most 1GiB)")
         ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
         ->type_name("BYTES");

@@ -22,7 +22,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* replay_examples =
-    "The streams are those of hertzline stream that the recording holds. If it holds none, a single  "
+    "The streams are those of hertzline stream that the recording holds. If it holds none, a single "
     "column is streamed as v_out, several as v_chain. Sample indices are the recording's, with its gaps.\n"
     "Examples:\n"
     "  hertzline replay burst.sigmf-meta\n"

@@ -175,7 +175,7 @@ void Pipeline::listen_for_subscriptions() {
     if (!told_of_too_many_clients_ && publisher_.has_had_too_many_clients()) {
         told_of_too_many_clients_ = true;
         events_->warn("more than " + std::to_string(publisher_.max_clients()) +
-                      " clients want to be connected (--max-clients): those without a subscription, then  "
+                      " clients want to be connected (--max-clients): those without a subscription, then "
                       "the latest are disconnected until others leave");
     }
 }

@@ -35,8 +35,7 @@ struct StreamEvents {
     std::function<Json(const Epoch&)> epoch_begins = {};
     /// About ten times a second, if set: members of meta that have changed, or nothing.
     std::function<Json(const MotionExtremes&)> watch = {};
-    std::function<std::string(const StreamMeters&)>
-        summary;  ///< at the end: returns the message of the end topic
+    std::function<std::string(const StreamMeters&)> summary;  ///< returns the message of the end topic
 };
 
 /// A source, a ring and a publisher, joined by two threads.

@@ -89,7 +89,7 @@ std::optional<Refusal> Subscriber::refusal() {
         } else {
             if (introduced_ && !heard_) {
                 last = {
-                    "the publisher ended the connection before it sent anything: it has as many clients as  "
+                    "the publisher ended the connection before it sent anything: it has as many clients as "
                     "it serves (--max-clients), or is ending",
                     false};
             }

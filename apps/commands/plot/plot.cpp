@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 constexpr const char* examples =
     "Waveform and spectrum of each column, in dB under the maximum, with the multiples of the drive's "
     "frequency and the band at -20 dB. Of a sweep: curves over the key that varies, or a map over two, with "
-    "the points that failed marked. Of a search: its measure over each key. Needs Python with  "
+    "the points that failed marked. Of a search: its measure over each key. Needs Python with "
     "matplotlib.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"

@@ -46,7 +46,7 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
     if (request.controllers.empty()) {
         if (!stream::is_local(request.endpoint)) {
             throw WrongUse(
-                fmt::format("--control: {} can be reached from other machines, where anyone could  "
+                fmt::format("--control: {} can be reached from other machines, where anyone could "
                             "change the scene; allowed: with --curve-key and --allow-controllers",
                             request.endpoint));
         }

@@ -1,10 +1,13 @@
 #pragma once
-// Recordings as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice. WAV has no place for most
-// of a recording's head. An own chunk, "hzln", before the samples holds it as JSON: columns with units, rate and
-// provenance. WAV cannot mark gaps either: samples after a gap follow those before it, nothing is filled in, and the
-// comment (LIST/INFO, ICMT) at the file's end maps rows to samples as JSON: {"rows": 2000, "captures": [[0, 0],
-// [1000, 1500]]}. Audio programs cut samples beyond 1. A recording with another full scale holds samples divided by
-// it, and the comment begins with {"full_scale": 2, ...}. With a power of two no bit is lost.
+// Recordings as WAV: float32, a channel for each column; RF64 where 4 GiB do not suffice.
+//
+// WAV has no place for most of a recording's head. An own chunk, "hzln", before the samples holds it as JSON: columns
+// with units, rate and provenance. WAV cannot mark gaps either: samples after a gap follow those before it, nothing
+// is filled in, and the comment (LIST/INFO, ICMT) at the file's end maps rows to samples as JSON: {"rows": 2000,
+// "captures": [[0, 0], [1000, 1500]]}.
+//
+// Audio programs cut samples beyond 1. A recording with another full scale holds samples divided by it, and the
+// comment begins with {"full_scale": 2, ...}. With a power of two no bit is lost.
 
 #include <filesystem>
 #include <memory>

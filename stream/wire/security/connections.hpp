@@ -18,7 +18,7 @@ namespace hertzline::stream {
 /// when it is no socket.
 std::optional<std::uint64_t> socket_cookie(int descriptor) noexcept;
 
-/// Ends the connection, unless the descriptor has become another's. ZeroMQ then forgets the peer and all its queues.
+/// Ends the connection, unless the descriptor has become another's. ZeroMQ then forgets the peer and its state.
 void cut_off(int descriptor, std::optional<std::uint64_t> cookie) noexcept;
 
 /// Returns a number that changes when the peer takes something: with TCP the acknowledged bytes, else the bytes that

@@ -1,8 +1,9 @@
 #pragma once
-// Cuts off a peer that subscribes to one unknown topic after another. libzmq keeps every prefix of every peer in a
-// table of its own, without asking: 200 000 of 248 bytes take 1.6 GiB. An XPUB socket has no limit for them
-// (XPUB_MANUAL keeps them as well) and no way to send a peer away. So its connection is shut down under libzmq, which
-// then forgets the peer and all that it kept for it.
+// Cuts off a peer that subscribes to one unknown topic after another.
+//
+// libzmq keeps every prefix of every peer in a table of its own, without asking: 200 000 of 248 bytes take 1.6 GiB.
+// An XPUB socket has no limit for them (XPUB_MANUAL keeps them as well) and no way to send a peer away. So its
+// connection is shut down under libzmq, which then forgets the peer and all that it kept for it.
 
 #include <cstdint>
 #include <optional>
