@@ -96,7 +96,7 @@ Json provenance_of_meta(const Json& meta) {
             json[std::string(key)] = meta[std::string(key)];
         }
     }
-    if (json.value("epoch", Json(0)) == 0) {  // the first one, as where nothing is said
+    if (json.value("epoch", Json(0)) == 0) {  // the first one, also by default
         for (const char* key : {"epoch", "epoch_sample", "epoch_burst"}) {
             json.erase(key);
         }

@@ -27,7 +27,7 @@ std::string utc_text(std::chrono::system_clock::time_point time);
 /// Where samples come from; provenance_json() turns it into JSON.
 struct Provenance {
     const Scene& scene;                     ///< resolved (core/step_choice/resolve.hpp)
-    std::optional<ErrorEstimate> estimate;  ///< of the velocities; unset: unknown
+    std::optional<ErrorEstimate> estimate;  ///< error of the velocities; unset: unknown
     std::string start_time;                 ///< when the run was set up (utc_text)
     std::optional<std::string> run = {};    ///< its id; unset: it has none
 };
@@ -45,7 +45,7 @@ Json provenance_of_meta(const Json& meta);
 /// drive.repetition_hz of the scene in this provenance [Hz], 0 for a single burst; nothing when it holds no scene.
 std::optional<double> repetition_of(const Json& provenance);
 
-/// The epochs of a run as far as its provenance tells: the one in which its first samples lie, and those that "changes" began
+/// The epochs in a run's provenance: the one of its first samples, and those that "changes" began
 /// later; none when it holds no scene.
 std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz);
 

@@ -72,8 +72,8 @@ struct NumberColumn {
     std::string unit;
     bool whole = false;  ///< it counts something
     const Quantity* quantity = nullptr;
-    Tap tap = Tap::v_out;     ///< of a quantity of a tap
-    std::size_t element = 0;  ///< of a quantity with a number for each harmonic
+    Tap tap = Tap::v_out;     ///< the tap of a quantity that belongs to one
+    std::size_t element = 0;  ///< the index in a quantity with a number for each harmonic
 };
 
 /// The columns of a table of runs: all numbers that are the same each time. Those of an array end with _1, _2...; those of another

@@ -12,7 +12,7 @@ namespace hertzline::measures {
 
 namespace {
 
-/// Of the horn's velocity; what is quieter has not passed the chain.
+/// A share of the horn's velocity; a quieter output has not passed the chain.
 constexpr double silence = 1e-9;
 
 double burst_s(const Drive& drive) {
@@ -29,7 +29,7 @@ std::string duration_setting(double seconds) {
     return fmt::format("output.duration_s={:.2g}", rounded_up(seconds));
 }
 
-/// When the ringing will have fallen to its share of the peak, judged from the second half of what was seen of it, with
+/// When the ringing will have fallen to its share of the peak, extrapolated from the second half of its record, with
 /// a margin of a twentieth; absent where it does not fall.
 std::optional<double> ringing_over_s(std::span<const double> after_burst, double duration_s, double rate_hz,
                                      double last, double peak) {
@@ -55,7 +55,7 @@ std::size_t period_samples(const Scene& scene) noexcept {
     return static_cast<std::size_t>(std::ceil(scene.output.sample_rate_hz / scene.drive.frequency_hz));
 }
 
-/// Whether the record goes on for two periods after the burst.
+/// Whether the record covers two periods after the burst.
 bool shows_ringing(const Scene& scene, std::size_t samples) noexcept {
     return samples >= burst_samples(scene) + 2 * period_samples(scene);
 }

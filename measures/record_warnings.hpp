@@ -1,5 +1,5 @@
 #pragma once
-// Whether a record is long and fine enough for what is read off it.
+// Checks that a record is long and fine enough for its measures.
 
 #include <optional>
 #include <span>
@@ -21,16 +21,16 @@ inline constexpr double switching_limit_db = 6;
 /// The part of the burst that lies within the run: 1 where all of it does.
 double burst_shown_ratio(const Scene& scene) noexcept;
 
-/// What v_out still reaches in the record's last period of the drive, over its peak. Nothing where bursts repeat, where v_out is silent,
-/// and where the record ends less than two periods after the burst.
+/// Returns the largest v_out in the record's last period of the drive, over its peak. Nothing where bursts repeat,
+/// where v_out is silent, and where the record ends less than two periods after the burst.
 std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept;
 
-/// What keeps a record of v_out, from the start of the scene on, from showing the whole burst: a burst that is
-/// not over or has not arrived, an end that still rings, harmonics above half the sample rate. A sentence each, which
-/// names the setting that would do.
+/// Returns the reasons why a record of v_out, from the start of the scene on, does not show the whole burst: a burst
+/// that is not over or has not arrived, an end that still rings, harmonics above half the sample rate. A sentence
+/// each, which names the setting that would do.
 std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out);
 
-/// What the bands and harmonics of an output leave out below the frequency from which on they are looked for. Empty: nothing that matters.
+/// Returns warnings of strong lines below the lower edge of the search for bands and harmonics. Empty: none.
 std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum);
 
 /// Which harmonics of v_out are there because the paper's formula jumps when the last contact opens or closes. Empty:

@@ -30,7 +30,7 @@ std::optional<std::uint64_t> number_in(const fs::path& file, const std::string& 
     return std::nullopt;
 }
 
-/// What one control group leaves. Its page cache counts as used but is given back on demand.
+/// Returns the memory that one control group leaves. Its page cache counts as used but is given back on demand.
 std::optional<std::uint64_t> left_in_group(const fs::path& limit_file, const fs::path& usage_file,
                                            const fs::path& stat_file, const std::string& cache_key) {
     // Groups of the first version without a limit show its largest number.

@@ -1,5 +1,5 @@
 #pragma once
-// A run: a scene from sample 0 to its end, its samples, and what is measured of them. measures/quantities.hpp has its numbers.
+// A run: a scene from sample 0 to its end, its samples and measures. measures/quantities.hpp has its numbers.
 
 #include <atomic>
 #include <chrono>
@@ -44,7 +44,7 @@ TapSet measured_taps(const Scene& scene, TapSet asked) noexcept;
 /// it misses by rounding only: 500e-6 s at 10e6 Hz are 5001 rows.
 double rows_of_run(const Scene& scene) noexcept;
 
-/// The taps that a run simulates: those that it records or measures, and those that its numbers are made of.
+/// The taps that a run simulates: recorded and measured ones, and those that its numbers need.
 TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept;
 
 /// Samples that are simulated, then written, at a time.
@@ -84,18 +84,18 @@ struct Run {
     std::optional<Scene> last_scene;  ///< at the end, if the scene changed on the way
 
     // by simulate()
-    std::vector<TapRecord> taps;       ///< v_out, then the others that are measured
+    std::vector<TapRecord> taps;       ///< v_out, then the other measured taps
     std::vector<double> v_out_smooth;  ///< with a plate: v_out as if the last contact never opened
     double peak_v_last = 0;            ///< [m/s]
     std::int64_t steps = 0;
-    double step_s = 0;  ///< of the last simulation
+    double step_s = 0;  ///< step of the last simulation
     std::int64_t contact_events = 0;
     ContactLoad load;                             ///< the largest of each
     double static_pressure_pa = 0;                ///< the largest at rest [Pa]
     std::optional<double> strength_ratio;         ///< the largest
-    std::optional<std::string> strength_warning;  ///< of the scene with that ratio
-    double energy_residual = 0;                   ///< of the ledger; the largest, where there are several
-    std::optional<PlateEnergy> plate;             ///< of modal plates
+    std::optional<std::string> strength_warning;  ///< warning of the scene with that ratio
+    double energy_residual = 0;                   ///< residual of the ledger; the largest of several
+    std::optional<PlateEnergy> plate;             ///< modal plates only
     std::chrono::nanoseconds busy{0};             ///< simulating
     double setup_s = 0;                           ///< before the first step
     bool stopped = false;                         ///< by the user, before the end
@@ -104,9 +104,9 @@ struct Run {
     std::vector<double>
         switching_db;  ///< per harmonic of v_out: gain by the jumps of its formula; empty without a plate
     std::optional<double> ringing_ratio;  ///< ringing_ratio()
-    Warnings warnings;                    ///< of the result; scene_warnings() has those of the scene
+    Warnings warnings;                    ///< warnings of the result; scene_warnings() has those of the scene
 
-    Json recordings;  ///< of the files that were written; null: it wrote none
+    Json recordings;  ///< the written files; null: none
 
     const Scene& scene() const noexcept { return last_scene ? *last_scene : resolved.scene; }
     std::size_t rows() const { return taps.front().values.size(); }
@@ -122,13 +122,13 @@ struct Run {
 struct SceneStep {
     std::int64_t sample = 0;  ///< above that of the step before
     bool continued =
-        false;  ///< the motion goes on (Simulation::continue_from); else it restarts from static equilibrium
+        false;  ///< the motion continues (Simulation::continue_from); else it restarts from static equilibrium
     Scene scene;  ///< resolved; same samples
 };
 
 /// Options of a run.
 struct RunOptions {
-    TapSet recorded = {};                               ///< for take, beside those that are measured
+    TapSet recorded = {};                               ///< taps for take, beside measured ones
     TapSet measured = {};                               ///< beside v_out: measured_taps()
     std::optional<double> band_from_hz = {};            ///< as SpectrumAnalyser::analyse
     const std::atomic<bool>* stop = nullptr;            ///< true: the run ends before its end
@@ -158,7 +158,8 @@ Status fill(Run& run, Simulation& simulation, const std::function<bool(const Sam
 /// Warnings of a scene before it runs: its validity, and an accuracy that is not kept.
 Warnings scene_warnings(const Resolution& resolved);
 
-/// How far a scene misses its accuracy, and why; of one that may miss it, the part that is unknown. Nothing when it is met.
+/// Returns a warning of a scene that misses its accuracy, with the reason, or may miss it, with the unknown part.
+/// Nothing when it is met.
 std::optional<std::string> missed_accuracy(const Resolution& resolved);
 
 /// The names of the taps, in the order of the set.

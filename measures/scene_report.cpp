@@ -87,7 +87,7 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
     }
 }
 
-/// A plate with modes in its fluid, and how well its poles say what they do.
+/// Adds the rows of a plate with modes in its fluid, and the errors of its poles.
 void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& scene) {
     for (std::size_t n = 0; n < plate.modes.size(); ++n) {
         const PlateMode& mode = plate.modes[n];
@@ -220,7 +220,7 @@ std::vector<std::string> contact_warnings(const Scene& scene, const std::optiona
     const ContactLoad load =
         contact_load(chain, peaks ? *peaks : chain.static_overlap, scene.chain.diameter_m / 2);
     std::vector<std::string> warnings;
-    if (peaks) {  // those at rest are judged with the scene
+    if (peaks) {  // overlaps at rest are checked with the scene
         warnings = validity_warnings(load);
     }
     if (auto beyond = strength_warning(scene, chain, load)) {

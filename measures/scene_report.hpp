@@ -1,5 +1,5 @@
 #pragma once
-// What follows from a scene: masses, stiffnesses, frequencies, what contacts carry, accuracy and step.
+// The report of a scene: masses, stiffnesses, frequencies, contact pressures, accuracy and step.
 
 #include <cstdint>
 #include <optional>
@@ -29,18 +29,18 @@ struct ReportRow {
 /// The first burst and half as long again [s].
 double first_burst_s(const Scene& scene);
 
-/// Overlaps of the contacts at their largest in so many seconds [m]; nothing when that takes too many steps, or fails.
+/// Returns the largest overlaps of the contacts over a time [m]; nothing when that takes too many steps, or fails.
 /// Simulates them. @param scene is resolved
 std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s);
 
-/// What is to be warned of at these overlaps: contacts that are pressed too deep, or harder than their materials bear; at rest
-/// where overlaps are not known.
+/// Returns warnings at these overlaps, of contacts that are pressed too deep, or harder than their materials bear; at
+/// rest where overlaps are not known.
 std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks);
 
 /// In the order in which they are best read. @param peaks overlaps at their largest [m], where they are known
 std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optional<Eigen::ArrayXd>& peaks);
 
-/// A whole number, or what is beyond all counting.
+/// A whole number, or a floating-point number beyond its range.
 decltype(ReportRow::value) report_count(double number);
 
 /// One flat object; null where this scene has no such thing.

@@ -149,7 +149,8 @@ SpectrumAnalyser::SpectrumAnalyser(std::size_t samples, double sample_rate_hz) :
 SpectrumAnalyser::~SpectrumAnalyser() = default;
 
 double SpectrumAnalyser::bytes_needed(double samples) noexcept {
-    // The padded record in place, a half of that for the powers and the turns each, and what FFTW takes while it transforms.
+    // The padded record in place, a half of that for the powers and the turns each, and FFTW's memory while it
+    // transforms.
     return 3.0 * static_cast<double>(padding) * sizeof(double) * samples;
 }
 
@@ -171,9 +172,9 @@ bool SpectrumAnalyser::transform(std::span<const double> record) {
     return true;
 }
 
-/// With z_n = x_2n + i x_(2n+1) and Z its transform of N pairs: E = (Z_k + conj Z_(N-k)) / 2 is that of the even samples,
-/// O = (Z_k - conj Z_(N-k)) / 2i that of the odd ones. X_k = E + t O and X_(N-k) = conj(E - t O), t = exp(-i pi k / N). See
-/// Press et al., Numerical Recipes, section 12.3.
+/// With z_n = x_2n + i x_(2n+1) and Z its transform of N pairs: E = (Z_k + conj Z_(N-k)) / 2 is the transform of the
+/// even samples, O = (Z_k - conj Z_(N-k)) / 2i that of the odd ones. X_k = E + t O and X_(N-k) = conj(E - t O), t =
+/// exp(-i pi k / N). See Press et al., Numerical Recipes, section 12.3.
 void SpectrumAnalyser::take_powers() noexcept {
     const std::size_t pairs = last_bin_;
     powers_[0] = square(buffer_[0] + buffer_[1]);

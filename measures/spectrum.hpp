@@ -1,12 +1,12 @@
 #pragma once
-// What a record of an output holds, frequency by frequency: harmonics, sub-harmonic, distortion and bands, as the
-// field reports them. docs/measures.md tells users what each number means.
+// The spectrum of a record of an output: harmonics, sub-harmonic, distortion and bands, as the field reports them.
+// docs/measures.md defines each number for users.
 //
 // One definition carries all of it: the magnitude of the Fourier sum of the whole record, without a window
 // and without removing the mean, zero-padded at least fourfold. A line "at" f is the largest magnitude within
 // a tenth of the fundamental of f, not the value at exactly f: a burst's lines are as wide as the burst is
 // short and the chain shifts and splits them by a few hundred hertz, so that the value at exactly k f catches
-// a slope or a notch (up to 1.5 dB too low on the paper's scenes), while the maximum is what one reads off a
+// a slope or a notch (up to 1.5 dB too low on the paper's scenes), while the maximum is the value that one reads off a
 // plot. It is also the definition that reproduces an independent analysis of these scenes to 0.1 dB. No
 // window: a burst starts and ends at rest, so nothing leaks, and a window would weigh the quiet stretches
 // against the strong ones.
@@ -83,7 +83,7 @@ public:
     static double bytes_needed(double samples) noexcept;
 
     /// The summary of a record. @param lowest_hz where bands begin; left out: half the fundamental
-    /// @throws std::invalid_argument when the record is longer than the constructor was told, the fundamental is
+    /// @throws std::invalid_argument when the record is longer than the constructor's `samples`, the fundamental is
     /// not positive and finite, or lowest_hz negative or not finite.
     SpectrumSummary analyse(std::span<const double> record, double fundamental_hz,
                             std::optional<double> lowest_hz = std::nullopt);

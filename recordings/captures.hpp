@@ -9,25 +9,25 @@ namespace hertzline::recordings {
 
 /// Where rows without a gap begin.
 struct Capture {
-    std::int64_t row = 0;     ///< of the recording
-    std::int64_t sample = 0;  ///< of the run
+    std::int64_t row = 0;     ///< index in the recording
+    std::int64_t sample = 0;  ///< index in the run
     bool operator==(const Capture&) const = default;
 };
 
-/// Tells a reader, row after row, which sample is next and how far it goes without a gap.
+/// Gives a reader, row after row, the next sample and the distance to the next gap.
 class CaptureCursor {
 public:
     CaptureCursor() = default;
 
-    /// @throws std::runtime_error that says what is wrong, without the path: the first row must be 0, rows
-    /// must exist and samples be missing between captures.
+    /// @throws std::runtime_error with the fault, without the path: the first row must be 0, rows must exist, and
+    /// samples must be missing between captures.
     CaptureCursor(std::vector<Capture> captures, std::int64_t rows);
 
     std::int64_t row() const noexcept { return row_; }
     std::int64_t sample() const noexcept;
     /// Rows from here to the next gap, 0 at the end.
     std::int64_t left() const noexcept;
-    /// Goes on by at most left() rows.
+    /// Advances by at most left() rows.
     void advance(std::int64_t rows) noexcept;
 
 private:

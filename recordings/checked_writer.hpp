@@ -1,5 +1,5 @@
 #pragma once
-// What the writers of all formats have in common: checks that none of them leaves out.
+// The common base of all formats' writers, with the checks that each needs.
 
 #include <cstdint>
 #include <filesystem>
@@ -13,8 +13,8 @@
 
 namespace hertzline::recordings {
 
-/// A writer that has checked what it is given: whole rows, none that goes back, every number finite in the
-/// recording's type. After an error it stays failed; what it took before is saved.
+/// A writer that checks its rows: whole, in order, every number finite in the recording's type. After an error it
+/// stays failed; earlier rows are saved.
 class CheckedWriter : public RecordingWriter {
 public:
     void write(std::int64_t first, std::span<const double> values) final;
@@ -28,24 +28,24 @@ protected:
     /// @throws std::invalid_argument when a recording cannot have that head
     CheckedWriter(std::filesystem::path path, RecordingHead head);
 
-    /// Rows without a gap follow; called before their append(), the first time before all others.
+    /// Begins a stretch of rows without a gap; called before their append(), first of all functions.
     virtual void begin_capture(Capture) {}
     /// Takes rows, at least one, of which `first` is the first one's sample.
     virtual void append(std::int64_t first, std::span<const double> values) = 0;
-    /// The provenance has one more change, which is before the next row.
+    /// Takes one more change of the provenance, which applies with the next row.
     virtual void changed(const Json& /*change*/) {}
     /// Completes the file.
     virtual void finish() = 0;
     /// Saves whole rows of a file that cannot be completed, or shall not. May throw.
     virtual KeptRows rescue() = 0;
-    /// Removes what was written.
+    /// Removes the file.
     virtual void remove() noexcept = 0;
 
     const std::filesystem::path& path() const noexcept { return path_; }
     const RecordingHead& head() const noexcept { return head_; }
     /// The sample that follows the last one.
     std::int64_t due() const noexcept { return due_; }
-    /// Taken so far, without those that append() is about to take.
+    /// Rows taken so far, without those of the current append().
     std::int64_t rows() const noexcept { return rows_; }
 
 private:

@@ -25,9 +25,8 @@ namespace {
 
 using std::chrono::milliseconds;
 
-constexpr milliseconds glance{50};  // between looks at the flag of interruption
-constexpr milliseconds longest_end{
-    1000};  // that a killed child may take: one that waits for a disk cannot die
+constexpr milliseconds glance{50};         // between looks at the flag of interruption
+constexpr milliseconds longest_end{1000};  // for a killed child to end: one that waits for a disk cannot
 
 [[noreturn]] void fail(const char* what) {
     throw std::system_error(errno, std::generic_category(), what);
@@ -51,7 +50,7 @@ void handle(int signal, void (*how)(int)) {
     ::sigaction(signal, &action, nullptr);
 }
 
-/// The parent's handlers are not for the child. What a terminal sends to both is for the parent to decide on.
+/// Removes the parent's handlers in the child. The parent decides on signals that a terminal sends to both.
 void reset_signals() {
     for (int signal = 1; signal < NSIG; ++signal) {
         handle(signal, SIG_DFL);
@@ -64,8 +63,8 @@ void reset_signals() {
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
-/// At once where the system tells: what the child goes on to take from a pipe would be lost to the next reader. And looks
-/// again and again, since the parent may have ended before it was to be told.
+/// Ends the child with its parent, at once where the system signals it, because bytes that the child still takes from
+/// a pipe are lost to the next reader. It also polls, since the parent may have ended before the signal was set.
 void end_with_parent() {
     handle(SIGALRM, end_without_parent);
     ::prctl(PR_SET_PDEATHSIG,
@@ -89,7 +88,7 @@ int close_all_but(int kept) {
     return kept;
 }
 
-/// Beyond what there is already: sanitizers reserve terabytes.
+/// Limits memory beyond the present size: sanitizers reserve terabytes.
 void limit_memory(double bytes) {
     std::ifstream sizes("/proc/self/statm");
     double pages = 0;
@@ -113,7 +112,7 @@ void limit_memory(double bytes) {
     } catch (...) {
         ::_exit(1);
     }
-    ::_exit(0);  // what else would run at the end is the parent's
+    ::_exit(0);  // exit handlers are the parent's
 }
 
 }  // namespace
@@ -153,7 +152,7 @@ ChildProcess::ChildProcess(const Work& work, const ChildLimits& limits) : limits
         fail("a pipe to a child process");
     }
     ::fcntl(ends[0], F_SETPIPE_SZ, pipe_bytes);  // or what the system allows
-    // A signal that comes while the child still has the parent's handlers would be taken for the parent's.
+    // A signal that comes while the child still has the parent's handlers would count as the parent's.
     sigset_t all;
     sigset_t before;
     sigfillset(&all);
@@ -194,7 +193,7 @@ bool ChildProcess::wait_for_bytes() const {
     for (milliseconds waited{0}; !interrupted_; waited += glance) {
         if (limits_.silence && waited > *limits_.silence) {
             throw std::runtime_error(
-                fmt::format("the process that reads it says nothing for {} ms", limits_.silence->count()));
+                fmt::format("the process that reads it has been silent for {} ms", limits_.silence->count()));
         }
         pollfd answers{.fd = answers_, .events = POLLIN, .revents = 0};
         if (::poll(&answers, 1, static_cast<int>(glance.count())) > 0) {

@@ -13,11 +13,11 @@
 
 namespace hertzline::recordings {
 
-/// What a child may take.
+/// Limits of a child.
 struct ChildLimits {
-    double memory_bytes = 4.0 * 1024 * 1024 * 1024;  ///< of address space, beyond what the parent has
+    double memory_bytes = 4.0 * 1024 * 1024 * 1024;  ///< address space beyond the parent's
     std::chrono::seconds processor{30};              ///< time between two answers
-    /// How long its parent waits for an answer. Unset: for ever, for work that waits for others itself.
+    /// The time for which the parent waits for an answer. Unset: for ever, for work that itself waits.
     std::optional<std::chrono::milliseconds> silence = std::chrono::seconds(60);
 };
 
@@ -25,7 +25,7 @@ struct ChildLimits {
 class Answers {
 public:
     Answers(int descriptor, std::chrono::seconds processor);
-    /// Waits for the parent. Ends the child when there is none any more.
+    /// Waits for the parent. Ends the child when the parent is gone.
     void write(std::span<const std::byte> bytes);
 
 private:
@@ -50,8 +50,8 @@ public:
     ChildProcess(const ChildProcess&) = delete;
     ChildProcess& operator=(const ChildProcess&) = delete;
 
-    /// Fills `bytes` with what the child answers next. False once interrupted. @throws std::runtime_error that says
-    /// what has become of the child when it ends before, or stays silent too long
+    /// Fills `bytes` with the child's next answer. Returns false once interrupted. @throws std::runtime_error with
+    /// the child's fate when it ends early or stays silent too long
     bool read(std::span<std::byte> bytes);
     /// Makes read() return within 50 ms; from another thread.
     void interrupt() noexcept { interrupted_ = true; }

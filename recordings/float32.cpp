@@ -12,7 +12,7 @@ namespace hertzline::recordings {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
-              "samples go on the wire as they lie in memory; a big-endian machine has to swap them");
+              "samples go on the wire in memory order; a big-endian machine has to swap them");
 static_assert(std::numeric_limits<float>::is_iec559 && sizeof(float) == 4);
 
 /// In absolute value; false for NaN. By its bits: of a comparison of numbers no vector instruction is made.
@@ -21,7 +21,7 @@ bool is_below_largest(float number) {
     return (std::bit_cast<std::uint32_t>(number) & 0x7fffffffU) < largest;
 }
 
-/// Slow, for a run that failed: NaN in place of what is beyond the largest float, and how often.
+/// Slow, for a run that failed: replaces numbers beyond the largest float by NaN and counts them.
 std::size_t replace_unrepresentable(std::span<const double> samples, std::span<float> out) {
     constexpr double largest = std::numeric_limits<float>::max();
     std::size_t unrepresentable = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// Samples as float32 little-endian: what goes on the wire and into SigMF files.
+// Samples as float32 little-endian, for the wire and SigMF files.
 
 #include <cstddef>
 #include <span>
@@ -8,8 +8,8 @@
 namespace hertzline::recordings {
 
 /// Writes samples as float32 to `out`, which has as many.
-/// @returns how many of them no finite float32 can hold: NaN, infinite, or beyond 3.4e38. Those are written
-/// as NaN. A frame with such samples says nothing true about the run: the caller must treat it as a failure.
+/// @returns the number of samples that no finite float32 can hold: NaN, infinite, or beyond 3.4e38. They are written
+/// as NaN. The caller must treat a frame with such samples as a failure.
 [[nodiscard]] std::size_t to_float32(std::span<const double> samples, std::span<float> out) noexcept;
 
 /// The bytes of float32 samples; a view, nothing is copied.

@@ -20,7 +20,7 @@ namespace {
 
 enum class Kind : std::uint32_t { head, rows, end, fault };
 
-/// What goes through the pipe: this, then `size` bytes.
+/// The head of a message in the pipe; `size` bytes follow.
 struct Message {
     Kind kind = Kind::end;
     NumberType numbers = NumberType::float32;  // of a head
@@ -28,7 +28,7 @@ struct Message {
     std::uint64_t size = 0;                    // JSON, float64, nothing or text
 };
 
-constexpr std::uint64_t largest_head = std::uint64_t{256} << 20;  // of a million spheres, and more
+constexpr std::uint64_t largest_head = std::uint64_t{256} << 20;  // that of a million spheres, and more
 constexpr std::uint64_t largest_rows = std::uint64_t{1} << 20;    // or one row, if that is longer
 constexpr std::uint64_t largest_fault = 1 << 16;
 constexpr std::size_t longest_reason = 300;
@@ -56,7 +56,7 @@ void send_recording(Answers& answers, RecordingReader& reader, std::size_t porti
 }
 
 [[noreturn]] void nonsense() {
-    throw std::runtime_error("the process that reads it says what is no recording");
+    throw std::runtime_error("the process that reads it sent an invalid message");
 }
 
 class IsolatedReader final : public RecordingReader {
@@ -101,7 +101,7 @@ private:
         }
     }
 
-    /// The next message. Unset `kind`: the reader was interrupted. @throws what the child says is wrong
+    /// The next message. Unset `kind`: the reader was interrupted. @throws the error that the child reports
     Message take_message() {
         Message message;
         if (!child_->read(std::as_writable_bytes(std::span(&message, 1)))) {
@@ -113,7 +113,7 @@ private:
         return message;
     }
 
-    /// Grows with what comes, not with what is announced.
+    /// Grows with the received bytes, not with the announced size.
     std::string take_text(std::uint64_t size, std::uint64_t most) {
         constexpr std::uint64_t step = 1 << 20;
         if (size > most) {

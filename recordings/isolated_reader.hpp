@@ -1,6 +1,6 @@
 #pragma once
 // A recording that is read by a child process, which hands its rows over: for files on which a library may crash or
-// hang, and for pipes, which may be silent for as long as they like.
+// hang, and for pipes, which may stay silent for ever.
 
 #include <cstddef>
 #include <filesystem>
@@ -12,12 +12,12 @@
 
 namespace hertzline::recordings {
 
-/// What the child does: opens the recording and writes it to the pipe, `portion` rows at a time.
+/// Returns the child's work: it opens the recording and writes it to the pipe, `portion` rows at a time.
 ChildProcess::Work reading(std::function<std::unique_ptr<RecordingReader>()> open, std::size_t portion);
 
-/// The recording as the child writes it. What that says is not trusted: a child that crashed may say anything.
-/// @param child does what reading() says @throws std::runtime_error that names the path and what is wrong, as read()
-/// does: also when the child crashes, takes too much or says nonsense
+/// Reads the recording from the child's pipe. Its bytes are not trusted: a child that crashed may write anything.
+/// @param child does the work of reading() @throws std::runtime_error with path and fault, as read() does, also when
+/// the child crashes, takes too much or writes nonsense
 std::unique_ptr<RecordingReader> open_isolated_reader(const std::filesystem::path& path,
                                                       std::unique_ptr<ChildProcess> child);
 

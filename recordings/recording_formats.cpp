@@ -31,7 +31,7 @@ Writer when_complete(const fs::path& path, const RecordingHead& head, Appearance
 
 struct Format {
     std::string_view ending;
-    double bytes_per_number;  // from above
+    double bytes_per_number;  // upper bound
     Writer (*write)(const fs::path&, const RecordingHead&, Appearance);
     std::unique_ptr<RecordingReader> (*read)(const fs::path&);
 };
@@ -96,7 +96,7 @@ fs::path recording_name(const fs::path& path) {
 }
 
 double recording_bytes(const fs::path& path, double columns, double samples) noexcept {
-    constexpr double time_column = 1;  // of those formats that have one
+    constexpr double time_column = 1;  // in formats that have one
     const Format* format = format_of(path);
     return format != nullptr ? samples * (columns + time_column) * format->bytes_per_number : 0;
 }

@@ -26,8 +26,8 @@ std::filesystem::path recording_name(const std::filesystem::path& path);
 /// Bytes of a recording, from above: so that a full disk is noticed before the run.
 double recording_bytes(const std::filesystem::path& path, double columns, double samples) noexcept;
 
-/// @throws std::runtime_error when no file could be written there, without beginning one. Says nothing of
-/// devices: to open a FIFO and close it again would be its end.
+/// @throws std::runtime_error when no file could be written there, without beginning one. Devices are not checked:
+/// opening a FIFO and closing it again would end it.
 void require_writable(const std::filesystem::path& path);
 
 /// Begins a recording. @throws std::runtime_error that names the path and the reason, for an unknown ending, too.

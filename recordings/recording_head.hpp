@@ -1,5 +1,5 @@
 #pragma once
-// The head of a recording: what it may be, how formats write it as JSON, and the check of the numbers that follow it.
+// The head of a recording: its check, its JSON in files, and the check of the numbers that follow it.
 
 #include <cstddef>
 #include <cstdint>
@@ -14,18 +14,18 @@
 
 namespace hertzline::recordings {
 
-/// What is wrong with the head; nothing when it is right.
+/// Returns the head's first fault, or nullopt.
 std::optional<std::string> head_fault(const RecordingHead& head);
 
 /// Columns, rate and provenance: {"sample_rate_hz", "columns": [[name, quantity, unit]...], "provenance"}.
 Json describe(const RecordingHead& head);
 
-/// The head that describe() described, whatever it says.
+/// Reads the head that describe() wrote, without a check of its values.
 /// @throws std::runtime_error when that is no head, without the path
 RecordingHead described_head(Json description, NumberType numbers);
 
 /// The same, of a head that a recording can have.
-/// @throws std::runtime_error that says what is wrong, without the path
+/// @throws std::runtime_error with the fault, without the path
 RecordingHead head_of(Json description, NumberType numbers);
 
 /// A head for a file of another program: columns channel_1, channel_2... without units.

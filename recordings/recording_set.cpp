@@ -16,15 +16,15 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds look_every{50};  // between looks at the stop flag
-// After the user has asked to stop: for what waits in the queues, then to end the files.
+// After the user has asked to stop: to write the queues, then to end the files.
 constexpr milliseconds last_writes{400};
 constexpr milliseconds last_end{200};
-constexpr milliseconds longest_stall{5000};  // at the end, when nobody has asked
+constexpr milliseconds longest_stall{5000};  // at the end, without a request to stop
 
 }  // namespace
 
 double RecordingSet::queue_bytes(double columns, double sample_rate_hz) noexcept {
-    constexpr double seconds = 2;  // that a disk may be busy with other things
+    constexpr double seconds = 2;  // for which a disk may be busy with other work
     constexpr double least = 16.0 * 1024 * 1024;
     constexpr double most = 256.0 * 1024 * 1024;
     return std::clamp(seconds * columns * sample_rate_hz * sizeof(double), least, most);
@@ -157,7 +157,7 @@ bool RecordingSet::all_over_by(Clock::time_point time) const {
     });
 }
 
-/// Notes what has become of a recording that is over, or stuck.
+/// Notes the outcome of a recording that is over, or stuck.
 void RecordingSet::conclude(std::size_t recording) {
     Status& status = status_[recording];
     const auto columns = static_cast<std::int64_t>(columns_);
@@ -176,7 +176,7 @@ void RecordingSet::conclude(std::size_t recording) {
         const bool complete =
             status.failure.empty() && file == status.file;  // also of a run that was stopped at once
         if (result.kept.rows == 0 && !file.empty() && !complete) {
-            status.failure += fmt::format("{}nobody knows how much of it is in {}", then, file);
+            status.failure += fmt::format("{}it is unknown how much of it is in {}", then, file);
         } else if (result.kept.rows > 0 && file != status.file) {
             status.failure += fmt::format("{}{} samples are in {}", then, result.kept.rows, file);
         }

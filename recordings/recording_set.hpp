@@ -1,6 +1,6 @@
 #pragma once
 // Recordings of the same samples, side by side, each written by a thread of its own. One that fails (a full disk, a
-// file that vanished) or is too slow is reported; the others go on, and so does whoever feeds them.
+// file that vanished) or is too slow is reported; the other recordings and their source continue.
 
 #include <atomic>
 #include <chrono>
@@ -20,14 +20,14 @@ namespace hertzline::recordings {
 class RecordingThread;
 enum class RecordingEnd;
 
-/// How long a set waits for its files.
+/// The time for which a set waits for its files.
 struct RecordingPatience {
-    /// For one that takes nothing while its queue is full; then rows are left out of it.
+    /// The time for a recording that takes nothing while its queue is full; then its rows are left out.
     std::chrono::milliseconds wait{0};
-    /// Once true, half a second for all at the end.
+    /// Once true, all recordings have half a second to end.
     const std::atomic<bool>* stop = nullptr;
 
-    /// Rows are left out at once: the source waits for nobody.
+    /// Leaves rows out at once: the source never waits.
     static RecordingPatience none(const std::atomic<bool>& stop) { return {{}, &stop}; }
     /// The source goes as fast as its files, unless one is stuck.
     static RecordingPatience of_a_second(const std::atomic<bool>& stop) {
@@ -44,17 +44,17 @@ class RecordingSet {
 public:
     struct Status {
         std::string file;
-        std::int64_t samples = 0;  ///< that are in the file, known at the end; at most, where it is stuck
+        std::int64_t samples = 0;  ///< in the file, known at the end; an upper bound for a stuck file
         std::int64_t missing = 0;  ///< left out because the file was too slow or stuck
-        std::string failure;       ///< empty: none; else with the name of the file that holds what was saved
-        std::string warning;       ///< known at the end; empty: none
+        std::string failure;  ///< empty: none; else with the name of the file that holds the saved samples
+        std::string warning;  ///< known at the end; empty: none
     };
 
     /// Begins all of them. @throws std::runtime_error that names the path and the reason when one cannot be.
     /// @param tell takes a message when a recording fails or is too slow, in the thread that calls write()
     RecordingSet(std::span<const std::string> paths, const RecordingHead& head, RecordingPatience patience,
                  std::function<void(const std::string&)> tell, Appearance appearance = Appearance::early);
-    /// Keeps what was written of those that have not ended.
+    /// Keeps the written rows of recordings that have not ended.
     ~RecordingSet();
     RecordingSet(const RecordingSet&) = delete;
     RecordingSet& operator=(const RecordingSet&) = delete;
@@ -65,20 +65,20 @@ public:
     /// Appends rows as RecordingWriter does, but does not throw when a recording cannot be written.
     void write(std::int64_t first, std::vector<double> values);
 
-    /// The scene changes with the row that follows, as RecordingWriter has it.
+    /// Records a change of the scene with the next row, as RecordingWriter does.
     void note_change(const Json& change);
 
-    /// Completes those that have not failed. Does not throw either.
+    /// Completes all recordings that have not failed. Does not throw.
     void commit();
 
-    /// Removes those that have not failed.
+    /// Removes all recordings that have not failed.
     void discard();
 
-    /// None has failed or lost samples.
+    /// Whether no recording has failed or lost samples.
     bool sound() const noexcept;
-    /// Some is still being written.
+    /// Whether a recording is still being written.
     bool any_left() const noexcept;
-    /// What the user should know of recordings that are over, a sentence each.
+    /// Returns warnings about ended recordings, a sentence each.
     std::vector<std::string> warnings() const;
     /// In the order of the paths.
     const std::vector<Status>& status() const noexcept { return status_; }

@@ -17,7 +17,7 @@ std::size_t bytes_of(const SharedRows& rows) noexcept {
     return rows->values.size() * sizeof(double);
 }
 
-/// What the action throws, as text; empty: nothing.
+/// Returns the text of the action's exception; empty: none.
 template <class Action>
 std::string failure_of(Action action) {
     try {

@@ -18,7 +18,8 @@ public:
 
     TapSet taps() const noexcept { return taps_; }
 
-    /// Appends a block that holds the taps. Does not throw when a recording cannot be written: `recordings` tells.
+    /// Appends a block that holds the taps. Does not throw when a recording cannot be written: `recordings` reports
+    /// that.
     void write(const Samples& block);
 
 private:

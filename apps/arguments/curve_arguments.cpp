@@ -13,7 +13,7 @@ namespace hertzline::app {
 
 namespace {
 
-/// What was read, or another line of faults.
+/// Returns the value, or adds a line of faults.
 template <class T>
 T value_or_fault(tl::expected<T, std::string> read, const char* option, std::string& faults) {
     if (read) {
@@ -61,7 +61,7 @@ void refuse_exposure(const CurveServerRequest& request, const std::string& endpo
     const bool has_keys = !request.key.empty() || !request.clients.empty();
     if (!has_keys && !stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
         throw WrongUse(fmt::format(
-            "--bind: {} can be reached from other machines, and anybody there could listen; give "
+            "--bind: {} can be reached from other machines, where anyone could listen; give "
             "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
             endpoint));
     }
@@ -72,14 +72,10 @@ std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request) {
         return std::nullopt;
     }
     if (request.clients.empty()) {
-        throw WrongUse(
-            "--curve-key: found no --allow-clients, allowed: only together; --allow-clients names the public "
-            "keys of those who may subscribe");
+        throw WrongUse("--curve-key needs --allow-clients, the public keys of clients that may subscribe");
     }
     if (request.key.empty()) {
-        throw WrongUse(
-            "--allow-clients: found no --curve-key, allowed: only together; --curve-key is the stream's "
-            "secret key");
+        throw WrongUse("--allow-clients needs --curve-key, the stream's secret key");
     }
     std::string faults;
     stream::CurveServer server{
@@ -97,14 +93,10 @@ std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request) {
         return std::nullopt;
     }
     if (request.server.empty()) {
-        throw WrongUse(
-            "--curve-key: found no --server-key, allowed: only together; --server-key is the stream's public "
-            "key");
+        throw WrongUse("--curve-key needs --server-key, the stream's public key");
     }
     if (request.key.empty()) {
-        throw WrongUse(
-            "--server-key: found no --curve-key, allowed: only together; --curve-key is the listener's "
-            "secret key");
+        throw WrongUse("--server-key needs --curve-key, the listener's secret key");
     }
     std::string faults;
     stream::CurveClient client{

@@ -11,7 +11,7 @@
 
 namespace hertzline::app {
 
-/// What other machines may reach.
+/// The endpoints that other machines may reach.
 enum class Exposure { encrypted, anything };
 
 /// The encryption options of `stream` and `replay`.

@@ -51,8 +51,7 @@ CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, 
 
 CLI::Option* add_wav_scale_option(CLI::App& app, std::optional<double>& scale) {
     return app
-        .add_option("--wav-scale", scale,
-                    "what is full scale in WAV files: samples are divided by it (default: 1)")
+        .add_option("--wav-scale", scale, "full scale of WAV files: samples are divided by it (default: 1)")
         ->type_name("M_PER_S");
 }
 
@@ -63,7 +62,7 @@ void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::st
     require_positive("--wav-scale", *scale);
     const auto is_wav = [](const std::string& file) { return recordings::recording_ending(file) == ".wav"; };
     if (std::ranges::none_of(files, is_wav)) {
-        throw WrongUse("--wav-scale: found no WAV file, allowed: together with one");
+        throw WrongUse("--wav-scale needs a WAV file");
     }
 }
 

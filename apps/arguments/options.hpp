@@ -1,5 +1,5 @@
 #pragma once
-// What the options of several subcommands have in common.
+// The common parts of several subcommands' options.
 
 #include <optional>
 #include <span>
@@ -14,10 +14,10 @@
 
 namespace hertzline::app {
 
-/// What is wrong with several options, to be told at once.
+/// Faults of several options, to be reported at once.
 class Faults {
 public:
-    /// Keeps what the check throws as WrongUse.
+    /// Keeps the WrongUse that the check throws.
     template <class Check>
     void of(Check check) {
         try {
@@ -38,7 +38,7 @@ private:
     std::string text_;
 };
 
-/// For CLI::Option::check(): the fault of an empty value, "" when there is none. A file needs a name, and an
+/// For CLI::Option::check(): the fault of an empty value, else "". A file needs a name, and an
 /// empty one would mean that the option was not given.
 std::string missing_name(const std::string& value);
 
@@ -51,7 +51,7 @@ using measures::names_of;
 /// The tap that the option's value names. @throws WrongUse unless it is one of the allowed ones
 Tap tap_argument(const char* option, const std::string& name, TapSet allowed);
 
-/// The taps that the option's values name. @throws WrongUse that tells every name that is not allowed
+/// The taps that the option's values name. @throws WrongUse with every name that is not allowed
 TapSet tap_arguments(const char* option, const std::vector<std::string>& names, TapSet allowed);
 
 /// Adds --columns, which names the taps that recordings hold. @param there those that the help names

@@ -23,7 +23,8 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request);
 /// The scene as it was asked for. @throws WrongUse that names every fault at once
 ParsedScene parsed_scene(const SceneRequest& request);
 
-/// Over what the error of a scene is estimated: a run of output.duration_s, or what pilots watch of a motion without an end.
+/// The stretch over which the error of a scene is estimated: a run of output.duration_s, or the pilots' stretch of an
+/// endless motion.
 enum class Lasting { duration, endless };
 
 /// The scene with integrator and step settled. Warns where the requested accuracy is out of reach. Takes as

@@ -5,7 +5,8 @@
 
 namespace hertzline::app {
 
-/// Adds --target, which takes effect as it is parsed. @throws WrongUse, as it is parsed, for what this processor lacks
+/// Adds --target, which takes effect as it is parsed. @throws WrongUse, as it is parsed, for a target that this
+/// processor lacks
 void add_target_option(CLI::App& app);
 
 }  // namespace hertzline::app

@@ -1,4 +1,4 @@
-// hertzline check: whether a scene can be simulated, and what follows from it.
+// hertzline check: validates a scene and reports its properties.
 
 #include <algorithm>
 #include <memory>
@@ -65,7 +65,7 @@ std::string as_text(const std::vector<ReportRow>& report) {
     return text;
 }
 
-/// What a run and a stream of the scene take.
+/// Memory and disk of a run and a stream of the scene.
 void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
     const auto count = measures::report_count;
     const double rows = rows_of_run(scene);

@@ -1,5 +1,5 @@
 #pragma once
-// What a run takes, in rows and bytes. Counted in double: an absurd request overflows nothing.
+// Rows, memory and disk of a run. Counted in double: an absurd request overflows nothing.
 
 #include <filesystem>
 #include <span>
@@ -15,12 +15,12 @@ namespace hertzline::app {
 using measures::rows_of_run;
 using measures::taps_of_run;
 
-/// The simulation, its blocks, what waits for its files, the records of v_out and of the other taps that are measured,
-/// and their spectra.
+/// Memory of the simulation, its blocks, the queues of its files, the records of v_out and of the other measured
+/// taps, and their spectra.
 double memory_of_recorded_run(const Scene& scene, TapSet recorded, TapSet measured) noexcept;
 
-/// What may wait for the files of a stream that hold those taps, each of which may be stuck with other rows. (Those of a run wait for one
-/// another, and share what waits.)
+/// Queues of a stream's files that hold those taps; each file may be stuck with other rows. (The recordings of a run
+/// share one queue.)
 double memory_of_recordings(const Scene& scene, TapSet recorded, std::size_t files) noexcept;
 
 /// Bytes of a recording of the taps in the format of that file, at most.
@@ -30,7 +30,7 @@ double file_bytes(const Scene& scene, double samples, const std::string& file, T
 void refuse_disk_shortages(const Scene& scene, double samples, std::span<const std::string> files,
                            TapSet taps);
 
-/// What a run keeps.
+/// The rows and files of a run.
 struct RunDemand {
     std::span<const std::string> files;  ///< recordings
     TapSet recorded;

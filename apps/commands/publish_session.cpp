@@ -27,7 +27,7 @@ std::optional<std::int64_t> samples_of(std::optional<double> duration_s, double 
     if (!duration_s) {
         return std::nullopt;
     }
-    constexpr double max_samples = 9e18;  // what 63 bits hold
+    constexpr double max_samples = 9e18;  // within 63 bits
     const double samples = std::round(*duration_s * sample_rate_hz);
     if (samples > max_samples) {
         throw WrongUse(
@@ -81,7 +81,7 @@ Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipe
     return summary;
 }
 
-/// What nobody subscribed to has nothing to say to a reader.
+/// Drops the counts of topics that had no subscriber.
 Json without_unused_topics(Json summary) {
     for (auto member = summary.begin(); member != summary.end();) {
         const std::string& name = member.key();
@@ -114,24 +114,23 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
         ->type_name("S");
     app.add_flag_callback(
         "--wait-for-subscriber", [&request] { request.start = stream::StreamStart::with_first_subscriber; },
-        "hold back sample 0 until somebody subscribes to a stream");
+        "hold back sample 0 until a stream has a subscriber");
     app.add_option("--on-overrun", request.on_overrun,
-                   "what to do with a frame whose time has passed while the program was held up: drop it and "
+                   "treatment of a frame whose time has passed while the program was held up: drop it and "
                    "count it, or wait and fall behind (default: drop; where samples are recorded: wait)")
         ->transform(
             CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
                                         {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
                 .description(""))
         ->type_name("WORD");
-    app.add_option(
-           "--queue-memory", request.queue_bytes,
-           "memory for what slow subscribers have not taken yet, all together, as 200MiB (default: an "
-           "eighth of what is available, at most 1GiB)")
+    app.add_option("--queue-memory", request.queue_bytes,
+                   "memory for the queues of all slow subscribers together, such as 200MiB (default: an "
+                   "eighth of the available memory, at most 1GiB)")
         ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
         ->type_name("BYTES");
     app.add_option(
            "--max-clients", request.max_clients,
-           "connections at a time (default: 64); at the limit those that subscribe to nothing go first")
+           "connections at a time (default: 64); at the limit those without a subscription are closed first")
         ->type_name("N");
     app.add_flag("--realtime-priority", request.thread.realtime_priority,
                  "run the simulating thread with real-time priority, and keep memory from being swapped");

@@ -1,5 +1,5 @@
 #pragma once
-// What `stream` and `replay` have in common: how samples are published, wherever they come from.
+// The common part of `stream` and `replay`: publishing samples of any source.
 
 #include <functional>
 #include <optional>
@@ -15,7 +15,7 @@
 
 namespace hertzline::app {
 
-/// The options of `stream` and `replay` that say how to publish.
+/// The publishing options of `stream` and `replay`.
 struct PublishRequest {
     std::string endpoint = "tcp://127.0.0.1:5573";
     CurveServerRequest curve;
@@ -36,24 +36,24 @@ void add_publish_options(CLI::App& app, PublishRequest& request);
 /// @throws WrongUse that names the fault
 std::optional<stream::CurveServer> checked_curve(const PublishRequest& request);
 
-/// @param on_overrun what to do with late blocks when the user did not say
+/// @param on_overrun the default treatment of late blocks
 stream::StreamOptions stream_options(const PublishRequest& request, double sample_rate_hz,
                                      stream::OnOverrun on_overrun);
 
 stream::PublisherOptions publisher_options(const PublishRequest& request, const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve);
 
-/// Where a listener on this machine connects; on others the host's name takes the place of 127.0.0.1.
+/// The address for a listener on this machine; on others the host's name replaces 127.0.0.1.
 std::string local_endpoint(std::string endpoint);
 
 /// Ring and queues, at most [bytes].
 double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
                     const stream::PublisherOptions& options) noexcept;
 
-/// As StreamEvents has it.
+/// See StreamEvents.
 using EpochBegins = std::function<Json(const Epoch&)>;
 
-/// What only the caller knows.
+/// The caller's callbacks.
 struct PublishedSource {
     std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
     std::function<Json(const MotionExtremes&)> watch = {};  ///< as in StreamEvents

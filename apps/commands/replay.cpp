@@ -22,7 +22,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* replay_examples =
-    "The streams are those that hertzline stream has and the recording holds. If it holds none, a single "
+    "The streams are those of hertzline stream that the recording holds. If it holds none, a single "
     "column is streamed as v_out, several as v_chain. Sample indices are the recording's, with its gaps.\n"
     "Examples:\n"
     "  hertzline replay burst.sigmf-meta\n"
@@ -38,7 +38,7 @@ struct ReplayArguments {
 constexpr std::int64_t usual_frame = 1024;
 constexpr std::int64_t max_frame = 1 << 20;
 
-/// Frames as long as those of the run that was recorded, where that is known.
+/// Returns the frame length of the recorded run, if it is known.
 std::int64_t frame_samples(const Json& provenance) {
     const Json::json_pointer key("/scene/output/frame_samples");
     if (!provenance.is_object() || !provenance.contains(key) || !provenance.at(key).is_number_integer()) {
@@ -54,12 +54,12 @@ double sample_rate(const recordings::RecordingHead& head, const ReplayArguments&
         return *arguments.sample_rate_hz;
     }
     if (head.sample_rate_hz == 0) {
-        throw WrongUse(arguments.file + " does not say its sample rate: give --sample-rate");
+        throw WrongUse(arguments.file + "  has no sample rate: give --sample-rate");
     }
     return head.sample_rate_hz;
 }
 
-/// What the recording says of its samples. Its run is not the run of this stream.
+/// Returns the recording's description of its samples. Its run is not the run of this stream.
 Json about(const recordings::RecordingHead& head, const std::string& file) {
     Json about = measures::provenance_of_meta(head.provenance);
     if (about.contains("run")) {
@@ -121,7 +121,7 @@ Run replay_command(CLI::App& app) {
     app.add_option("FILE", arguments->file, "a recording: " + recordings::recording_endings())
         ->required()
         ->check(missing_name);
-    app.add_option("--sample-rate", arguments->sample_rate_hz, "sample rate of a file that does not say it")
+    app.add_option("--sample-rate", arguments->sample_rate_hz, "sample rate of a file without one")
         ->type_name("HZ");
     add_publish_options(app, arguments->publish);
     app.footer(replay_examples);

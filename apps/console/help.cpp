@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t line_width = 80;
 
-/// The words on lines of at most so many characters, where none is longer.
+/// Wraps words into lines of at most that many characters, unless a word is longer.
 std::string wrapped(const std::string& text, std::size_t columns) {
     std::istringstream words(text);
     std::string lines;

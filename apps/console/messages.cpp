@@ -19,14 +19,14 @@ namespace {
 
 constexpr std::size_t max_kept = std::size_t{1} << 16;  // bytes
 
-/// Stderr with what it has not taken yet.
+/// Stderr with the text that it has not taken yet.
 class Messages {
 public:
     Messages() : stream_(STDERR_FILENO) { kept_.reserve(max_kept); }
 
     void write(std::string_view text) noexcept {
         if (kept_.size() + text.size() <= max_kept) {
-            kept_.append(text);  // within what is reserved
+            kept_.append(text);  // within the reserved size
         }
         pass_on();
     }
@@ -47,7 +47,7 @@ private:
     void pass_on() noexcept {
         std::string_view left = kept_;
         const int error = stream_.write_some(left);
-        // Where stderr is gone nobody can be told.
+        // Without stderr no message is possible.
         kept_.erase(0, error == 0 || error == EAGAIN ? kept_.size() - left.size() : kept_.size());
     }
 

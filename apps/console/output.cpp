@@ -65,7 +65,7 @@ void print(std::string_view text) {
     static StandardStream output(STDOUT_FILENO);
     const int error = output.write(text);
     if (error == EAGAIN) {
-        throw std::runtime_error("cannot write to standard output: nobody reads it");
+        throw std::runtime_error("cannot write to standard output: it has no reader");
     }
     if (error != 0) {
         throw std::system_error(error, std::generic_category(), "cannot write to standard output");

@@ -1,5 +1,5 @@
 #pragma once
-// What goes to stdout: data and summaries, nothing else.
+// The output on stdout: data and summaries, nothing else.
 
 #include <span>
 #include <string>
@@ -27,7 +27,7 @@ void print_summary(const Json& summary, Format format);
 
 using measures::SummaryGroup;
 
-/// As JSON one object, as text the groups one after another.
+/// Prints groups: as JSON one object, as text one after another.
 void print_summary(std::span<const SummaryGroup> groups, Format format);
 
 }  // namespace hertzline::app

@@ -1,5 +1,5 @@
 #pragma once
-// How far it is, on a terminal: one line on stderr that is written over. Elsewhere nothing is shown.
+// Progress on a terminal: one line on stderr that is overwritten. Elsewhere nothing is shown.
 
 #include <chrono>
 #include <optional>
@@ -15,7 +15,7 @@ public:
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
-    /// Whether there is a terminal and the line is old enough to be written anew.
+    /// Whether there is a terminal and the line is old enough to be updated.
     bool due() const noexcept;
 
     void show(const std::string& text);
@@ -29,7 +29,7 @@ private:
     std::chrono::steady_clock::time_point last_;
 };
 
-/// How far a run has come.
+/// The progress of a run.
 struct Progress {
     double simulated_s = 0;
     std::optional<double> goal_s;  ///< unset: until stopped

@@ -20,8 +20,8 @@ extern "C" void note_stop(int /*signal*/) {
     stop.store(true, std::memory_order_relaxed);
 }
 
-/// Even where the signal was ignored: a shell starts its background jobs with SIGINT ignored, and whoever
-/// sends it to one means it.
+/// Catches the signal even if it was ignored: a shell starts its background jobs with SIGINT ignored, and a user who
+/// sends it means it.
 void catch_signal(int signal) {
     struct sigaction action {};
     action.sa_handler = note_stop;

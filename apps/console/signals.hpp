@@ -4,14 +4,14 @@
 
 namespace hertzline::app {
 
-/// From here on Ctrl-C, SIGTERM and a closed terminal end the program at once, with exit status 1: there is nothing to
+/// Makes Ctrl-C, SIGTERM and a closed terminal end the program at once, with exit status 1, while there is nothing to
 /// be saved.
 void end_at_once_when_asked();
 
-/// From here on they set this flag instead of ending the program; system calls that wait are interrupted.
+/// Makes them set this flag instead of ending the program; waiting system calls are interrupted.
 const std::atomic<bool>& stop_asked();
 
-/// After end_at_once_when_asked(): from here on they set the flag again.
+/// After end_at_once_when_asked(): makes them set the flag again.
 void note_when_asked() noexcept;
 
 /// Whether the flag is set; catches no signal.

@@ -52,7 +52,7 @@ int StandardStream::write_some(std::string_view& text) noexcept {
         if (!has_room(0)) {
             return EAGAIN;
         }
-        // Of what has room at all, that many bytes fit without blocking (pipe(7)).
+        // If there is room at all, that many bytes fit without blocking (pipe(7)).
         const std::size_t part = std::min<std::size_t>(text.size(), PIPE_BUF);
         const ssize_t written = ::write(reopened_ >= 0 ? reopened_ : descriptor_, text.data(), part);
         if (written >= 0) {

@@ -1,9 +1,9 @@
 #pragma once
-// What stderr can show besides plain lines.
+// Features of stderr beyond plain lines.
 
 namespace hertzline::app {
 
-/// A terminal that takes escape sequences, so a line can be written over. TERM=dumb says that it does not.
+/// Whether stderr is a terminal with escape sequences, so that a line can be overwritten. TERM=dumb means no.
 bool stderr_is_terminal();
 
 /// Messages may be coloured on such a terminal, unless NO_COLOR is set (https://no-color.org).

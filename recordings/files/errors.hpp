@@ -1,5 +1,5 @@
 #pragma once
-// The form of every error of a file: what could not be done, the path, the reason.
+// The form of every error of a file: the failed action, the path, the reason.
 
 #include <filesystem>
 #include <string_view>

@@ -12,13 +12,13 @@
 
 namespace hertzline::recordings {
 
-/// Buffered. What was flushed stays, in whole records, whatever happens later; errors as of StagedFile.
+/// Buffered. Flushed records stay, whatever happens later; errors are those of StagedFile.
 class GrowingFile {
 public:
-    /// Refuses what cannot be written, as StagedFile does, and devices. Nothing is replaced yet.
+    /// Refuses unwritable files, as StagedFile does, and devices. Nothing is replaced yet.
     GrowingFile(std::filesystem::path path, std::size_t record_bytes);
 
-    /// Takes the file's name from what had it.
+    /// Takes the file's name and replaces an older file.
     void appear() { file_.appear(); }
 
     /// Takes whole records. Flushes by itself only when they do not fit().
@@ -45,7 +45,7 @@ public:
     /// Whole records that the system has taken.
     std::int64_t records() const noexcept;
 
-    /// Closes; what was not flushed is dropped. @returns where the rest is
+    /// Closes and drops unflushed records. @returns the path of the rest
     std::filesystem::path keep() noexcept;
 
     /// Closes and removes it.

@@ -14,7 +14,7 @@ namespace hertzline::recordings {
 /// Errors are std::runtime_error that names the path and the reason.
 class InputFile {
 public:
-    /// Refuses what is not a regular file: a FIFO would wait, a device has no size.
+    /// Refuses all but regular files: a FIFO would wait, a device has no size.
     explicit InputFile(std::filesystem::path path);
 
     /// Fills `bytes`. @throws std::runtime_error when the file ends inside `what`.

@@ -29,39 +29,39 @@ public:
     void write(std::span<const std::byte> bytes);
     bool fits(std::size_t bytes) const noexcept;
 
-    /// Replaces bytes written before, as a header whose counts are known only at the end. Not for devices.
+    /// Replaces earlier bytes, such as a header whose counts are known only at the end. Not for devices.
     void rewrite(std::uint64_t offset, std::string_view text);
 
-    /// Writes out the buffer: what the disk has no room for is known now.
+    /// Writes out the buffer, so that a full disk is noticed now.
     void flush();
 
-    /// Writes out the buffer and closes: what the system tells only then is known now. After it commit() and keep()
-    /// are left.
+    /// Writes out the buffer and closes, so that errors which the system reports only then are noticed now. Only
+    /// commit() and keep() may follow.
     void close();
 
     /// Closes, unless it is closed, and gives the file its name.
     void commit();
 
-    /// Bytes that lie in the file: after a failed flush a part of what it was to write.
+    /// Bytes in the file; after a failed flush a part of its buffer.
     std::uint64_t size() const noexcept;
 
-    /// What lies in the file from there on.
+    /// Returns the bytes of the file from there on.
     std::string text_from(std::uint64_t offset) const;
 
-    /// Cuts the file there and goes on from there; forgets a failure. Not for devices.
+    /// Cuts the file there and continues there; clears a failure. Not for devices.
     void resume_at(std::uint64_t size);
 
-    /// Closes it; what lies in the file stays under the temporary's name. @returns that name
+    /// Closes it and keeps it under the temporary's name. @returns that name
     std::filesystem::path keep() noexcept;
 
-    /// Closes it and removes what was written.
+    /// Closes and removes it.
     void abandon() noexcept { file_.abandon(); }
 
     /// See StagedFile.
     bool is_closed() const noexcept { return file_.is_closed(); }
     bool is_doubtful() const noexcept { return file_.is_doubtful(); }
 
-    /// As the user named it.
+    /// The path as the user gave it.
     const std::filesystem::path& path() const noexcept { return file_.path(); }
 
     /// It has no name to be given: a device, a FIFO.

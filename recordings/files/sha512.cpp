@@ -18,7 +18,7 @@ constexpr std::array<std::uint64_t, 8> beginning{
     0x510e527fade682d1, 0x9b05688c2b3e6c1f, 0x1f83d9abfb41bd6b, 0x5be0cd19137e2179,
 };
 
-/// The same of the cube roots of the first 80 primes.
+/// The first 64 bits behind the point of the cube roots of the first 80 primes.
 constexpr std::array<std::uint64_t, 80> of_round{
     0x428a2f98d728ae22, 0x7137449123ef65cd, 0xb5c0fbcfec4d3b2f, 0xe9b5dba58189dbbc, 0x3956c25bf348b538,
     0x59f111f1b605d019, 0x923f82a4af194f9b, 0xab1c5ed5da6d8118, 0xd807aa98a3030242, 0x12835b0145706fbe,
@@ -48,7 +48,7 @@ std::uint64_t word_at(std::string_view bytes) noexcept {
     return word;
 }
 
-/// The block's words and those that follow from them, one for each round.
+/// The block's words and the derived ones, one for each round.
 std::array<std::uint64_t, 80> schedule_of(std::string_view block) noexcept {
     std::array<std::uint64_t, 80> w{};
     for (std::size_t t = 0; t < 16; ++t) {

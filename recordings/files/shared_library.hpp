@@ -16,7 +16,7 @@ public:
         function = reinterpret_cast<Function*>(address(symbol));
     }
 
-    /// Of a function or a variable. @throws std::runtime_error when the library does not have it
+    /// Returns the address of a function or a variable. @throws std::runtime_error when the library does not have it
     void* address(const char* symbol) const;
 
 private:

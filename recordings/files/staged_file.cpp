@@ -25,7 +25,7 @@ constexpr std::size_t max_stem_bytes = 200;  // leaves room for the ending in a 
     throw std::system_error(reason, std::generic_category(), "cannot write " + path.string());
 }
 
-/// The directory that holds path, without links; fails when there is none.
+/// Returns the directory that holds path, without links; fails when it does not exist.
 fs::path directory_of(const fs::path& path, const fs::path& named_by_user) {
     std::error_code error;
     const fs::path parent = path.has_parent_path() ? path.parent_path() : fs::path(".");
@@ -148,7 +148,7 @@ void StagedFile::open_straight() {
 void StagedFile::open_temporary() {
     struct stat existing {};
     const bool replaces = ::stat(target_.c_str(), &existing) == 0;
-    // Renaming would replace a read-only file too; whoever made it read-only did not want that.
+    // Renaming would replace a read-only file too; its owner did not want that.
     if (replaces && ::access(target_.c_str(), W_OK) != 0) {
         refuse(path_, errno);
     }
@@ -202,7 +202,7 @@ void StagedFile::abandon() noexcept {
     }
 }
 
-/// @returns 0, or the errno of what went wrong with the file
+/// @returns 0, or the errno of the failed call
 int StagedFile::close_descriptor() noexcept {
     if (descriptor_ < 0 || ::close(std::exchange(descriptor_, -1)) == 0 || errno == EINTR) {
         return 0;

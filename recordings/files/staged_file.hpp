@@ -1,9 +1,9 @@
 #pragma once
-// A file that gets its name only when it is complete; for those who write its bytes themselves.
+// A file that gets its name only when it is complete; for code that writes its bytes itself.
 //
-// The bytes go to a temporary beside the target (FILE.partial-...), which commit() renames over it. Without
-// commit the temporary is removed and the target is as it was. What is not a regular file (/dev/null, a FIFO,
-// the program's own /dev/stdout) cannot be replaced by renaming: it is written straight to, or refused.
+// The bytes go to a temporary beside the target (FILE.partial-...), which commit() renames over it. Without commit
+// the temporary is removed and the target is as it was. A target that is not a regular file (/dev/null, a FIFO, the
+// program's own /dev/stdout) cannot be replaced by renaming: it is written directly, or refused.
 
 #include <filesystem>
 
@@ -15,11 +15,11 @@ class StagedFile {
 public:
     enum class Devices { allowed, refused };
 
-    /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or
-    /// unwritable directory, a target that is a directory or read-only. A FIFO waits for its reader.
-    /// A symbolic link is followed, not replaced; a stranger's in a folder like /tmp is refused. A new file gets the
-    /// permissions that any new file would; one that replaces another gets its permissions, and its owner where the
-    /// system lets us. At no moment, nor with another group, is it open to more users than that one was.
+    /// Opens the temporary or the device. Everything that can be known beforehand fails here: a missing or unwritable
+    /// directory, a target that is a directory or read-only. A FIFO waits for its reader. A symbolic link is
+    /// followed, not replaced; a stranger's in a folder like /tmp is refused. A new file gets the permissions of any
+    /// new file; one that replaces another gets its permissions, and its owner where the system permits. It is never
+    /// open to more users than the old one, not even for a moment or with another group.
     StagedFile(std::filesystem::path path, Devices devices);
 
     /// Without commit(), appear() or keep(): removes the temporary.
@@ -27,7 +27,7 @@ public:
     StagedFile(const StagedFile&) = delete;
     StagedFile& operator=(const StagedFile&) = delete;
 
-    /// As the user named it.
+    /// The path as the user gave it.
     const std::filesystem::path& path() const noexcept { return path_; }
 
     /// Where the bytes go: for libraries that open files by name. Empty for a device.
@@ -36,7 +36,7 @@ public:
     /// Open for reading and writing (a device: for writing), or -1 once it is over.
     int descriptor() const noexcept { return descriptor_; }
 
-    /// Closes it; then only commit(), keep() and abandon() are left. Some file systems (NFS) tell of a full disk or
+    /// Closes it; then only commit(), keep() and abandon() are left. Some file systems (NFS) report a full disk or
     /// quota only here.
     void close();
 
@@ -44,24 +44,24 @@ public:
     /// may still lose the file, a crash of the program may not.
     void commit();
 
-    /// Gives the file its name now, while it goes on growing; what it replaces is gone. From here on what was
-    /// written stays under that name, unless it is abandoned.
+    /// Gives the file its name now, while it keeps growing, and replaces an older one. From here on its bytes stay
+    /// under that name, unless it is abandoned.
     void appear();
 
-    /// Closes it where it is: what was written stays under the temporary's name, after appear() under its own.
+    /// Closes it and keeps it under the temporary's name, after appear() under its own.
     void keep() noexcept;
 
-    /// Closes it and removes what was written. Does nothing after commit() or keep().
+    /// Closes and removes it. Does nothing after commit() or keep().
     void abandon() noexcept;
 
     bool is_closed() const noexcept { return descriptor_ < 0; }
-    /// The system reported an error when it was closed: nobody knows how much of what was written is in it.
+    /// Whether the system reported an error when it was closed, so that its contents are unknown.
     bool is_doubtful() const noexcept { return doubtful_; }
 
     /// @throws std::system_error of that errno; from then on commit() and require_open() throw it again. The
     /// file stays open: resume(), keep() or abandon() it.
     [[noreturn]] void fail(int reason);
-    /// Forgets the failure, to save what can be saved.
+    /// Clears the failure, to save the rest.
     void resume() noexcept { failure_ = 0; }
 
     /// @throws std::system_error after a failure, std::logic_error after commit, where it is misuse.

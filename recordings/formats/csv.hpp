@@ -1,10 +1,10 @@
 #pragma once
-// Samples as comma-separated text: a line of column names, the time t_s first, then a line for each sample. A
-// gap shows in the times.
+// Samples as comma-separated text: a line of column names, the time t_s first, then a line for each sample. A gap
+// shows in the times.
 //
-// What a CSV cannot say (units, rate, provenance) lies beside it in FILE.csv-metadata.json, as the W3C
-// recommendations for CSV on the Web have it ("Metadata Vocabulary for Tabular Data", 2015, and the place of
-// that file in "Model for Tabular Data and Metadata on the Web", section 5.3); not beside a device or FIFO.
+// Units, rate and provenance lie beside the CSV in FILE.csv-metadata.json, as the W3C recommendations for CSV on the
+// Web have it ("Metadata Vocabulary for Tabular Data", 2015, and the place of that file in "Model for Tabular Data
+// and Metadata on the Web", section 5.3); not beside a device or FIFO.
 
 #include <filesystem>
 #include <memory>

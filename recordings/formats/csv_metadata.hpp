@@ -1,5 +1,5 @@
 #pragma once
-// What a CSV cannot say itself: the file beside it, as csv.hpp describes it.
+// The metadata of a CSV in the file beside it: see csv.hpp.
 
 #include <filesystem>
 #include <optional>
@@ -21,7 +21,7 @@ struct CsvColumn {
 /// Where the metadata of a CSV lies.
 std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
 
-/// The metadata of a CSV as text. @param columns at least one; the first is what the others are over
+/// The metadata of a CSV as text. @param columns at least one; the first is the abscissa
 std::string csv_metadata(const std::filesystem::path& csv, std::span<const CsvColumn> columns,
                          const Json& provenance, std::optional<double> sample_rate_hz = std::nullopt);
 

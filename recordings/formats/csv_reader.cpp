@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t longest_line = std::size_t{1} << 29;  // 20 million numbers, as of the longest chain
 constexpr std::uint64_t largest_metadata = 64 << 20;
 constexpr std::size_t rows_of_a_pipe = 16;  // at a time: few, as they may come slowly
-constexpr double max_samples = 5e14;        // times up to there tell them apart
+constexpr double max_samples = 5e14;        // times up to there distinguish samples
 constexpr double max_rounding = 0.25;       // of a sample, in such a time
 
 std::vector<std::string> split(std::string_view line) {
@@ -42,7 +42,7 @@ std::vector<std::string> split(std::string_view line) {
     }
 }
 
-/// A rate with so many digits. Rates are seldom crooked.
+/// Rounds a rate to that many digits. Rates are seldom crooked.
 double rounded(double rate, int digits) {
     double result = 0;
     const std::string text = fmt::format("{:.{}g}", rate, digits);
@@ -50,18 +50,18 @@ double rounded(double rate, int digits) {
     return result;
 }
 
-/// The rate of which all times are whole numbers of samples, bit for bit, with the fewest digits. Times that were
-/// rounded have none: then the rate that the first and the last tell. @param times increasing @returns 0 if they do not
+/// Returns the rate with the fewest digits at which all times are whole numbers of samples, bit for bit; for rounded
+/// times the rate that follows from the first and the last. @param times increasing @returns 0 if they do not
 double rate_of(std::vector<double> times) {
     if (times.size() < 2) {
-        return 1;  // of a single sample nobody can tell
+        return 1;  // a single sample has no rate
     }
     double rate = 1 / (times[1] - times[0]);
     for (std::size_t i = 2; i < times.size(); ++i) {  // the farther the finer
         const double since = times[i] - times[0];
         const double samples = std::round(since * rate);
         if (std::abs(since * rate - samples) > max_rounding) {
-            times.resize(i);  // what follows is no sample's, as its reader will say
+            times.resize(i);  // the next line is no sample, which the reader reports
             break;
         }
         rate = samples / since;
@@ -166,7 +166,7 @@ private:
         row_.resize(head_.columns.size());
     }
 
-    /// What the metadata say, where there are some.
+    /// Reads the metadata, if there are any.
     void read_metadata() {
         const fs::path path = csv_metadata_path(path_);
         std::error_code unknown;
@@ -272,7 +272,7 @@ private:
 std::unique_ptr<RecordingReader> open_csv_reader(const fs::path& path) {
     std::error_code unknown;
     if (fs::is_fifo(path, unknown) && fs::is_regular_file(csv_metadata_path(path), unknown)) {
-        // Whoever writes to a pipe may be silent for as long as he likes. Nothing but its end ends who waits for him.
+        // The writer of a pipe may stay silent for ever, and only killing the reading process ends the wait.
         return open_isolated_reader(
             path, std::make_unique<ChildProcess>(
                       reading([&path] { return std::make_unique<CsvReader>(path); }, rows_of_a_pipe),

@@ -85,8 +85,8 @@ private:
         renew_metadata();
         file_.close();
         if (metadata_) {
-            metadata_->close();  // what was there before goes only when all is in the new files
-            // the old ones first: nobody shall find them beside the new samples
+            metadata_->close();  // an older recording goes only when the new files are complete
+            // the old ones first: they must never lie beside the new samples
             fs::remove(csv_metadata_path(path()));
         }
         file_.commit();
@@ -96,7 +96,7 @@ private:
         }
     }
 
-    /// Of the lines that a failed flush was to write, those that are whole lie in the file, too.
+    /// After a failed flush the file also holds the whole lines of its buffer that were written.
     KeptRows rescue() override {
         if (committed_) {  // only the metadata are missing
             return {rows(), path()};
@@ -106,7 +106,7 @@ private:
         }
         try {
             flush();
-        } catch (const std::exception&) {  // the disk is full: what it has taken counts
+        } catch (const std::exception&) {  // the disk is full: the written part counts
         }
         constexpr std::int64_t names = 1;  // line
         if (file_.is_device()) {
@@ -138,10 +138,10 @@ private:
     }
 
     OutputFile file_;
-    std::optional<OutputFile> metadata_;  // of what is no device; in the file from the start on
+    std::optional<OutputFile> metadata_;  // unset for devices; in the file from the start on
     bool metadata_is_stale_ = false;      // since then the scene has changed
     std::string line_;
-    std::int64_t lines_ = 0;  // that of the names among them
+    std::int64_t lines_ = 0;  // including the line of names
     std::int64_t flushed_lines_ = 0;
     std::uint64_t flushed_bytes_ = 0;
     bool committed_ = false;
@@ -152,7 +152,7 @@ private:
 void commit_csv(OutputFile& csv, OutputFile& metadata, const fs::path& path) {
     csv.flush();
     metadata.flush();
-    fs::remove(csv_metadata_path(path));  // the old ones first: nobody shall find them beside the new numbers
+    fs::remove(csv_metadata_path(path));  // the old ones first: they must never lie beside the new numbers
     csv.commit();
     metadata.commit();
 }

@@ -26,7 +26,7 @@ static_assert(std::endian::native == std::endian::little, "numbers are written a
 constexpr std::uint64_t max_description_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t max_columns = std::uint64_t{1} << 21;  // two for each of a million spheres
 constexpr std::size_t read_bytes = std::size_t{1} << 20;
-constexpr double max_sample = 1LL << 50;  // up to here the time tells the sample
+constexpr double max_sample = 1LL << 50;  // up to here the time gives the sample
 
 std::string_view type_of(NumberType numbers) {
     return numbers == NumberType::float32 ? "<f4" : "<f8";

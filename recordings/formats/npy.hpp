@@ -1,5 +1,5 @@
 #pragma once
-// RecordingSet as NumPy's .npy: two arrays in one file, as numpy.load reads them one after the other.
+// Recordings as NumPy's .npy: two arrays in one file, as numpy.load reads them one after the other.
 //
 // The first is structured, a row per sample: t_s as float64 (sample / sample rate, so that a gap shows as a
 // jump) and the columns by their names. The second is text, JSON: columns with units, rate and provenance.
@@ -21,8 +21,8 @@ namespace hertzline::recordings {
 std::unique_ptr<RecordingWriter> open_npy_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
-/// Reads what the writer wrote, and one- or two-dimensional arrays of float32 or float64 in C order by others:
-/// those have columns channel_1, channel_2... without units, and as the file does not tell, sample_rate_hz 0.
+/// Reads files of the writer, and one- or two-dimensional arrays of float32 or float64 in C order by others: those
+/// have columns channel_1, channel_2... without units, and sample_rate_hz 0, which the file lacks.
 std::unique_ptr<RecordingReader> open_npy_reader(const std::filesystem::path& path);
 
 }  // namespace hertzline::recordings

@@ -53,8 +53,7 @@ std::string type_text(const std::vector<NpyField>& fields) {
     return text + "]";
 }
 
-/// Reads the dictionary. Only what headers of arrays hold: strings, True and False, whole numbers, tuples and
-/// lists of pairs.
+/// Reads the dictionary of a header: only strings, True and False, whole numbers, tuples and lists of pairs.
 class DictionaryParser {
 public:
     explicit DictionaryParser(std::string_view text) : text_(text) {}

@@ -20,7 +20,7 @@ struct NpyField {
 
 /// The type, order and shape of an array.
 struct NpyHeader {
-    std::vector<NpyField> fields;  ///< of a structured array; a plain one has a single field without a name
+    std::vector<NpyField> fields;  ///< columns; a plain array has a single one without a name
     std::vector<std::uint64_t> shape;
     bool fortran_order = false;
     bool operator==(const NpyHeader&) const = default;

@@ -8,7 +8,7 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr double reserve_s = 0.05;                     // of wall time that the ring's samples last,
+constexpr double reserve_s = 0.05;                     // wall time that the ring's samples last,
 constexpr double max_ring_bytes = 64.0 * 1024 * 1024;  // unless that is more than this;
 constexpr double cached_ring_bytes = 1024.0 * 1024;    // flat out nothing is held back: it stays in cache
 constexpr double min_blocks = 4;

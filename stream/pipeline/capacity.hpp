@@ -1,5 +1,5 @@
 #pragma once
-// How much a stream holds in memory: the ring between its threads, and the queues of slow subscribers.
+// Memory of a stream: the ring between its threads, and the queues of slow subscribers.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace hertzline::stream {
 
-/// How many blocks the ring holds. Blocks with samples of every sphere may be thousands of times as large as the
-/// others, and usually nobody wants them. So there is room for fewer of them.
+/// The numbers of blocks in the ring. Blocks with samples of every sphere may be thousands of times as large as
+/// others, and usually have no subscriber. So there is room for fewer of them.
 struct RingSize {
-    std::size_t blocks = 0;        ///< of any kind
-    std::size_t chain_blocks = 0;  ///< of them, with taps that have one channel per sphere
-    /// So many have to be free before the full ring is filled again, but never more than a quarter. Waking up for each
+    std::size_t blocks = 0;        ///< blocks of any kind
+    std::size_t chain_blocks = 0;  ///< blocks with taps that have one channel per sphere
+    /// The number of free blocks at which a full ring is filled again, at most a quarter. Waking up for each
     /// one costs more than filling it. But a core that fills many at a stretch keeps the threads waiting that send.
     std::size_t refill = std::numeric_limits<std::size_t>::max();
 };
@@ -33,7 +33,7 @@ double ring_bytes(const StreamFormat& format, Pace pace = Pace::realtime()) noex
 /// Bytes of the largest frame.
 double largest_frame_bytes(const StreamFormat& format) noexcept;
 
-/// Memory for the queues of slow subscribers when the user does not say: an eighth of what is available, at most 1 GiB.
+/// The default memory for queues of slow subscribers: an eighth of the available memory, at most 1 GiB.
 double usual_queue_bytes();
 
 }  // namespace hertzline::stream

@@ -17,7 +17,7 @@ void add(TopicCount& count, bool sent) noexcept {
     ++(sent ? count.sent : count.dropped);
 }
 
-/// The samples of a tap as they go on the wire.
+/// The samples of a tap as float32 in a message.
 zmq::message_t payload_of(Publisher& publisher, const Block& block, Tap tap) {
     const std::span<const double> values = block.samples()[tap];
     return publisher.payload(values.size() * sizeof(float), [&](void* bytes) {

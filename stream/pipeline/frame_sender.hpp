@@ -21,7 +21,7 @@ public:
     /// @param run the run's id @param publisher outlives the sender
     FrameSender(Publisher& publisher, const StreamFormat& format, const std::string& run);
 
-    /// Sends what is wanted of the block, and counts the frames.
+    /// Sends the demanded taps of the block, and counts the frames.
     /// @throws std::runtime_error when a sample does not fit float32
     void send(const Block& block, const TopicDemand& demand, StreamMeters& meters);
 

@@ -1,6 +1,6 @@
 #pragma once
-// When a sample is due. Simulated time runs at `factor` times wall time, from one start on: every deadline is
-// computed from the sample's index, none from the deadline before it, so days of streaming do not drift.
+// The times at which samples are due. Simulated time runs at `factor` times wall time, from one start on: every
+// deadline is computed from the sample's index, none from the deadline before it, so days of streaming do not drift.
 
 #include <algorithm>
 #include <chrono>
@@ -15,7 +15,7 @@ namespace hertzline::stream {
 
 using Nanoseconds = std::chrono::duration<std::int64_t, std::nano>;
 
-/// How fast simulated time runs.
+/// The rate of simulated time.
 class Pace {
 public:
     static constexpr Pace flat_out() noexcept { return Pace(0); }
@@ -53,11 +53,11 @@ public:
     /// Sample 0 is due now.
     void start(Nanoseconds now) noexcept { start_ = now; }
 
-    /// When the sample is due: start + sample / (rate * factor), rounded down to a nanosecond, exact for the
-    /// product rate * factor as a double. Flat out: always the start. Beyond 292 years: the largest time.
+    /// The time at which the sample is due: start + sample / (rate * factor), rounded down to a nanosecond, exact for
+    /// the product rate * factor as a double. Flat out: always the start. Beyond 292 years: the largest time.
     Nanoseconds due(std::uint64_t sample) const noexcept;
 
-    /// How much later than due it is; negative when there is time left. Flat out there is no being late: 0.
+    /// The lateness; negative when there is time left; 0 flat out.
     Nanoseconds lateness(Nanoseconds now, std::uint64_t sample) const noexcept {
         return flat_out() ? Nanoseconds{0} : now - due(sample);
     }

@@ -41,7 +41,7 @@ Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publi
       frames_(publisher, format_, options_.run),
       monitor_(producer_.origin(), format_.sample_rate_hz) {
     options_.about["security"] = word(publisher.security());
-    demand_.update(publisher, producer_);  // what is recorded is in the first block, too
+    demand_.update(publisher, producer_);  // the first block has the recorded taps, too
 }
 
 StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& events) {
@@ -53,13 +53,13 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     }
     deliver(stop);
     producer_.stop();
-    // No header follows that tells of blocks that were discarded last: the end does.
+    // No later header counts the blocks that were discarded last: the end does.
     monitor_.count_dropped(producer_.dropped() + passed_over(), demand_);
     monitor_.pass(producer_.discarded_to());
     if (start_time_) {
         monitor_.measure_all(MonotonicClock::now(), *start_time_, producer_.busy());
     }
-    if (source_.epoch().number == options_.epoch.number) {  // else it has gone further than what was sent
+    if (source_.epoch().number == options_.epoch.number) {  // else it is beyond the sent samples
         monitor_.meters().motion = source_.motion();
     }
     if (!source_.failure().empty()) {
@@ -175,8 +175,8 @@ void Pipeline::listen_for_subscriptions() {
     if (!told_of_too_many_clients_ && publisher_.has_had_too_many_clients()) {
         told_of_too_many_clients_ = true;
         events_->warn("more than " + std::to_string(publisher_.max_clients()) +
-                      " clients want to be connected (--max-clients): those that subscribe to nothing, then "
-                      "those that came last are disconnected until others leave");
+                      " clients want to be connected (--max-clients): those without a subscription, then "
+                      "the latest are disconnected until others leave");
     }
 }
 
@@ -203,7 +203,7 @@ void Pipeline::report(Nanoseconds now) {
     }
 }
 
-/// What subscribers were told of the samples may no longer hold.
+/// Publishes meta again, when its estimate of the error may no longer hold.
 void Pipeline::watch() {
     if (!events_->watch) {
         return;

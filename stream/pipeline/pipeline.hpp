@@ -4,9 +4,9 @@
 //     source -> [ring of blocks] -> pacer -> frames -> publisher
 //                                        \-> recorder
 //
-// The simulating thread (producer.hpp) works ahead until the ring is full, so a hiccup of it or of the system
-// is not heard; the sending thread (the caller's) lets each block go when it is due. What nobody subscribes
-// to or records is not computed.
+// The simulating thread (producer.hpp) works ahead until the ring is full, so a hiccup of it or of the system delays
+// no frame. The sending thread (the caller's) releases each block when it is due. Taps without subscriber or
+// recording are not computed.
 
 #include <atomic>
 #include <functional>
@@ -27,15 +27,15 @@
 
 namespace hertzline::stream {
 
-/// What the pipeline tells its owner, in the sending thread.
+/// Callbacks of the pipeline to its owner, in the sending thread.
 struct StreamEvents {
     std::function<void(const StreamMeters&)> progress;  ///< about ten times a second
-    std::function<void(const std::string&)> warn;       ///< for the user
+    std::function<void(const std::string&)> warn;       ///< takes a message for the user
     /// Before the first frame of another epoch, if set: members of meta that have changed.
     std::function<Json(const Epoch&)> epoch_begins = {};
     /// About ten times a second, if set: members of meta that have changed, or nothing.
     std::function<Json(const MotionExtremes&)> watch = {};
-    std::function<std::string(const StreamMeters&)> summary;  ///< at the end: what the end topic shall say
+    std::function<std::string(const StreamMeters&)> summary;  ///< returns the message of the end topic
 };
 
 /// A source, a ring and a publisher, joined by two threads.
@@ -52,7 +52,7 @@ public:
 
     const StreamOptions& options() const noexcept { return options_; }
     const StreamFormat& format() const noexcept { return format_; }
-    /// When sample 0 was due, in the time of MonotonicClock; before the start 0.
+    /// The time at which sample 0 was due, on MonotonicClock; before the start 0.
     Nanoseconds start_time() const noexcept { return start_time_.value_or(Nanoseconds{0}); }
 
 private:
@@ -77,7 +77,7 @@ private:
     TopicDemand demand_;
     FrameSender frames_;
     StreamMonitor monitor_;
-    const StreamEvents* events_ = nullptr;  // of run()
+    const StreamEvents* events_ = nullptr;  // those of run()
 
     std::optional<Nanoseconds> start_time_;
     std::optional<Nanoseconds> first_subscription_;

@@ -75,7 +75,7 @@ std::size_t Producer::free_chain_blocks() const noexcept {
     return chain_blocks_.size() - (chain_blocks_filled_.load(std::memory_order_acquire) - returned);
 }
 
-/// For the next blocks, of the kind that is wanted now.
+/// Whether there is room for the next blocks, of the kind demanded now.
 bool Producer::has_room() const noexcept {
     return ring_.capacity() - ring_.size() >= refill_of(ring_.capacity()) &&
            (!makes_chain(demand_.load(std::memory_order_relaxed).taps) ||
@@ -99,7 +99,7 @@ bool Producer::wait_for_go() noexcept {
     return !stopping();
 }
 
-/// A slot with room for what is wanted now; nullptr when there is none.
+/// Returns a slot with room for the taps demanded now, or nullptr.
 Block* Producer::try_claim() noexcept {
     Block* const block = ring_.try_claim();
     if (block == nullptr) {

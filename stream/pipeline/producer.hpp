@@ -20,32 +20,32 @@
 
 namespace hertzline::stream {
 
-/// As the system's tools list it (top -H).
+/// The thread's name in the system's tools (top -H).
 inline constexpr const char* simulating_thread_name = "simulating";
 
-/// What becomes of a block whose time has passed while the ring is full.
+/// The treatment of a block whose time has passed while the ring is full.
 enum class OnOverrun {
     drop,  ///< it is discarded and counted, the stream stays in step with the clock
     wait,  ///< the stream falls behind
 };
 
-/// What subscribers want computed. A new demand has a new generation: it tells a block that was made after
-/// somebody came from one that still lay in the ring, from before somebody else left.
+/// The taps to be computed for subscribers. Each new demand has a new generation. It distinguishes a block made after
+/// a subscriber came from an older one in the ring, made before another left.
 struct Demand {
     TapSet taps;
     std::uint32_t generation = 0;
 };
 
-/// What travels through the ring.
+/// A slot of the ring.
 struct Block {
     Samples small;              ///< room for the taps with one channel
-    Samples* chain = nullptr;   ///< of a block that holds others, too: room for all; else there is none
-    Demand demand;              ///< of the moment when it was made
-    std::uint64_t seq = 0;      ///< counts blocks, those that were discarded included
-    std::uint64_t dropped = 0;  ///< of the run, before this one
+    Samples* chain = nullptr;   ///< room for per-sphere taps, in blocks that hold them; else nullptr
+    Demand demand;              ///< the demand when the block was made
+    std::uint64_t seq = 0;      ///< counts blocks, discarded ones included
+    std::uint64_t dropped = 0;  ///< blocks of the run discarded before this one
     SourceAccount account;
     MotionExtremes motion;  ///< when it was last asked for, but in this epoch
-    Epoch epoch;            ///< of all its samples
+    Epoch epoch;            ///< the epoch of all its samples
 
     Samples& samples() noexcept { return chain != nullptr ? *chain : small; }
     const Samples& samples() const noexcept { return chain != nullptr ? *chain : small; }
@@ -54,7 +54,8 @@ struct Block {
 /// The simulating thread and the ring that it fills.
 class Producer {
 public:
-    /// @param pacer says when a sample is due; started before go() @param samples unset: to the source's end
+    /// @param pacer has the times at which samples are due; started before go() @param samples unset: to the source's
+    /// end
     Producer(SampleSource& source, const Pacer& pacer, RingSize size, std::optional<std::int64_t> samples,
              OnOverrun on_overrun);
     ~Producer();
@@ -68,9 +69,9 @@ public:
     void stop() noexcept;
 
     const RingBuffer<Block>& ring() const noexcept { return ring_; }
-    /// The oldest block; nullptr when there is none. It stays until pop(). For one thread, as the next two.
+    /// Returns the oldest block, or nullptr. It stays until pop(). For one thread, as the next two.
     const Block* front() noexcept { return ring_.try_front(); }
-    /// How many blocks of its kind the ring holds.
+    /// The number of blocks of its kind in the ring.
     std::size_t room_for(const Block& block) const noexcept {
         return block.chain != nullptr ? chain_blocks_.size() : ring_.capacity();
     }
@@ -80,12 +81,12 @@ public:
     /// more than sending it.
     void wait_for_block(Nanoseconds deadline) noexcept;
 
-    /// Nothing more will be put into the ring.
+    /// Whether no further block will come.
     bool finished() const noexcept { return finished_.load(std::memory_order_acquire); }
 
-    /// For one thread. @returns the demand's generation, a new one if it changed.
+    /// Sets the demand. For one thread. @returns its generation, a new one if it changed.
     std::uint32_t want(TapSet taps) noexcept;
-    /// The next block shall say how far the motion has gone.
+    /// Requests the extremes of the motion with the next block.
     void want_motion() noexcept { motion_wanted_.store(true, std::memory_order_relaxed); }
 
     std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
@@ -111,7 +112,7 @@ private:
         return ring_.size() >= (pacer_.flat_out() ? quarter_of(ring_.capacity()) : 1);
     }
     static std::size_t quarter_of(std::size_t blocks) noexcept { return blocks < 4 ? 1 : blocks / 4; }
-    /// So many slots have to be free before the ring is filled again when it was full.
+    /// The number of free slots at which a full ring is filled again.
     std::size_t refill_of(std::size_t blocks) const noexcept { return std::min(refill_, quarter_of(blocks)); }
 
     SampleSource& source_;

@@ -9,13 +9,13 @@
 //     }                                       }
 //
 // Two counters, each written by one side only: slots published, slots popped. Full is a difference of the
-// capacity, empty a difference of zero, so no slot is sacrificed to tell the two apart. Memory orders:
-//   published   release by publish(), acquire by try_front(): whoever sees the count sees the slot's content.
+// capacity, empty a difference of zero, so no slot is sacrificed to distinguish them. Memory orders:
+//   published   release by publish(), acquire by try_front(): a thread that sees the count sees the slot's content.
 //   popped      release by pop(), acquire by try_claim(): the writer may overwrite a slot only after the
 //               reader's last read of it.
-//   a side's own counter is read relaxed: nobody else writes it.
-// Each side remembers the other's counter as last seen and looks again only when that says full or empty:
-// otherwise every call would move the other core's cache line over here.
+//   a side's own counter is read relaxed: no other thread writes it.
+// Each side caches the other's counter and reads it again only when the cached value means full or empty: otherwise
+// every call would move the other core's cache line over here.
 
 #include <algorithm>
 #include <atomic>
@@ -45,15 +45,15 @@ public:
         }
     }
 
-    /// A ring whose slots are copies of a prototype. A copied std::vector keeps its size but not what was
-    /// reserved beyond it: give the prototype its full size.
+    /// A ring whose slots are copies of a prototype. A copied std::vector keeps its size but not its capacity: give
+    /// the prototype its full size.
     RingBuffer(std::size_t capacity, const Slot& prototype)
         : RingBuffer(capacity, [&prototype] { return prototype; }) {}
 
     RingBuffer(const RingBuffer&) = delete;
     RingBuffer& operator=(const RingBuffer&) = delete;
 
-    /// Writer: the slot to fill next, with whatever it held before; nullptr when the ring is full. Asking
+    /// Writer: the slot to fill next, with its old contents; nullptr when the ring is full. Asking
     /// again before publish() gives the same slot.
     Slot* try_claim() noexcept {
         const std::uint64_t published = writer_.published.load(std::memory_order_relaxed);

@@ -1,14 +1,13 @@
 #pragma once
-// How one thread waits for what another one does, without a lock: it looks again for a few microseconds, then sleeps
-// until it is woken.
+// Lets one thread wait for another without a lock: it polls for a few microseconds, then sleeps until it is woken.
 //
 //     waiting thread                               another thread
-//     sleeper.wait_until(deadline, condition);     change what the condition asks about;
+//     sleeper.wait_until(deadline, condition);     change the condition's data;
 //                                                  sleeper.wake_if(condition);
 //
 // Memory orders: both threads access asleep_ with read-modify-write operations, which have a single order. If the
-// waiting thread's comes first, the other one sees it and wakes. Else the waiting thread sees what the other had changed
-// before, and does not sleep. No wake-up is lost.
+// waiting thread's comes first, the other one sees it and wakes. Else the waiting thread sees the other's earlier
+// change, and does not sleep. No wake-up is lost.
 
 #include <atomic>
 #include <concepts>
@@ -30,7 +29,7 @@ public:
     Sleeper(const Sleeper&) = delete;
     Sleeper& operator=(const Sleeper&) = delete;
 
-    /// For the thread that sleeps. Returns when the condition holds, or at the deadline in the time of
+    /// Waits; for the thread that sleeps. Returns when the condition holds, or at the deadline in the time of
     /// MonotonicClock. @returns whether the condition holds
     template <std::predicate Condition>
     bool wait_until(Nanoseconds deadline, Condition condition) noexcept {
@@ -51,7 +50,7 @@ public:
         return holds || condition();
     }
 
-    /// For other threads, after a change. Costs a few nanoseconds when nobody sleeps.
+    /// Wakes the sleeper; for other threads, after a change. Takes a few nanoseconds when no thread sleeps.
     template <std::predicate Condition>
     void wake_if(Condition condition) noexcept {
         const bool asleep = asleep_.fetch_add(0, std::memory_order_acq_rel) != 0;

@@ -1,5 +1,5 @@
 #pragma once
-// The messages that tell subscribers what a stream is and how it is doing.
+// The messages that describe a stream and its state to subscribers.
 
 #include <string>
 
@@ -11,10 +11,10 @@
 
 namespace hertzline::stream {
 
-/// The message of the meta topic: format, streams, units, and what the options say about the samples.
+/// The message of the meta topic: format, streams, units, and the options' description of the samples.
 std::string meta_json(const StreamOptions& options, const StreamFormat& format);
 
-/// What meters and summary say alike: how the stream keeps time and what it has sent, as flat members.
+/// The common members of meters and summary: timing and sent frames, flat.
 void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps);
 
 /// The message of the meters topic.

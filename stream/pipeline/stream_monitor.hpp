@@ -1,5 +1,5 @@
 #pragma once
-// How a stream is doing, and what keeps account of it.
+// The state of a stream in numbers, and the class that keeps them.
 
 #include <array>
 #include <cstdint>
@@ -13,21 +13,21 @@
 
 namespace hertzline::stream {
 
-/// A frame is late when it goes out this long after it was due. Shorter than that is the scheduler's business.
+/// A frame is late when it goes out this long after it was due. Shorter delays are the scheduler's business.
 inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
 
 /// Frames of a topic.
 struct TopicCount {
-    std::int64_t sent = 0;     ///< handed to ZeroMQ while somebody subscribed
-    std::int64_t dropped = 0;  ///< discarded by the program while somebody subscribed
+    std::int64_t sent = 0;     ///< handed to ZeroMQ while the topic had subscribers
+    std::int64_t dropped = 0;  ///< discarded by the program while the topic had subscribers
 };
 
-/// How the stream is doing; the meters topic and the summary are made of this.
+/// The state of the stream, for the meters topic and the summary.
 struct StreamMeters {
     std::int64_t samples = 0;  ///< index of the first sample that has not been due yet
     std::int64_t frames = 0;
     std::int64_t late_frames = 0;     ///< sent more than late_after after they were due
-    double largest_lateness_s = 0;    ///< of any frame
+    double largest_lateness_s = 0;    ///< largest of all frames
     std::int64_t dropped_frames = 0;  ///< discarded because the ring was full and their time had passed
     double simulated_s = 0;
     double wall_s = 0;
@@ -55,22 +55,22 @@ public:
     const StreamMeters& meters() const noexcept { return meters_; }
     StreamMeters& meters() noexcept { return meters_; }
 
-    /// A block went out so long after it was due.
+    /// Notes a block and its lateness.
     void count(const Block& block, Nanoseconds lateness) noexcept;
 
     /// Blocks that were discarded before they had frames, since the start: one frame of each topic that is wanted.
     void count_dropped(std::uint64_t dropped, const TopicDemand& demand) noexcept;
 
-    /// All samples before this one have been due, though nobody may have sent them.
+    /// Notes that all samples before this one have been due, whether or not they were sent.
     void pass(std::int64_t sample) noexcept;
 
     void look_at(const RingBuffer<Block>& ring) noexcept;
 
     /// The load since the last time, and how long the stream has run.
-    /// @param start when it began @param busy what the simulating thread has worked since
+    /// @param start when it began @param busy time that the simulating thread has computed since
     void measure(Nanoseconds now, Nanoseconds start, Nanoseconds busy) noexcept;
 
-    /// The same for the whole run.
+    /// The load over the whole run.
     void measure_all(Nanoseconds now, Nanoseconds start, Nanoseconds busy) noexcept;
 
 private:

@@ -1,5 +1,5 @@
 #pragma once
-// What a stream is to do.
+// The options of a stream.
 
 #include <cstdint>
 #include <optional>
@@ -15,11 +15,11 @@ namespace hertzline::stream {
 
 enum class StreamStart { at_once, with_first_subscriber };
 
-/// What a stream is to do.
+/// The options of a stream.
 struct StreamOptions {
     std::string run = make_run_id();  ///< the run's id
-    Json about;     ///< of the samples: what meta says beside their format (stream/provenance)
-    Epoch epoch{};  ///< in which the samples are that are sent now
+    Json about;                       ///< members of meta beside the format of samples (measures/provenance)
+    Epoch epoch{};                    ///< the epoch of the first samples
     Pace pace = Pace::realtime();
     std::optional<std::int64_t> samples{};  ///< unset: to the end, or until stopped
     StreamStart start = StreamStart::at_once;

@@ -58,7 +58,7 @@ std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread) {
                             "CAP_SYS_NICE, or rtprio {} in limits.conf)",
                             reason(error), priority));
         }
-        // Not what comes later: the queues of slow subscribers would fail to grow at the system's limit.
+        // Not later memory: the queues of slow subscribers would fail to grow at the system's limit.
         if (mlockall(MCL_CURRENT) != 0) {
             refused.push_back(
                 fmt::format("memory cannot be locked: {}; it may be swapped out (it needs "

@@ -1,5 +1,5 @@
 #pragma once
-// What the system may do for a thread that must not be late. Where it refuses, the stream goes on without.
+// Scheduling and memory options of a thread that must not be late. The stream continues without refused ones.
 
 #include <optional>
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace hertzline::stream {
 
-/// How the simulating thread is scheduled.
+/// Scheduling of the simulating thread.
 struct ThreadOptions {
     bool realtime_priority = false;  ///< before every ordinary thread (SCHED_FIFO), and memory that stays
     std::optional<int> cpu;          ///< the only one that it runs on
 };
 
-/// Why there is no such processor: "found 7, allowed: 0 to 3".
+/// Returns the fault of a processor's number: "found 7, allowed: 0 to 3".
 std::optional<std::string> cpu_fault(int cpu);
 
-/// Applies what the system allows. @returns a sentence for each option that it refused.
-/// Locks what the process has in memory at this moment: call it when all that the thread needs is there.
+/// Applies the options. @returns a sentence for each that the system refused.
+/// Locks the process's present memory: call it when all memory of the thread is allocated.
 std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread);
 
 /// The calling thread shall be woken at the time that it asks for. The system else takes 50 us more, to wake several

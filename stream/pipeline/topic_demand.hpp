@@ -1,5 +1,5 @@
 #pragma once
-// Which topics subscribers want, and since when.
+// The topics that have subscribers, and since when.
 
 #include <array>
 #include <cstdint>
@@ -10,22 +10,22 @@
 
 namespace hertzline::stream {
 
-/// What somebody subscribes to, of the taps that the stream has. For the sending thread.
+/// The taps of the stream that have subscribers. For the sending thread.
 class TopicDemand {
 public:
-    /// @param always taps that are computed whether or not somebody subscribes: those that are recorded
+    /// @param always taps that are computed without subscribers, too: recorded ones
     TopicDemand(TapSet taps, TapSet always) noexcept : taps_(taps), always_(always & taps) {}
 
-    /// Asks the publisher what is wanted now, and the producer to compute it.
+    /// Takes subscriptions from the publisher, and requests their taps from the producer.
     void update(const Publisher& publisher, Producer& producer) noexcept;
 
-    /// Taps whose raw topic is wanted, and those whose np topic is.
+    /// Taps with a subscriber of their raw topic, and of their np topic.
     TapSet raw() const noexcept { return raw_; }
     TapSet np() const noexcept { return np_; }
     bool empty() const noexcept { return (raw_ | np_).empty(); }
 
-    /// The wanted taps among those that a block was made for. An older block may hold a tap for a subscriber
-    /// that has left: the blocks that follow need not have it, so it is not sent to one that has just come.
+    /// The demanded taps among those that a block was made for. An older block may hold a tap for a subscriber that
+    /// has left: later blocks may lack it, so it is not sent to a new subscriber.
     TapSet met_by(const Demand& made_for) const noexcept;
 
 private:

@@ -39,8 +39,8 @@ Arrival ContinuityCheck::continue_with(const FrameHeader& frame) {
     totals_.dropped_by_sender += dropped_here;
     totals_.lost_on_the_way += missing_frames - dropped_here;
 
-    // Each missing frame held at least one sample. More may be missing than the frames say: while nobody
-    // listens (our own connection was broken, say) a topic's frames are not made, and seq stands still.
+    // Each missing frame held at least one sample. More may be missing than the frames show: without a listener (our
+    // own connection was broken, say) a topic's frames are not made, and seq stands still.
     if (frame.sample < next_sample_ || frame.sample - next_sample_ < missing_frames) {
         ++totals_.inconsistent;
         next_seq_ = frame.seq + 1;

@@ -1,5 +1,5 @@
 #pragma once
-// What a listener has missed. ZeroMQ drops silently at a full queue, so the frames' own numbers are the only
+// The losses of a listener. ZeroMQ drops silently at a full queue, so the frames' own numbers are the only
 // account: a step of more than one in seq is a gap; as far as `dropped` grew by it the program itself discarded
 // those frames, the rest was lost on the way. One check per topic, since seq counts a topic's frames.
 
@@ -10,12 +10,12 @@
 
 namespace hertzline::stream {
 
-/// What one frame told.
+/// The relation of a frame to the frames before it.
 enum class Arrival {
-    joined,        ///< the first frame of all; what came before it was never ours
+    joined,        ///< the first frame of all; earlier frames were never ours
     in_order,      ///< follows the frame before it
     gap,           ///< something is missing before it
-    new_run,       ///< the first frame of another run; counting begins anew, as when joining
+    new_run,       ///< the first frame of another run; counting restarts, as when joining
     repeated,      ///< the frame that came last, again; not counted as received
     out_of_order,  ///< a frame before the one that came last; not counted as received
     inconsistent,  ///< seq goes forward, but sample goes back or leaves no room for the missing frames; not counted
@@ -36,14 +36,14 @@ struct ContinuityTotals {
     bool operator==(const ContinuityTotals&) const = default;
 };
 
-/// Finds what is missing from the frames of one topic.
+/// Finds missing frames of one topic.
 class ContinuityCheck {
 public:
     /// Takes the topic's next frame, as it arrived.
     Arrival take(const FrameHeader& frame);
 
-    /// The sender's summary came: so many frames of the run it has discarded in all. Those that no frame told of were
-    /// the last ones. @returns how many these are
+    /// Takes the sender's summary: the number of frames of the run that it discarded. Those that no frame has
+    /// reported were the last ones. @returns how many these are
     std::uint64_t take_end(std::uint64_t dropped) noexcept;
 
     const ContinuityTotals& totals() const noexcept { return totals_; }
@@ -63,7 +63,7 @@ private:
     std::string run_;
     std::uint64_t next_seq_ = 0;
     std::uint64_t next_sample_ = 0;
-    std::uint64_t dropped_ = 0;  // as the last frame said
+    std::uint64_t dropped_ = 0;  // by the last frame
 };
 
 }  // namespace hertzline::stream

@@ -50,7 +50,7 @@ bool good_port(std::string_view port, EndpointUse use) {
     return error == std::errc{} && stopped == end && number >= 1 && number <= 65535;
 }
 
-/// The text in quotes, with what a terminal or a log should not show replaced, and not longer than a line.
+/// Returns the text in quotes, with unprintable characters replaced, and not longer than a line.
 std::string in_quotes(std::string_view text) {
     return '"' + printable(text) + '"';
 }
@@ -78,7 +78,7 @@ std::optional<std::string> tcp_fault(std::string_view endpoint, EndpointUse use)
 std::optional<std::string> ipc_fault(std::string_view endpoint) {
     const std::string_view path = endpoint.substr(ipc_scheme.size());
     // '@' would be Linux's abstract namespace and '*' a path of ZeroMQ's choice: neither is a
-    // file that anybody sees.
+    // file that other users see.
     if (path.empty() || path == "*" || path.front() == '@' || path.back() == '/') {
         return fmt::format("endpoint {}: {} is not the path of a file", in_quotes(endpoint), in_quotes(path));
     }
@@ -93,7 +93,7 @@ std::optional<std::string> ipc_fault(std::string_view endpoint) {
     return std::nullopt;
 }
 
-/// Of an endpoint tcp://HOST:PORT.
+/// Returns the host of an endpoint tcp://HOST:PORT.
 std::string_view host_of(std::string_view endpoint) {
     const std::string_view address = endpoint.substr(tcp_scheme.size());
     return address.substr(0, address.rfind(':'));
@@ -138,15 +138,15 @@ bool local_address(const std::string& text, int family) {
     return local;
 }
 
-/// Whether somebody accepts connections at the path of an existing socket.
+/// Whether a program accepts connections at the path of an existing socket.
 bool is_live(std::string_view path) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::memcpy(address.sun_path, path.data(), path.size());
-    // Non-blocking: a server that is alive but too busy to accept says EAGAIN instead of holding us.
+    // Non-blocking: a server that is alive but too busy to accept gives EAGAIN instead of blocking us.
     const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
     if (probe < 0) {
-        return true;  // cannot tell: better not to delete it
+        return true;  // unknown: better not to delete it
     }
     const int status = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address);
     const int error = status == 0 ? 0 : errno;
@@ -173,7 +173,7 @@ std::optional<std::string> occupied_fault(std::string_view endpoint) {
     const std::string path(endpoint.substr(ipc_scheme.size()));
     struct stat status {};
     if (::lstat(path.c_str(), &status) != 0) {
-        return std::nullopt;  // nothing there, or no way there: the bind itself will tell
+        return std::nullopt;  // nothing there, or no way there: the bind itself will fail
     }
     if (!S_ISSOCK(status.st_mode)) {
         return fmt::format("endpoint {}: the path is a file that is not a socket", in_quotes(endpoint));

@@ -1,5 +1,5 @@
 #pragma once
-// Endpoints are checked here before ZeroMQ sees them, because it accepts what it should not: port 99999 becomes
+// Endpoints are checked here before ZeroMQ sees them, because it accepts wrong ones: port 99999 becomes
 // 34463, -1 becomes 65535, and binding an ipc path deletes whatever lies there, a live server's socket included.
 
 #include <optional>
@@ -13,13 +13,13 @@ enum class EndpointUse { bind, connect };
 /// Longest path of an ipc endpoint [bytes]: sun_path of a Unix socket without its final NUL.
 inline constexpr std::size_t max_ipc_path = 107;
 
-/// What is wrong with an endpoint's text and what is allowed; nothing when it is good. Looks at the text only.
+/// Returns the fault of an endpoint's text, or nullopt. Looks at the text only.
 ///     tcp://HOST:PORT   HOST a name, an IPv4 address or an [IPv6] one, to bind also * (every interface);
 ///                       PORT 1 to 65535, to bind also 0 and * (any free one)
 ///     ipc://PATH        a file name of at most max_ipc_path bytes, without control characters
 std::optional<std::string> endpoint_fault(std::string_view endpoint, EndpointUse use);
 
-/// Why an ipc endpoint cannot be bound without harm: somebody answers there, or what lies at the path is no socket.
+/// Returns why an ipc endpoint cannot be bound without harm: another program answers there, or the path is no socket.
 /// Nothing when the path is free, or holds a dead server's leftover. Any tcp endpoint: nothing. Between this look
 /// and the bind another process may still come first: a guard against accidents, not a lock.
 std::optional<std::string> occupied_fault(std::string_view endpoint);
@@ -31,7 +31,7 @@ bool is_ipv6(std::string_view endpoint) noexcept;
 std::string bind_address(std::string_view endpoint);
 
 /// Whether an endpoint to bind can be reached from this machine only: ipc, localhost, an address in 127.0.0.0/8 or
-/// [::1], or the name of an interface that has no other. What cannot be told counts as reachable.
+/// [::1], or the name of an interface that has no other. An unknown address counts as reachable.
 bool is_local(std::string_view endpoint);
 
 }  // namespace hertzline::stream

@@ -1,5 +1,5 @@
 #pragma once
-// What a frame says about its samples. How it is written in bytes: frame_codec.
+// The header of a frame. frame_codec reads and writes its bytes.
 
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +10,7 @@ namespace hertzline::stream {
 /// The header of n consecutive samples of one stream.
 struct FrameHeader {
     std::string stream;        ///< a tap's name, "v_out"
-    std::string unit = "m/s";  ///< of the samples
+    std::string unit = "m/s";  ///< the samples' unit
     std::uint64_t seq = 0;     ///< counts the topic's frames, from 0; a discarded frame takes a number too
     std::uint64_t sample = 0;  ///< index of the first sample since the run's start
     std::uint64_t burst =

@@ -26,7 +26,7 @@ bool is_plain_name(std::string_view name) {
     return !name.empty() && name.size() <= max_name_length && std::all_of(name.begin(), name.end(), plain);
 }
 
-/// What encode_header() demands of its caller; release builds, without assertions, do not ask.
+/// Returns whether the caller of encode_header() keeps its contract; checked by assertions only.
 [[maybe_unused]] bool is_encodable(const FrameHeader& header) {
     return is_plain_name(header.stream) && is_plain_name(header.unit) && is_plain_name(header.run) &&
            std::isfinite(header.fs) && header.fs > 0 && std::isfinite(header.t()) && header.n >= 1 &&

@@ -8,7 +8,7 @@
 
 namespace hertzline::stream {
 
-/// Sends the parts as one message. False when ZeroMQ refused one of them: then nobody gets the message.
+/// Sends the parts as one message. False when ZeroMQ refused one of them: then no subscriber gets the message.
 bool send_parts(zmq::socket_t& socket, std::span<const std::span<const std::byte>> parts) noexcept;
 
 /// The same, and `last` behind the parts. It is handed over to ZeroMQ, not copied.

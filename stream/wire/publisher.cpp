@@ -32,7 +32,7 @@ std::string bind_failure(const std::string& endpoint, const zmq::error_t& error)
     }
 }
 
-/// What a message of so many bytes takes: header and topic, and what allocators add.
+/// Returns the memory of a message of that many bytes: header, topic and the allocator's overhead.
 double bytes_with_all(double message) noexcept {
     return 1024 + 1.25 * message;
 }
@@ -53,7 +53,7 @@ void give_back(void* /*data*/, void* hint) {
 }  // namespace
 
 int queue_length(const PublisherOptions& options) noexcept {
-    constexpr double in_a_pipe = 3 * 64;  // of the three parts of a message
+    constexpr double in_a_pipe = 3 * 64;  // for the three parts of a message
     const double by_size = options.queue_bytes / 2 / bytes_with_all(options.largest_message);
     const double by_number = options.queue_bytes / 4 / (options.max_clients * in_a_pipe);
     return static_cast<int>(
@@ -96,20 +96,20 @@ void Publisher::set_options(const std::string& endpoint) {
     socket_.set(zmq::sockopt::linger, static_cast<int>(options_.linger.count()));
     // Reports every subscriber, not only the first one of a topic: each has to be sent the meta message.
     socket_.set(zmq::sockopt::xpub_verbose, true);
-    // Of incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake
-    // of CURVE counts, too: its longest command has 257 bytes and what the peer says of itself.
+    // Bounds incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake of
+    // CURVE counts, too: its longest command has 257 bytes and the peer's metadata.
     socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options_.curve ? 1024 : 256});
-    // A flood of them waits at the peer that sends it. A receiving call takes in all that has arrived and
-    // what arrives meanwhile: with a longer queue it would not return before the flood ends.
+    // A flood of them waits at the peer that sends it. A receiving call takes in all messages that have arrived or
+    // arrive meanwhile: with a longer queue it would not return before the flood ends.
     socket_.set(zmq::sockopt::rcvhwm, 1);
     socket_.set(zmq::sockopt::rcvbuf, 16 * 1024);
     socket_.set(zmq::sockopt::handshake_ivl, static_cast<int>(options_.handshake.count()));
     // Connections that wait to be taken in: a laboratory's worth of analysers that all come back at once.
     socket_.set(zmq::sockopt::backlog, 128);
-    // A frozen peer is left to the system to notice. ZeroMQ's heartbeats would, too, but (4.3.4) end the whole
+    // The system detects a frozen peer. ZeroMQ's heartbeats would, too, but (4.3.4) end the whole
     // program when one is due on a connection that broke while its subscriptions still waited to be read.
     socket_.set(zmq::sockopt::tcp_maxrt, static_cast<int>(options_.unread.count()));
-    // The same for one that nothing is sent to.
+    // The same for a peer without a subscription.
     socket_.set(zmq::sockopt::tcp_keepalive, 1);
     socket_.set(zmq::sockopt::tcp_keepalive_idle, 60);
     socket_.set(zmq::sockopt::tcp_keepalive_intvl, 10);
@@ -143,7 +143,8 @@ std::size_t Publisher::poll_subscriptions() {
     return subscribed;
 }
 
-/// Which subscriber a message waits for, ZeroMQ does not tell. But one whose connection takes nothing is behind.
+/// Disconnects slow subscribers. ZeroMQ does not report whose queue a message waits in, but a connection that takes
+/// nothing is behind.
 void Publisher::keep_queues_within_memory() {
     const auto queued = static_cast<double>(queued_.load(std::memory_order_relaxed));
     if (queued < options_.queue_bytes / 4) {
@@ -183,7 +184,7 @@ bool Publisher::send_text(std::string_view topic, std::string_view text) {
 void Publisher::send_last(std::string_view topic, std::string_view text) {
     using Clock = std::chrono::steady_clock;
     constexpr std::chrono::milliseconds period{100};
-    constexpr std::chrono::milliseconds nap{5};  // a subscriber that has it leaves, then nobody is waited for
+    constexpr std::chrono::milliseconds nap{5};  // a subscriber that has it leaves, and then the wait ends
     const Clock::time_point end = Clock::now() + options_.linger;
     Clock::time_point next = Clock::now();
     do {

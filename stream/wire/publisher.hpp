@@ -1,9 +1,9 @@
 #pragma once
-// One endpoint that sends topics to whoever subscribed. All of it must be used from one thread: ZeroMQ's
+// One endpoint that sends topics to subscribers. All of it must be used from one thread: ZeroMQ's
 // sockets are not thread-safe, and sending may take hundreds of microseconds, so never the simulating one.
 //
 // ZeroMQ's send succeeds although frames vanish at a slow subscriber's high-water mark. Only the numbers
-// inside the frames tell a listener what it has missed; nothing here can.
+// inside the frames show a listener its losses; nothing here can.
 
 #include <array>
 #include <atomic>
@@ -34,27 +34,27 @@ namespace hertzline::stream {
 struct PublisherOptions {
     /// Memory that the queues of all slow subscribers together may take [bytes].
     double queue_bytes = 256.0 * 1024 * 1024;
-    /// Of the messages [bytes].
+    /// Size of the largest message [bytes].
     double largest_message = 4096;
-    /// Connections at a time. At the limit those that have subscribed to nothing go first.
+    /// Connections at a time. At the limit connections without a subscription are closed first.
     int max_clients = 64;
-    /// Messages that wait for a slow subscriber before it loses some, whatever queue_length() says.
+    /// Messages that wait for a slow subscriber before it loses some, in place of queue_length().
     int max_queue_length = 65536;
-    /// How long send_last() and the destructor together wait for subscribers to take what was sent last. With all
-    /// the rest it is to stay below the second in which Ctrl-C ends a stream.
+    /// The time for which send_last() and the destructor together wait for subscribers to take the last messages.
+    /// With all the rest it is to stay below the second in which Ctrl-C ends a stream.
     std::chrono::milliseconds linger{600};
-    /// A tcp subscriber whose machine has taken nothing of what was sent for so long is gone: also how long
-    /// an analyser may pause, once its own buffers are full, without being disconnected.
+    /// A tcp subscriber whose machine has acknowledged nothing for this time is disconnected. An analyser may pause
+    /// as long once its own buffers are full.
     std::chrono::milliseconds unread{15000};
-    /// A peer that has not introduced itself by then is cut off: connections that say nothing cost a descriptor
-    /// each. Three round trips and a little arithmetic fit many times, however busy the peer's program is.
+    /// A peer that has not introduced itself by then is cut off, because silent connections cost a descriptor each.
+    /// Three round trips and a little arithmetic fit many times, however busy the peer's program is.
     std::chrono::milliseconds handshake{5000};
-    /// Encrypts, and lets in those who are listed; unset: plain, for whoever can reach the endpoint.
+    /// Encrypts, and admits listed clients; unset: plain, for every client that can reach the endpoint.
     std::optional<CurveServer> curve{};
 };
 
-/// Messages that may wait for one subscriber, at least one. So many of the largest ones fill half of the memory for
-/// all queues. What ZeroMQ itself needs for so many messages to every client fills a quarter.
+/// Returns the number of messages that may wait for one subscriber, at least one. As many of the largest fill half of
+/// the memory for all queues; ZeroMQ's own needs for them, for every client, fill a quarter.
 int queue_length(const PublisherOptions& options) noexcept;
 
 /// Memory that the queues take at most [bytes].
@@ -65,7 +65,7 @@ class Publisher {
 public:
     /// Binds.
     /// @param topics all that will ever be sent
-    /// @throws std::runtime_error that names the endpoint and what is wrong: its text, the address in
+    /// @throws std::runtime_error with the endpoint and its fault: its text, the address in
     /// use, no such interface
     explicit Publisher(const std::string& endpoint, std::span<const std::string_view> topics = all_topics,
                        const PublisherOptions& options = {});
@@ -73,13 +73,13 @@ public:
     /// The endpoint as bound, with a real port in place of *.
     const std::string& endpoint() const noexcept { return endpoint_; }
 
-    /// Takes in who subscribed and left since the last call, without waiting. Returns how many subscriptions
-    /// to our topics came, repeated ones included: each is somebody who may want the meta message. At most
-    /// 1000 messages a call, so that a peer that floods us cannot hold up the frames. ZeroMQ lets a
-    /// subscription take effect in any call, send() included: call this right before a batch of frames.
+    /// Takes in subscriptions and cancellations since the last call, without waiting. Returns the number of
+    /// subscriptions to our topics, repeated ones included: each may need the meta message. At most 1000 messages a
+    /// call, so that a flood cannot delay the frames. ZeroMQ lets a subscription take effect in any call, send()
+    /// included: call this right before a batch of frames.
     std::size_t poll_subscriptions();
 
-    /// Whether anybody subscribes to the topic, as of the last poll_subscriptions().
+    /// Whether the topic has a subscriber, as of the last poll_subscriptions().
     bool wanted(std::string_view topic) const noexcept { return subscriptions_.wanted(topic); }
 
     /// Sends one message: the topic, then each part (any contiguous range of plain values: std::string_view,
@@ -93,10 +93,10 @@ public:
 
     /// A payload for send_frame(). It is counted for as long as it waits in a queue.
     /// @param write is given that many bytes, aligned for any type, and writes all of them
-    /// @throws what `write` throws
+    /// @throws the exceptions of `write`
     zmq::message_t payload(std::size_t bytes, const std::function<void(void*)>& write);
 
-    /// The same with a payload(), which is handed over, not copied.
+    /// Sends a message with a payload(), which is handed over, not copied.
     bool send_frame(std::string_view topic, zmq::message_t payload) noexcept {
         return send_parts(socket_, std::array{bytes_of(topic)}, std::move(payload));
     }
@@ -107,17 +107,17 @@ public:
     /// Sends a text, counted as a payload is.
     bool send_text(std::string_view topic, std::string_view text);
 
-    /// Sends the last message of all. A subscriber whose queue is full does not get it, and nothing tells of that, so it
-    /// is sent again every 100 ms while somebody subscribes to the topic, for as long as the publisher may linger.
+    /// Sends the last message of all. A subscriber whose queue is full loses it without a sign, so it is sent again
+    /// every 100 ms while the topic has subscribers, for as long as the publisher may linger.
     void send_last(std::string_view topic, std::string_view text);
 
     Security security() const noexcept { return gate_ ? Security::curve : Security::none; }
 
-    /// Who asked to come in with a key that is not listed. (A wrong server key or none ends the handshake
-    /// before that and is not counted.)
+    /// Returns the number of clients with an unlisted key. (A wrong server key or none ends the handshake before and
+    /// is not counted.)
     std::uint64_t refused_clients() const noexcept { return gate_ ? gate_->refused() : 0; }
 
-    /// More clients wanted to be connected than may be.
+    /// Whether more clients have asked to connect than may.
     bool has_had_too_many_clients() const noexcept { return connections_.have_been_too_many(); }
     int max_clients() const noexcept { return options_.max_clients; }
 
@@ -133,7 +133,7 @@ private:
     PublisherOptions options_;
     std::atomic<std::size_t> queued_{0};  // bytes of payloads that ZeroMQ has; outlives the context
     zmq::context_t context_;
-    std::optional<ZapHandler> gate_;  // before the socket, which nobody may reach without it
+    std::optional<ZapHandler> gate_;  // before the socket, which must never be reachable without it
     zmq::socket_t socket_;
     Connections connections_;
     std::chrono::steady_clock::time_point last_cut_{};

@@ -1,5 +1,5 @@
 #pragma once
-// What happens to a socket's connections, as ZeroMQ tells it (zmq_socket_monitor).
+// Events of a socket's connections (zmq_socket_monitor).
 
 #include <cstdint>
 #include <optional>
@@ -14,7 +14,7 @@ struct SocketEvent {
     std::uint32_t value = 0;
 };
 
-/// Hears the events of one socket. Destroyed before it.
+/// Receives the events of one socket. Destroyed before it.
 class SocketMonitor {
 public:
     /// @param kinds ZMQ_EVENT_... of interest @throws zmq::error_t

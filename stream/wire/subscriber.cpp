@@ -19,7 +19,7 @@ constexpr int what_becomes_of_connections =
     ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
     ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED;
 
-/// What a monitor's event of a failed handshake means for the user.
+/// Returns the user's message for a monitor's event of a failed handshake.
 Refusal refusal_of(int event, std::uint32_t value) {
     if (event == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH) {
         return {"the publisher refused our key: it is not on its list", true};
@@ -68,7 +68,8 @@ void Subscriber::set_options(const std::string& endpoint, const SubscriberOption
     socket_.set(zmq::sockopt::rcvhwm, options.receive_high_water_mark);
     socket_.set(zmq::sockopt::linger, 0);  // nothing that we send is worth waiting for
     socket_.set(zmq::sockopt::maxmsgsize, options.max_part_bytes);
-    // A publisher whose machine is gone is connected anew after a quarter of a minute. No heartbeats: see publisher.cpp.
+    // A publisher whose machine is gone is connected again after a quarter of a minute. No heartbeats: see
+    // publisher.cpp.
     socket_.set(zmq::sockopt::tcp_keepalive, 1);
     socket_.set(zmq::sockopt::tcp_keepalive_idle, 5);
     socket_.set(zmq::sockopt::tcp_keepalive_intvl, 5);
@@ -88,7 +89,7 @@ std::optional<Refusal> Subscriber::refusal() {
         } else {
             if (introduced_ && !heard_) {
                 last = {
-                    "the publisher ended the connection before it said anything: it has as many clients as "
+                    "the publisher ended the connection before it sent anything: it has as many clients as "
                     "it serves (--max-clients), or is ending",
                     false};
             }

@@ -23,8 +23,8 @@ struct SubscriberOptions {
     int receive_high_water_mark = 4096;
     /// Larger parts end the connection [bytes].
     std::int64_t max_part_bytes = std::int64_t{1} << 30;
-    /// A publisher that has not answered or introduced itself by then is tried anew: one whose machine drops
-    /// our packets would be waited for for minutes, and be missed when it comes up.
+    /// A publisher that has not answered or introduced itself by then is tried again. Otherwise the system would wait
+    /// for minutes for a machine that drops our packets, and miss its return.
     std::chrono::milliseconds handshake{5000};
     /// Encrypts, and listens to the owner of this key only; unset: plain.
     std::optional<CurveClient> curve{};
@@ -36,7 +36,7 @@ struct Refusal {
     bool final = false;  ///< ZeroMQ does not try again: nothing will ever arrive
 };
 
-/// A received message: the topic and what follows it.
+/// A received message: the topic and further parts.
 class Message {
 public:
     std::string_view topic() const noexcept { return text_of(parts_[0]); }
@@ -56,11 +56,11 @@ private:
     std::size_t size_ = 0;
 };
 
-/// A connection to one publisher, which is made anew when it breaks.
+/// A connection to one publisher, which is restored when it breaks.
 class Subscriber {
 public:
-    /// Connects; whether anybody is there shows only when messages arrive.
-    /// @throws std::runtime_error that names the endpoint and what is wrong with it
+    /// Connects. A missing publisher shows only in missing messages.
+    /// @throws std::runtime_error with the endpoint and its fault
     explicit Subscriber(const std::string& endpoint, const SubscriberOptions& options = {});
 
     /// Every topic that begins with `prefix` is received from now on.

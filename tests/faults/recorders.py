@@ -163,7 +163,7 @@ def files_whose_closing_fails(stand):
         before = {path: path.read_bytes() for path in stand.folder.glob("a.*")}
         (recording,) = json.loads(_run_that_loses(stand, file).stdout)["recordings"]
         check(recording["samples"] == 0, f"{recording}")
-        told = re.fullmatch(r"cannot write .*: Input/output error; nobody knows how much of it is in (\S+)",
+        told = re.fullmatch(r"cannot write .*: Input/output error; it is unknown how much of it is in (\S+)",
                             recording["status"])
         check(told and ".partial-" in told[1] and os.path.exists(told[1]), f"{recording}")
         check({path: path.read_bytes() for path in before} == before, f"{file}: what was there before is gone")
@@ -184,7 +184,7 @@ def files_whose_closing_fails_on_a_full_disk(stand):
     for ending in ("csv", "npy", "wav", "sigmf-meta"):
         file = stand.folder / f"a.{ending}"
         told = _run_that_loses(stand, file, "--set", "output.duration_s=0.02", preexec_fn=full).stderr
-        check("ended after 0 samples: cannot write" in told and "File too large; nobody knows how much of it is in" in told,
+        check("ended after 0 samples: cannot write" in told and "File too large; it is unknown how much of it is in" in told,
               told)
 
 
@@ -195,7 +195,7 @@ def recording_whose_closing_fails(stand):
         time.sleep(1)
     recordings = json.loads(stream.summary.read_text())["recordings"]
     (lost,) = (recording for recording in recordings if recording["file"] == str(file))
-    check(lost["samples"] == 0 and lost["status"].endswith(f"Input/output error; nobody knows how much of it is in {file}"),
+    check(lost["samples"] == 0 and lost["status"].endswith(f"Input/output error; it is unknown how much of it is in {file}"),
           f"{lost}")
     check((stand.folder / "a.sigmf-data").stat().st_size > 0, "nothing is left of it")
 

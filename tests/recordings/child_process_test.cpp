@@ -108,7 +108,7 @@ TEST(ChildProcess, ProcessorTimeBeginsAnewWithEachAnswer) {
 
 TEST(ChildProcess, SilenceIsBounded) {
     EXPECT_THAT(error_of_child([](Answers&) { say_nothing(); }, {.silence = 100ms}),
-                HasSubstr("says nothing for 100 ms"));
+                HasSubstr("has been silent for 100 ms"));
 }
 
 TEST(ChildProcess, MemoryIsBounded) {

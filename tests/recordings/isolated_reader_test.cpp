@@ -110,7 +110,7 @@ TEST(IsolatedReader, WhatNoReaderSaysIsRefused) {
             return true;
         };
     };
-    const char* const nonsense = "says what is no recording";
+    const char* const nonsense = "sent an invalid message";
     EXPECT_THAT(fault(saying({{5, {1, 2}}, {5, {1, 2}}})), HasSubstr(nonsense));  // goes back
     EXPECT_THAT(fault(saying({{-1, {1, 2}}})), HasSubstr(nonsense));
     EXPECT_THAT(fault(saying({{INT64_MAX, {1, 2}}})), HasSubstr(nonsense));

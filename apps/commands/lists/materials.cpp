@@ -1,4 +1,4 @@
-// hertzline materials: the built-in materials, with their numbers and where those come from.
+// hertzline materials: the built-in materials, with their numbers and sources.
 
 #include "core/scene/materials.hpp"
 
@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* materials_examples =
     "E Young's modulus, nu Poisson's ratio, c speed of longitudinal waves, Z acoustic impedance,\n"
-    "Y yield strength, sf flexural strength of what breaks before it yields.\n"
+    "Y yield strength, sf flexural strength of solids that break before they yield.\n"
     "Solids are for drive.material, chain.material and end.material, fluids for medium.material.\n"
     "A scene may define its own: [materials.NAME], see scenes/README.md.\n"
     "Examples:\n"

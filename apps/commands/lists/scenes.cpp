@@ -75,7 +75,7 @@ void list_keys(Format format) {
     print(text);
 }
 
-/// A scene file that says what its step is good for.
+/// Writes a scene file with the error of its step.
 std::string annotated_toml(const Resolution& resolved, const SceneRequest& request) {
     return fmt::format("# {} with every default resolved; step_s was {}: estimated relative error {}\n\n{}",
                        printable(request.scene),
@@ -94,7 +94,7 @@ Exit scenes(const ScenesOptions& options) {
     }
     if (options.scene.scene.empty()) {
         if (!options.scene.settings.empty()) {
-            throw WrongUse("--set: found no SCENE, allowed: only together with a SCENE");
+            throw WrongUse("--set needs a SCENE");
         }
         list_scenes(options.format);
         return Exit::done;
@@ -110,9 +110,8 @@ Exit scenes(const ScenesOptions& options) {
 Run scenes_command(CLI::App& app) {
     auto options = std::make_shared<ScenesOptions>();
     add_scene_options(app, options->scene);
-    app.add_flag(
-        "--keys", options->keys,
-        "list the keys of scenes: defaults, what is allowed, what they mean; with --json as a schema");
+    app.add_flag("--keys", options->keys,
+                 "list the keys of scenes: defaults, bounds and meanings; with --json as a schema");
     add_format_option(app, options->format, "print JSON");
     app.footer(scenes_examples);
     return [options] { return scenes(*options); };

@@ -35,7 +35,7 @@ namespace fs = std::filesystem;
 
 constexpr std::array endings{".png", ".svg", ".pdf"};
 
-/// That of the path first: who has matplotlib in an environment of Python's means that one.
+/// Names of Python, the path's first: a user with matplotlib in a virtual environment means that one.
 constexpr std::array pythons{"python3", "/usr/bin/python3"};
 
 /// A folder for the samples and the script, its owner's alone.
@@ -47,7 +47,7 @@ fs::path new_folder() {
     return name;
 }
 
-/// What a file holds, at most a few lines.
+/// Returns a file's text, at most a few lines.
 std::string beginning_of(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::string text(4096, '\0');
@@ -56,17 +56,18 @@ std::string beginning_of(const fs::path& file) {
     return text;
 }
 
-/// The line in which Python says what was wrong, fit for a terminal.
+/// Returns the line of Python's error, fit for a terminal.
 std::string last_line_of(const std::string& text) {
     const std::size_t end = text.find_last_not_of('\n');
     if (end == std::string::npos) {
-        return "it does not say why";
+        return "it gives no reason";
     }
     const std::size_t begin = text.rfind('\n', end);
     return printable(text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin));
 }
 
-/// Starts a program that reads nothing and says what is wrong in a file. @returns its process, or nothing where it is not there
+/// Starts a program without input that writes its errors to a file. @returns its process, or nothing when it is not
+/// installed
 std::optional<pid_t> start(std::vector<std::string> words, const fs::path& messages) {
     std::vector<char*> arguments;
     std::ranges::transform(words, std::back_inserter(arguments),
@@ -100,8 +101,8 @@ std::optional<int> wait_for(pid_t process) {
     return status;
 }
 
-/// Runs the script in the folder on a file, to draw what the staged file will be. @returns its exit status where it can draw, or nothing when
-/// it was stopped @throws std::runtime_error that says what is missing or wrong
+/// Runs the script in the folder on a file, to draw what the staged file will be. @returns its exit status if it can
+/// draw, or nothing when it was stopped @throws std::runtime_error with the fault
 std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& picture,
                               const std::string& format, const fs::path& source,
                               const std::vector<std::string>& options) {

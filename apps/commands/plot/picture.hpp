@@ -13,14 +13,14 @@
 
 namespace hertzline::app {
 
-/// What a picture is drawn of, at most, give or take a portion of samples.
+/// The most samples that a picture is drawn of, to within a portion.
 inline constexpr std::size_t max_picture_columns = 6;
 inline constexpr std::int64_t max_picture_samples = std::int64_t{1} << 20;
 
-/// @param option that names the picture @throws WrongUse unless its ending is that of a picture
+/// @param option the option of the picture @throws WrongUse unless its ending is that of a picture
 void refuse_wrong_picture(const char* option, const std::filesystem::path& picture);
 
-/// Takes samples, then draws them. To be used while stop_asked() notes signals: it leaves nothing that is not complete.
+/// Takes samples, then draws them. Use it while stop_asked() notes signals: it leaves no incomplete picture.
 class Picture {
 public:
     /// @param head of the samples, at most max_picture_columns @throws std::runtime_error when nothing can be written there
@@ -29,11 +29,11 @@ public:
     Picture(const Picture&) = delete;
     Picture& operator=(const Picture&) = delete;
 
-    /// As RecordingWriter::write().
+    /// Takes rows as RecordingWriter::write() does.
     void write(std::int64_t first, std::span<const double> values);
 
-    /// Draws the picture and gives it its name. False, and there is none, when stopped meanwhile.
-    /// @throws std::runtime_error that says what is missing or wrong
+    /// Draws the picture and gives it its name. Returns false, without a picture, when stopped meanwhile.
+    /// @throws std::runtime_error with the fault
     bool draw(const std::string& title);
 
 private:
@@ -43,11 +43,11 @@ private:
     std::unique_ptr<recordings::RecordingWriter> samples_;
 };
 
-/// How a picture went. stopped: the user asked to, and there is none.
+/// The outcome of a picture. stopped: on the user's request, without a picture.
 enum class Drawn { yes, stopped, no_sweep };
 
-/// Draws a table of `hertzline sweep`: the quantities over what varies; none: the usual ones. To be used as Picture.
-/// @throws std::runtime_error that says what is missing or wrong
+/// Draws a table of `hertzline sweep`: the quantities over the varied keys; none: the usual ones. Use it like Picture.
+/// @throws std::runtime_error with the fault
 Drawn draw_sweep(const std::filesystem::path& picture, const std::filesystem::path& table,
                  std::span<const std::string> quantities, const std::string& title);
 

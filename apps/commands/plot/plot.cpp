@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 constexpr const char* examples =
     "Waveform and spectrum of each column, in dB under the maximum, with the multiples of the drive's "
     "frequency and the band at -20 dB. Of a sweep: curves over the key that varies, or a map over two, with "
-    "the points that failed marked. Of a search: what was looked for over each key. Needs Python with "
+    "the points that failed marked. Of a search: its measure over each key. Needs Python with "
     "matplotlib.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
@@ -39,15 +39,15 @@ constexpr const char* examples =
 struct PlotOptions {
     std::string recording;
     std::string picture;
-    std::vector<std::string> columns;     ///< of a recording; none: the first ones
-    std::vector<std::string> quantities;  ///< of a sweep; none: the usual ones
+    std::vector<std::string> columns;     ///< columns of a recording; none: the first ones
+    std::vector<std::string> quantities;  ///< quantities of a sweep; none: the usual ones
 };
 
 bool is_called(const recordings::Column& column, const std::string& name) {
     return column.name == name || column.quantity == name;
 }
 
-/// The columns to be drawn. @throws WrongUse that tells every name that no column has
+/// Returns the columns to be drawn. @throws WrongUse with every unknown name
 std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, const PlotOptions& options) {
     std::vector<std::size_t> chosen;
     std::vector<std::string> names;
@@ -92,7 +92,7 @@ recordings::RecordingHead head_of_columns(const recordings::RecordingHead& head,
     return part;
 }
 
-/// The chosen columns, as far as a picture takes them. Tells when there is more.
+/// Returns the chosen columns, as many as a picture takes. Warns of further ones.
 std::vector<recordings::RecordedRows> samples_of(recordings::RecordingReader& reader,
                                                  const std::vector<std::size_t>& chosen) {
     constexpr std::size_t portion = 1 << 14;  // rows
@@ -126,7 +126,7 @@ bool is_csv_of_sweep(const std::string& file) {
            begin == first;
 }
 
-/// @returns nothing where it is no sweep
+/// @returns nothing when it is no sweep
 std::optional<Exit> plot_sweep(const PlotOptions& options) {
     stop_asked();  // from here on there are files to be cleaned up
     switch (
@@ -144,7 +144,7 @@ std::optional<Exit> plot_sweep(const PlotOptions& options) {
 
 Exit plot_recording(const PlotOptions& options, recordings::RecordingReader& reader) {
     if (!(reader.head().sample_rate_hz > 0)) {
-        throw std::runtime_error(options.recording + " does not say its sample rate");
+        throw std::runtime_error(options.recording + "  has no sample rate");
     }
     const std::vector<std::size_t> chosen = chosen_columns(reader.head(), options);
     const std::vector<recordings::RecordedRows> samples = samples_of(reader, chosen);
@@ -163,7 +163,7 @@ Exit plot_recording(const PlotOptions& options, recordings::RecordingReader& rea
     return Exit::done;
 }
 
-/// The recording; where it is none, and may be a sweep, that is drawn.
+/// Draws the recording, or the sweep if the file is no recording.
 Exit plot_either(const PlotOptions& options) {
     std::unique_ptr<recordings::RecordingReader> reader;
     try {

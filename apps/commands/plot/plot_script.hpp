@@ -7,7 +7,7 @@ extern const char* const plot_script;
 
 /// Its exit status when a module of Python is missing.
 inline constexpr int plot_modules_missing = 3;
-/// The same when the file holds no sweep.
+/// Its exit status when the file holds no sweep.
 inline constexpr int plot_not_a_sweep = 4;
 
 }  // namespace hertzline::app

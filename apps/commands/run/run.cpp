@@ -65,11 +65,11 @@ struct RunArguments {
 
 using measures::measurable_taps;
 
-/// @throws WrongUse when there is no file for what is to be saved
+/// @throws WrongUse when an option needs a file to save to and there is none
 void refuse_taps_without_files(const RunArguments& options) {
     if (options.files.empty() && !(options.columns.empty() && options.taps.empty())) {
-        throw WrongUse(fmt::format("{}: found no -o FILE to save it to, allowed: together with -o",
-                                   options.columns.empty() ? "--tap" : "--columns"));
+        throw WrongUse(
+            fmt::format("{} needs -o FILE to save to", options.columns.empty() ? "--tap" : "--columns"));
     }
 }
 
@@ -79,7 +79,7 @@ TapSet asked_taps(const RunArguments& options, TapSet columns, TapSet beside, co
     return options.all_bodies ? taps | Tap::v_chain | Tap::x_chain : taps;
 }
 
-/// What is written after the run fails before it where it can. @throws std::runtime_error
+/// Checks before the run that files written after it can be written. @throws std::runtime_error
 void refuse_unwritable(const RunArguments& options) {
     for (const std::string& file : options.spectra) {
         recordings::require_writable(file);
@@ -266,12 +266,13 @@ Run run_command(CLI::App& app) {
         ->type_name("NAME,...");
     add_repeatable_option(
         app, "--spectrum", options->spectra,
-        "save the spectra of v_out and of what --measure names: " + recordings::table_endings())
+        "save the spectra of v_out and of the outputs of --measure:  " + recordings::table_endings())
         ->check(missing_name)
         ->type_name("FILE");
-    app.add_option("--plot", options->picture,
-                   "draw v_out and what --measure names, and their spectra: .png, .svg or .pdf; needs Python "
-                   "with matplotlib")
+    app.add_option(
+           "--plot", options->picture,
+           "draw v_out and the outputs of --measure, and their spectra: .png, .svg or .pdf; needs Python "
+           "with matplotlib")
         ->check(missing_name)
         ->type_name("FILE");
     app.add_option("--band-from", options->band_from_hz,

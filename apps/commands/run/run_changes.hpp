@@ -1,5 +1,5 @@
 #pragma once
-// `run --changes` and `run RECORDING`: a live session again.
+// `run --changes` and `run RECORDING`: repeats a live session.
 
 #include <string>
 #include <vector>
@@ -22,11 +22,11 @@ struct Session {
 /// Whether SCENE names a recording: an ending of one, and a file that is there.
 bool is_recording(const std::string& scene);
 
-/// The session that a recording holds, from sample 0 to its last one. @throws WrongUse where it does not say what it is of
+/// The session that a recording holds, from sample 0 to its last one. @throws WrongUse when it lacks its scene
 Session session_of_recording(const SceneRequest& request);
 
 /// A scene with the changes of a file: a JSON list as recordings have it, or an object with "changes".
-/// @param file empty: none @throws WrongUse with what is wrong
+/// @param file empty: none @throws WrongUse with the fault
 Session session_of_scene(const SceneRequest& request, const std::string& file);
 
 }  // namespace hertzline::app

@@ -1,5 +1,5 @@
 #pragma once
-// run --plot: a picture of what was measured.
+// run --plot: a picture of the measured outputs.
 
 #include <string>
 

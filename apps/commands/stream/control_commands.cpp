@@ -26,7 +26,7 @@ namespace {
 constexpr const char* set_examples =
     "The stream has to be started with --control. A change takes effect at the next burst's start, or at "
     "once where bursts do not repeat. Keys of [drive] but its material, numerics.step_s and "
-    "numerics.accuracy let the motion go on; all others begin anew at static equilibrium.\n"
+    "numerics.accuracy keep the motion; all others restart from static equilibrium.\n"
     "Examples:\n"
     "  hertzline set drive.amplitude_m=2e-6\n"
     "  hertzline set chain.preload_n=0.2 chain.damping_kg_per_s=0.3\n"
@@ -108,7 +108,7 @@ Json request_of(const ControlArguments& arguments) {
     return {{"set", set}};
 }
 
-/// Asks; says what is wrong. @returns whether nothing is
+/// Sends the request and reports faults. @returns whether there are none
 bool ask(const ControlArguments& arguments, const Json& request, Json& reply) {
     const stream::ControlConnection connection = checked(arguments);
     reply = stream::ask_control(connection, request, stop_asked());

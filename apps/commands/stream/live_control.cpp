@@ -12,7 +12,7 @@ namespace hertzline::app {
 
 namespace {
 
-// Of changes in meta, which is sent once a second. No listener reads more than 1 MiB of it.
+// Bounds the changes in meta, which is sent once a second. Listeners read at most 1 MiB of it.
 constexpr std::size_t most_told = 500;
 constexpr std::size_t most_told_bytes = 512 << 10;
 
@@ -26,7 +26,7 @@ void add_control_options(CLI::App& app, ControlRequest& request) {
         ->type_name("ENDPOINT");
     add_repeatable_option(
         app, "--allow-controllers", request.controllers,
-        "with --control and --curve-key: public key of who may change the scene, NAME.key, or a "
+        "with --control and --curve-key: public key of a client that may change the scene, NAME.key, or a "
         "folder of them")
         ->check(missing_name)
         ->type_name("FILE|FOLDER");
@@ -36,7 +36,7 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
                                                    const CurveServerRequest& stream) {
     if (request.endpoint.empty()) {
         if (!request.controllers.empty()) {
-            throw WrongUse("--allow-controllers: found no --control ENDPOINT, allowed: only together");
+            throw WrongUse("--allow-controllers needs --control ENDPOINT");
         }
         return std::nullopt;
     }
@@ -46,16 +46,14 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
     if (request.controllers.empty()) {
         if (!stream::is_local(request.endpoint)) {
             throw WrongUse(
-                fmt::format("--control: {} can be reached from other machines, and anybody there could "
+                fmt::format("--control: {} can be reached from other machines, where anyone could "
                             "change the scene; allowed: with --curve-key and --allow-controllers",
                             request.endpoint));
         }
         return std::nullopt;
     }
     if (stream.key.empty()) {
-        throw WrongUse(
-            "--allow-controllers: found no --curve-key, allowed: only together; --curve-key is the "
-            "stream's secret key");
+        throw WrongUse("--allow-controllers needs --curve-key, the stream's secret key");
     }
     Faults faults;
     stream::CurveServer server;

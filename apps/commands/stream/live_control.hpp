@@ -1,5 +1,5 @@
 #pragma once
-// `stream --control`: the options, and what the sending thread does when the scene changes.
+// `stream --control`: the options, and the sending thread's part when the scene changes.
 
 #include <functional>
 #include <memory>
@@ -17,7 +17,7 @@
 namespace hertzline::app {
 
 struct ControlRequest {
-    std::string endpoint;                  ///< empty: nobody controls
+    std::string endpoint;                  ///< empty: no control
     std::vector<std::string> controllers;  ///< certificates, or folders of them
 };
 
@@ -32,17 +32,17 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 /// The changes of a stream that is controlled. All but the constructor is for the sending thread.
 class LiveControl {
 public:
-    /// @param requested the scene as the user gave it @param resolved what the source began with
+    /// @param requested the scene as the user gave it @param resolved the scene that the source began with
     /// @throws std::runtime_error when the endpoint cannot be bound
     LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
                 const Scene& requested, const Scene& resolved, stream::SimulationSource& source);
 
     const std::string& endpoint() const noexcept { return server_.endpoint(); }
 
-    /// What has changed up to the epoch, in order.
+    /// Returns the changes up to the epoch, in order.
     std::vector<stream::EpochOfChange> begin(const Epoch& epoch);
 
-    /// Adds the latest changes so far to what meta says.
+    /// Adds the latest changes so far to the members of meta.
     void add_to(Json& meta) const;
 
 private:

@@ -12,22 +12,22 @@
 
 namespace hertzline::app {
 
-/// What `stream` is asked about a scope.
+/// The options of `stream` for a scope.
 struct ScopeChildRequest {
     bool wanted = false;
-    std::string http;  ///< as --http of scope; empty: the scope's own
+    std::string http;  ///< --http of the scope; empty: its default
 };
 
 /// Adds --scope and --scope-http.
 void add_scope_child_options(CLI::App& app, ScopeChildRequest& request);
 
-/// @throws WrongUse when a scope is wanted of a stream whose keys it would have to know, or at no address
+/// @throws WrongUse for a scope of a stream whose keys it would need, or without an address
 void refuse_wrong_scope(const ScopeChildRequest& request, const CurveServerRequest& stream);
 
 /// Runs as long as the object lives, and ends with this process however that ends.
 class ScopeChild {
 public:
-    /// Starts `hertzline scope` with these words. It prints the page's address, and what is wrong when it cannot run.
+    /// Starts `hertzline scope` with these words. It prints the page's address, or its fault when it cannot run.
     /// @throws std::runtime_error when there is no process to be had
     explicit ScopeChild(std::vector<std::string> words);
     ~ScopeChild();
@@ -38,7 +38,7 @@ private:
     pid_t process_ = -1;
 };
 
-/// Starts the scope that is wanted; null: none is. @param control empty: the stream takes no changes
+/// Starts the requested scope; null: none. @param control empty: the stream takes no changes
 std::unique_ptr<ScopeChild> scope_beside(const ScopeChildRequest& request, const std::string& stream,
                                          const std::string& control);
 

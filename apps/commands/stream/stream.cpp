@@ -51,7 +51,7 @@ struct StreamArguments {
     std::optional<double> wav_scale;
 };
 
-/// What is recorded, of what is streamed. @param end null: not known, because the scene has faults
+/// Returns the recorded taps of the streamed ones. @param end null: unknown, because the scene has faults
 TapSet taps_to_record(const StreamArguments& arguments, const End* end) {
     if (arguments.recordings.empty()) {
         return {};
@@ -66,7 +66,7 @@ TapSet taps_to_record(const StreamArguments& arguments, const End* end) {
 /// The faults of --columns that no scene is needed for. @throws WrongUse
 void refuse_wrong_columns(const StreamArguments& arguments) {
     if (arguments.recordings.empty() && !arguments.columns.empty()) {
-        throw WrongUse("--columns: found no --record FILE to save them to, allowed: together with --record");
+        throw WrongUse("--columns needs --record FILE to save to");
     }
 }
 
@@ -84,7 +84,7 @@ void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
     }
 }
 
-/// What the arguments ask for.
+/// The request of the arguments.
 struct CheckedArguments {
     std::optional<stream::CurveServer> curve;
     std::optional<stream::CurveServer> control_curve;
@@ -171,7 +171,7 @@ Exit stream(const StreamArguments& arguments) {
     try {
         publish_to_the_end(pipeline, publisher, line, arguments.publish.format, session.callbacks());
     } catch (...) {
-        recordings.commit();  // what was streamed until then is whole
+        recordings.commit();  // the samples up to here are complete
         throw;
     }
     return recordings.sound() ? Exit::done : Exit::failed;

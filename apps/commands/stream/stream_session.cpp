@@ -31,7 +31,7 @@ void StreamSession::warn(const std::string& text) {
     spdlog::warn("{}: {}", name_, text);
 }
 
-/// What meta says once the error has been estimated again.
+/// Returns members of meta for a new estimate of the error.
 Json StreamSession::told(const stream::EstimateWatch::News& news) {
     if (!news.warning.empty()) {
         warn(news.warning);
@@ -43,7 +43,7 @@ Json StreamSession::told(const stream::EstimateWatch::News& news) {
     return changed;
 }
 
-/// What meta says of a changed scene.
+/// Returns members of meta for a changed scene.
 Json StreamSession::begin(const Epoch& epoch) {
     for (stream::EpochOfChange& begun : control_->begin(epoch)) {
         recordings_.note_change(stream::change_json(begun.change));
@@ -83,7 +83,7 @@ PublishedSource StreamSession::callbacks() {
     source.add_to_summary = [this](Json& summary, const stream::StreamMeters& meters) {
         add_to(summary, meters);
     };
-    // unset where it could say nothing: looking costs a pass over the chain
+    // unset if it could find nothing: looking takes a pass over the chain
     if (now_->estimate.watching() || control_ != nullptr) {
         source.watch = [this](const MotionExtremes& motion) { return told(now_->estimate.look(motion)); };
     }

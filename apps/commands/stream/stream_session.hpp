@@ -1,5 +1,5 @@
 #pragma once
-// What a stream says while it runs: of its scene, how far to trust the samples, and what has changed.
+// The messages of a running stream: its scene, the error of its samples, and its changes.
 
 #include <memory>
 #include <string>
@@ -17,15 +17,15 @@ namespace hertzline::app {
 /// Provenance of a run that begins now.
 Json provenance_of_stream(const Resolution& resolved, const std::string& run);
 
-/// For the sending thread. What it is made of outlives it.
+/// For the sending thread. Its arguments outlive it.
 class StreamSession {
 public:
     /// @param name the scene's, as the user gave it @param about provenance_of_stream() of the first scene
-    /// @param control null: nobody controls
+    /// @param control null: no control
     StreamSession(const std::string& name, Resolution resolved, Json about,
                   recordings::RecordingSet& recordings, ProgressLine& line, LiveControl* control);
 
-    /// Sees to all of it.
+    /// Returns the callbacks for the pipeline.
     PublishedSource callbacks();
 
 private:

@@ -1,9 +1,9 @@
 #pragma once
-// What recordings need of the HDF5 library, loaded when the first HDF5 file is opened. The library brings two dozen others
-// with it; linked, they would take two thirds of the start of every program.
+// The functions of the HDF5 library that recordings use, loaded when the first HDF5 file is opened. The library
+// brings two dozen others; linked, they would take two thirds of the start of every program.
 //
-// The names are HDF5's own. In this namespace they are pointers, so that code reads as if the library were linked; what is
-// not listed here does not link.
+// The names are HDF5's own. In this namespace they are pointers, so that code reads as if the library were linked;
+// names that are not listed here do not link.
 
 #include <hdf5.h>
 
@@ -22,7 +22,7 @@
     X(H5Tinsert) X(H5Tis_variable_str) \
     X(H5Tset_cset) X(H5Tset_size) X(H5check_version) X(H5free_memory) X(H5open)
 
-/// What HDF5's names of types and classes stand for: known once the library is open.
+/// Values of HDF5's names of types and classes, known once the library is open.
 #define HERTZLINE_HDF5_NUMBERS(X) \
     X(H5P_CLS_DATASET_CREATE_ID_g) X(H5P_CLS_FILE_ACCESS_ID_g) X(H5T_C_S1_g) X(H5T_IEEE_F32LE_g) \
     X(H5T_IEEE_F64LE_g) X(H5T_NATIVE_DOUBLE_g) X(H5T_NATIVE_INT64_g) X(H5T_NATIVE_UCHAR_g) X(H5T_STD_I64LE_g) \

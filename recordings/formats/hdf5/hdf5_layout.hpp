@@ -12,7 +12,7 @@
 
 namespace hertzline::recordings {
 
-/// The dataset that lists where the recording begins and goes on after gaps.
+/// The dataset of the recording's start and of its continuations after gaps.
 inline constexpr const char* hdf5_captures = "captures";
 
 /// The dataset that lists changes of the scene, if there are any: bytes, JSON on a line each.

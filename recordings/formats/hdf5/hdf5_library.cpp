@@ -11,8 +11,8 @@ namespace {
 
 std::mutex library_mutex;
 
-// Both under the mutex.
-Hdf5WriteFailure* failure = nullptr;  // of who holds the library now
+// Guarded by the mutex.
+Hdf5WriteFailure* failure = nullptr;  // of the library's present holder
 H5FD_class_t ordinary{};              // the library's driver for files
 
 void note_failure(int error) noexcept {

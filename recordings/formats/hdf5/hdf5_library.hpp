@@ -1,5 +1,5 @@
 #pragma once
-// The HDF5 library: its handles, its errors, and that it may be entered by one thread at a time.
+// The HDF5 library: its handles, its errors, and the lock that admits one thread at a time.
 
 #include <filesystem>
 #include <mutex>
@@ -11,20 +11,20 @@
 
 namespace hertzline::recordings {
 
-/// What went wrong when a file was written.
+/// The error of writing a file.
 struct Hdf5WriteFailure {
     int reason = 0;         ///< errno of the first error; 0: none
-    bool doubtful = false;  ///< the file could not be closed: nobody knows how much of it has arrived
+    bool doubtful = false;  ///< the file could not be closed, so its contents are unknown
 };
 
-/// To be held around every use of the library, closing of handles included: one thread at a time, and errors
+/// Hold it around every use of the library, closing of handles included: one thread at a time, and errors
 /// are not printed to stderr meanwhile. The first one loads it.
 class Hdf5Library {
 public:
     /// @throws std::runtime_error when the library is not there
     Hdf5Library() : Hdf5Library(nullptr) {}
-    /// For files of hdf5_access(): the first system error while writing is left in `write_failure`, and as
-    /// long as there is one nothing is written any more, although the library takes it as written.
+    /// For files of hdf5_access(): the first system error of a write is left in `write_failure`. Further writes are
+    /// then skipped, although the library counts them as done.
     explicit Hdf5Library(Hdf5WriteFailure* write_failure);
     ~Hdf5Library();
     Hdf5Library(const Hdf5Library&) = delete;
@@ -36,10 +36,10 @@ private:
     void* print_data_ = nullptr;
 };
 
-/// Why the library's last call failed: the system's reason where there is one ("No space left on device").
+/// Returns the reason why the library's last call failed, the system's where it exists ("No space left on device").
 std::string hdf5_reason();
 
-/// What a call returned. @throws std::runtime_error with the reason when it failed.
+/// Returns the value of a call. @throws std::runtime_error with the reason when it failed.
 template <class Result>
 Result hdf5(Result result) {
     if (result < 0) {
@@ -54,7 +54,7 @@ public:
     using Close = herr_t (*)(hid_t);
 
     Hdf5Object() = default;
-    /// Takes what a call returned. @throws std::runtime_error as hdf5() does.
+    /// Takes the handle that a call returned. @throws std::runtime_error as hdf5() does.
     Hdf5Object(hid_t id, Close closing) : id_(hdf5(id)), close_(closing) {}
     Hdf5Object(Hdf5Object&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
     Hdf5Object& operator=(Hdf5Object&& other) noexcept {
@@ -84,12 +84,11 @@ private:
     Close close_ = nullptr;
 };
 
-/// How to create a file whose writing may fail: properties for H5Fcreate. The library does not survive that,
-/// it cannot close such a file and crashes when the program ends. So it does not learn of it: see
-/// Hdf5Library. Takes any file that exists.
+/// Returns properties for H5Fcreate of a file whose writing may fail. The library cannot close such a file and
+/// crashes when the program ends, so write errors are hidden from it: see Hdf5Library. Takes any existing file.
 Hdf5Object hdf5_access(const std::filesystem::path& existing);
 
-/// A string that may be as long as it likes; the library's own have a fixed length.
+/// Returns the type of a string of any length; the library's own have a fixed length.
 Hdf5Object hdf5_text_type();
 
 }  // namespace hertzline::recordings

@@ -39,8 +39,8 @@ double read_number(hid_t object, const char* name) {
     return number;
 }
 
-/// A dataset as the writer makes them: in this file, in chunks, no filters, and all of it there. What else
-/// HDF5 could do (read other files, load filters, make up numbers that were never written) is refused.
+/// Opens a dataset of the writer's form: in this file, in chunks, without filters, complete. Other features of HDF5
+/// (external files, filters, fill values for unwritten numbers) are refused.
 Hdf5Object open_dataset(hid_t file, const std::string& name, hsize_t columns, int rank, hsize_t& rows) {
     const auto refuse = [&](std::string_view reason) {
         throw std::runtime_error(fmt::format("dataset {}: {}", name, reason));
@@ -81,7 +81,7 @@ Hdf5Object open_dataset(hid_t file, const std::string& name, hsize_t columns, in
 class Hdf5Reader final : public RecordingReader {
 public:
     explicit Hdf5Reader(const std::filesystem::path& path) : path_(path) {
-        const InputFile readable(path);  // or says why not, better than the library
+        const InputFile readable(path);  // else throws with a better reason than the library's
         inside_the_library([&] { open(); });
     }
 
@@ -224,7 +224,7 @@ std::unique_ptr<RecordingReader> open_own_hdf5(const std::filesystem::path& path
 
 std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path,
                                                   const ChildLimits& limits) {
-    const InputFile readable(path);  // or says why not, without a child
+    const InputFile readable(path);  // else throws, without a child
     const auto read = reading([&path] { return open_own_hdf5(path); }, read_bytes);
     // While no other thread is inside: the child has its copy of the library as it is now.
     std::optional<Hdf5Library> library(std::in_place);

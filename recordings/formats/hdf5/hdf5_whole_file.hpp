@@ -9,8 +9,8 @@
 namespace hertzline::recordings {
 
 /// Writes it under a temporary name, and gives it its own when it is whole.
-/// @param fill writes what the file holds; false: it was stopped, and no file is left
-/// @returns what fill returned @throws std::system_error that names the path if it cannot be written
+/// @param fill writes the contents; false: it was stopped, and no file is left
+/// @returns the result of fill @throws std::system_error that names the path if it cannot be written
 bool write_whole_hdf5(const std::filesystem::path& path, const std::function<bool(hid_t file)>& fill);
 
 }  // namespace hertzline::recordings

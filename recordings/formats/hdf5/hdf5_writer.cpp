@@ -187,7 +187,7 @@ private:
         staged_.abandon();
     }
 
-    /// Closes what is open without writing it.
+    /// Closes all open objects without writing them.
     void give_up(int reason) noexcept {
         failure_.reason = reason;
         captures_ = {};

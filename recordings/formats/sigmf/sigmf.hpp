@@ -1,13 +1,13 @@
 #pragma once
-// Samples as SigMF (github.com/sigmf/SigMF, version 1.2): float32, sample after sample, in x.sigmf-data, and
-// JSON that says what they are in x.sigmf-meta.
+// Samples as SigMF (github.com/sigmf/SigMF, version 1.2): float32, sample after sample, in x.sigmf-data, and their
+// description as JSON in x.sigmf-meta.
 //
 // A capture begins where samples are missing: core:sample_start is its first sample in the file,
 // core:global_index that sample's number in the run, core:datetime the time at which it was written. Columns
 // and provenance have names of the namespace "hertzline".
 //
-// Each burst of the horn has an annotation, "burst 12", over the samples up to the next burst: of the first 1000 in the
-// file. While it is written, those that are complete.
+// Each burst of the horn has an annotation, "burst 12", over the samples up to the next burst, for the first 1000
+// bursts in the file; while it is written, for complete bursts.
 //
 // Viewers take interleaved channels for a single one. A SigMF collection (x.sigmf-collection) has a recording of one
 // channel for each column, x-COLUMN.sigmf-meta and x-COLUMN.sigmf-data, all of the same samples, and lists them with
@@ -29,7 +29,7 @@ inline constexpr std::string_view sigmf_meta_ending = ".sigmf-meta";
 inline constexpr std::string_view sigmf_data_ending = ".sigmf-data";
 inline constexpr std::string_view sigmf_collection_ending = ".sigmf-collection";
 
-/// As the specification allows.
+/// The specification's maximum.
 inline constexpr std::size_t sigmf_max_channels = 1000;
 
 /// The two files of a SigMF recording.
@@ -38,17 +38,17 @@ struct SigmfPaths {
     std::filesystem::path data;
 };
 
-/// Both files of a recording of which one is named.
+/// Returns both files of a recording, from the name of one.
 SigmfPaths sigmf_paths(const std::filesystem::path& either);
 
-/// Replaces a recording of that name with its first row, or with commit(). After the first row what was written
-/// stays whatever happens, and is valid.
+/// Replaces a recording of that name with its first row, or with commit(). After the first row the file stays valid,
+/// whatever happens.
 std::unique_ptr<RecordingWriter> open_sigmf_writer(const std::filesystem::path& either,
                                                    const RecordingHead& head,
                                                    Appearance appearance = Appearance::early);
 
-/// The same, a recording for each column. What has a column's name is replaced, too. While it is written the hashes may lag
-/// behind the metadata for a moment. At most 100 columns: each has files of its own.
+/// Begins a collection, with a recording for each column. Files with a column's name are replaced, too. While it is
+/// written the hashes may lag behind the metadata for a moment. At most 100 columns: each has files of its own.
 std::unique_ptr<RecordingWriter> open_sigmf_collection_writer(const std::filesystem::path& collection,
                                                               const RecordingHead& head,
                                                               Appearance appearance = Appearance::early);
@@ -57,8 +57,8 @@ std::unique_ptr<RecordingWriter> open_sigmf_collection_writer(const std::filesys
 /// of writing may leave, is passed over.
 std::unique_ptr<RecordingReader> open_sigmf_reader(const std::filesystem::path& either);
 
-/// Reads a collection whose recordings have one rate and the same samples, up to the end of the shortest: a kill may leave
-/// them of different lengths. Hashes are not looked at: whoever annotates a recording changes them.
+/// Reads a collection whose recordings have one rate and the same samples, up to the end of the shortest: a kill may
+/// leave them of different lengths. Hashes are not checked, because annotating a recording changes them.
 std::unique_ptr<RecordingReader> open_sigmf_collection_reader(const std::filesystem::path& collection);
 
 }  // namespace hertzline::recordings

@@ -24,7 +24,7 @@ struct Stretch {
     std::int64_t rows;
 };
 
-/// @param last what to do with a burst that goes on where the stretch ends
+/// @param last the treatment of a burst that continues beyond the stretch
 void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last, Json& annotations) {
     const Epoch& epoch = all.epoch_of(stretch.sample);
     const Bursts bursts(all.sample_rate_hz, epoch.repetition_hz);

@@ -19,7 +19,7 @@ struct EpochBursts {
     double sample_rate_hz;
     std::span<const Epoch> epochs;  ///< in their order, at least one
 
-    /// That of a sample.
+    /// Returns the burst at a sample.
     const Epoch& epoch_of(std::int64_t sample) const noexcept;
 };
 

@@ -22,7 +22,8 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t largest_collection = 1 << 20;
 constexpr std::size_t max_streams = 1000;
 
-/// Of an object, or of a pair of name and hash as in version 1.0. It stands for files beside the collection, nowhere else.
+/// Returns the name in an object, or in a pair of name and hash as in version 1.0. It must name files beside the
+/// collection.
 std::string recording_name_of(const Json& stream) {
     const Json* name = nullptr;
     if (stream.is_object() && stream.contains("name")) {
@@ -39,7 +40,7 @@ std::string recording_name_of(const Json& stream) {
     return text;
 }
 
-/// @throws std::runtime_error that says what is wrong, without the path
+/// @throws std::runtime_error with the fault, without the path
 std::vector<std::string> recording_names(const fs::path& path) {
     InputFile file(path);
     if (file.size() > largest_collection) {
@@ -61,7 +62,7 @@ std::vector<std::string> recording_names(const fs::path& path) {
     return names;
 }
 
-/// A recording of the collection, and what has been read of it ahead.
+/// A recording of the collection, with the rows that were read ahead.
 class Part {
 public:
     explicit Part(std::unique_ptr<RecordingReader> reader) : reader_(std::move(reader)) {}
@@ -82,7 +83,7 @@ public:
     std::int64_t sample() const noexcept {
         return rows_.first + static_cast<std::int64_t>(taken_ / columns());
     }
-    /// Copies so many rows to `to`, where a row follows `stride` numbers after the one before.
+    /// Copies rows to `to`, where rows are `stride` numbers apart.
     void take(std::size_t rows, double* to, std::size_t stride) noexcept {
         for (std::size_t row = 0; row < rows; ++row) {
             std::copy_n(rows_.values.begin() + static_cast<std::ptrdiff_t>(taken_), columns(), to);

@@ -20,13 +20,13 @@ namespace hertzline::recordings {
 /// The version that is written.
 inline constexpr const char* sigmf_version = "1.2.0";
 
-/// What SigMF says of the namespace "hertzline".
+/// SigMF's declaration of the namespace "hertzline".
 Json sigmf_extensions();
 
-/// As SigMF files have it.
+/// The time in the form of SigMF files.
 std::string sigmf_text(const Json& json);
 
-/// What changes in the metadata while samples are written.
+/// The part of the metadata that changes while samples are written.
 struct SigmfProgress {
     Json captures = Json::array();
     Json annotations = Json::array();
@@ -39,13 +39,13 @@ public:
     /// @param columns those of the head that are in these files, in order
     SigmfFiles(const SigmfPaths& paths, const RecordingHead& head, std::vector<std::size_t> columns);
 
-    /// Says in the metadata, before they are saved, that the recording belongs to a collection of that name.
+    /// Marks the recording as part of a collection of that name; call it before the metadata are saved.
     void name_collection(const std::string& name) { global_["core:collection"] = name; }
 
-    /// The same of a change of the scene, the last of "changes".
+    /// Adds a change of the scene to the metadata, as the last of "changes".
     void name_change(const Json& change) { global_["hertzline:changes"].push_back(change); }
 
-    /// Takes the place of what had the name. Old metadata go first and new ones come last: they never lie beside
+    /// Replaces an older recording. Old metadata go first and new ones come last: they never lie beside
     /// samples that are not theirs.
     void appear(const SigmfProgress& progress);
 
@@ -55,10 +55,10 @@ public:
     void write(std::span<const double> values, const std::function<void()>& make_room);
     void flush() { data_.flush(); }
     void commit() { data_.commit(); }
-    /// Ends the samples. What had the name is still there.
+    /// Ends the samples. An older recording is still there.
     void close() { data_.close(); }
     bool is_closed() const noexcept { return data_.is_closed(); }
-    /// Whether the system failed to close the samples: what is in the file is not known.
+    /// Whether the system failed to close the samples, so that the file's contents are unknown.
     bool is_doubtful() const noexcept { return data_.is_doubtful(); }
     /// Fails when the samples have been removed, or replaced by those of another recording.
     void require_present() { data_.require_present(); }
@@ -72,7 +72,7 @@ public:
 
     void remove() noexcept;
 
-    /// As a collection lists them: name, and hash of the metadata that were saved last.
+    /// The entry of a collection: name, and hash of the last saved metadata.
     Json listed() const;
 
 private:

@@ -72,7 +72,7 @@ private:
         return json_from_outside(file.text(file.size(), "the metadata"));
     }
 
-    /// The integer at that key, or what it is without the key.
+    /// Returns the integer at that key, or its default without the key.
     std::int64_t count_at(const Json& object, const char* key, std::int64_t otherwise,
                           std::int64_t most) const {
         const auto found = object.find(key);
@@ -113,7 +113,7 @@ private:
         take_own(global);
     }
 
-    /// What the project's own namespace says; recordings of others have none.
+    /// Reads the project's own namespace; recordings of others have none.
     void take_own(const Json& global) {
         head_.provenance = Json::object();
         for (const auto& [key, value] : global.items()) {
@@ -138,14 +138,14 @@ private:
         }
     }
 
-    /// Those at which samples are missing, within the file: what begins beyond its end is of samples that a
-    /// kill has kept from being written.
+    /// Returns the captures at which samples are missing, within the file. Captures beyond its end belong to samples
+    /// that a kill has prevented.
     std::vector<Capture> captures_of(const Json& json, std::int64_t rows) const {
         if (!json.is_array()) {
             refuse("captures: allowed: an array");
         }
         std::vector<Capture> captures;
-        Capture before;  // what the specification implies where there are none
+        Capture before;  // implied by the specification if none is listed
         for (const Json& one : json) {
             const Capture capture = capture_of(one);
             const std::int64_t jump = (capture.sample - before.sample) - (capture.row - before.row);

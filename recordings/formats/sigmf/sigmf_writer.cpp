@@ -29,14 +29,14 @@ namespace fs = std::filesystem;
 
 using std::chrono::steady_clock;
 
-constexpr double flush_every_s = 0.5;         // of samples or by the clock, what comes first
+constexpr double flush_every_s = 0.5;         // of samples or by the clock, the earlier
 constexpr std::size_t max_captures = 10'000;  // each costs a hundred bytes, written anew with the next one
 
-/// What the specification allows.
+/// The specification's maximum.
 constexpr double lowest_rate_hz = 1;
 constexpr double highest_rate_hz = 1e12;
 
-constexpr std::size_t max_recordings = 100;  // of a collection: each has a descriptor and a buffer of 1 MiB
+constexpr std::size_t max_recordings = 100;  // in a collection: each has a descriptor and a buffer of 1 MiB
 
 class SigmfWriter final : public CheckedWriter {
 public:
@@ -98,7 +98,7 @@ private:
         }
         if (!progress_.captures.empty() && progress_.captures.back()["core:sample_start"] == capture.row) {
             progress_.captures.erase(progress_.captures.size() -
-                                     1);  // that of an epoch whose first samples are missing
+                                     1);  // an epoch whose first samples are missing
         }
         progress_.captures.push_back(
             {{"core:sample_start", capture.row},
@@ -152,7 +152,7 @@ private:
             return;
         }
         for (SigmfFiles& recording : recordings_) {
-            recording.close();  // what was there before goes only when all is in the new files
+            recording.close();  // an older recording goes only when the new files are complete
         }
         annotate(LastBurst::included, rows());
         appear();
@@ -167,7 +167,7 @@ private:
         if (!any(&SigmfFiles::is_closed)) {
             try {
                 flush();
-            } catch (const std::exception&) {  // what was flushed before is there, and so are its captures
+            } catch (const std::exception&) {  // earlier flushed samples and their captures are there
             }
             rows = held_rows();
             if (rows == 0 && !appeared_) {
@@ -223,7 +223,7 @@ private:
             recording.flush();
         }
         if (annotate(LastBurst::left_out, held_rows()) && appeared_) {
-            save_meta();  // after the samples: there are no annotations of what is not there
+            save_meta();  // after the samples: annotations never precede their samples
         }
         last_flush_ = steady_clock::now();
     }
@@ -256,7 +256,7 @@ private:
         return bursts_.size() > before;
     }
 
-    /// Those of bursts and changes, in the order of their samples as SigMF wants it.
+    /// Merges annotations of bursts and changes in the order of their samples, as SigMF demands.
     void note_annotations() {
         const auto start = [](const Json& one) { return one["core:sample_start"].get<std::int64_t>(); };
         Json all = Json::array();
@@ -284,7 +284,7 @@ private:
 
     Appearance appearance_;
     std::optional<fs::path> collection_;
-    std::deque<SigmfFiles> recordings_;  // of a collection one for each column
+    std::deque<SigmfFiles> recordings_;  // in a collection one for each column
     SigmfProgress progress_;
     std::vector<Epoch> epochs_;     // none: the scene is not known
     Json bursts_ = Json::array();   // annotations

@@ -1,8 +1,8 @@
 #pragma once
-// What writer and reader of WAV share: libsndfile, loaded when the first WAV is opened, and the chunk that holds the description.
+// libsndfile, loaded when the first WAV is opened, and the chunk of the description, for writer and reader.
 //
-// The names are libsndfile's own. In this namespace they are pointers, so that code reads as if the library were linked; what is not
-// listed here does not link.
+// The names are libsndfile's own. In this namespace they are pointers, so that code reads as if the library were
+// linked; names that are not listed here do not link.
 
 #include <cstddef>
 #include <memory>

@@ -19,8 +19,8 @@ namespace {
 constexpr std::uint64_t largest_changes = 64 << 20;
 constexpr std::size_t read_bytes = std::size_t{1} << 20;
 
-/// Refuses what is no WAV, since libsndfile would open many a format, and what is shorter than it says it is,
-/// since libsndfile would take what is there.
+/// Refuses other formats, since libsndfile would open many, and files shorter than their header's size, since
+/// libsndfile would read the rest.
 void require_whole_wav(const std::filesystem::path& path) {
     InputFile file(path);
     const std::string kind = file.text(4, "the RIFF header");
@@ -39,7 +39,7 @@ void require_whole_wav(const std::filesystem::path& path) {
         read_size(8);
     }
     if (size > file.size() - 8) {
-        cannot_read(path, fmt::format("cut short: the header says {} bytes after the eighth, {} are there",
+        cannot_read(path, fmt::format("cut short: {} bytes after the eighth by the header, {} in the file",
                                       size, file.size() - 8));
     }
 }
@@ -114,7 +114,7 @@ private:
         }
     }
 
-    /// The chunk hzln; empty when there is none.
+    /// Returns the chunk hzln; empty when the file has none.
     std::string description_of() const {
         SF_CHUNK_INFO chunk{};
         std::ranges::copy(wav_chunk, chunk.id);
@@ -141,15 +141,15 @@ private:
         if (head_.columns.size() != static_cast<std::size_t>(info.channels) ||
             head_.sample_rate_hz != info.samplerate) {
             throw std::runtime_error(
-                fmt::format("the description says {} columns of {} Hz, the WAV has {} of {} Hz",
+                fmt::format("the description has {} columns of {} Hz, the WAV has {} of {} Hz",
                             head_.columns.size(), head_.sample_rate_hz, info.channels, info.samplerate));
         }
         const char* const comment = sf_get_string(sound_.get(), SF_STR_COMMENT);
         const Json noted = json_from_outside(comment != nullptr ? comment : "");
         try {
             if (noted.at("rows") != info.frames) {
-                throw std::runtime_error(fmt::format("damaged: {} rows where the comment says {}",
-                                                     info.frames, noted.at("rows").dump()));
+                throw std::runtime_error(fmt::format("damaged: {} rows where the comment has {}", info.frames,
+                                                     noted.at("rows").dump()));
             }
             head_.full_scale = noted.value("full_scale", 1.0);
             if (!(head_.full_scale > 0) || !std::isfinite(head_.full_scale)) {

@@ -25,8 +25,8 @@ constexpr std::size_t max_columns = 1024;  // libsndfile's
 constexpr sf_count_t sample_bytes = sizeof(float);
 constexpr std::size_t max_comment_bytes = 2040;  // libsndfile 1.2 reads back no longer one
 
-/// The file that libsndfile writes to. Through these functions and not by its own, because sf_close() writes,
-/// too, and does not say when that fails.
+/// The file that libsndfile writes to, through these functions, because its own sf_close() writes without reporting
+/// an error.
 struct Output {
     StagedFile file;
     int failure = 0;  // errno of the first error
@@ -184,7 +184,7 @@ private:
         output_.file.commit();
     }
 
-    /// A WAV has no room for what is known only when it is written.
+    /// Refuses: a WAV has no room for facts that are known only while it is written.
     void save_changes() {
         const std::filesystem::path beside = wav_changes_path(path());
         if (!head().provenance.contains("changes") || head().provenance["changes"].empty()) {
@@ -198,7 +198,7 @@ private:
         file.commit();
     }
 
-    /// Writes what a WAV has after its samples, and closes it.
+    /// Writes the parts of a WAV after its samples, and closes it.
     void complete(std::int64_t rows) {
         if (sf_set_string(sound_.get(), SF_STR_COMMENT, comment(rows).c_str()) != SF_ERR_NO_ERROR) {
             cannot_write(path(), sf_strerror(sound_.get()));

@@ -39,7 +39,7 @@ public:
     Descriptor& operator=(const Descriptor&) = delete;
     int number() const noexcept { return number_; }
 
-    /// @returns 0, or errno: some file systems tell of a full disk or quota only here
+    /// @returns 0, or errno: some file systems report a full disk or quota only here
     int close() noexcept { return ::close(std::exchange(number_, -1)) == 0 || errno == EINTR ? 0 : errno; }
 
 private:
@@ -49,7 +49,7 @@ private:
 // ---------------------------------------------------------------------------------------------- writing
 
 void write_new_file(const fs::path& file, mode_t mode, std::string_view text) {
-    // O_EXCL: neither an existing key is lost nor one put where somebody else laid a link.
+    // O_EXCL: an existing key is never lost, and a stranger's link never followed.
     Descriptor descriptor(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
     if (descriptor.number() < 0) {
         throw std::system_error(errno, std::generic_category(), "cannot make " + file.string());
@@ -69,8 +69,7 @@ struct Certificate {
     std::optional<CurveKey> secret_key;
 };
 
-/// The text of a file that is not too large. What keeps others from reading it is asked of the file that was
-/// opened, not of its name.
+/// Returns the text of a file that is not too large. Its permissions are checked on the opened file, not on its name.
 tl::expected<std::string, std::string> read_text(const fs::path& file, bool secret) {
     // Non-blocking: a FIFO would wait for its writer.
     const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
@@ -140,7 +139,7 @@ tl::expected<Certificate, std::string> read_certificate(const fs::path& file, bo
         const std::size_t equals = content.find('=');
         const std::string_view name = trimmed(content.substr(0, equals), blanks);
         if (section != "curve" || (name != "public-key" && name != "secret-key")) {
-            continue;  // others keep here what they like
+            continue;  // free for the entries of other programs
         }
         auto& key = name == "public-key" ? certificate.public_key : certificate.secret_key;
         // The value itself is not shown: it may be a secret one.

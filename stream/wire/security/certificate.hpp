@@ -1,6 +1,6 @@
 #pragma once
 // Keys in files: the certificates that czmq and pyzmq write and read. NAME.key holds the public key and may
-// be given to anybody; NAME.key_secret holds both and is its owner's alone.
+// be given away; NAME.key_secret holds both and is its owner's alone.
 //
 //     metadata
 //     curve
@@ -9,7 +9,7 @@
 //
 // The format is ZPL (rfc.zeromq.org/spec/4): sections at the margin, their keys indented, # comments.
 //
-// Writing throws, as other uses of resources do. Reading returns what is wrong: the text is from outside.
+// Writing throws, as other uses of resources do. Reading returns faults: the text is from outside.
 
 #include <filesystem>
 #include <string>
@@ -38,7 +38,7 @@ KeyFiles write_key_files(const std::string& name, const KeyPair& pair);
 /// The public key of a certificate. A file that holds a secret key is refused: it should not have left its owner.
 tl::expected<CurveKey, std::string> read_public_key(const std::filesystem::path& file);
 
-/// Both keys of a secret certificate. Refused when anybody but us may read it, or it is another user's.
+/// Both keys of a secret certificate. Refused when other users may read it, or it is another user's.
 tl::expected<KeyPair, std::string> read_key_pair(const std::filesystem::path& file);
 
 /// The public keys of a certificate, or of every *.key in a directory. A failure names every fault, one a

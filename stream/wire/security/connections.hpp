@@ -1,6 +1,6 @@
 #pragma once
-// Who is connected to a publisher, and that they do not become too many. ZeroMQ takes in everybody: strangers that
-// connect and say nothing would use up the descriptors.
+// The connections of a publisher and their limit. ZeroMQ accepts every peer: silent strangers would use up the
+// descriptors.
 
 #include <chrono>
 #include <cstddef>
@@ -14,15 +14,15 @@
 
 namespace hertzline::stream {
 
-/// What tells a connection from a later one with the same descriptor (SO_COOKIE); nothing when it is no socket.
+/// Returns the number that distinguishes a connection from a later one with the same descriptor (SO_COOKIE); nothing
+/// when it is no socket.
 std::optional<std::uint64_t> socket_cookie(int descriptor) noexcept;
 
-/// Ends the connection, unless the descriptor has become another's. ZeroMQ then forgets the peer and all that it kept
-/// for it.
+/// Ends the connection, unless the descriptor has become another's. ZeroMQ then forgets the peer and its state.
 void cut_off(int descriptor, std::optional<std::uint64_t> cookie) noexcept;
 
-/// A number that changes when the peer takes something: with TCP the bytes that it acknowledged, else those that wait for
-/// it.
+/// Returns a number that changes when the peer takes something: with TCP the acknowledged bytes, else the bytes that
+/// wait for it.
 std::uint64_t taken_by(int descriptor) noexcept;
 
 /// The connections of a socket that is bound. For the thread that uses the socket.
@@ -31,23 +31,23 @@ public:
     /// @param socket not bound yet, outlives this @param most how many there may be
     Connections(zmq::context_t& context, zmq::socket_t& socket, std::size_t most);
 
-    /// Takes in who came and left. Beyond the limit those that have subscribed to nothing are cut off first, and of
-    /// them the oldest; then the newest.
+    /// Takes in new and closed connections. Beyond the limit, connections without a subscription are cut off first,
+    /// the oldest before the others; then the newest.
     void update();
 
-    /// Somebody was cut off because there were more than there may be.
+    /// Whether a connection was cut off because of the limit.
     bool have_been_too_many() const noexcept { return have_been_too_many_; }
 
     /// A message of that connection subscribed to something.
     void note_subscriber(int descriptor) noexcept;
 
-    /// Looks which connections are full, and which of them have taken something since the last look. Look before something
-    /// is sent, not right after: who reads at once is full then, too.
+    /// Checks which connections are full, and which of them have taken something since the last check. Call it before
+    /// a message is sent, not right after, when the fastest reader is full, too.
     void look_for_slow_ones(std::chrono::steady_clock::time_point now);
-    /// Nobody is slow.
+    /// Whether no connection is slow.
     void forget_slow_ones() noexcept;
-    /// Cuts off the full connection that has taken nothing for longest, and those that have for half as long, but for 20 ms
-    /// at least: on a busy machine who reads has to wait for a processor.
+    /// Cuts off the full connection that has taken nothing for longest, and others that have taken nothing for half
+    /// as long, but for 20 ms at least: on a busy machine a reader has to wait for a processor.
     void cut_off_the_slowest(std::chrono::steady_clock::time_point now);
 
 private:
@@ -56,7 +56,7 @@ private:
         std::optional<std::uint64_t> cookie;
         bool subscribes = false;
         bool cut = false;
-        std::uint64_t taken = 0;  // what taken_by() said last
+        std::uint64_t taken = 0;  // last value of taken_by()
         // Has no room for another byte, and has taken nothing since.
         std::optional<std::chrono::steady_clock::time_point> full_since;
     };

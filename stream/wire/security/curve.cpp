@@ -7,7 +7,7 @@ namespace hertzline::stream {
 namespace {
 
 constexpr std::size_t z85_characters = 40;
-using Z85 = std::array<char, z85_characters + 1>;  // with the NUL that ZeroMQ's functions write and want
+using Z85 = std::array<char, z85_characters + 1>;  // with the NUL of ZeroMQ's functions
 
 /// ZMQ_ZAP_ENFORCE_DOMAIN. libzmq since 4.3.0 knows it; its header names it in drafts only.
 constexpr int zap_enforce_domain = 93;
@@ -79,8 +79,8 @@ void encrypt_as_server(zmq::socket_t& socket, const KeyPair& own) {
     require_curve();
     socket.set(zmq::sockopt::curve_server, true);
     set_key(socket, zmq::sockopt::curve_secretkey, own.secret_key);
-    // A domain makes ZeroMQ ask the handler; enforcing it keeps everybody out when there is none. Without
-    // the latter a server whose handler is missing or dead lets in anyone who has its public key.
+    // A domain makes ZeroMQ ask the handler; enforcing it refuses all clients when the handler is missing or dead.
+    // Otherwise such a server admits every client with its public key.
     socket.set(zmq::sockopt::zap_domain, zap_domain);
     const int enforce = 1;
     if (zmq_setsockopt(socket.handle(), zap_enforce_domain, &enforce, sizeof enforce) != 0) {

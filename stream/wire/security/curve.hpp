@@ -21,13 +21,13 @@ struct KeyPair {
     CurveKey secret_key{};
 };
 
-/// What a publisher that encrypts has.
+/// The keys of a publisher that encrypts.
 struct CurveServer {
     KeyPair own;
-    std::vector<CurveKey> clients;  ///< public keys of those who may subscribe; nobody else may
+    std::vector<CurveKey> clients;  ///< public keys of the clients that may subscribe; no others may
 };
 
-/// What a subscriber to such a publisher has.
+/// The keys of a subscriber to such a publisher.
 struct CurveClient {
     KeyPair own;
     CurveKey server{};  ///< the publisher's public key
@@ -35,7 +35,7 @@ struct CurveClient {
 
 enum class Security { none, curve };
 
-/// "none" or "curve", as the summary and the meta message say it.
+/// Returns "none" or "curve", as in the summary and the meta message.
 std::string_view word(Security security) noexcept;
 
 /// A key in Z85, ZeroMQ's printable form: 40 characters (rfc.zeromq.org/spec/32).
@@ -54,10 +54,10 @@ KeyPair make_key_pair();
 void require_curve();
 
 /// Makes a socket that is not bound yet encrypt, and ask the context's ZapHandler (stream/zap) about each
-/// peer. Without a handler nobody gets in.
+/// peer. Without a handler no peer is admitted.
 void encrypt_as_server(zmq::socket_t& socket, const KeyPair& own);
 
-/// Makes a socket that is not connected yet encrypt, and talk to nobody but the owner of the server's key.
+/// Makes a socket that is not connected yet encrypt, and talk only to the owner of the server's key.
 void encrypt_as_client(zmq::socket_t& socket, const CurveClient& client);
 
 }  // namespace hertzline::stream

@@ -6,8 +6,8 @@ namespace hertzline::stream {
 
 namespace {
 
-/// The same for all messages of a connection, and no other's as long as one of them lives: libzmq shares its
-/// properties among them. A descriptor alone would not do: the next connection gets it.
+/// Returns an identity that all messages of a connection share, and no other connection has while one of them lives:
+/// libzmq's shared properties. A descriptor alone would not do: the next connection gets it.
 const void* connection_of(zmq::message_t& message) noexcept {
     return zmq_msg_gets(message.handle(), "Socket-Type");
 }
@@ -18,7 +18,7 @@ void PeerQuota::charge(zmq::message_t& message) {
     const int descriptor = zmq_msg_get(message.handle(), ZMQ_SRCFD);
     const void* const properties = connection_of(message);
     if (descriptor < 0 || properties == nullptr) {
-        return;  // libzmq's own: it cancels what a peer that left had subscribed to
+        return;  // libzmq's own: it cancels the subscriptions of a peer that left
     }
     Connection& connection = connections_[descriptor];
     if (connection.charged == 0 || connection_of(connection.first) != properties) {

@@ -1,10 +1,9 @@
 #pragma once
-// Cuts off a peer that subscribes to one thing after another that nobody sends.
+// Cuts off a peer that subscribes to one unknown topic after another.
 //
-// libzmq keeps every prefix of every peer in a table of its own, before anybody is asked: 200 000 of 248
-// bytes take 1.6 GiB. An XPUB socket has no limit for them (XPUB_MANUAL keeps them as well) and no way to
-// send a peer away. So its connection is shut down under libzmq, which then forgets the peer and all that it
-// kept for it.
+// libzmq keeps every prefix of every peer in a table of its own, without asking: 200 000 of 248 bytes take 1.6 GiB.
+// An XPUB socket has no limit for them (XPUB_MANUAL keeps them as well) and no way to send a peer away. So its
+// connection is shut down under libzmq, which then forgets the peer and all that it kept for it.
 
 #include <cstdint>
 #include <optional>
@@ -14,19 +13,19 @@
 
 namespace hertzline::stream {
 
-/// Counts, for each connection, the messages that nobody has use for.
+/// Counts the useless messages of each connection.
 class PeerQuota {
 public:
-    /// How many of its messages may be charged to a connection.
+    /// The number of messages that may be charged to a connection.
     explicit PeerQuota(int allowed) noexcept : allowed_(allowed) {}
 
-    /// Charges the message to the connection that it came by. Beyond the quota the connection is shut down;
-    /// what is still on its way from there then costs nobody else anything.
+    /// Charges the message to the connection that it came by. Beyond the quota the connection is shut down; messages
+    /// still on the way then cost other peers nothing.
     void charge(zmq::message_t& message);
 
 private:
     struct Connection {
-        zmq::message_t first;  // holds on to what libzmq knows of the connection, by which it is recognised
+        zmq::message_t first;  // keeps libzmq's properties of the connection, which identify it
         int charged = 0;
         std::optional<std::uint64_t> cookie;
     };

@@ -13,13 +13,13 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr const char* endpoint = "inproc://zeromq.zap.01";  // as ZAP fixes it
+constexpr const char* endpoint = "inproc://zeromq.zap.01";  // fixed by ZAP
 constexpr const char* version = "1.0";
 constexpr long nap_ms = 100;  // between looks at the stop flag
 
 constexpr const char* status_granted = "200";
 constexpr const char* status_refused = "400";
-constexpr const char* status_not_understood = "500";  // lets nobody in either
+constexpr const char* status_not_understood = "500";  // admits no peer either
 
 enum Part : std::size_t { version_part = 0, id_part = 1, mechanism_part = 5, key_part = 6 };
 
@@ -65,7 +65,7 @@ const char* ZapHandler::verdict(std::size_t parts) noexcept {
     CurveKey key{};
     if (text_of(request_[mechanism_part]) == "CURVE" && request_[key_part].size() == key.size()) {
         std::memcpy(key.data(), request_[key_part].data(), key.size());
-        // In time that depends on the key: it is a public one, and who sends it owns it.
+        // In time that depends on the key: it is public, and its sender owns it.
         if (std::ranges::binary_search(allowed_, key)) {
             return status_granted;
         }
@@ -74,7 +74,7 @@ const char* ZapHandler::verdict(std::size_t parts) noexcept {
     return status_refused;
 }
 
-/// Should a part not be sent, ZeroMQ hears no answer and the peer stays outside.
+/// If a part cannot be sent, ZeroMQ gets no answer and does not admit the peer.
 void ZapHandler::reply(std::string_view status) noexcept {
     constexpr std::string_view none;
     const std::array<std::string_view, 6> texts{version, text_of(request_[id_part]),

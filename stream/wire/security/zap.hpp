@@ -1,5 +1,5 @@
 #pragma once
-// Who may come in: answers ZeroMQ's question about each peer of a socket that encrypts (ZAP,
+// Admission: answers ZeroMQ's request about each peer of a socket that encrypts (ZAP,
 // rfc.zeromq.org/spec/27). By then the peer has proved that it owns its key; here it is looked up in a list.
 
 #include <array>
@@ -38,7 +38,7 @@ private:
     zmq::socket_t socket_;           // the thread's from its start to its end
     std::array<zmq::message_t, request_parts> request_;
     std::atomic<std::uint64_t> refused_{0};
-    std::jthread thread_;  // last, so that it ends before what it uses
+    std::jthread thread_;  // last, so that it ends before the members that it uses
 };
 
 }  // namespace hertzline::stream
