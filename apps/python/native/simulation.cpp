@@ -111,8 +111,8 @@ void add_simulation(py::module_& module) {
         .def("advance", &advance, py::arg("samples"))
         .def("reset", [](Steps& steps) { steps.simulation().reset(); })
         .def_property_readonly("sample", [](Steps& steps) { return steps.simulation().next_sample(); })
-        .def_property_readonly(
-            "sample_rate_hz", [](Steps& steps) { return steps.simulation().scene().output.sample_rate_hz; })
+        .def_property_readonly("sample_rate_hz",
+                               [](Steps& steps) { return steps.simulation().scene().output.sample_rate_hz; })
         .def_property_readonly("step_s", [](Steps& steps) { return steps.simulation().step_s(); })
         .def_property_readonly("steps", [](Steps& steps) { return steps.simulation().steps(); })
         .def_property_readonly("contact_events",
