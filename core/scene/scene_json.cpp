@@ -229,9 +229,11 @@ Json material_json(const BuiltInMaterial& material) {
     const auto* solid = std::get_if<Solid>(&material.material);
     const double density =
         std::visit([](const auto& sort) { return sort.density_kg_per_m3; }, material.material);
-    const auto of_solid = [&](auto member) {
-        const std::optional<double> value =
-            solid != nullptr ? std::optional<double>(solid->*member) : std::nullopt;
+    const auto of_solid = [&](auto member) -> Json {
+        if (solid == nullptr) {
+            return nullptr;
+        }
+        const std::optional<double> value = solid->*member;
         return value ? Json(*value) : Json(nullptr);
     };
     Json json;
