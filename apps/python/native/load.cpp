@@ -105,7 +105,7 @@ py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, cons
 using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
 /// All of a recording for pickle; JSON as text, which keeps every number.
-py::tuple state_of(const std::shared_ptr<Recording>& recording) {
+py::tuple state_of_recording(const std::shared_ptr<Recording>& recording) {
     py::list columns;
     for (const recordings::Column& column : recording->head.columns) {
         columns.append(py::make_tuple(column.name, column.quantity, column.unit));
@@ -119,7 +119,7 @@ py::tuple state_of(const std::shared_ptr<Recording>& recording) {
                           view_of(recording->values.data(), shape, py::cast(recording)), stretches);
 }
 
-std::shared_ptr<Recording> restored(const py::tuple& state) {
+std::shared_ptr<Recording> restored_recording(const py::tuple& state) {
     auto recording = std::make_shared<Recording>();
     for (const auto& [name, quantity, unit] :
          state[0].cast<std::vector<std::tuple<std::string, std::string, std::string>>>()) {
@@ -162,7 +162,7 @@ void add_load(py::module_& module) {
         .def("provenance",
              [](const Recording& recording) { return python_object(recording.head.provenance); })
         .def("samples", &samples_of, py::arg("name"))
-        .def(py::pickle(&state_of, &restored));
+        .def(py::pickle(&state_of_recording, &restored_recording));
     module.def("load", &load, py::arg("path"));
 }
 

@@ -124,7 +124,7 @@ py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, con
 }
 
 /// All of a run for pickle; JSON as text, which keeps every number.
-py::tuple state_of(const std::shared_ptr<RunResult>& result) {
+py::tuple state_of_run(const std::shared_ptr<RunResult>& result) {
     py::dict samples;
     for (const Tap tap : result->held) {
         samples[py::str(std::string(row_of(tap).name))] =
@@ -135,7 +135,7 @@ py::tuple state_of(const std::shared_ptr<RunResult>& result) {
                           json_text(result->provenance), result->warnings);
 }
 
-std::shared_ptr<RunResult> restored(const py::tuple& state) {
+std::shared_ptr<RunResult> restored_run(const py::tuple& state) {
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = state[0].cast<double>();
     result->rows = state[1].cast<std::size_t>();
@@ -175,7 +175,7 @@ void add_run(py::module_& module) {
                 return std::string(row_of(held_tap(result, name)).unit);
             },
             py::arg("tap"))
-        .def(py::pickle(&state_of, &restored))
+        .def(py::pickle(&state_of_run, &restored_run))
         .def("save", &save, py::arg("paths"), py::arg("taps"), py::arg("wav_scale"));
     module.def("run", &run, py::arg("scene"), py::arg("taps"), py::arg("measure"), py::arg("band_from_hz"));
 }
