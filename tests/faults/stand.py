@@ -48,10 +48,10 @@ ENDS_WITHIN_S = 1  # as is promised
 # What an allocator may keep of the memory that was given back to it, for the next who ask: several sizes of blocks for
 # each thread.
 KEPT_BY_ALLOCATOR = 4 << 20
-# A fault may hold the sending thread up for this long, and for so many times what the control was held up, but never for
-# longer than the last: a control that is as late was not held up by the machine. (Seen with 16 processes on two cores:
-# 0.06 s, and 1.2 of the busy scene.)
-LATENESS_S, LATENESS_OF_CONTROL, LONGEST_LATENESS_S = 0.5, 5, 2.5
+# A fault may hold the sending thread up for this long, and for this many times the lateness of the control, a stream without
+# the fault beside it. (Seen with 16 processes on two cores: 0.06 s, and 1.2 of the busy scene; beside a build both are late by
+# more than 2 s.)
+LATENESS_S, LATENESS_OF_CONTROL = 0.5, 5
 
 
 def wait_until(condition, what, limit_s=LONG_ENOUGH_S):
@@ -239,7 +239,7 @@ class Stream:
         for name in ("largest_lateness_s", "real_time_factor", "late_frames", "frames"):
             print(f"{name}: {own[name]:.4g}, of the control: {control[name]:.4g}")
         late, machine = own["largest_lateness_s"], control["largest_lateness_s"]
-        allowed = min(LATENESS_S + LATENESS_OF_CONTROL * machine, LONGEST_LATENESS_S)
+        allowed = LATENESS_S + LATENESS_OF_CONTROL * machine
         check(late <= allowed, f"late by {late:.3f} s, the control by {machine:.3f} s")
         check(own["real_time_factor"] > control["real_time_factor"] / 2, "half as fast as the control")
 
