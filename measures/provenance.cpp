@@ -104,28 +104,24 @@ Json provenance_of_meta(const Json& meta) {
     return json;
 }
 
-std::optional<double> repetition_of(const Json& provenance) {
-    const Json::json_pointer path("/scene/drive/repetition_hz");
-    if (!provenance.contains(path)) {
-        return std::nullopt;
-    }
-    const auto& value = provenance.at(path);
-    constexpr double most = 1e9;  // as in a scene
-    const bool usable = value.is_number() && value.get<double>() >= 0 && value.get<double>() <= most;
-    return usable ? std::optional(value.get<double>()) : std::nullopt;
-}
-
 namespace {
 
-std::int64_t count_in(const Json& object, const char* key) {
+std::optional<double> repetition_at(std::string_view path, const Json& json) {
+    constexpr double most = 1e9;  // as in a scene
+    const auto rate = OutsideJson(json).number(path);
+    return rate && *rate >= 0 && *rate <= most ? rate : std::nullopt;
+}
+
+std::int64_t count_in(const Json& json, std::string_view key) {
     constexpr std::int64_t most = 9'000'000'000'000'000'000;
-    const auto found = object.find(key);
-    return found != object.end() && found->is_number_integer()
-               ? std::clamp(found->get<std::int64_t>(), std::int64_t{0}, most)
-               : 0;
+    return std::min(OutsideJson(json).count(key).value_or(0), most);
 }
 
 }  // namespace
+
+std::optional<double> repetition_of(const Json& provenance) {
+    return repetition_at("scene/drive/repetition_hz", provenance);
+}
 
 std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz) {
     const auto repetition = repetition_of(provenance);
@@ -136,20 +132,14 @@ std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz) {
                                .first_sample = count_in(provenance, "epoch_sample"),
                                .first_burst = count_in(provenance, "epoch_burst"),
                                .repetition_hz = *repetition}};
-    const Json changes = provenance.value("changes", Json::array());
-    for (const Json& change : changes) {
+    for (const Json& change : OutsideJson(provenance).at("changes")) {
         const Epoch before = epochs.back();
-        if (!change.is_object() || count_in(change, "epoch") <= before.number ||
-            count_in(change, "sample") <= before.first_sample) {
+        if (count_in(change, "epoch") <= before.number || count_in(change, "sample") <= before.first_sample) {
             continue;
         }
-        const auto set = change.find("set");
-        const Json rate = set != change.end() && set->is_object()
-                              ? set->value("drive.repetition_hz", Json(nullptr))
-                              : Json(nullptr);
-        const auto its = repetition_of({{"scene", {{"drive", {{"repetition_hz", rate}}}}}});
+        const auto rate = repetition_at("set/drive.repetition_hz", change);
         epochs.push_back(
-            before.next(sample_rate_hz, count_in(change, "sample"), its.value_or(before.repetition_hz)));
+            before.next(sample_rate_hz, count_in(change, "sample"), rate.value_or(before.repetition_hz)));
         epochs.back().number = count_in(change, "epoch");
     }
     return epochs;

@@ -40,11 +40,8 @@ constexpr std::int64_t max_frame = 1 << 20;
 
 /// Returns the frame length of the recorded run, if it is known.
 std::int64_t frame_samples(const Json& provenance) {
-    const Json::json_pointer key("/scene/output/frame_samples");
-    if (!provenance.is_object() || !provenance.contains(key) || !provenance.at(key).is_number_integer()) {
-        return usual_frame;
-    }
-    const auto samples = provenance.at(key).get<std::int64_t>();
+    const std::int64_t samples =
+        OutsideJson(provenance).count("scene/output/frame_samples").value_or(usual_frame);
     return samples >= 1 && samples <= max_frame ? samples : usual_frame;
 }
 

@@ -1,5 +1,6 @@
 #include "core/scene/json.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <stdexcept>
@@ -71,6 +72,53 @@ Json json_from_outside(std::string_view text) {
         throw std::runtime_error("description: " + bounds.fault);
     }
     return Json::parse(text);
+}
+
+Json object_from_outside(std::string_view text) {
+    constexpr std::size_t largest = std::size_t{1} << 20;
+    if (text.size() > largest) {
+        return nullptr;
+    }
+    try {
+        Json json = json_from_outside(text);
+        return json.is_object() ? json : Json(nullptr);
+    } catch (const std::runtime_error&) {
+        return nullptr;
+    }
+}
+
+const Json& OutsideJson::at(std::string_view path) const {
+    static const Json missing;
+    const Json* json = &json_;
+    while (json->is_object()) {
+        const std::size_t slash = std::min(path.find('/'), path.size());
+        const auto found = json->find(std::string(path.substr(0, slash)));
+        if (found == json->end()) {
+            return missing;
+        }
+        json = &*found;
+        if (slash == path.size()) {
+            return *json;
+        }
+        path.remove_prefix(slash + 1);
+    }
+    return missing;
+}
+
+std::string OutsideJson::text(std::string_view path) const {
+    const Json& found = at(path);
+    return found.is_string() ? found.get<std::string>() : std::string();
+}
+
+std::optional<double> OutsideJson::number(std::string_view path) const {
+    const Json& found = at(path);
+    return found.is_number() ? std::optional(found.get<double>()) : std::nullopt;
+}
+
+std::optional<std::int64_t> OutsideJson::count(std::string_view path) const {
+    const Json& found = at(path);
+    const std::int64_t count = found.is_number_integer() ? found.get<std::int64_t>() : -1;
+    return count >= 0 ? std::optional(count) : std::nullopt;  // one beyond 63 bits wraps below 0
 }
 
 std::string json_text(const Json& json) {

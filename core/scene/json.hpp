@@ -1,6 +1,9 @@
 #pragma once
 // JSON from files and messages of others, which may be anything.
 
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
@@ -13,6 +16,27 @@ using Json = nlohmann::ordered_json;
 /// @throws std::runtime_error when it is not JSON, is nested so deep that following it would exhaust the stack, or has
 /// millions of values or objects of thousands of keys
 Json json_from_outside(std::string_view text);
+
+/// Parses a message that should be an object; null when it is none, is larger than a MiB or is refused by json_from_outside().
+Json object_from_outside(std::string_view text);
+
+/// Reads members of JSON from outside by their paths: "scene/drive/frequency_hz". A member that is missing, or of another type,
+/// reads as nothing. Refers to the JSON.
+class OutsideJson {
+public:
+    explicit OutsideJson(const Json& json) noexcept : json_(json) {}
+
+    /// Any value; null when it is missing.
+    const Json& at(std::string_view path) const;
+    /// "" when it is missing.
+    std::string text(std::string_view path) const;
+    std::optional<double> number(std::string_view path) const;
+    /// A whole number of at least 0.
+    std::optional<std::int64_t> count(std::string_view path) const;
+
+private:
+    const Json& json_;
+};
 
 /// One object, on one line. Bytes that are not UTF-8 (in the name of a file) are replaced.
 std::string json_text(const Json& json);

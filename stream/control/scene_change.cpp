@@ -9,15 +9,6 @@
 
 namespace hertzline::stream {
 
-namespace {
-
-std::int64_t whole_in(const Json& object, const char* key) {
-    const auto found = object.find(key);
-    return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : -1;
-}
-
-}  // namespace
-
 Json faults_json(const std::vector<Fault>& faults) {
     Json list = Json::array();
     for (const Fault& fault : faults) {
@@ -98,25 +89,24 @@ tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list)
         if (!entry.is_object()) {
             return wrong(R"(found no object, allowed: {"sample": 20000, "set": {...}})");
         }
+        const OutsideJson outside(entry);
         SceneChange change;
-        change.sample = whole_in(entry, "sample");
-        change.epoch = entry.contains("epoch") ? whole_in(entry, "epoch") : std::ssize(changes) + 1;
+        change.sample = outside.count("sample").value_or(0);
+        change.epoch = entry.contains("epoch") ? outside.count("epoch").value_or(0) : std::ssize(changes) + 1;
         if (change.sample < 1 || (!changes.empty() && change.sample <= changes.back().sample)) {
             return wrong("\"sample\" is missing or not a whole number above that of the change before");
         }
         if (change.epoch < 1 || (!changes.empty() && change.epoch != changes.back().epoch + 1)) {
             return wrong("\"epoch\" does not follow that of the change before");
         }
-        if (!entry.contains("set") || !entry["set"].is_object()) {
+        if (!outside.at("set").is_object()) {
             return wrong("\"set\" is missing or not an object of keys and values");
         }
-        change.set = entry["set"];
-        if (entry.contains("was") && entry["was"].is_object()) {
-            change.was = entry["was"];
+        change.set = outside.at("set");
+        if (outside.at("was").is_object()) {
+            change.was = outside.at("was");
         }
-        if (entry.contains("scene_hash") && entry["scene_hash"].is_string()) {
-            change.scene_hash = entry["scene_hash"].get<std::string>();
-        }
+        change.scene_hash = outside.text("scene_hash");
         changes.push_back(std::move(change));
     }
     return changes;

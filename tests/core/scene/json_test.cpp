@@ -65,5 +65,35 @@ TEST(JsonFromOutside, AnswersSoonWhateverIsMadeToBeSlow) {
     EXPECT_THAT(error_of([&] { json_from_outside(values + "]"); }), HasSubstr("too many values"));
 }
 
+TEST(ObjectFromOutside, IsNullForWhatIsNoObject) {
+    EXPECT_EQ(object_from_outside(R"({"a": 1})").dump(), R"({"a":1})");
+    for (const char* wrong : {"[1]", "1", "", "{", R"({"a": 1} x)"}) {
+        EXPECT_TRUE(object_from_outside(wrong).is_null()) << wrong;
+    }
+    EXPECT_TRUE(object_from_outside("{}" + std::string(1 << 20, ' ')).is_null()) << "larger than a MiB";
+}
+
+TEST(OutsideJson, ReadsMembersOfTheirTypeAndNothingElse) {
+    const Json json = Json::parse(
+        R"({"a": {"b": {"c": 0.5}, "name": "x"}, "count": 7, "less": -1, "huge": 18446744073709551615, "list": [1]})");
+    const OutsideJson outside(json);
+    EXPECT_EQ(outside.number("a/b/c"), 0.5);
+    EXPECT_EQ(outside.number("count"), 7);
+    EXPECT_EQ(outside.text("a/name"), "x");
+    EXPECT_EQ(outside.count("count"), 7);
+    EXPECT_EQ(outside.at("list").size(), 1U);
+    for (const char* path : {"", "b", "a", "a/", "a/b/d", "a/b/c/d", "count/a", "list/0", "a//b"}) {
+        EXPECT_EQ(outside.text(path), "") << path;
+        EXPECT_FALSE(outside.number(path)) << path;
+        EXPECT_FALSE(outside.count(path)) << path;
+    }
+    for (const char* no_count : {"a/b/c", "less", "huge", "a/name"}) {
+        EXPECT_FALSE(outside.count(no_count)) << no_count;
+    }
+    for (const Json& other : {Json(nullptr), Json(1), Json::array({1})}) {
+        EXPECT_TRUE(OutsideJson(other).at("a").is_null());
+    }
+}
+
 }  // namespace
 }  // namespace hertzline::test
