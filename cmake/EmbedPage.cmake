@@ -20,7 +20,7 @@ foreach(file IN LISTS FILES)
 endforeach()
 
 file(WRITE "${OUTPUT}" "// Generated from scope/page/ by cmake/EmbedPage.cmake.
-#include \"scope/server/page_files.hpp\"
+#include \"scope/server/page_server.hpp\"
 
 #include <array>
 

@@ -48,6 +48,8 @@ set(stream_headers
   measures/quantities.hpp
   measures/run.hpp
   measures/scene_file.hpp
+  stream/listening/listener.hpp
+  stream/listening/run_receiver.hpp
   stream/wire/continuity.hpp
   stream/wire/frame.hpp
   stream/wire/frame_codec.hpp

@@ -11,38 +11,26 @@
 #include <iostream>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include <hertzline/stream.hpp>
 
 namespace {
 
 void listen(const std::string& endpoint) {
-    hertzline::stream::Subscriber subscriber(endpoint);
-    subscriber.subscribe("v_out/np");  // a JSON header, then the samples
-    subscriber.subscribe("end");
-
-    hertzline::stream::ContinuityCheck continuity;  // finds gaps: a slow subscriber loses frames
-    std::vector<float> samples;
+    hertzline::stream::Listener listener(endpoint, {.taps = hertzline::Tap::v_out, .timeout_s = 10});
     float peak = 0;
-    while (const hertzline::stream::Message* message = subscriber.receive(std::chrono::seconds(10))) {
-        if (message->topic() == "end") {
-            std::cout << continuity.text() << "; peak of v_out " << peak << " m/s\n";
-            return;
-        }
-        if (message->parts() != 2) {
-            continue;  // not a frame of ours
-        }
-        const auto frame = hertzline::stream::decode_header(message->text(0), message->bytes(1).size());
-        if (!frame || !hertzline::recordings::decode_samples(message->bytes(1), samples)) {
-            continue;  // damaged
-        }
-        continuity.take(*frame);
-        for (const float v : samples) {
-            peak = std::max(peak, std::abs(v));
+    while (!listener.ended()) {
+        if (const auto* frame = listener.receive(std::chrono::milliseconds(100))) {
+            for (const float v : frame->values) {
+                peak = std::max(peak, std::abs(v));
+            }
         }
     }
-    throw std::runtime_error("nothing arrived for ten seconds");
+    std::cout << listener.run().text() << "; peak of v_out " << peak << " m/s\n";
+    if (!listener.run().complete()) {
+        throw std::runtime_error(std::string("the stream is incomplete: ") +
+                                 word(listener.run().end_reason()));
+    }
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ export class Chain {
     const meaning = picture.forces
       ? `Orange is a force, up to ${withUnit(largest, 'N')}, blue an open contact or one that pulls. The last line is the chain's end.`
       : `Blue is a velocity towards the horn, orange away from it, up to ${withUnit(largest, 'm/s')}.`;
-    this.text.textContent = `Burst ${picture.burst}: ${withUnit(picture.samples / picture.rate, 's')}, ${picture.rows} `
+    this.text.textContent = `Burst ${picture.burst}: ${withUnit(picture.samples / picture.rate_hz, 's')}, ${picture.rows} `
       + `${picture.rows === 1 ? 'line' : 'lines'}, horn on top. ${meaning}`;
   }
 

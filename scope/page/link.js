@@ -1,24 +1,21 @@
-// The line to the scope: pictures and states come, requests go. Comes back by itself.
+// The connection to the scope: pictures and states come, requests go. Restored by itself.
 
-const HEAD = 64;
-const KINDS = {1: 'waveform', 2: 'spectrum', 3: 'chain'};
+import {protocol} from './protocol.js';  // made by the scope: see scope/pictures/picture.hpp
 
-/** A picture's bytes, as scope/pictures/picture.hpp has them. */
+const kinds = Object.fromEntries(Object.entries(protocol.kinds).map(([name, number]) => [number, name]));
+
+/** A picture of its bytes: the members of its head, its flags as booleans, its numbers. */
 export function readPicture(buffer) {
   const view = new DataView(buffer);
-  const flags = view.getUint16(2, true);
-  const columns = view.getUint32(4, true);
-  const picture = {
-    kind: KINDS[view.getUint8(0)], columns, rows: view.getUint32(8, true), epoch: view.getUint32(12, true),
-    eachSample: (flags & 1) !== 0, untriggered: (flags & 2) !== 0, held: (flags & 4) !== 0, forces: (flags & 8) !== 0,
-    trigger: Number(view.getBigInt64(16, true)), first: Number(view.getBigInt64(24, true)),
-    samples: Number(view.getBigUint64(32, true)), burst: Number(view.getBigUint64(40, true)),
-    rate: view.getFloat64(48, true), heardAt: view.getFloat64(56, true),
-  };
-  const numbers = new Float32Array(buffer, HEAD);
+  const picture = Object.fromEntries(protocol.head.map(([name, type, place]) => [name, Number(view[`get${type}`](place, true))]));
+  for (const [flag, bit] of Object.entries(protocol.flags)) {
+    picture[flag] = (picture.flags & bit) !== 0;
+  }
+  picture.kind = kinds[picture.kind];
+  const numbers = new Float32Array(buffer, protocol.head_bytes);
   if (picture.kind === 'waveform') {
-    picture.low = numbers.subarray(0, columns);
-    picture.high = picture.eachSample ? picture.low : numbers.subarray(columns, 2 * columns);
+    picture.low = numbers.subarray(0, picture.columns);
+    picture.high = picture.each_sample ? picture.low : numbers.subarray(picture.columns);
   } else {
     picture.values = numbers;
   }
@@ -53,11 +50,11 @@ export class Link {
       return;
     }
     const text = JSON.parse(data);
-    this.socket.send(`{"ack":${text.turn}}`);  // the text is a turn's last part
+    this.socket.send(`{"ack":${text.update}}`);  // the text is a update's last part
     this.events.text(text);
   }
 
-  say(request) {
+  send(request) {
     if (this.socket.readyState === WebSocket.OPEN) {
       this.socket.send(JSON.stringify(request));
     }

@@ -5,12 +5,13 @@ import {Knobs} from './knobs.js';
 import {Link} from './link.js';
 import {showMeasures, showMeters} from './meters.js';
 import {listen} from './pointer.js';
+import {protocol} from './protocol.js';
 import {download, pngOf} from './save.js';
 import {Spectrum} from './spectrum.js';
 import {Waveform} from './waveform.js';
 
 const $ = (id) => document.getElementById(id);
-const LONGEST_SAMPLES = 0.9 * 2 ** 21;  // that the scope holds
+const LONGEST_SAMPLES = 0.9 * protocol.held_samples;
 
 const waveform = new Waveform($('waveform'));
 const spectrum = new Spectrum($('spectrum'), $('waterfall'));
@@ -61,7 +62,7 @@ function ask() {
     view.columns = waveform.columns();
     view.chain = $('chain-panel').open ? $('chain-stream').value : undefined;  // left out: none
     view.spectrum = $('spectrum-panel').open;
-    link.say({view});
+    link.send({view});
   }, 15);
 }
 
@@ -166,12 +167,12 @@ let changing = false;
 function change() {
   if (!changing && waiting.size > 0) {
     changing = true;
-    link.say({set: Object.fromEntries(waiting)});
+    link.send({set: Object.fromEntries(waiting)});
     waiting.clear();
   }
 }
 const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); });
-$('undo').onclick = () => { changing = true; link.say({undo: true}); };
+$('undo').onclick = () => { changing = true; link.send({undo: true}); };
 
 function showAnswer({to, answer}) {
   changing = false;
@@ -190,12 +191,12 @@ function showAnswer({to, answer}) {
 
 // ---- saving
 
-$('save-scene').onclick = () => link.say({scene: 'toml'});
+$('save-scene').onclick = () => link.send({scene: 'toml'});
 $('save-png').onclick = async () => {
   download('hertzline-scope.png', 'image/png', await pngOf([$('waveform'), $('spectrum'), $('waterfall')], colours().paper));
 };
 $('save-svg').onclick = () => download('hertzline-scope.svg', 'image/svg+xml', waveform.svg(1200, 500));
-$('record').onclick = () => link.say(state.recording?.on
+$('record').onclick = () => link.send(state.recording?.on
   ? {record: null} : {record: {stream: view.stream, ending: $('record-ending').value}});
 
 function showRecording(recording) {
@@ -324,7 +325,7 @@ function draw() {
     undrawn = false;
     own.drawn += 1;
     if (waveform.picture) {
-      own.delays.push(Date.now() - 1e3 * waveform.picture.heardAt);
+      own.delays.push(Date.now() - 1e3 * waveform.picture.received_at_s);
     }
     own.delays = own.delays.slice(-200);
   }

@@ -60,7 +60,7 @@ export class Spectrum {
       pen.text(8 * scale, 20 * scale, 'Waiting for a whole burst.', colour.faint);
       return;
     }
-    const to = this.picture.columns * this.picture.rate;
+    const to = this.picture.columns * this.picture.rate_hz;
     const x = (hz) => hz / to * width;
     const y = (db) => Math.min(db / this.floor, 1) * height;
     const low = this.measures?.band_20db_low_hz;

@@ -1,5 +1,6 @@
 // The waveform: each column of the picture is a pixel, from its smallest to its largest sample.
 import {CanvasPen, SvgPen, colours, fit, ticks, withUnit} from './axes.js';
+import {protocol} from './protocol.js';
 
 const MARGIN_BELOW = 18;
 
@@ -20,7 +21,7 @@ export class Waveform {
 
   /** @returns how many columns a picture should have */
   columns() {
-    return Math.min(Math.max(Math.round(this.canvas.clientWidth * Math.min(window.devicePixelRatio || 1, 2)), 16), 4096);
+    return Math.min(Math.max(Math.round(this.canvas.clientWidth * Math.min(window.devicePixelRatio || 1, 2)), 16), protocol.max_columns);
   }
 
   take(picture) {
@@ -40,7 +41,7 @@ export class Waveform {
 
   /** The time of a column's left edge [s after the trigger]. */
   static timeOf(picture, column) {
-    return (picture.first - picture.trigger + Math.floor(column * picture.samples / picture.columns)) / picture.rate;
+    return (picture.first - picture.trigger + Math.floor(column * picture.samples / picture.columns)) / picture.rate_hz;
   }
 
   /** Smallest and largest sample in the pixel at a time; null: none. */
@@ -49,8 +50,8 @@ export class Waveform {
     if (!picture) {
       return null;
     }
-    const sample = time * picture.rate + picture.trigger - picture.first;
-    const column = picture.eachSample ? Math.round(sample) : Math.floor(sample * picture.columns / picture.samples);
+    const sample = time * picture.rate_hz + picture.trigger - picture.first;
+    const column = picture.each_sample ? Math.round(sample) : Math.floor(sample * picture.columns / picture.samples);
     if (column < 0 || column >= picture.columns || Number.isNaN(picture.low[column])) {
       return null;
     }
@@ -137,7 +138,7 @@ export class Waveform {
   }
 
   paintTrace(pen, picture, width, height, scale, stroke) {
-    if (picture.eachSample) {
+    if (picture.each_sample) {
       this.paintSamples(pen, picture, width, height, scale, stroke);
       return;
     }
@@ -162,7 +163,7 @@ export class Waveform {
   }
 
   paintSamples(pen, picture, width, height, scale, stroke) {
-    const spacing = width / (this.view.span_s * picture.rate);
+    const spacing = width / (this.view.span_s * picture.rate_hz);
     let line = [];
     const end = () => {
       if (line.length > 0) {
@@ -175,7 +176,7 @@ export class Waveform {
         end();
         continue;
       }
-      const point = [this.x((picture.first - picture.trigger + i) / picture.rate, width), this.y(picture.low[i], height)];
+      const point = [this.x((picture.first - picture.trigger + i) / picture.rate_hz, width), this.y(picture.low[i], height)];
       line.push(point);
       if (spacing > 8 * scale) {
         pen.rect(point[0] - 2 * scale, point[1] - 2 * scale, 4 * scale, 4 * scale, stroke);

@@ -21,61 +21,61 @@ constexpr float lowest_db = -300;
 
 }  // namespace
 
-std::optional<BurstSpectra::Record> BurstSpectra::next_record(const HeardSamples& heard) const {
-    const History& history = heard.history;
-    const auto latest = heard.bursts.latest();
-    if (!latest || history.empty()) {
+std::optional<BurstSpectra::Record> BurstSpectra::next_record(const StreamHistory& history) const {
+    const SampleRing& samples = history.samples;
+    const auto latest = history.bursts.latest();
+    if (!latest || samples.empty()) {
         return std::nullopt;
     }
     const auto before =
-        latest->sample > 0 ? heard.bursts.latest_by(latest->sample - 1) : std::optional<BurstMark>();
-    const bool repeats = heard.repetition_hz * static_cast<double>(history.capacity()) > heard.fs;
+        latest->sample > 0 ? history.bursts.latest_by(latest->sample - 1) : std::optional<BurstMark>();
+    const bool repeats = history.repetition_hz * static_cast<double>(samples.capacity()) > history.fs;
     Record record;
-    std::uint64_t end = history.end();
-    if (before && before->sample >= history.begin()) {
+    std::uint64_t end = samples.end();
+    if (before && before->sample >= samples.begin()) {
         record.burst = *before;
         end = std::min<std::uint64_t>(latest->sample, before->sample + longest);
     } else if (repeats) {
         return std::nullopt;  // the first one is not over yet
-    } else if (latest->sample >= history.begin()) {
+    } else if (latest->sample >= samples.begin()) {
         record.burst = *latest;
         end = std::min<std::uint64_t>(end, latest->sample + longest);
     } else {
-        record.burst = {latest->burst, end - std::min<std::uint64_t>(end - history.begin(), longest)};
+        record.burst = {latest->burst, end - std::min<std::uint64_t>(end - samples.begin(), longest)};
     }
     if (end - record.burst.sample < fewest_samples) {
         return std::nullopt;
     }
     record.values.reserve(end - record.burst.sample);
-    history.for_each_piece(record.burst.sample, end, [&](std::span<const float> piece) {
+    samples.for_each_piece(record.burst.sample, end, [&](std::span<const float> piece) {
         record.values.insert(record.values.end(), piece.begin(), piece.end());
     });
     return record;
 }
 
-void BurstSpectra::look_at(const HeardSamples& heard, double fundamental_hz, double now_s) {
-    if (now_s < next_at_s_ || !(fundamental_hz > 0) || heard.history.empty()) {
+void BurstSpectra::look_at(const StreamHistory& history, double fundamental_hz, double now_s) {
+    if (now_s < next_at_s_ || !(fundamental_hz > 0) || history.samples.empty()) {
         return;
     }
     const Clock::time_point start = Clock::now();
-    const auto record = next_record(heard);
-    const bool seen = record && latest_ && latest_->burst == record->burst && latest_->fs == heard.fs &&
+    const auto record = next_record(history);
+    const bool seen = record && latest_ && latest_->burst == record->burst && latest_->fs == history.fs &&
                       latest_->samples == record->values.size();
     const auto is_there = [](double value) { return std::isfinite(value); };
     if (!record || seen || !std::ranges::all_of(record->values, is_there)) {
         return;
     }
-    analyse(*record, heard, fundamental_hz);
+    analyse(*record, history, fundamental_hz);
     const double took_s = std::chrono::duration<double>(Clock::now() - start).count();
     next_at_s_ = now_s + std::max(shortest_pause_s, took_s / share_of_time);
 }
 
-void BurstSpectra::analyse(const Record& record, const HeardSamples& heard, double fundamental_hz) {
+void BurstSpectra::analyse(const Record& record, const StreamHistory& history, double fundamental_hz) {
     // Periods differ by a sample: room for a few more spares planning the transform again.
-    if (!analyser_ || fs_ != heard.fs || record.values.size() > longest_record_ ||
+    if (!analyser_ || fs_ != history.fs || record.values.size() > longest_record_ ||
         record.values.size() + 2 * fewest_samples < longest_record_) {
         longest_record_ = record.values.size() + fewest_samples;
-        fs_ = heard.fs;
+        fs_ = history.fs;
         analyser_ = std::make_unique<measures::SpectrumAnalyser>(longest_record_, fs_);
     }
     auto spectrum = std::make_shared<BurstSpectrum>();
@@ -83,9 +83,9 @@ void BurstSpectra::analyse(const Record& record, const HeardSamples& heard, doub
     spectrum->number = ++next_number_;
     spectrum->burst = record.burst;
     spectrum->samples = record.values.size();
-    spectrum->epoch = heard.epoch;
-    spectrum->fs = heard.fs;
-    spectrum->heard_at_s = heard.heard_at_s;
+    spectrum->epoch = history.epoch;
+    spectrum->fs = history.fs;
+    spectrum->received_at_s = history.received_at_s;
     spectrum->bin_hz = lines.frequencies_hz.size() > 1 ? lines.frequencies_hz[1] : 0;
     spectrum->amplitudes = std::move(lines.amplitudes);
     spectrum->measures["peak"] = measures::peak_of(record.values);
@@ -136,7 +136,7 @@ std::string SpectrumAverage::picture(const BurstSpectrum& latest, double to_hz, 
     head.samples = latest.samples;
     head.burst = latest.burst.burst;
     head.rate_hz = to_bin * latest.bin_hz / static_cast<double>(columns);
-    head.heard_at_s = latest.heard_at_s;
+    head.received_at_s = latest.received_at_s;
     return picture_bytes(head, levels);
 }
 

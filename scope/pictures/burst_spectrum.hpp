@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "measures/spectrum.hpp"
-#include "scope/pictures/heard_samples.hpp"
+#include "scope/pictures/stream_history.hpp"
 
 #include "core/scene/json.hpp"
 
@@ -21,7 +21,7 @@ struct BurstSpectrum {
     std::uint64_t samples = 0;
     std::uint32_t epoch = 0;         ///< of the scene
     double fs = 0;                   ///< [Hz]
-    double heard_at_s = 0;           ///< [s since 1970]
+    double received_at_s = 0;        ///< [s since 1970]
     double bin_hz = 0;               ///< between two amplitudes
     std::vector<double> amplitudes;  ///< as MagnitudeSpectrum
     Json measures{};                 ///< peak, then the names of spectrum_json()
@@ -35,7 +35,7 @@ public:
 
     /// Looks at the latest whole burst when it is time to; at a single one from its start on as far as it has come, and then at
     /// the last samples. @param now_s since 1970 [s]
-    void look_at(const HeardSamples& heard, double fundamental_hz, double now_s);
+    void look_at(const StreamHistory& history, double fundamental_hz, double now_s);
     /// The latest; null: none yet.
     const std::shared_ptr<const BurstSpectrum>& latest() const noexcept { return latest_; }
 
@@ -44,8 +44,8 @@ private:
         BurstMark burst;
         std::vector<double> values;
     };
-    std::optional<Record> next_record(const HeardSamples& heard) const;
-    void analyse(const Record& record, const HeardSamples& heard, double fundamental_hz);
+    std::optional<Record> next_record(const StreamHistory& history) const;
+    void analyse(const Record& record, const StreamHistory& history, double fundamental_hz);
 
     std::unique_ptr<measures::SpectrumAnalyser> analyser_;
     std::size_t longest_record_ = 0;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "scope/pictures/burst_marks.hpp"
 #include "scope/pictures/picture.hpp"
+#include "scope/pictures/stream_history.hpp"
 
 #include "core/model/bursts.hpp"
 
@@ -14,6 +14,7 @@ namespace hertzline::scope {
 namespace {
 
 constexpr double most_samples = 1 << 26;
+constexpr double pause_s = 0.5;  // between two pictures
 
 }  // namespace
 
@@ -78,8 +79,40 @@ void ChainCapture::take(const stream::ReceivedFrame& frame, double now_s) {
     head.samples = samples_;
     head.burst = burst_;
     head.rate_hz = header.fs;
-    head.heard_at_s = now_s;
+    head.received_at_s = now_s;
     picture_ = picture_bytes(head, cells_);
+}
+
+void ChainPictures::want(Tap tap, double span_s, double repetition_hz, double now_s) {
+    if (!captures_.contains(tap) && now_s - pictured_at_s_[tap] > pause_s) {
+        captures_.emplace(tap, ChainCapture(0, span_s, repetition_hz));
+    }
+}
+
+TapSet ChainPictures::captured() const {
+    TapSet taps;
+    for (const auto& [tap, capture] : captures_) {
+        taps |= tap;
+    }
+    return taps;
+}
+
+void ChainPictures::take(const stream::ReceivedFrame& frame, double now_s) {
+    const auto capture = captures_.find(frame.tap);
+    if (capture == captures_.end()) {
+        return;
+    }
+    capture->second.take(frame, now_s);
+    if (const auto& picture = capture->second.picture()) {
+        pictures_[frame.tap] = {*picture, ++count_};
+        pictured_at_s_[frame.tap] = now_s;
+        captures_.erase(capture);
+    }
+}
+
+const ChainPictures::Picture* ChainPictures::latest(Tap tap) const {
+    const auto picture = pictures_.find(tap);
+    return picture == pictures_.end() ? nullptr : &picture->second;
 }
 
 }  // namespace hertzline::scope

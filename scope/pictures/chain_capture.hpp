@@ -3,11 +3,13 @@
 // Frames are reduced as they come, so that a long chain takes no more memory than its picture.
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "stream/listening/received_run.hpp"
+#include "core/taps.hpp"
+#include "stream/listening/run_receiver.hpp"
 
 namespace hertzline::scope {
 
@@ -44,6 +46,36 @@ private:
     std::vector<float> cells_;
     bool forces_ = false;
     std::optional<std::string> picture_;
+};
+
+/// The latest pictures of the streams of the whole chain. Each is captured only now and then: all spheres are many samples.
+class ChainPictures {
+public:
+    struct Picture {
+        std::string bytes;
+        std::uint64_t number = 0;  ///< another one for each picture of any such stream
+    };
+
+    /// A page shows this stream: begins a capture when it is time to. @param span_s of the picture @param repetition_hz of the bursts
+    void want(Tap tap, double span_s, double repetition_hz, double now_s);
+    /// Streams that are being captured.
+    TapSet captured() const;
+    /// Takes the next frame of such a stream.
+    void take(const stream::ReceivedFrame& frame, double now_s);
+    /// Ends the captures, whose run may be over.
+    void cancel() {
+        captures_.clear();
+        pictured_at_s_.clear();
+    }
+
+    /// The latest picture; null: none yet.
+    const Picture* latest(Tap tap) const;
+
+private:
+    std::map<Tap, ChainCapture> captures_;
+    std::map<Tap, Picture> pictures_;
+    std::map<Tap, double> pictured_at_s_;
+    std::uint64_t count_ = 0;
 };
 
 }  // namespace hertzline::scope

@@ -7,7 +7,7 @@ namespace hertzline::scope {
 namespace {
 
 constexpr std::uint64_t looked_back = 1 << 20;  // samples, by a trigger that begins
-constexpr std::size_t most = 4096;
+constexpr std::size_t most_crossings = 4096;
 
 }  // namespace
 
@@ -18,16 +18,16 @@ void LevelTrigger::ask(const LevelRequest& request) {
     }
 }
 
-void LevelTrigger::look_at(const History& history) {
-    if (!seen_ || *seen_ > history.end() || *seen_ < history.begin()) {
+void LevelTrigger::look_at(const SampleRing& samples) {
+    if (!seen_ || *seen_ > samples.end() || *seen_ < samples.begin()) {
         crossings_.clear();
         before_ = false;
-        seen_ = std::max(history.begin(), history.end() - std::min(history.end(), looked_back));
+        seen_ = std::max(samples.begin(), samples.end() - std::min(samples.end(), looked_back));
     }
     const auto sign = request_.slope == Slope::rising ? 1.0F : -1.0F;
     const float level = sign * static_cast<float>(request_.level);
     std::uint64_t sample = *seen_;
-    history.for_each_piece(sample, history.end(), [&](std::span<const float> piece) {
+    samples.for_each_piece(sample, samples.end(), [&](std::span<const float> piece) {
         for (const float value : piece) {
             const bool reached = sign * value >= level;  // false of a sample that is missing
             if (reached && before_ &&
@@ -38,8 +38,8 @@ void LevelTrigger::look_at(const History& history) {
             ++sample;
         }
     });
-    seen_ = history.end();
-    while (crossings_.size() > most) {
+    seen_ = samples.end();
+    while (crossings_.size() > most_crossings) {
         crossings_.pop_front();
     }
 }

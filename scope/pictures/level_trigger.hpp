@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-#include "scope/pictures/history.hpp"
+#include "scope/pictures/stream_history.hpp"
 
 namespace hertzline::scope {
 
@@ -25,7 +25,7 @@ public:
     /// Begins anew when the request differs from the one before.
     void ask(const LevelRequest& request);
     /// Looks at what has come since the last call.
-    void look_at(const History& history);
+    void look_at(const SampleRing& samples);
     /// The latest crossing at `sample` or before: the first sample at the level or beyond it.
     std::optional<std::uint64_t> latest_by(std::uint64_t sample) const;
 

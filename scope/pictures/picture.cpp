@@ -3,22 +3,60 @@
 #include <bit>
 #include <cassert>
 #include <cstddef>
+#include <type_traits>
+
+#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/view_request.hpp"
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
 
 namespace hertzline::scope {
 
 namespace {
 
-constexpr std::size_t head_bytes = 64;
-constexpr std::uint8_t layout_version = 1;
 static_assert(std::endian::native == std::endian::little, "pictures are written as they lie in memory");
 
-template <class Number>
-void append(std::string& bytes, const Number& number) {
-    bytes.append(reinterpret_cast<const char*>(&number), sizeof(number));
+void append(std::string& bytes, std::span<const std::byte> more) {
+    bytes.append(reinterpret_cast<const char*>(more.data()), more.size());
 }
 
-void append_all(std::string& bytes, std::span<const float> numbers) {
-    bytes.append(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes());
+/// As in the names of DataView's functions: "Uint32" of getUint32().
+template <class Number>
+std::string data_view_type(const Number& /*member*/) {
+    constexpr bool whole = !std::is_floating_point_v<Number>;
+    return fmt::format("{}{}{}", whole && sizeof(Number) == 8 ? "Big" : "",
+                       !whole                     ? "Float"
+                       : std::is_signed_v<Number> ? "Int"
+                                                  : "Uint",
+                       8 * sizeof(Number));
+}
+
+/// [name, type, place in bytes] of each member.
+Json head_layout() {
+    const PictureHead head;
+    const auto& [kind, version, flags, columns, rows, epoch, trigger, first, samples, burst, rate_hz,
+                 received_at_s] = head;
+    Json layout = Json::array();
+    std::size_t place = 0;
+    const auto add = [&](const char* name, const auto& member) {
+        layout.push_back({name, data_view_type(member), place});
+        place += sizeof(member);
+    };
+    add("kind", kind);
+    add("version", version);
+    add("flags", flags);
+    add("columns", columns);
+    add("rows", rows);
+    add("epoch", epoch);
+    add("trigger", trigger);
+    add("first", first);
+    add("samples", samples);
+    add("burst", burst);
+    add("rate_hz", rate_hz);
+    add("received_at_s", received_at_s);
+    assert(place == sizeof(PictureHead));
+    return layout;
 }
 
 }  // namespace
@@ -26,23 +64,30 @@ void append_all(std::string& bytes, std::span<const float> numbers) {
 std::string picture_bytes(const PictureHead& head, std::span<const float> numbers,
                           std::span<const float> more_numbers) {
     std::string bytes;
-    bytes.reserve(head_bytes + numbers.size_bytes() + more_numbers.size_bytes());
-    append(bytes, static_cast<std::uint8_t>(head.kind));
-    append(bytes, layout_version);
-    append(bytes, head.flags);
-    append(bytes, head.columns);
-    append(bytes, head.rows);
-    append(bytes, head.epoch);
-    append(bytes, head.trigger);
-    append(bytes, head.first);
-    append(bytes, head.samples);
-    append(bytes, head.burst);
-    append(bytes, head.rate_hz);
-    append(bytes, head.heard_at_s);
-    assert(bytes.size() == head_bytes);
-    append_all(bytes, numbers);
-    append_all(bytes, more_numbers);
+    bytes.reserve(sizeof(head) + numbers.size_bytes() + more_numbers.size_bytes());
+    append(bytes, std::as_bytes(std::span(&head, 1)));
+    append(bytes, std::as_bytes(numbers));
+    append(bytes, std::as_bytes(more_numbers));
     return bytes;
+}
+
+std::string protocol_script() {
+    const Json protocol{{"head_bytes", sizeof(PictureHead)},
+                        {"head", head_layout()},
+                        {"kinds",
+                         {{"waveform", PictureKind::waveform},
+                          {"spectrum", PictureKind::spectrum},
+                          {"chain", PictureKind::chain}}},
+                        {"flags",
+                         {{"each_sample", PictureFlag::each_sample},
+                          {"untriggered", PictureFlag::untriggered},
+                          {"held", PictureFlag::held},
+                          {"forces", PictureFlag::forces}}},
+                        {"version", PictureHead().version},
+                        {"max_columns", max_columns},
+                        {"held_samples", held_samples}};
+    return "// Made by scope/pictures/picture.cpp from its declarations.\nexport const protocol = " +
+           json_text(protocol) + ";\n";
 }
 
 }  // namespace hertzline::scope

@@ -1,16 +1,30 @@
 #pragma once
-// What one page sees of one stream: finds the trigger, and makes the picture of the window around it.
+// The view of one stream that a page sees: finds the trigger, and makes the picture of the window around it, in which many samples
+// become few pixels and none is lost.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "scope/pictures/heard_samples.hpp"
 #include "scope/pictures/level_trigger.hpp"
+#include "scope/pictures/stream_history.hpp"
 #include "scope/pictures/view_request.hpp"
 
 namespace hertzline::scope {
+
+/// The smallest and the largest sample of each column; NaN where none is held.
+struct Envelope {
+    std::vector<float> low;
+    std::vector<float> high;
+};
+
+/// Column i of C holds the samples from first + i count / C to before first + (i + 1) count / C, rounded down: each sample of
+/// the window lies in exactly one. Samples that are missing are passed over.
+/// @param first may lie before the first sample of the run @param columns at least 1
+Envelope envelope(const SampleRing& samples, std::int64_t first, std::uint64_t count, std::size_t columns);
 
 /// For one page, in one thread.
 class View {
@@ -21,7 +35,7 @@ public:
 
     /// The bytes of the next picture; nothing when the page has the latest one.
     /// @param now_s since 1970 [s]
-    std::optional<std::string> picture(const HeardSamples& heard, double now_s);
+    std::optional<std::string> picture(const StreamHistory& history, double now_s);
 
     /// Pictures stand still.
     bool is_held() const noexcept { return held_ != nullptr; }
@@ -39,14 +53,14 @@ private:
     };
 
     Window window(double fs, std::size_t capacity) const noexcept;
-    std::optional<Trigger> trigger(const HeardSamples& heard, const Window& window, double now_s);
-    std::optional<Trigger> found_trigger(const HeardSamples& heard, std::uint64_t latest);
+    std::optional<Trigger> trigger(const StreamHistory& history, const Window& window, double now_s);
+    std::optional<Trigger> found_trigger(const StreamHistory& history, std::uint64_t latest);
     bool is_to_be_held(const Trigger& trigger) const noexcept;
-    std::string bytes(const HeardSamples& heard, const Window& window, const Trigger& trigger) const;
+    std::string bytes(const StreamHistory& history, const Window& window, const Trigger& trigger) const;
 
     ViewRequest request_;
     LevelTrigger level_;
-    std::shared_ptr<const HeardSamples> held_;
+    std::shared_ptr<const StreamHistory> held_;
     std::optional<Trigger> shown_;
     std::optional<Trigger> found_;  // the last one, and since when it is the last
     double triggered_at_s_ = 0;

@@ -48,7 +48,7 @@ void PageConnection::accept(HttpRequest request) {
 
 void PageConnection::read() {
     socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t /*bytes*/) {
-        if (error || self->says_too_much()) {
+        if (error || self->asks_too_often()) {
             self->close();
             return;
         }
@@ -59,20 +59,20 @@ void PageConnection::read() {
     });
 }
 
-bool PageConnection::says_too_much() {
+bool PageConnection::asks_too_often() {
     const auto now = steady_clock::now();
     if (now - second_begins_ > std::chrono::seconds(1)) {
         second_begins_ = now;
-        said_in_second_ = 0;
+        asked_in_second_ = 0;
     }
-    return ++said_in_second_ > PageLimits::messages_per_s;
+    return ++asked_in_second_ > PageLimits::messages_per_s;
 }
 
 void PageConnection::take(const std::string& text) {
     if (text.starts_with(answer_begins)) {
         take_answer();
     } else {
-        events_->add({PageEvent::Kind::said, page_, text});
+        events_->add({PageEvent::Kind::asked, page_, text});
     }
 }
 
@@ -84,12 +84,12 @@ void PageConnection::take_answer() {
     }
 }
 
-void PageConnection::deliver(PageTurn turn) {
-    if (!open_ || waits_for_answer_ || turn.empty()) {
+void PageConnection::deliver(PageUpdate update) {
+    if (!open_ || waits_for_answer_ || update.empty()) {
         return;
     }
     waits_for_answer_ = true;
-    parts_.assign(std::make_move_iterator(turn.begin()), std::make_move_iterator(turn.end()));
+    parts_.assign(std::make_move_iterator(update.begin()), std::make_move_iterator(update.end()));
     wait_for_answer();
     write();
 }
@@ -120,7 +120,7 @@ void PageConnection::write() {
                         });
 }
 
-/// Without a farewell: whoever does not read would not read that one, either.
+/// Sends no closing frame: a page that does not read would not read that one, either.
 void PageConnection::close() {
     answer_.cancel();
     beast::get_lowest_layer(socket_).close();

@@ -27,7 +27,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 namespace websocket = beast::websocket;
 
-/// What pages did, from the server's thread to the one that listens.
+/// The acts of pages, on their way from the server's thread to the listening one.
 struct PageEvents {
     std::mutex guard;
     std::vector<PageEvent> waiting;
@@ -53,7 +53,7 @@ public:
 
     /// Answers the request for a WebSocket.
     void accept(HttpRequest request);
-    void deliver(PageTurn turn);
+    void deliver(PageUpdate update);
     void close();
 
 private:
@@ -61,7 +61,7 @@ private:
     void take(const std::string& text);
     void take_answer();
     void write();
-    bool says_too_much();
+    bool asks_too_often();
     void wait_for_answer();
 
     websocket::stream<beast::tcp_stream> socket_;
@@ -70,11 +70,11 @@ private:
     HttpRequest request_;
     PageId page_;
     std::shared_ptr<PageEvents> events_;
-    std::deque<PagePart> parts_;  // of the turn, that are still to be written
+    std::deque<PagePart> parts_;  // of the update, that are still to be written
     bool waits_for_answer_ = false;
     bool open_ = false;
     std::chrono::steady_clock::time_point second_begins_;
-    unsigned said_in_second_ = 0;
+    unsigned asked_in_second_ = 0;
 };
 
 }  // namespace hertzline::scope

@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <thread>
 
+#include "scope/pictures/picture.hpp"
 #include "scope/server/page_connection.hpp"
-#include "scope/server/page_files.hpp"
 #include <fmt/format.h>
 
 namespace hertzline::scope {
@@ -24,7 +24,7 @@ std::string_view view(boost::string_view text) {
     return {text.data(), text.size()};
 }
 
-PageRequest what_it_says(const HttpRequest& request) {
+PageRequest page_request(const HttpRequest& request) {
     return {view(request.method_string()), view(request.target()), view(request[http::field::host]),
             view(request[http::field::origin]), websocket::is_upgrade(request)};
 }
@@ -55,6 +55,9 @@ HttpAnswer answer(unsigned status, std::string_view type, std::string_view text,
 }
 
 HttpAnswer file_answer(const std::string& name, const HttpRequest& request) {
+    if (name == "protocol.js") {
+        return answer(200, "text/javascript; charset=utf-8", protocol_script(), request);
+    }
     const std::span<const PageFile> files = page_files();
     const auto file = std::ranges::find(files, name.empty() ? "index.html" : name, &PageFile::name);
     return file == files.end() ? answer(404, "text/plain", "There is no such file.", request)
@@ -92,11 +95,11 @@ public:
     const std::string& token() const noexcept { return token_; }
     PageEvents& events() const noexcept { return *events_; }
 
-    void deliver(PageId page, PageTurn turn) {
-        asio::post(context_, [this, page, turn = std::move(turn)]() mutable {
+    void deliver(PageId page, PageUpdate update) {
+        asio::post(context_, [this, page, update = std::move(update)]() mutable {
             const auto found = pages_.find(page);
             if (const auto connection = found == pages_.end() ? nullptr : found->second.lock()) {
-                connection->deliver(std::move(turn));
+                connection->deliver(std::move(update));
             }
         });
     }
@@ -170,7 +173,7 @@ public:
 
 private:
     void take(HttpRequest request) {
-        const auto name = admitted(what_it_says(request), work_.address_, work_.token_);
+        const auto name = admitted(page_request(request), work_.address_, work_.token_);
         if (!name) {
             write(answer(name.error().status, "text/plain", name.error().text, request));
         } else if (!websocket::is_upgrade(request)) {
@@ -204,7 +207,7 @@ private:
 };
 
 void PageServer::Work::receive(tcp::socket socket) {
-    // A turn's parts are written one after another: a part would wait until the page's system has confirmed the one before, 40 ms.
+    // A update's parts are written one after another: a part would wait until the page's system has confirmed the one before, 40 ms.
     beast::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     if (events_->connections < PageLimits::connections) {
@@ -222,8 +225,8 @@ std::string PageServer::url() const {
                        work_->token());
 }
 
-void PageServer::deliver(PageId page, PageTurn turn) {
-    work_->deliver(page, std::move(turn));
+void PageServer::deliver(PageId page, PageUpdate update) {
+    work_->deliver(page, std::move(update));
 }
 
 std::vector<PageEvent> PageServer::events() {

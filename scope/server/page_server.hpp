@@ -1,10 +1,12 @@
 #pragma once
-// Serves the page over HTTP, and speaks with each page over a WebSocket. Has a thread of its own, so that no browser can delay
-// who listens to the stream; what a page does not take in time is not made for it.
+// Serves the page over HTTP, and talks to each page over a WebSocket. Has a thread of its own, so that no browser can delay the
+// listening thread. A page that is slow gets fewer updates.
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scope/server/page_rules.hpp"
@@ -20,15 +22,15 @@ struct PagePart {
     std::string bytes;
 };
 
-/// What is sent to a page at a time. The page answers it ("ack"), and is then ready for the next.
-using PageTurn = std::vector<PagePart>;
+/// The messages that are sent to a page at a time. The page acknowledges them ("ack"), and is then ready for the next.
+using PageUpdate = std::vector<PagePart>;
 
-/// What a page did.
+/// An act of a page.
 struct PageEvent {
     enum class Kind {
         opened,
-        said,   ///< the text is JSON from a browser, which is not trusted
-        ready,  ///< it has taken its turn
+        asked,  ///< the text is JSON from a browser, which is not trusted
+        ready,  ///< it has taken its update
         closed,
     };
     Kind kind = Kind::opened;
@@ -45,6 +47,16 @@ struct PageLimits {
     static constexpr int answer_within_s = 5;            ///< or the page is dropped
 };
 
+/// A file of the page, which is part of the program.
+struct PageFile {
+    std::string_view name;  ///< "index.html"
+    std::string_view type;  ///< "text/html; charset=utf-8"
+    std::string_view text;
+};
+
+/// The files of scope/page/. index.html stands for the page itself.
+std::span<const PageFile> page_files() noexcept;
+
 /// For one thread.
 class PageServer {
 public:
@@ -58,13 +70,13 @@ public:
     /// The address to be opened, with the token.
     std::string url() const;
 
-    /// Sends a turn to a page that is ready; nothing when it has gone.
-    void deliver(PageId page, PageTurn turn);
+    /// Sends a update to a page that is ready; nothing when it has gone.
+    void deliver(PageId page, PageUpdate update);
 
-    /// What pages did since this was asked before.
+    /// The acts of pages since the last call.
     std::vector<PageEvent> events();
 
-    /// Pages that were dropped because they did not answer.
+    /// Counts the pages that were dropped because they did not acknowledge an update.
     std::uint64_t dropped_pages() const noexcept;
 
 private:

@@ -30,14 +30,14 @@ bool ScopePage::is_due(double now_s) noexcept {
     return ready_;
 }
 
-void ScopePage::add_spectrum(const BurstSpectra& spectra, PageTurn& turn, Json& text) {
+void ScopePage::add_spectrum(const BurstSpectra& spectra, PageUpdate& update, Json& text) {
     const auto& latest = spectra.latest();
     if (!latest || latest->number == average_.number()) {
         return;
     }
     const ViewRequest& request = view_.request();
     average_.take(*latest, request.average);
-    turn.push_back(
+    update.push_back(
         {PagePart::Kind::binary, average_.picture(*latest, request.spectrum_to_hz, request.columns)});
     text["measures"] = latest->measures;
     text["measures_of"] = {{"burst", latest->burst.burst},
@@ -46,64 +46,61 @@ void ScopePage::add_spectrum(const BurstSpectra& spectra, PageTurn& turn, Json& 
                            {"averaged", average_.count()}};
 }
 
-void ScopePage::add_chain(const SharedState& shared, PageTurn& turn) {
-    const auto chain = shared.chains.find(*view_.request().chain);
-    if (chain != shared.chains.end() && chain->second.number != chain_told_) {
-        chain_told_ = chain->second.number;
-        turn.push_back({PagePart::Kind::binary, chain->second.bytes});
+void ScopePage::add_chain(const SharedState& shared, PageUpdate& update) {
+    const ChainPictures::Picture* chain = shared.chains.latest(*view_.request().chain);
+    if (chain != nullptr && chain->number != sent_chain_) {
+        sent_chain_ = chain->number;
+        update.push_back({PagePart::Kind::binary, chain->bytes});
     }
 }
 
 void ScopePage::add_state(const SharedState& shared, Json& text) {
     text.update(shared.now);
     text["page"] = {{"pictures", pictures_}, {"left_out", left_out_}, {"held", view_.is_held()}};
-    if (scene_told_ != shared.scene_number) {
-        scene_told_ = shared.scene_number;
+    if (sent_scene_ != shared.scene_number) {
+        sent_scene_ = shared.scene_number;
         text["scene"] = shared.scene;
     }
-    if (knobs_told_ != shared.knobs_number) {
-        knobs_told_ = shared.knobs_number;
-        text["knobs"] = shared.knobs;
+    if (sent_knobs_ != shared.knobs.number()) {
+        sent_knobs_ = shared.knobs.number();
+        text["knobs"] = shared.knobs.state();
     }
     if (!replies_.empty()) {
         text["replies"] = std::exchange(replies_, {});
     }
 }
 
-PageTurn ScopePage::turn(const HeardSamples* heard, const BurstSpectra* spectra, const SharedState& shared,
-                         double now_s) {
-    PageTurn turn;
+PageUpdate ScopePage::next_update(const KeptStream& stream, const SharedState& shared, double now_s) {
+    PageUpdate update;
     if (!is_due(now_s)) {
-        return turn;
+        return update;
     }
-    Json text{{"turn", turns_}};
-    if (heard != nullptr) {
-        if (auto picture = view_.picture(*heard, now_s)) {
-            ++pictures_;
-            turn.push_back({PagePart::Kind::binary, *std::move(picture)});
-        }
+    Json text{{"update", updates_}};
+    if (auto picture = view_.picture(stream.history, now_s)) {
+        ++pictures_;
+        update.push_back({PagePart::Kind::binary, *std::move(picture)});
     }
-    if (spectra != nullptr && view_.request().spectrum && !view_.is_held()) {
-        add_spectrum(*spectra, turn, text);
+    if (view_.request().spectrum && !view_.is_held()) {
+        add_spectrum(stream.spectra, update, text);
     }
     if (view_.request().chain && !view_.is_held()) {
-        add_chain(shared, turn);
+        add_chain(shared, update);
     }
-    const bool tells_state = now_s - state_at_s_ >= state_every_s || !replies_.empty();
-    if (turn.empty() && !tells_state) {
-        return turn;
+    const bool has_state = now_s - state_at_s_ >= state_every_s || !replies_.empty();
+    if (update.empty() && !has_state) {
+        return update;
     }
-    if (tells_state) {
+    if (has_state) {
         state_at_s_ = now_s;
         add_state(shared, text);
     }
-    ++turns_;
+    ++updates_;
     ready_ = false;
     const double period_s = 1 / view_.request().pictures_per_s;
     next_at_s_ = std::max(next_at_s_ + period_s, now_s + period_s / 2);
     left_out_at_s_ = next_at_s_ + period_s;
-    turn.push_back({PagePart::Kind::text, json_text(text)});
-    return turn;
+    update.push_back({PagePart::Kind::text, json_text(text)});
+    return update;
 }
 
 }  // namespace hertzline::scope

@@ -72,7 +72,7 @@ void ScopeRecorder::end() {
     tap_.reset();
 }
 
-void ScopeRecorder::take(stream::ReceivedRun& run, const stream::ReceivedFrame& frame, const Json& meta) {
+void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& frame, const Json& meta) {
     const std::vector<Json> changes = run.take_changes();
     if (run.tap() != tap_) {
         return;

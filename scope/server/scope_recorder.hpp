@@ -11,7 +11,7 @@
 
 #include "core/scene/json.hpp"
 #include "core/taps.hpp"
-#include "stream/listening/received_run.hpp"
+#include "stream/listening/run_receiver.hpp"
 
 namespace hertzline::scope {
 
@@ -36,7 +36,7 @@ public:
     std::optional<Tap> tap() const noexcept { return tap_; }
 
     /// @param meta the last one: it says what the scene has become until now
-    void take(stream::ReceivedRun& run, const stream::ReceivedFrame& frame, const Json& meta);
+    void take(stream::RunReceiver& run, const stream::ReceivedFrame& frame, const Json& meta);
 
     /// file, samples, missing and what happened, for the pages.
     Json state() const;

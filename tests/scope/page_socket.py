@@ -9,7 +9,7 @@ from collections import namedtuple
 
 import numpy as np
 
-Picture = namedtuple("Picture", "kind flags columns rows epoch trigger first samples burst rate_hz heard_at_s numbers")
+Picture = namedtuple("Picture", "kind flags columns rows epoch trigger first samples burst rate_hz received_at_s numbers")
 HEAD = struct.Struct("<BBHIIIqqQQdd")  # scope/pictures/picture.hpp
 WAVEFORM, SPECTRUM, CHAIN = 1, 2, 3
 EACH_SAMPLE, UNTRIGGERED, HELD, FORCES = 1, 2, 4, 8
@@ -72,7 +72,7 @@ class PageSocket:
         self.send_frame(1, json.dumps(request).encode())
 
     def receive(self):
-        """A picture, or the object of a text. Answers turns and pings."""
+        """A picture, or the object of a text. Answers updates and pings."""
         data, kind = b"", None
         while True:
             first, second = self._take(2)
@@ -90,7 +90,7 @@ class PageSocket:
         if kind == 2:
             return picture_of(data)
         text = json.loads(data)
-        self.say({"ack": text["turn"]})
+        self.say({"ack": text["update"]})
         self.texts |= text
         return text
 

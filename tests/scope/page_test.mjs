@@ -89,7 +89,7 @@ const promises = {
     for (let turn = 0; turn < 20; ++turn) {
       await this.page.mouse.wheel(0, -100);
     }
-    await until(this.page, () => window.hertzline.waveform.picture.eachSample);
+    await until(this.page, () => window.hertzline.waveform.picture.each_sample);
     const close = await pictureIn(this.page);
     assert.equal(close.trigger, before.trigger);
     const samples = samplesOfRun(close.first + close.samples);

@@ -4,12 +4,13 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <string>
 #include <vector>
 
-#include "scope/pictures/burst_marks.hpp"
-#include "scope/pictures/envelope.hpp"
-#include "scope/pictures/history.hpp"
 #include "scope/pictures/level_trigger.hpp"
+#include "scope/pictures/picture.hpp"
+#include "scope/pictures/stream_history.hpp"
 #include "scope/pictures/view.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -32,9 +33,9 @@ std::vector<float> counted(std::uint64_t first, std::size_t count) {
     return values;
 }
 
-RC_GTEST_PROP(History, HoldsTheLastSamplesWhateverTheFramesAndGaps, ()) {
+RC_GTEST_PROP(SampleRing, HoldsTheLastSamplesWhateverTheFramesAndGaps, ()) {
     const auto capacity = *rc::gen::inRange<std::size_t>(1, 50);
-    History history(capacity);
+    SampleRing ring(capacity);
     std::vector<float> all;
     const auto frames = *rc::gen::container<std::vector<std::pair<int, int>>>(
         rc::gen::pair(rc::gen::inRange(0, 30), rc::gen::inRange(1, 70)));
@@ -42,13 +43,13 @@ RC_GTEST_PROP(History, HoldsTheLastSamplesWhateverTheFramesAndGaps, ()) {
         const std::size_t skipped = all.empty() ? 0 : static_cast<std::size_t>(gap);
         all.insert(all.end(), skipped, missing);
         const std::vector<float> values = counted(all.size(), static_cast<std::size_t>(count));
-        history.append(all.size(), values);
+        ring.append(all.size(), values);
         all.insert(all.end(), values.begin(), values.end());
-        RC_ASSERT(history.end() == all.size());
-        RC_ASSERT(history.end() - history.begin() <= capacity);
+        RC_ASSERT(ring.end() == all.size());
+        RC_ASSERT(ring.end() - ring.begin() <= capacity);
     }
-    for (std::uint64_t sample = history.begin(); sample < history.end(); ++sample) {
-        const float held = history.at(sample);
+    for (std::uint64_t sample = ring.begin(); sample < ring.end(); ++sample) {
+        const float held = ring.at(sample);
         RC_ASSERT(held == all[sample] || (std::isnan(held) && std::isnan(all[sample])));
     }
 }
@@ -58,23 +59,23 @@ RC_GTEST_PROP(Envelope, EverySampleLiesInExactlyOneColumn, ()) {
     const auto columns = *rc::gen::inRange<std::size_t>(1, 60);
     const auto first = *rc::gen::inRange<std::int64_t>(-20, 100);
     const auto spike = *rc::gen::inRange<std::uint64_t>(0, count);
-    History history(1000);
+    SampleRing ring(1000);
     std::vector<float> values(600, 0.0F);
     const std::int64_t place = first + static_cast<std::int64_t>(spike);
     if (place >= 0) {
         values[static_cast<std::size_t>(place)] = 1;
     }
-    history.append(0, values);
-    const Envelope pixels = envelope(history, first, count, columns);
+    ring.append(0, values);
+    const Envelope pixels = envelope(ring, first, count, columns);
     RC_ASSERT(std::ranges::count(pixels.high, 1.0F) == (place >= 0 ? 1 : 0));
     RC_ASSERT(std::ranges::none_of(pixels.low, [](float low) { return low > 0 && low < 1; }));
 }
 
 TEST(Envelope, ColumnsWithoutSamplesShowNothing) {
-    History history(100);
-    history.append(10, counted(10, 10));
-    history.append(30, counted(30, 10));
-    const Envelope pixels = envelope(history, 0, 50, 5);
+    SampleRing ring(100);
+    ring.append(10, counted(10, 10));
+    ring.append(30, counted(30, 10));
+    const Envelope pixels = envelope(ring, 0, 50, 5);
     EXPECT_THAT(pixels.low, ::testing::ElementsAre(::testing::NanSensitiveFloatEq(missing), 10.0F,
                                                    ::testing::NanSensitiveFloatEq(missing), 30.0F,
                                                    ::testing::NanSensitiveFloatEq(missing)));
@@ -113,18 +114,18 @@ RC_GTEST_PROP(BurstMarks, AreEveryBurstsFirstSampleWhateverTheFrames, ()) {
 }
 
 TEST(LevelTrigger, TakesTheFirstCrossingAndNoneInTheHoldOff) {
-    History history(1000);
+    SampleRing ring(1000);
     LevelTrigger trigger;
     trigger.ask({0.5, Slope::rising, 10});
-    history.append(0, std::vector<float>{0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0});
-    trigger.look_at(history);
+    ring.append(0, std::vector<float>{0, 1, 0, 1, 0, 0, 0, 0, 0, 0, 0});
+    trigger.look_at(ring);
     EXPECT_EQ(trigger.latest_by(100), 1U);
-    history.append(11, std::vector<float>{0, 0.5F, 1, missing, 1, 0});
-    trigger.look_at(history);
+    ring.append(11, std::vector<float>{0, 0.5F, 1, missing, 1, 0});
+    trigger.look_at(ring);
     EXPECT_EQ(trigger.latest_by(100), 12U) << "a sample at the level has reached it";
     EXPECT_EQ(trigger.latest_by(11), 1U);
     trigger.ask({0.5, Slope::falling, 0});
-    trigger.look_at(history);
+    trigger.look_at(ring);
     EXPECT_EQ(trigger.latest_by(100), 16U);
 }
 
@@ -141,29 +142,74 @@ TEST(ViewRequest, RefusesWhatItDoesNotKnow) {
 }
 
 /// Ten bursts of a thousand samples; each begins with an impulse of one sample.
-HeardSamples ten_bursts(double now_s) {
-    HeardSamples heard;
+StreamHistory ten_bursts(double now_s) {
+    StreamHistory history;
     const Bursts bursts(1e6, 1000);
     for (std::uint64_t burst = 0; burst < 10; ++burst) {
         stream::ReceivedFrame frame;
         frame.header = header_at(1000 * burst, bursts, 1e6, 1000);
         frame.values.assign(1000, 0);
         frame.values.front() = static_cast<float>(burst + 1);
-        heard.take(frame, 1000, now_s);
+        history.take(frame, 1000, now_s);
     }
-    return heard;
+    return history;
 }
 
 float number_at(const std::string& bytes, std::size_t index) {
     float number = 0;
-    std::memcpy(&number, bytes.data() + 64 + sizeof(float) * index, sizeof(number));
+    std::memcpy(&number, bytes.data() + sizeof(PictureHead) + sizeof(float) * index, sizeof(number));
     return number;
 }
 
 std::int64_t trigger_of(const std::string& bytes) {
-    std::int64_t trigger = 0;
-    std::memcpy(&trigger, bytes.data() + 16, sizeof(trigger));
-    return trigger;
+    PictureHead head;
+    std::memcpy(&head, bytes.data(), sizeof(head));
+    return head.trigger;
+}
+
+/// A member of a picture's head, as a page reads it.
+double member_of(const std::string& bytes, const std::string& type, std::size_t place) {
+    const auto as = [&]<class Number>(Number number) {
+        std::memcpy(&number, bytes.data() + place, sizeof(number));
+        return static_cast<double>(number);
+    };
+    return type == "Uint8"       ? as(std::uint8_t{})
+           : type == "Uint16"    ? as(std::uint16_t{})
+           : type == "Uint32"    ? as(std::uint32_t{})
+           : type == "BigInt64"  ? as(std::int64_t{})
+           : type == "BigUint64" ? as(std::uint64_t{})
+           : type == "Float64"   ? as(double{})
+                                 : std::nan("");
+}
+
+TEST(Picture, IsWrittenAsTheProtocolTellsThePage) {
+    const std::string script = protocol_script();
+    const std::size_t begin = script.find('{');
+    const Json protocol = Json::parse(script.substr(begin, script.rfind('}') + 1 - begin));
+    const std::map<std::string, double> written{{"kind", 3},     {"version", 1},   {"flags", 9},
+                                                {"columns", 2},  {"rows", 70'000}, {"epoch", 5},
+                                                {"trigger", 6},  {"first", -7},    {"samples", 8},
+                                                {"burst", 1e10}, {"rate_hz", 0.5}, {"received_at_s", 1.7e9}};
+    const std::string bytes = picture_bytes({.kind = PictureKind::chain,
+                                             .flags = PictureFlag::each_sample | PictureFlag::forces,
+                                             .columns = 2,
+                                             .rows = 70'000,
+                                             .epoch = 5,
+                                             .trigger = 6,
+                                             .first = -7,
+                                             .samples = 8,
+                                             .burst = 10'000'000'000,
+                                             .rate_hz = 0.5,
+                                             .received_at_s = 1.7e9},
+                                            std::vector<float>{1.5F}, std::vector<float>{2.5F});
+    EXPECT_EQ(protocol["head"].size(), written.size());
+    for (const Json& member : protocol["head"]) {
+        EXPECT_EQ(member_of(bytes, member[1], member[2]), written.at(member[0])) << member;
+    }
+    EXPECT_EQ(protocol["kinds"]["chain"], 3);
+    EXPECT_EQ(protocol["flags"]["forces"], 8);
+    ASSERT_EQ(bytes.size(), protocol["head_bytes"].get<std::size_t>() + 8);
+    EXPECT_EQ(number_at(bytes, 1), 2.5F);
 }
 
 TEST(View, ShowsTheLatestBurstWhoseWindowIsWholeAndEachPictureOnce) {
@@ -172,12 +218,12 @@ TEST(View, ShowsTheLatestBurstWhoseWindowIsWholeAndEachPictureOnce) {
     request.span_s = 1.5e-3;
     request.columns = 100;
     view.ask(request);
-    const HeardSamples heard = ten_bursts(5);
-    const auto picture = view.picture(heard, 5);
+    const StreamHistory history = ten_bursts(5);
+    const auto picture = view.picture(history, 5);
     ASSERT_TRUE(picture);
     EXPECT_EQ(trigger_of(*picture), 8000);
     EXPECT_EQ(number_at(*picture, 100), 9.0F) << "one sample of 1500, in the first column's largest";
-    EXPECT_FALSE(view.picture(heard, 5));
+    EXPECT_FALSE(view.picture(history, 5));
 }
 
 TEST(View, HoldsAllSamplesAroundATrigger) {
@@ -185,18 +231,18 @@ TEST(View, HoldsAllSamplesAroundATrigger) {
     ViewRequest request;
     request.columns = 100;
     view.ask(request);
-    HeardSamples heard = ten_bursts(5);
-    ASSERT_TRUE(view.picture(heard, 5));
+    StreamHistory history = ten_bursts(5);
+    ASSERT_TRUE(view.picture(history, 5));
     request.mode = ViewMode::hold;
     view.ask(request);
-    const auto held = view.picture(heard, 5);
+    const auto held = view.picture(history, 5);
     ASSERT_TRUE(held);
     EXPECT_TRUE(view.is_held());
-    heard = HeardSamples();  // the stream is gone
+    history = StreamHistory();  // the stream is gone
     request.span_s = 20e-6;
     request.from_s = -10e-6;
     view.ask(request);
-    const auto close = view.picture(heard, 6);
+    const auto close = view.picture(history, 6);
     ASSERT_TRUE(close);
     EXPECT_EQ(trigger_of(*close), trigger_of(*held));
     EXPECT_EQ(number_at(*close, 10), 10.0F);

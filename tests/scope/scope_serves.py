@@ -3,6 +3,7 @@
 import json
 import pathlib
 import signal
+import struct
 import subprocess
 import sys
 import tempfile
@@ -15,7 +16,8 @@ import urllib.request
 import numpy as np
 import zmq
 
-from page_socket import CHAIN, EACH_SAMPLE, FORCES, HELD, SPECTRUM, UNTRIGGERED, PageSocket, Refused
+from page_socket import (CHAIN, EACH_SAMPLE, FORCES, HEAD, HELD, SPECTRUM, UNTRIGGERED, WAVEFORM, PageSocket, Picture,
+                         Refused)
 
 RATE_HZ, PERIOD = 10_000_000, 10_000
 LONG_ENOUGH_S = 100
@@ -106,6 +108,23 @@ def pictures_hold_every_sample(stand):
         picture = page.picture(condition=lambda p: p.flags & EACH_SAMPLE)
         assert picture.columns == picture.samples == 301
         stand.check(picture)
+
+
+def the_page_reads_the_layout_that_is_written(stand):
+    """The page has the layout from protocol.js; page_socket.py, which reads pictures in these tests, has it from its own table."""
+    with stand.scope() as scope, urllib.request.urlopen(scope.url + "protocol.js", timeout=LONG_ENOUGH_S) as answer:
+        assert answer.headers["Content-Type"].startswith("text/javascript")
+        script = answer.read().decode()
+    protocol = json.loads(script[script.index("{"):script.rindex("}") + 1])
+    letters = {"Uint8": "B", "Uint16": "H", "Uint32": "I", "BigInt64": "q", "BigUint64": "Q", "Float64": "d"}
+    assert [name for name, _, _ in protocol["head"]] == ["kind", "version", *Picture._fields[1:-1]]
+    head = struct.Struct("<" + "".join(letters[kind] for _, kind, _ in protocol["head"]))
+    assert head.format == HEAD.format and head.size == protocol["head_bytes"]
+    places = [struct.calcsize(head.format[:i + 1]) for i in range(len(protocol["head"]))]
+    assert [place for _, _, place in protocol["head"]] == places
+    assert protocol["kinds"] == {"waveform": WAVEFORM, "spectrum": SPECTRUM, "chain": CHAIN}
+    assert protocol["flags"] == {"each_sample": EACH_SAMPLE, "untriggered": UNTRIGGERED, "held": HELD, "forces": FORCES}
+    assert (protocol["version"], protocol["max_columns"], protocol["held_samples"]) == (1, 4096, 1 << 21)
 
 
 def triggers_are_where_they_say(stand):

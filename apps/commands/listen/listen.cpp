@@ -1,7 +1,6 @@
-// hertzline listen: the reference subscriber. Says whether everything arrived, and saves it.
+// hertzline listen: the reference subscriber. Receives one stream, reports losses, and saves the samples.
 
 #include <chrono>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,8 +19,8 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "stream/listening/listener.hpp"
 #include "stream/wire/endpoint.hpp"
-#include "stream/wire/topics.hpp"
 
 namespace hertzline::app {
 
@@ -84,92 +83,68 @@ Wanted checked(const ListenOptions& options) {
     return wanted;
 }
 
-/// How long a silence may last [s]. A stream that runs sends its meta once a second, so one that was heard
-/// and falls silent is gone: it was killed, or its end was lost in a full queue. As long as
-/// stream/subscriber takes to notice that a machine is gone.
-double patience(const ListenSession& session, const ListenOptions& options) {
-    constexpr double for_a_stream_that_was_heard = 15;
-    constexpr double for_one_to_come = std::numeric_limits<double>::infinity();
-    return options.timeout_s.value_or(session.heard_samples() ? for_a_stream_that_was_heard
-                                                              : for_one_to_come);
-}
-
-void listen_to_the_end(stream::Subscriber& subscriber, ListenSession& session, ProgressLine& line,
+void listen_to_the_end(stream::Listener& listener, ListenSession& session, ProgressLine& line,
                        const ListenOptions& options) {
-    constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the clock and the stop flag
+    constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the stop flag
     const std::atomic<bool>& stop = stop_asked();
     const steady_clock::time_point start = steady_clock::now();
-    steady_clock::time_point last_heard = start;
-    const auto seconds_since = [](steady_clock::time_point then) {
-        return std::chrono::duration<double>(steady_clock::now() - then).count();
-    };
-    while (session.end_reason() == EndReason::none) {
-        const stream::Message* message = subscriber.receive(nap);
-        if (message != nullptr) {
-            const bool knew_the_run = session.knows_the_run();
-            session.take(*message);
-            last_heard = steady_clock::now();
-            if (session.knows_the_run() && !knew_the_run) {
-                // Not before: the first frame needs to know where it comes from.
-                subscriber.subscribe(session.topic());
-            }
-        } else if (seconds_since(last_heard) > patience(session, options)) {
-            session.end(EndReason::silence);
+    while (!listener.ended()) {
+        if (const stream::ReceivedFrame* frame = listener.receive(nap)) {
+            session.take(*frame);
         }
-        if (const auto refusal = subscriber.refusal()) {
-            session.note_refusal(*refusal);
-        }
-        if (stop && session.end_reason() == EndReason::none) {
-            session.end(EndReason::stopped);
+        if (stop) {
+            listener.end(stream::EndReason::stopped);
         }
         if (line.due()) {
-            line.show(session.heard_samples()
-                          ? progress_text({session.simulated_s(), options.duration_s, seconds_since(start)})
+            const double passed_s = std::chrono::duration<double>(steady_clock::now() - start).count();
+            line.show(listener.run().has_samples()
+                          ? progress_text({session.simulated_s(), options.duration_s, passed_s})
                           : "waiting for " + options.stream + " from " + options.endpoint);
         }
     }
 }
 
-/// What was wrong, after everything was saved.
-void complain(const ListenSession& session, const ListenOptions& options) {
-    if (session.end_reason() == EndReason::silence) {
-        spdlog::error("nothing arrived for {} s from {}", number_text(patience(session, options)),
+/// Reports faults of the run, after everything was saved.
+void complain(const stream::Listener& listener, const ListenOptions& options) {
+    const stream::RunReceiver& run = listener.run();
+    if (run.end_reason() == stream::EndReason::silence) {
+        spdlog::error("nothing arrived for {} s from {}", number_text(listener.timeout_s()),
                       options.endpoint);
     }
-    if (!session.heard_samples()) {
+    if (!run.has_samples()) {
         spdlog::error("no samples of {} were received", options.stream);
-    } else if (!session.sound()) {
-        spdlog::error("the stream is incomplete: {}", session.text());
+    } else if (!run.complete()) {
+        spdlog::error("the stream is incomplete: {}", run.text());
     }
 }
 
 Exit listen(const ListenOptions& options) {
     const Wanted wanted = checked(options);
-    const stream::SubscriberOptions subscriber_options{.curve = wanted.curve};
     stop_asked();
     for (const std::string& file : options.files) {
         recordings::require_writable(file);
     }
     ProgressLine line;
-    const RecordingRequest recordings{options.files, options.wav_scale.value_or(1)};
-    ListenSession session(wanted.tap, options.duration_s, recordings, [&line](const std::string& text) {
+    const auto notify = [&line](const std::string& text) {
         line.clear();
         spdlog::warn(text);
-    });
-    stream::Subscriber subscriber(options.endpoint, subscriber_options);
-    subscriber.subscribe(stream::meta_topic);
-    subscriber.subscribe(stream::end_topic);
-    listen_to_the_end(subscriber, session, line, options);
+    };
+    stream::Listener listener(
+        options.endpoint,
+        {.taps = wanted.tap, .timeout_s = options.timeout_s, .curve = wanted.curve, .notify = notify});
+    ListenSession session(listener.run(), options.duration_s, {options.files, options.wav_scale.value_or(1)},
+                          notify);
+    listen_to_the_end(listener, session, line, options);
     line.clear();
 
     session.save();
-    if (session.heard_samples() || options.format == Format::json) {
+    if (listener.run().has_samples() || options.format == Format::json) {
         Json summary = session.summary();
         summary["endpoint"] = options.endpoint;
         print_summary(summary, options.format);
     }
-    complain(session, options);
-    return session.sound() && session.saved() ? Exit::done : Exit::failed;
+    complain(listener, options);
+    return listener.run().complete() && session.saved() ? Exit::done : Exit::failed;
 }
 
 }  // namespace

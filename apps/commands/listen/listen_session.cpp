@@ -10,47 +10,41 @@
 
 namespace hertzline::app {
 
-ListenSession::ListenSession(Tap tap, std::optional<double> wanted_s, RecordingRequest request, Notify notify)
-    : received_(tap, notify), wanted_s_(wanted_s), request_(std::move(request)), notify_(std::move(notify)) {}
-
-void ListenSession::take(const stream::Message& message) {
-    if (const stream::ReceivedFrame* frame = received_.take(message)) {
-        if (!recordings_) {
-            begin();
-        }
-        for (const Json& change : received_.take_changes()) {
-            recordings_->note_change(change);
-        }
-        take_samples(*frame);
-    }
-}
+ListenSession::ListenSession(stream::RunReceiver& run, std::optional<double> wanted_s,
+                             RecordingRequest request, stream::RunReceiver::Notify notify)
+    : run_(run), wanted_s_(wanted_s), request_(std::move(request)), notify_(std::move(notify)) {}
 
 void ListenSession::begin() {
     recordings::RecordingHead head{.columns = {},
-                                   .sample_rate_hz = received_.fs(),
+                                   .sample_rate_hz = run_.fs(),
                                    .numbers = recordings::NumberType::float32,
-                                   .provenance = received_.provenance(),
+                                   .provenance = run_.provenance(),
                                    .full_scale = request_.full_scale};
     if (!request_.files.empty()) {
-        head.columns =
-            recordings::recorded_columns(received_.tap(), spheres_of(received_.tap(), received_.channels()));
+        head.columns = recordings::recorded_columns(run_.tap(), spheres_of(run_.tap(), run_.channels()));
     }
     recordings_.emplace(request_.files, head, recordings::RecordingPatience::of_a_second(stop_asked()),
                         notify_);
 }
 
-void ListenSession::take_samples(const stream::ReceivedFrame& frame) {
+void ListenSession::take(const stream::ReceivedFrame& frame) {
+    if (!recordings_) {
+        begin();
+    }
+    for (const Json& change : run_.take_changes()) {
+        recordings_->note_change(change);
+    }
     std::size_t count = frame.header.n;
     if (wanted_s_) {
-        const double wanted = std::max(1.0, std::round(*wanted_s_ * received_.fs()));
+        const double wanted = std::max(1.0, std::round(*wanted_s_ * run_.fs()));
         const double left = wanted - static_cast<double>(samples_);
         if (left <= static_cast<double>(count)) {
             count = static_cast<std::size_t>(left);
-            end(EndReason::heard_enough);
+            run_.end(stream::EndReason::long_enough);
         }
     }
     if (recordings_->any_left()) {
-        const auto end = frame.values.begin() + static_cast<std::ptrdiff_t>(count * received_.channels());
+        const auto end = frame.values.begin() + static_cast<std::ptrdiff_t>(count * run_.channels());
         recordings_->write(static_cast<std::int64_t>(frame.header.sample), {frame.values.begin(), end});
     }
     samples_ += count;
@@ -67,17 +61,17 @@ void ListenSession::save() {
 
 Json ListenSession::summary() const {
     Json summary;
-    summary["stream"] = row_of(received_.tap()).name;
-    summary["run"] = received_.run();
-    summary["fs"] = received_.fs();
-    summary["channels"] = received_.channels();
-    summary["first_sample"] = received_.first_sample();
+    summary["stream"] = row_of(run_.tap()).name;
+    summary["run"] = run_.run();
+    summary["fs"] = run_.fs();
+    summary["channels"] = run_.channels();
+    summary["first_sample"] = run_.first_sample();
     summary["simulated_s"] = simulated_s();
     summary["samples"] = samples_;
-    summary.update(received_.account());
+    summary.update(run_.account());
     summary["recordings"] = recordings_ ? recordings::recordings_json(*recordings_) : Json::array();
-    summary["gapless"] = sound();
-    summary["ended_by"] = word(end_reason());
+    summary["gapless"] = run_.complete();
+    summary["ended_by"] = word(run_.end_reason());
     return summary;
 }
 

@@ -88,7 +88,7 @@ class Live:
     def __init__(self, native: _native.Listener, endpoint: str, stream: str, gaps: str) -> None:
         self._native = native
         self._endpoint, self._stream, self._gaps = endpoint, stream, gaps
-        self._told_of_end = False
+        self._end_reported = False
         self._kept: Block | None = None  # what follows a gap that was raised
 
     def __enter__(self) -> Live:
@@ -126,9 +126,9 @@ class Live:
         return block
 
     def _end(self) -> None:
-        if self._told_of_end:
+        if self._end_reported:
             return
-        self._told_of_end = True
+        self._end_reported = True
         why = self.totals["ended_by"]
         if why == "timeout":
             raise TimeoutError(f"nothing arrived from {self._endpoint}")

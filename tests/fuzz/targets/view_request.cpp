@@ -27,8 +27,8 @@ constexpr double fs = 1e6;
 constexpr double repetition_hz = 1000;
 
 /// Five bursts, a stretch of which is missing.
-HeardSamples some_samples() {
-    HeardSamples heard;
+StreamHistory some_samples() {
+    StreamHistory history;
     const Bursts bursts(fs, repetition_hz);
     for (std::uint64_t frame_number = 0; frame_number < 50; ++frame_number) {
         if (frame_number == 23) {
@@ -45,21 +45,20 @@ HeardSamples some_samples() {
             frame.values.push_back(
                 static_cast<float>(std::sin(0.1 * (100.0 * static_cast<double>(frame_number) + i))));
         }
-        heard.take(frame, repetition_hz, 0.01 * static_cast<double>(frame_number));
+        history.take(frame, repetition_hz, 0.01 * static_cast<double>(frame_number));
     }
-    return heard;
+    return history;
 }
 
 void claim_picture(const std::string& bytes, const ViewRequest& request) {
-    constexpr std::size_t head = 64;
-    claim(bytes.size() >= head, "a picture has a head");
-    std::uint16_t flags = 0;
-    std::uint32_t columns = 0;
-    std::memcpy(&flags, bytes.data() + 2, sizeof(flags));
-    std::memcpy(&columns, bytes.data() + 4, sizeof(columns));
-    const bool each = (flags & PictureFlag::each_sample) != 0;
-    claim(columns >= 1 && columns <= 2 * request.columns + 1, "a picture is no wider than was asked for");
-    claim(bytes.size() == head + std::size_t{columns} * (each ? 4 : 8), "a picture's columns fill it");
+    claim(bytes.size() >= sizeof(PictureHead), "a picture has a head");
+    PictureHead head;
+    std::memcpy(&head, bytes.data(), sizeof(head));
+    const bool each = (head.flags & PictureFlag::each_sample) != 0;
+    claim(head.columns >= 1 && head.columns <= 2 * request.columns + 1,
+          "a picture is no wider than was asked for");
+    claim(bytes.size() == sizeof(head) + std::size_t{head.columns} * (each ? 4 : 8),
+          "a picture's columns fill it");
 }
 
 }  // namespace
@@ -70,7 +69,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace hertzline::scope;
     using namespace hertzline::stream;
     namespace fuzz = hertzline::fuzz;
-    static const HeardSamples heard = fuzz::some_samples();
+    static const StreamHistory history = fuzz::some_samples();
     constexpr int most = 8;
     View view;
     std::string_view rest(reinterpret_cast<const char*>(data), size);
@@ -90,7 +89,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             fuzz::claim_message(error.what(), fuzz::longest_message);
             continue;
         }
-        if (const auto picture = view.picture(heard, now_s)) {
+        if (const auto picture = view.picture(history, now_s)) {
             fuzz::claim_picture(*picture, view.request());
         }
     }

@@ -1,6 +1,6 @@
-#include "scope/pictures/burst_marks.hpp"
+#include "scope/pictures/stream_history.hpp"
 
-#include <algorithm>
+#include <limits>
 
 #include "core/model/bursts.hpp"
 
@@ -11,6 +11,43 @@ namespace {
 constexpr auto sample_of = [](const BurstMark& mark) { return mark.sample; };
 
 }  // namespace
+
+SampleRing::SampleRing(std::size_t capacity) : values_(std::max<std::size_t>(capacity, 1)) {}
+
+void SampleRing::append(std::uint64_t first, std::span<const float> values) {
+    const bool beyond = first > end_ && first - end_ >= values_.size();
+    if (empty() || first < end_ || beyond) {
+        begin_ = end_ = first;
+    }
+    fill_gap(first);
+    if (values.size() > values_.size()) {
+        const std::size_t passed_over = values.size() - values_.size();
+        values = values.subspan(passed_over);
+        begin_ = end_ = first + passed_over;
+    }
+    put(end_, values);
+}
+
+void SampleRing::fill_gap(std::uint64_t until) {
+    for (; end_ < until; ++end_) {
+        values_[place_of(end_)] = std::numeric_limits<float>::quiet_NaN();
+    }
+    begin_ = std::max(begin_, end_ - std::min<std::uint64_t>(end_, values_.size()));
+}
+
+void SampleRing::put(std::uint64_t first, std::span<const float> values) {
+    const std::size_t place = place_of(first);
+    const std::size_t until_the_end = std::min(values.size(), values_.size() - place);
+    std::ranges::copy(values.first(until_the_end), values_.begin() + static_cast<std::ptrdiff_t>(place));
+    std::ranges::copy(values.subspan(until_the_end), values_.begin());
+    end_ = first + values.size();
+    begin_ = std::max(begin_, end_ - std::min<std::uint64_t>(end_, values_.size()));
+}
+
+float SampleRing::at(std::uint64_t sample) const noexcept {
+    const bool held = sample >= begin_ && sample < end_;
+    return held ? values_[place_of(sample)] : std::numeric_limits<float>::quiet_NaN();
+}
 
 bool countable(std::uint64_t burst, double fs, double repetition_hz) noexcept {
     constexpr double whole = 9e15;
@@ -62,6 +99,14 @@ std::optional<BurstMark> BurstMarks::next_after(std::uint64_t sample) const {
 
 std::optional<BurstMark> BurstMarks::latest() const {
     return marks_.empty() ? std::nullopt : std::optional(marks_.back());
+}
+
+void StreamHistory::take(const stream::ReceivedFrame& frame, double bursts_hz, double now_s) {
+    samples.append(frame.header.sample, frame.values);
+    bursts.take(frame.header, bursts_hz);
+    repetition_hz = bursts_hz;
+    fs = frame.header.fs;
+    received_at_s = now_s;
 }
 
 }  // namespace hertzline::scope

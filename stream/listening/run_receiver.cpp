@@ -1,8 +1,7 @@
-#include "stream/listening/received_run.hpp"
+#include "stream/listening/run_receiver.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -19,35 +18,9 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr std::size_t largest_json = 1 << 20;  // of meta and end; a scene has at most 64 KiB
-constexpr int most_notices = 3;                // of a kind; what goes wrong often is only counted
+constexpr int most_notices = 3;  // of a kind; what goes wrong often is only counted
 
-/// An object, or null when the text is none.
-Json parsed_object(std::string_view text) {
-    if (text.size() > largest_json) {
-        return nullptr;
-    }
-    try {
-        Json json = json_from_outside(text);
-        return json.is_object() ? json : Json(nullptr);
-    } catch (const std::runtime_error&) {
-        return nullptr;
-    }
-}
-
-std::string text_in(const Json& object, const char* key) {
-    const auto found = object.is_object() ? object.find(key) : object.end();
-    return object.is_object() && found != object.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-/// A whole number above 0; 0 when there is none.
-std::uint64_t count_in(const Json& object, const char* key) {
-    const auto found = object.find(key);
-    const bool whole = found != object.end() && found->is_number_integer();
-    return whole ? static_cast<std::uint64_t>(std::max(std::int64_t{0}, found->get<std::int64_t>())) : 0;
-}
-
-/// The message about a frame; empty when there is nothing to say.
+/// The notice about a frame; empty: none.
 /// @param expected the sample that was due @param before the totals without this frame, `now` with it
 std::string notice(Arrival arrival, const FrameHeader& frame, std::uint64_t expected,
                    const ContinuityTotals& before, const ContinuityTotals& now) {
@@ -81,7 +54,7 @@ const char* word(EndReason reason) {
             return "";
         case EndReason::end_of_run:
             return "end of run";
-        case EndReason::heard_enough:
+        case EndReason::long_enough:
             return "duration";
         case EndReason::stopped:
             return "stopped";
@@ -97,9 +70,9 @@ const char* word(EndReason reason) {
     return "";
 }
 
-ReceivedRun::ReceivedRun(Tap tap, Notify notify) : tap_(tap), notify_(std::move(notify)) {}
+RunReceiver::RunReceiver(Tap tap, Notify notify) : tap_(tap), notify_(std::move(notify)) {}
 
-ReceivedFrame* ReceivedRun::take(const Message& message) {
+ReceivedFrame* RunReceiver::take(const Message& message) {
     if (message.topic() == topic()) {
         return take_frame(message);
     }
@@ -111,19 +84,19 @@ ReceivedFrame* ReceivedRun::take(const Message& message) {
     return nullptr;
 }
 
-void ReceivedRun::note_malformed(const std::string& reason) {
+void RunReceiver::note_malformed(const std::string& reason) {
     if (++malformed_ == 1) {  // a peer that sends nonsense sends a lot of it
         notify_("malformed message: " + reason);
     }
 }
 
-void ReceivedRun::note_arrival(Arrival arrival, const std::string& text) {
-    if (int& told = notices_[arrival]; !text.empty() && ++told <= most_notices) {
-        notify_(text + (told == most_notices ? " (more of these are only counted)" : ""));
+void RunReceiver::note_arrival(Arrival arrival, const std::string& text) {
+    if (int& count = notices_[arrival]; !text.empty() && ++count <= most_notices) {
+        notify_(text + (count == most_notices ? " (more of these are only counted)" : ""));
     }
 }
 
-void ReceivedRun::note_refusal(const Refusal& refusal) {
+void RunReceiver::note_refusal(const Refusal& refusal) {
     if (refusal.reason != refusal_) {  // ZeroMQ tries several times a second
         notify_(refusal.reason);
         refusal_ = refusal.reason;
@@ -133,28 +106,30 @@ void ReceivedRun::note_refusal(const Refusal& refusal) {
     }
 }
 
-void ReceivedRun::take_meta(const Message& message) {
+void RunReceiver::take_meta(const Message& message) {
     if (message.parts() != 1) {
         return;
     }
-    const Json meta = parsed_object(message.text(0));
-    if (heard_samples()) {
+    const Json meta = object_from_outside(message.text(0));
+    if (has_samples()) {
         note_changes(meta);
         return;
     }
-    if (!meta.is_object() || !meta.contains("streams") || !meta["streams"].is_array()) {
+    const Json& streams = OutsideJson(meta).at("streams");
+    if (!streams.is_array()) {
         note_malformed("meta has no streams");
         return;
     }
     knows_the_run_ = true;
-    epoch_ = static_cast<std::int64_t>(count_in(meta, "epoch"));
+    epoch_ = OutsideJson(meta).count("epoch").value_or(0);
     provenance_ = measures::provenance_of_meta(meta);
     streams_.clear();
-    for (const Json& stream : meta["streams"]) {
-        streams_.push_back(printable(text_in(stream, "name")));
-        if (streams_.back() == row_of(tap_).name && stream.contains("channels") &&
-            stream["channels"].is_number_unsigned()) {
-            announced_channels_ = stream["channels"].get<std::size_t>();
+    for (const Json& json : streams) {
+        const OutsideJson stream(json);
+        streams_.push_back(printable(stream.text("name")));
+        if (const auto channels = stream.count("channels");
+            channels && streams_.back() == row_of(tap_).name) {
+            announced_channels_ = static_cast<std::size_t>(*channels);
         }
     }
     if (std::ranges::find(streams_, row_of(tap_).name) == streams_.end()) {
@@ -165,44 +140,46 @@ void ReceivedRun::take_meta(const Message& message) {
 }
 
 /// Meta comes before the first frame of an epoch.
-void ReceivedRun::note_changes(const Json& meta) {
-    if (!meta.is_object() || text_in(meta, "run") != run_ || !meta.contains("changes") ||
-        !meta["changes"].is_array()) {
+void RunReceiver::note_changes(const Json& meta) {
+    const Json& changes = OutsideJson(meta).at("changes");
+    if (OutsideJson(meta).text("run") != run_ || !changes.is_array()) {
         return;
     }
-    for (const Json& change : meta["changes"]) {
-        const auto number =
-            change.is_object() ? static_cast<std::int64_t>(count_in(change, "epoch")) : std::int64_t{0};
-        if (number > epoch_) {
+    for (const Json& change : changes) {
+        if (const std::int64_t number = OutsideJson(change).count("epoch").value_or(0); number > epoch_) {
             epoch_ = number;
             changes_.push_back(change);
         }
     }
 }
 
-void ReceivedRun::take_end(const Message& message) {
-    const Json summary = message.parts() == 1 ? parsed_object(message.text(0)) : Json(nullptr);
+void RunReceiver::take_end(const Message& message) {
+    const Json summary = message.parts() == 1 ? object_from_outside(message.text(0)) : Json(nullptr);
     if (!summary.is_object()) {
         note_malformed("end has no summary");
         return;
     }
-    if (heard_samples() && text_in(summary, "run") != run_) {
+    const OutsideJson outside(summary);
+    const auto count = [&](std::string_view key) {
+        return static_cast<std::uint64_t>(outside.count(key).value_or(0));
+    };
+    if (has_samples() && outside.text("run") != run_) {
         return;
     }
     // No later frame shows what is missing after the last one that came.
-    if (heard_samples()) {
-        if (const std::uint64_t total = count_in(summary, "samples"); total > next_sample_) {
+    if (has_samples()) {
+        if (const std::uint64_t total = count("samples"); total > next_sample_) {
             missing_at_end_ = total - next_sample_;
             notify_(fmt::format("{} samples are missing before the end", missing_at_end_));
         }
-        if (const std::uint64_t dropped = check_.take_end(count_in(summary, "dropped_frames")); dropped > 0) {
+        if (const std::uint64_t dropped = check_.take_end(count("dropped_frames")); dropped > 0) {
             notify_(fmt::format("{} frames were dropped by the sender before the end", dropped));
         }
     }
     end(EndReason::end_of_run);
 }
 
-void ReceivedRun::begin(const FrameHeader& header) {
+void RunReceiver::begin(const FrameHeader& header) {
     run_ = header.run;
     fs_ = header.fs;
     channels_ = header.channels;
@@ -212,8 +189,8 @@ void ReceivedRun::begin(const FrameHeader& header) {
     }
 }
 
-bool ReceivedRun::belongs_to_run(const FrameHeader& header) {
-    if (!heard_samples()) {
+bool RunReceiver::belongs_to_run(const FrameHeader& header) {
+    if (!has_samples()) {
         return true;
     }
     if (header.run != run_) {
@@ -228,7 +205,7 @@ bool ReceivedRun::belongs_to_run(const FrameHeader& header) {
     return true;
 }
 
-ReceivedFrame* ReceivedRun::take_frame(const Message& message) {
+ReceivedFrame* RunReceiver::take_frame(const Message& message) {
     if (message.parts() != 2) {
         note_malformed(fmt::format("found {} parts after the topic, expected 2", message.parts()));
         return nullptr;
@@ -255,13 +232,14 @@ ReceivedFrame* ReceivedRun::take_frame(const Message& message) {
     if (arrival == Arrival::joined || arrival == Arrival::new_run) {
         begin(*header);
     }
+    frame_.tap = tap_;
     frame_.missing = arrival == Arrival::gap ? header->sample - next_sample_ : 0;
     frame_.header = *header;
     next_sample_ = header->sample + header->n;
     return &frame_;
 }
 
-std::optional<std::string> ReceivedRun::samples_fault(const FrameHeader& header,
+std::optional<std::string> RunReceiver::samples_fault(const FrameHeader& header,
                                                       std::span<const std::byte> payload) {
     const std::size_t most =
         announced_channels_.value_or(channels_of(tap_, static_cast<std::size_t>(max_spheres)));
@@ -278,13 +256,13 @@ std::optional<std::string> ReceivedRun::samples_fault(const FrameHeader& header,
     return std::nullopt;
 }
 
-bool ReceivedRun::sound() const noexcept {
+bool RunReceiver::complete() const noexcept {
     const bool whole = end_reason_ != EndReason::silence && end_reason_ != EndReason::run_broke_off &&
                        end_reason_ != EndReason::refused;
-    return heard_samples() && check_.gapless() && missing_at_end_ == 0 && malformed_ == 0 && whole;
+    return has_samples() && check_.gapless() && missing_at_end_ == 0 && malformed_ == 0 && whole;
 }
 
-Json ReceivedRun::account() const {
+Json RunReceiver::account() const {
     const ContinuityTotals& counted = totals();
     return {{"frames", counted.frames},
             {"missing_samples", counted.missing_samples + missing_at_end_},
@@ -296,7 +274,7 @@ Json ReceivedRun::account() const {
             {"messages_malformed", malformed_}};
 }
 
-std::string ReceivedRun::text() const {
+std::string RunReceiver::text() const {
     return check_.text() +
            (missing_at_end_ > 0 ? fmt::format(", {} samples missing at the end", missing_at_end_) : "") +
            (malformed_ > 0 ? fmt::format(", {} messages malformed", malformed_) : "");

@@ -1,0 +1,110 @@
+#pragma once
+// The recent past of one stream, from which pictures are made: its last samples, where its bursts began, and when it last came.
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "stream/listening/run_receiver.hpp"
+#include "stream/wire/frame.hpp"
+
+namespace hertzline::scope {
+
+/// A ring of samples of one channel. Samples are counted from the run's start. What is missing between two frames is held as
+/// NaN.
+class SampleRing {
+public:
+    /// @param capacity samples that are held, at least 1
+    explicit SampleRing(std::size_t capacity);
+
+    /// Appends samples. Before end() everything is forgotten first: another run has begun.
+    void append(std::uint64_t first, std::span<const float> values);
+
+    /// The samples that are held: from begin() to before end().
+    std::uint64_t begin() const noexcept { return begin_; }
+    std::uint64_t end() const noexcept { return end_; }
+    std::size_t capacity() const noexcept { return values_.size(); }
+    bool empty() const noexcept { return begin_ == end_; }
+
+    /// Calls take(std::span<const float>) for the samples of [first, last) that are held, in their order, once or twice.
+    template <class Take>
+    void for_each_piece(std::uint64_t first, std::uint64_t last, Take take) const {
+        first = std::max(first, begin_);
+        last = std::min(last, end_);
+        while (first < last) {
+            const std::size_t place = place_of(first);
+            const std::size_t count = std::min<std::uint64_t>(last - first, values_.size() - place);
+            take(std::span<const float>(values_).subspan(place, count));
+            first += count;
+        }
+    }
+
+    /// One sample; NaN when it is not held.
+    float at(std::uint64_t sample) const noexcept;
+
+private:
+    std::size_t place_of(std::uint64_t sample) const noexcept { return sample % values_.size(); }
+    void fill_gap(std::uint64_t until);
+    void put(std::uint64_t first, std::span<const float> values);
+
+    std::vector<float> values_;
+    std::uint64_t begin_ = 0;
+    std::uint64_t end_ = 0;
+};
+
+/// The first sample of a burst.
+struct BurstMark {
+    std::uint64_t burst = 0;
+    std::uint64_t sample = 0;
+    bool operator==(const BurstMark&) const = default;
+};
+
+/// Whether the starts of bursts up to this one are whole numbers that a double holds: what a header or meta says may be anything.
+/// @param repetition_hz 0: they do not repeat, and are not to be counted
+bool countable(std::uint64_t burst, double fs, double repetition_hz) noexcept;
+
+/// The starts of the last bursts. A header tells in which burst its first sample lies; a burst that begins within a frame is
+/// known with the next one.
+class BurstMarks {
+public:
+    static constexpr std::size_t most = 8192;
+
+    /// Takes the next frame's header. @param repetition_hz of the scene, where it is known: it places bursts that begin and
+    /// end within one frame
+    void take(const stream::FrameHeader& header, double repetition_hz);
+    void clear() noexcept { marks_.clear(); }
+
+    /// The latest burst that began at `sample` or before.
+    std::optional<BurstMark> latest_by(std::uint64_t sample) const;
+    /// The burst after the one that began at `sample`.
+    std::optional<BurstMark> next_after(std::uint64_t sample) const;
+    /// The latest that has begun.
+    std::optional<BurstMark> latest() const;
+
+private:
+    void add(BurstMark mark);
+
+    std::deque<BurstMark> marks_;
+};
+
+/// Samples of a stream that are kept for pictures: 8 MiB, 0.2 s at 10 MHz.
+inline constexpr std::size_t held_samples = std::size_t{1} << 21;
+
+/// One stream as pictures are made of it.
+struct StreamHistory {
+    SampleRing samples{held_samples};
+    BurstMarks bursts;
+    double fs = 0;             ///< [Hz]; 0: no frame has come
+    double repetition_hz = 0;  ///< of the bursts; 0: there is one
+    std::uint32_t epoch = 0;   ///< of the scene, when the last frame came
+    double received_at_s = 0;  ///< when the last frame came [s since 1970]
+
+    /// Takes the next frame of one channel.
+    void take(const stream::ReceivedFrame& frame, double bursts_hz, double now_s);
+};
+
+}  // namespace hertzline::scope
