@@ -1,0 +1,104 @@
+#include "stream/listening/listener.hpp"
+
+#include <array>
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "stream/wire/frame_codec.hpp"
+#include "tests/support/sockets.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+
+using namespace stream;
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A publisher and a listener to it.
+class ListenerTest : public testing::Test {
+protected:
+    void send_meta(std::string_view run) {
+        publisher.send("meta", R"({"run": ")" + std::string(run) + R"(", "streams": [{"name": "v_out"}]})");
+    }
+    void send_frame(const std::string& run, std::uint64_t seq) {
+        FrameHeader header;
+        header.stream = "v_out";
+        header.run = run;
+        header.fs = 1e6;
+        header.n = 2;
+        header.seq = seq;
+        header.sample = 2 * seq;
+        std::string text;
+        encode_header(header, text);
+        const std::array<float, 2> values{1, 2};
+        publisher.send(
+            "v_out/np", std::string_view(text),
+            std::string_view(reinterpret_cast<const char*>(values.data()), sizeof(values)));
+    }
+    /// The runs of the next frames, until so many have come.
+    std::vector<std::string> runs_of(Listener& listener, std::size_t frames) {
+        std::vector<std::string> runs;
+        const auto deadline = std::chrono::steady_clock::now() + patience;
+        while (runs.size() < frames && !listener.ended() && std::chrono::steady_clock::now() < deadline) {
+            if (const ReceivedFrame* frame = listener.receive(10ms)) {
+                runs.push_back(frame->header.run);
+            }
+        }
+        return runs;
+    }
+    /// The listener learns of the run, and subscribes to its frames.
+    void introduce(Listener& listener, std::string_view run) {
+        subscriptions_until_wanted(publisher, "meta");
+        EXPECT_FALSE(publisher.wanted("v_out/np")) << "not before meta";
+        send_meta(run);
+        EXPECT_EQ(listener.receive(patience), nullptr);
+        subscriptions_until_wanted(publisher, "v_out/np");
+    }
+
+    const TemporaryFolder folder;
+    const std::string endpoint = "ipc://" + folder.file("s");
+    Publisher publisher{endpoint};
+};
+
+TEST_F(ListenerTest, GivesTheFramesOfOneRunAfterItsMeta) {
+    Listener listener(endpoint);
+    introduce(listener, "a");
+    send_frame("a", 0);
+    send_frame("a", 1);
+    EXPECT_THAT(runs_of(listener, 2), testing::ElementsAre("a", "a"));
+    send_frame("b", 0);
+    EXPECT_THAT(runs_of(listener, 1), testing::IsEmpty());
+    EXPECT_TRUE(listener.ended());
+    EXPECT_EQ(listener.run().end_reason(), EndReason::run_broke_off);
+}
+
+TEST_F(ListenerTest, FollowsEveryRunWhenAskedTo) {
+    Listener listener(endpoint, {.runs = ListenerOptions::Runs::every});
+    introduce(listener, "a");
+    send_frame("a", 0);
+    send_frame("b", 5);
+    EXPECT_THAT(runs_of(listener, 2), testing::ElementsAre("a", "b"));
+    EXPECT_FALSE(listener.ended());
+    EXPECT_EQ(listener.run().first_sample(), 10U) << "the account is of the second run";
+    listener.want({});
+    EXPECT_TRUE(listener.runs().empty());
+}
+
+TEST_F(ListenerTest, EndsAfterASilenceOrWhenItIsClosed) {
+    Listener silent(endpoint, {.timeout_s = 0.05});
+    EXPECT_THAT(runs_of(silent, 1), testing::IsEmpty());
+    EXPECT_EQ(silent.run().end_reason(), EndReason::silence);
+    Listener closed(endpoint);
+    closed.close();
+    EXPECT_EQ(closed.receive(patience), nullptr);
+    EXPECT_EQ(closed.run().end_reason(), EndReason::stopped);
+}
+
+}  // namespace
+}  // namespace hertzline::test
