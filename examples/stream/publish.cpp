@@ -36,7 +36,13 @@ void publish(const std::string& endpoint) {
     const hertzline::stream::StreamEvents events{
         .progress = [](const hertzline::stream::StreamMeters&) {},  // a place for a progress line
         .warn = [](const std::string& text) { std::cerr << text << '\n'; },
-        .summary = [](const hertzline::stream::StreamMeters&) { return "{}"; },  // JSON: the end message
+        // the end message, which tells listeners how much there was
+        .summary =
+            [&](const hertzline::stream::StreamMeters& meters) {
+                return hertzline::json_text({{"run", pipeline.options().run},
+                                             {"samples", meters.samples},
+                                             {"dropped_frames", meters.dropped_frames}});
+            },
     };
     std::cout << "publishing at " << publisher.endpoint() << std::endl;
     const hertzline::stream::StreamMeters meters = pipeline.run(stop, events);

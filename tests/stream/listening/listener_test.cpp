@@ -37,9 +37,8 @@ protected:
         std::string text;
         encode_header(header, text);
         const std::array<float, 2> values{1, 2};
-        publisher.send(
-            "v_out/np", std::string_view(text),
-            std::string_view(reinterpret_cast<const char*>(values.data()), sizeof(values)));
+        publisher.send("v_out/np", std::string_view(text),
+                       std::string_view(reinterpret_cast<const char*>(values.data()), sizeof(values)));
     }
     /// The runs of the next frames, until so many have come.
     std::vector<std::string> runs_of(Listener& listener, std::size_t frames) {
