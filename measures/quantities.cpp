@@ -310,9 +310,9 @@ std::span<const Quantity> quantities() noexcept {
 }
 
 std::vector<SummaryGroup> summary_of(const Run& run) {
-    std::vector<SummaryGroup> groups;
-    for (const char* heading : headings) {
-        groups.push_back({heading, Json::object(), ""});
+    std::vector<SummaryGroup> groups(headings.size());
+    for (std::size_t i = 0; i < headings.size(); ++i) {
+        groups[i] = {headings[i], Json::object(), ""};
     }
     std::vector<SummaryGroup> of_taps;
     for (const TapRecord& tap : std::span(run.taps).subspan(1)) {

@@ -302,7 +302,7 @@ std::optional<std::string> table_fault(const fs::path& path, const Table& table)
 double table_bytes(const fs::path& path, std::span<const TableColumn> columns, double rows,
                    std::size_t samples) noexcept {
     const TableFormat* const format = format_of(path);
-    double bytes = static_cast<double>(samples * sizeof(float));
+    auto bytes = static_cast<double>(samples * sizeof(float));
     for (const TableColumn& column : columns) {
         bytes += column.kind == CellKind::text ? static_cast<double>(column.bytes) : format->bytes_per_number;
     }

@@ -9,6 +9,7 @@
 #include "measures/scene_report.hpp"
 
 #include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "stream/inputs/background_thread.hpp"
 
