@@ -86,7 +86,7 @@ int own_descriptor(const fs::path& path) {
 
 /// Owner and mode of the file that is replaced, as far as the system lets us; neither is worth losing the data for.
 void inherit(int descriptor, const struct stat& replaced) noexcept {
-    constexpr uid_t as_it_is = static_cast<uid_t>(-1);
+    constexpr auto as_it_is = static_cast<uid_t>(-1);
     // Owner first: changing it clears bits of the mode.
     const bool same_group = ::fchown(descriptor, replaced.st_uid, replaced.st_gid) == 0 ||
                             ::fchown(descriptor, as_it_is, replaced.st_gid) == 0;
