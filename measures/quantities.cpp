@@ -257,6 +257,10 @@ std::string name_of(const Quantity& quantity, Tap tap) {
                                : std::string(quantity.name);
 }
 
+bool exists(const Quantity& quantity, const Run& run) {
+    return quantity.exists == nullptr || quantity.exists(run);
+}
+
 /// The value of the run, or of one of its taps.
 Json value_of(const Quantity& quantity, const Run& run, const TapRecord& tap) {
     return std::visit(
@@ -320,7 +324,7 @@ std::vector<SummaryGroup> summary_of(const Run& run) {
         of_taps.push_back({name, Json::object(), name});
     }
     for (const Quantity& quantity : table) {
-        if (quantity.exists != nullptr && !quantity.exists(run)) {
+        if (!exists(quantity, run)) {
             continue;
         }
         Json& values = groups[static_cast<std::size_t>(quantity.group)].values;
@@ -357,30 +361,32 @@ Json spectrum_json(const SpectrumSummary& spectrum) {
 
 std::vector<NumberColumn> number_columns(TapSet measured, bool modal) {
     std::vector<NumberColumn> columns;
-    const auto add = [&](Columns place) {
+    const auto add = [&columns](Tap tap, const auto& wanted) {
         for (const Quantity& quantity : table) {
-            // other outputs stand before the contacts
-            if (&quantity == std::ranges::find(table, Group::contacts, &Quantity::group) &&
-                place == Columns::among) {
-                for (const Tap tap : measured - Tap::v_out) {
-                    for (const Quantity& of_tap : table) {
-                        if (is_of_tap(of_tap)) {
-                            add_columns(columns, of_tap, tap);
-                        }
-                    }
-                }
-            }
-            if (quantity.columns == place) {
-                add_columns(columns, quantity, Tap::v_out);
+            if (wanted(quantity)) {
+                add_columns(columns, quantity, tap);
             }
         }
     };
-    add(Columns::first);
-    add(Columns::among);
-    if (modal) {
-        add(Columns::modal);
+    const auto add_at = [&add](Columns place) {
+        add(Tap::v_out, [place](const Quantity& quantity) { return quantity.columns == place; });
+    };
+    const auto add_among = [&add](bool before_contacts) {
+        add(Tap::v_out, [before_contacts](const Quantity& quantity) {
+            return quantity.columns == Columns::among &&
+                   (quantity.group < Group::contacts) == before_contacts;
+        });
+    };
+    add_at(Columns::first);
+    add_among(true);
+    for (const Tap tap : measured - Tap::v_out) {
+        add(tap, is_of_tap);
     }
-    add(Columns::last);
+    add_among(false);
+    if (modal) {
+        add_at(Columns::modal);
+    }
+    add_at(Columns::last);
     return columns;
 }
 
@@ -418,7 +424,7 @@ tl::expected<std::vector<NumberColumn>, std::vector<std::string>> chosen_columns
 double number_of(const Run& run, const NumberColumn& column) {
     const Quantity& quantity = *column.quantity;
     const auto tap = std::ranges::find(run.taps, column.tap, &TapRecord::tap);
-    if (tap == run.taps.end() || (quantity.exists != nullptr && !quantity.exists(run))) {
+    if (tap == run.taps.end() || !exists(quantity, run)) {
         return no_number;
     }
     const Json value = value_of(quantity, run, *tap);

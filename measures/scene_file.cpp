@@ -82,11 +82,7 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string
 Scene read_scene(const std::string& name) {
     auto parsed = parse_scene_file(name);
     if (!parsed) {
-        std::string faults;
-        for (const Fault& fault : parsed.error()) {
-            faults += (faults.empty() ? "" : "\n") + fault.message();
-        }
-        throw std::invalid_argument(faults);
+        throw std::invalid_argument(fault_text(parsed.error()));
     }
     return std::move(parsed->scene);
 }

@@ -66,6 +66,12 @@ void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::st
     }
 }
 
+void refuse_wrong_band(std::optional<double> from_hz) {
+    if (const auto fault = measures::band_from_fault(from_hz)) {
+        throw WrongUse("--band-from: " + *fault);
+    }
+}
+
 void require_positive(const char* option, double value) {
     if (!(value > 0) || !std::isfinite(value)) {
         throw WrongUse(

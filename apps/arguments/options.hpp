@@ -63,6 +63,9 @@ CLI::Option* add_wav_scale_option(CLI::App& app, std::optional<double>& scale);
 /// @throws WrongUse unless it is left out, or positive with a WAV among the files
 void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::string> files);
 
+/// @throws WrongUse unless the lower edge of bands is a frequency, or left out
+void refuse_wrong_band(std::optional<double> from_hz);
+
 /// @throws WrongUse unless the option's value is a positive, finite number
 void require_positive(const char* option, double value);
 

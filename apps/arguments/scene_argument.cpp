@@ -17,11 +17,7 @@ namespace hertzline::app {
 namespace {
 
 [[noreturn]] void refuse_scene(const std::vector<Fault>& faults) {
-    std::string text;
-    for (const Fault& fault : faults) {
-        text += (text.empty() ? "" : "\n") + fault.message();
-    }
-    throw WrongUse(text);
+    throw WrongUse(fault_text(faults));
 }
 
 }  // namespace

@@ -14,4 +14,13 @@ std::string Fault::message() const {
     return allowed.empty() ? text + found : text + "found " + found + ", allowed: " + allowed;
 }
 
+std::string fault_text(std::span<const Fault> faults, std::string_view separator) {
+    std::string text;
+    for (const Fault& fault : faults) {
+        text += text.empty() ? "" : separator;
+        text += fault.message();
+    }
+    return text;
+}
+
 }  // namespace hertzline

@@ -1,7 +1,9 @@
 #pragma once
 // What is wrong with a scene, and where that was said.
 
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace hertzline {
 
@@ -21,5 +23,8 @@ struct Fault {
     /// "scene.toml:12: chain.spheres: found 0, allowed: an integer from 1 to 10000000"
     std::string message() const;
 };
+
+/// The messages of the faults, one after another.
+std::string fault_text(std::span<const Fault> faults, std::string_view separator = "\n");
 
 }  // namespace hertzline

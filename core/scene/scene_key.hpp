@@ -1,6 +1,6 @@
 #pragma once
-// A key of a scene at run time: what it takes, and how its value is read, judged, set and taken back. The keys are the rows of
-// scene_table.hpp; whatever names keys loops over them.
+// A key of a scene at run time: its allowed values, and functions that read, check, set and clear its value. The keys are the rows
+// of scene_table.hpp.
 
 #include <cstddef>
 #include <cstdint>
@@ -109,7 +109,7 @@ tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_vie
 /// The text as a value that the key allows, or what is wrong with it. @param scene has the materials
 tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text);
 
-/// What is wrong with the value whatever else the scene says: out of the key's bounds, no such word. @param scene has the
+/// The fault of the value by itself: it is out of the key's bounds, or no such word. @param scene has the
 /// materials @param value of the key's kind
 std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const SceneValue& value);
 

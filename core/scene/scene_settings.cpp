@@ -18,7 +18,7 @@ bool contains(const std::vector<std::string>& words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// What a scene file may name, in the order of its keys.
+// The sections and keys of a scene file, in their order.
 struct KnownKeys {
     std::vector<std::string> sections;                      // "drive", ..., "materials"
     std::vector<std::string> keys;                          // "drive.material", ...; none of the materials

@@ -40,7 +40,7 @@ tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text);
 /// A single value; a bare word that means nothing else in TOML is a string. A fault tells neither key nor place.
 tl::expected<TomlValue, Fault> toml_value(std::string_view text);
 
-/// The value as TOML: 5 from 5.0 is told by the point, words are quoted.
+/// The value as TOML: 5.0 has a point and the integer 5 has none; words are quoted.
 std::string toml_text(const SceneValue& value);
 
 /// The value as a message shows it: TOML, cut where it is long.

@@ -38,11 +38,7 @@ bool worth_estimating_longer(const Resolution& resolved) noexcept {
 
 Resolution::operator ResolvedScene() const {
     if (!faults.empty()) {
-        std::string all = "the scene cannot be simulated";
-        for (const Fault& fault : faults) {
-            all += '\n' + fault.message();
-        }
-        throw std::invalid_argument(all);
+        throw std::invalid_argument("the scene cannot be simulated\n" + fault_text(faults));
     }
     return scene;
 }

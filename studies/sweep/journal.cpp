@@ -35,13 +35,6 @@ constexpr auto between_commits = std::chrono::milliseconds(100);
 constexpr auto patience = std::chrono::minutes(1);
 constexpr int a_moment_ms = 50;
 
-std::optional<PointStatus> status_named(std::string_view word) {
-    const auto* const found = std::ranges::find(point_status_words, word);
-    return found != point_status_words.end()
-               ? std::optional(static_cast<PointStatus>(found - point_status_words.begin()))
-               : std::nullopt;
-}
-
 /// The table's columns as SQL has them, and one for samples. Names that differ in case alone are the same to SQLite: the later one gets an
 /// underscore.
 std::vector<std::string> names_in_sql(std::span<const TableColumn> columns) {

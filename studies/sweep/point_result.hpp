@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,6 +26,15 @@ inline constexpr std::array<std::string_view, 6> point_status_words{"ok",      "
                                                                     "refused", "unstable",   "failed"};
 constexpr std::string_view word_of(PointStatus status) noexcept {
     return point_status_words[static_cast<std::size_t>(status)];
+}
+/// The status of that word; nothing for another word.
+constexpr std::optional<PointStatus> status_named(std::string_view word) noexcept {
+    for (std::size_t i = 0; i < point_status_words.size(); ++i) {
+        if (point_status_words[i] == word) {
+            return static_cast<PointStatus>(i);
+        }
+    }
+    return std::nullopt;
 }
 
 using measures::no_number;

@@ -18,14 +18,6 @@ namespace hertzline::studies {
 
 namespace {
 
-std::string joined(const std::vector<Fault>& faults) {
-    std::string text;
-    for (const Fault& fault : faults) {
-        text += (text.empty() ? "" : "; ") + fault.message();
-    }
-    return text;
-}
-
 TapSet waveform_taps(const Scene& scene, const PointDemand& demand) noexcept {
     return demand.waveform ? TapSet(*demand.waveform) & taps_of(scene.end) : TapSet();
 }
@@ -53,7 +45,7 @@ PointStatus status_of(const Resolution& resolved) {
 }  // namespace
 
 std::string scene_refusal(const Scene& scene) {
-    const std::string faults = joined(validate(scene));
+    const std::string faults = fault_text(validate(scene), "; ");
     return faults.empty() ? measures::longest_run_fault(scene).value_or("") : faults;
 }
 
@@ -134,7 +126,7 @@ std::optional<PointRunner::Attempt> PointRunner::attempt_with_pilots(const Scene
     Resolution resolved = resolve(scene, &stop_);
     if (!resolved.faults.empty()) {
         result.status = PointStatus::refused;
-        result.message = joined(resolved.faults);
+        result.message = fault_text(resolved.faults, "; ");
         return std::nullopt;
     }
     std::optional<Attempt> attempt = make_attempt(std::move(resolved));

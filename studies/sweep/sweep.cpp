@@ -30,14 +30,6 @@ constexpr std::size_t hash_bytes = 16;
 /// Whole numbers below it, and none beyond, are all exact.
 constexpr double exact_whole_numbers = 9007199254740992;  // 2^53
 
-Json names_of(TapSet taps) {
-    Json names = Json::array();
-    for (const Tap tap : taps) {
-        names.push_back(hertzline::row_of(tap).name);
-    }
-    return names;
-}
-
 Json number_names(const PointDemand& demand) {
     Json names = Json::array();
     for (const NumberColumn& column : demand.columns) {
@@ -83,7 +75,7 @@ Json identity_of(const Sweep& sweep) {
     if (sweep.is_search()) {
         json.update(sweep.search);
     }
-    json["measured"] = names_of(demand.measured);
+    json["measured"] = measures::names_of(demand.measured);
     json["band_from_hz"] = demand.band_from_hz ? Json(*demand.band_from_hz) : Json(nullptr);
     json["columns"] = number_names(demand);
     json["waveform"] = demand.waveform ? Json(hertzline::row_of(*demand.waveform).name) : Json(nullptr);
@@ -309,8 +301,7 @@ PointResult result_of(const Sweep& sweep, const TableRow& row) {
     const auto text = [&](std::size_t at) { return std::get<std::string>(row.cells[at]); };
     PointResult result;
     result.point = std::get<std::int64_t>(row.cells.front());
-    const auto* const status = std::ranges::find(point_status_words, text(first - 1));
-    result.status = static_cast<PointStatus>(status - point_status_words.begin());
+    result.status = status_named(text(first - 1)).value();
     for (std::size_t i = 0; i < sweep.demand.columns.size(); ++i) {
         result.numbers.push_back(std::get<double>(row.cells[first + i]));
     }

@@ -186,11 +186,7 @@ Exit run(const RunArguments& options) {
     faults.of([&] { columns = tap_arguments("--columns", options.columns, there); });
     faults.of([&] { beside = tap_arguments("--tap", options.taps, there); });
     faults.of([&] { measured = tap_arguments("--measure", options.measures, there & measurable_taps); });
-    faults.of([&] {
-        if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
-            throw WrongUse("--band-from: " + *fault);
-        }
-    });
+    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.refuse();
     const Resolution& resolved = sound->resolved;
     const Scene& scene = resolved.scene;

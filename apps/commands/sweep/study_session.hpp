@@ -48,7 +48,7 @@ private:
     bool wants_rows_;
 };
 
-/// What a study takes.
+/// Memory and disk that a study needs.
 struct StudyNeeds {
     double memory_bytes = 0;
     double disk_bytes = 0;  ///< journal and tables

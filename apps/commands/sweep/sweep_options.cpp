@@ -42,11 +42,7 @@ constexpr int max_jobs = 1024;
 constexpr double max_points_bytes = 1U << 30;
 
 [[noreturn]] void refuse(const std::vector<Fault>& faults) {
-    std::string text;
-    for (const Fault& fault : faults) {
-        text += (text.empty() ? "" : "\n") + fault.message();
-    }
-    throw WrongUse(text);
+    throw WrongUse(fault_text(faults));
 }
 
 std::string points_text(const std::string& name) {
@@ -144,11 +140,7 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     faults.of([&] { refuse_wrong_output(options); });
     faults.of([&] { jobs_of(options); });
     faults.of([&] { shard = shard_argument(options.shard); });
-    faults.of([&] {
-        if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
-            throw WrongUse("--band-from: " + *fault);
-        }
-    });
+    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.of([&] { plan = plan_of(options); });
     studies::SweepSurvey survey =
         plan ? studies::survey_of(*plan, measures::measurable_among(options.measures))

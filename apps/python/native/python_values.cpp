@@ -39,14 +39,12 @@ py::object python_object(const Json& json) {
 }
 
 std::string fault_text(std::vector<Fault> faults) {
-    std::string text;
     for (Fault& fault : faults) {
         if (fault.place.origin.starts_with("--")) {
             fault.place = {};  // an option of the program; here it is the key that the caller gave
         }
-        text += (text.empty() ? "" : "\n") + fault.message();
     }
-    return text;
+    return hertzline::fault_text(faults);
 }
 
 void ArgumentFaults::refuse() const {

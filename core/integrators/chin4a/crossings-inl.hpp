@@ -218,8 +218,8 @@ HWY_INLINE void advance_located(Chin4aChain<K>& c, const HornCurve& horn, Trial 
     }
 }
 
-/// The horn's motion may jump where a smooth part of it begins: contact 0 is checked again. What a jump of
-/// the horn adds to the energy stored there is work.
+/// The horn's motion may jump where a smooth part of it begins: contact 0 is checked again. The energy that a
+/// jump of the horn stores there is work.
 template <std::size_t K>
 HWY_INLINE void add_work_of_jump(Chin4aChain<K>& c, const HornMotion& horn) {
     const Vec stiffness = c.rows.load(ChainField::stiffness)[0];
