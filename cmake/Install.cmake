@@ -2,22 +2,25 @@
 # hertzline, which is both.
 include(CMakePackageConfigHelpers)
 
-set(write_headers ${PROJECT_SOURCE_DIR}/cmake/WritePublicHeaders.cmake)
-set(headers_written ${PROJECT_BINARY_DIR}/public_headers_written)
-file(GLOB_RECURSE headers CONFIGURE_DEPENDS core/*.hpp measures/*.hpp recordings/*.hpp studies/*.hpp stream/*.hpp)
-add_custom_command(OUTPUT ${headers_written}
-  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${PROJECT_BINARY_DIR}/include/hertzline -P ${write_headers}
-  COMMAND ${CMAKE_COMMAND} -E touch ${headers_written}
-  DEPENDS ${headers} ${write_headers} cmake/PublicHeaders.cmake
-  COMMENT "Writing the public headers"
-  VERBATIM)
-add_custom_target(hertzline_public_headers ALL DEPENDS ${headers_written})
-add_dependencies(hertzline_core hertzline_public_headers)
+# Every header of include/hertzline belongs to a room; hertzline.hpp includes them all.
+file(GLOB headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}/include/hertzline include/hertzline/*.hpp)
+get_property(public_headers GLOBAL PROPERTY HERTZLINE_PUBLIC_HEADERS)
+list(REMOVE_ITEM headers hertzline.hpp ${public_headers})
+if(headers)
+  message(FATAL_ERROR "include/hertzline has headers that no room names as public: ${headers}")
+endif()
+
+# All rooms that others may use.
+add_library(hertzline_everything INTERFACE)
+add_library(hertzline::hertzline ALIAS hertzline_everything)
+set_target_properties(hertzline_everything PROPERTIES EXPORT_NAME hertzline)
+target_link_libraries(hertzline_everything INTERFACE hertzline_stream hertzline_studies)
 
 install(TARGETS hertzline RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS hertzline_core EXPORT hertzlineCoreTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS hertzline_measures hertzline_recordings hertzline_studies hertzline_stream EXPORT hertzlineStreamTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(DIRECTORY ${PROJECT_BINARY_DIR}/include/hertzline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(TARGETS hertzline_measures hertzline_recordings hertzline_studies hertzline_stream hertzline_everything
+  EXPORT hertzlineStreamTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY include/hertzline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(PROGRAMS apps/plot/hertzline_plot.py DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline FILES_MATCHING PATTERN "*.toml")
 

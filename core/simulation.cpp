@@ -1,10 +1,11 @@
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
+#include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
 #include "core/solvers/series_solver.hpp"
 #include "core/solvers/stepped_solver.hpp"
@@ -39,6 +40,10 @@ Simulation::Simulation(ResolvedScene scene, const SimulationOptions& options)
       step_s_(exact_step(scene_.step_s(), this->scene().output.sample_rate_hz)),
       solver_(make_solver(scene_, *chain_, options_)) {}
 
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
 Samples Simulation::make_samples(std::size_t capacity) const {
     return {options_.taps, static_cast<std::size_t>(chain_->spheres()), capacity};
 }
@@ -61,6 +66,38 @@ Status Simulation::continue_from(Simulation& before, std::int64_t first) noexcep
         solver_->begin_with(before.solver_->motion());
     }
     return status_;
+}
+
+std::int64_t Simulation::first_open_sample() const noexcept {
+    return first_sample_ + solver_->first_open_sample();
+}
+
+void Simulation::end_at(std::int64_t sample) noexcept {
+    solver_->end_at(sample - first_sample_);
+}
+
+std::int64_t Simulation::steps() const noexcept {
+    return solver_->state().step;
+}
+
+std::int64_t Simulation::next_sample() const noexcept {
+    return first_sample_ + solver_->next_sample();
+}
+
+std::int64_t Simulation::contact_events() const noexcept {
+    return solver_->contact_events();
+}
+
+const ChainState& Simulation::state() noexcept {
+    return solver_->state();
+}
+
+double Simulation::time_s() const noexcept {
+    return solver_->time_s();
+}
+
+Ledger Simulation::ledger() noexcept {
+    return solver_->ledger();
 }
 
 std::string Simulation::failure() const {

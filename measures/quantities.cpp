@@ -434,12 +434,20 @@ double number_of(const Run& run, const NumberColumn& column) {
     return value.is_number() ? value.get<double>() : no_number;
 }
 
+}  // namespace hertzline::measures
+
+namespace hertzline {
+
 double Run::operator[](std::string_view name) const {
-    const auto column = find_column(name);
+    const auto column = measures::find_column(name);
     if (!column) {
         throw std::out_of_range(column.error());
     }
-    return number_of(*this, *column);
+    return measures::number_of(*this, *column);
 }
 
-}  // namespace hertzline::measures
+Json summary_json(const Run& run) {
+    return measures::summary_json(measures::summary_of(run));
+}
+
+}  // namespace hertzline

@@ -10,7 +10,10 @@
 #include "measures/record_warnings.hpp"
 #include <fmt/format.h>
 
+#include "core/model/chain.hpp"
+#include "core/model/energy.hpp"
 #include "core/model/strength.hpp"
+#include "core/model/validity.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::measures {
@@ -233,22 +236,13 @@ std::optional<std::string> band_from_fault(std::optional<double> from_hz) {
     return "found " + number_text(*from_hz) + ", allowed: a finite number from 0 [Hz]";
 }
 
-Run run(const Resolution& resolved, const RunOptions& options) {
-    Run run = simulate(resolved, options);
-    if (!run.stopped) {
-        SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);
-        measure(run, analyser, options.band_from_hz);
-    }
-    return run;
-}
-
 Run simulate(const Resolution& resolved, const RunOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const Scene& scene = resolved.scene;
     const TapSet measured = measured_taps(scene, options.measured);
     const SimulationOptions simulated{.taps = taps_of_run(scene, options.recorded | measured),
                                       .stop = options.stop};
-    Simulation simulation(scene, simulated);
+    Simulation simulation(resolved, simulated);
     Run run = empty_run(resolved, measured, simulation.chain().end);
     run.setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     Sequence sequence(run, simulation, options);
@@ -366,3 +360,20 @@ TapSet measurable_among(std::span<const std::string> names) noexcept {
 }
 
 }  // namespace hertzline::measures
+
+namespace hertzline {
+
+Run run(const Resolution& resolved, const RunOptions& options) {
+    Run run = measures::simulate(resolved, options);
+    if (!run.stopped) {
+        SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);
+        measures::measure(run, analyser, options.band_from_hz);
+    }
+    return run;
+}
+
+Run run(const Scene& scene, const RunOptions& options) {
+    return run(resolve(scene, options.stop), options);
+}
+
+}  // namespace hertzline

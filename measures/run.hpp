@@ -1,29 +1,18 @@
 #pragma once
-// A run: a scene from sample 0 to its end, its samples and measures. measures/quantities.hpp has its numbers.
+// The parts of a run, for callers that go through it block by block. measures/quantities.hpp has its numbers.
 
-#include <atomic>
-#include <chrono>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "measures/spectrum.hpp"
 #include <tl/expected.hpp>
 
 #include "core/model/end.hpp"
-#include "core/model/validity.hpp"
-#include "core/samples.hpp"
-#include "core/scene/json.hpp"
-#include "core/scene/scene.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
-#include "core/taps.hpp"
+#include "hertzline/run.hpp"
 
 namespace hertzline::measures {
 
@@ -60,86 +49,6 @@ std::optional<std::string> longest_run_fault(const Scene& scene);
 /// The fault of a lower edge of bands that is no frequency: what was found and what is allowed.
 std::optional<std::string> band_from_fault(std::optional<double> from_hz);
 
-/// Warnings, a sentence each.
-using Warnings = std::vector<std::string>;
-
-/// A tap's samples from the start to the end, and their spectrum.
-struct TapRecord {
-    Tap tap;
-    std::vector<double> values;
-    SpectrumSummary spectrum;  ///< by measure()
-};
-
-/// The energy that a modal plate took [J].
-struct PlateEnergy {
-    double passed = 0;    ///< to the plate
-    double lost = 0;      ///< in its material
-    double held = 0;      ///< in its motion at the end
-    double radiated = 0;  ///< into the fluid
-};
-
-/// A run and its results.
-struct Run {
-    Resolution resolved;
-    std::optional<Scene> last_scene;  ///< at the end, if the scene changed on the way
-
-    // by simulate()
-    std::vector<TapRecord> taps;       ///< v_out, then the other measured taps
-    std::vector<double> v_out_smooth;  ///< with a plate: v_out as if the last contact never opened
-    double peak_v_last = 0;            ///< [m/s]
-    std::int64_t steps = 0;
-    double step_s = 0;  ///< step of the last simulation
-    std::int64_t contact_events = 0;
-    ContactLoad load;                             ///< the largest of each
-    double static_pressure_pa = 0;                ///< the largest at rest [Pa]
-    std::optional<double> strength_ratio;         ///< the largest
-    std::optional<std::string> strength_warning;  ///< warning of the scene with that ratio
-    double energy_residual = 0;                   ///< residual of the ledger; the largest of several
-    std::optional<PlateEnergy> plate;             ///< modal plates only
-    std::chrono::nanoseconds busy{0};             ///< simulating
-    double setup_s = 0;                           ///< before the first step
-    bool stopped = false;                         ///< by the user, before the end
-
-    // by measure()
-    std::vector<double>
-        switching_db;  ///< per harmonic of v_out: gain by the jumps of its formula; empty without a plate
-    std::optional<double> ringing_ratio;  ///< ringing_ratio()
-    Warnings warnings;                    ///< warnings of the result; scene_warnings() has those of the scene
-
-    Json recordings;  ///< the written files; null: none
-
-    const Scene& scene() const noexcept { return last_scene ? *last_scene : resolved.scene; }
-    std::size_t rows() const { return taps.front().values.size(); }
-    double simulated_s() const { return static_cast<double>(rows() - 1) / scene().output.sample_rate_hz; }
-    double wall_s() const { return std::chrono::duration<double>(busy).count(); }
-
-    /// The number of that name: "peak_v_out_m_per_s", "harmonics_db_3", "p_axis.thd_r" (docs/measures.md); NaN where the run does not
-    /// determine it. @throws std::out_of_range for a name of no number
-    double operator[](std::string_view name) const;
-};
-
-/// The scene from a sample on.
-struct SceneStep {
-    std::int64_t sample = 0;  ///< above that of the step before
-    bool continued =
-        false;  ///< the motion continues (Simulation::continue_from); else it restarts from static equilibrium
-    Scene scene;  ///< resolved; same samples
-};
-
-/// Options of a run.
-struct RunOptions {
-    TapSet recorded = {};                               ///< taps for take, beside measured ones
-    TapSet measured = {};                               ///< beside v_out: measured_taps()
-    std::optional<double> band_from_hz = {};            ///< as SpectrumAnalyser::analyse
-    const std::atomic<bool>* stop = nullptr;            ///< true: the run ends before its end
-    std::function<bool(const Samples&)> take = {};      ///< is given each block; false ends the run
-    std::span<const SceneStep> steps = {};              ///< scenes that follow the first one
-    std::function<void(std::size_t step)> begins = {};  ///< is called before the samples of a step
-};
-
-/// Simulates and measures a scene. @throws std::runtime_error when the integration fails; std::bad_alloc
-Run run(const Resolution& resolved, const RunOptions& options = {});
-
 /// Simulates a scene: all of run() but measure(). @throws as run()
 Run simulate(const Resolution& resolved, const RunOptions& options);
 
@@ -171,4 +80,14 @@ tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
 /// The measurable taps among the names; other names are passed over.
 TapSet measurable_among(std::span<const std::string> names) noexcept;
 
+}  // namespace hertzline::measures
+
+namespace hertzline::measures {  // until all callers follow
+using hertzline::PlateEnergy;
+using hertzline::run;
+using hertzline::Run;
+using hertzline::RunOptions;
+using hertzline::SceneStep;
+using hertzline::TapRecord;
+using hertzline::Warnings;
 }  // namespace hertzline::measures

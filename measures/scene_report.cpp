@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/step_choice/step_advice.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/contact_law.hpp"

@@ -1,4 +1,4 @@
-#include "measures/spectrum.hpp"
+#include "hertzline/spectrum.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 
 #include <fftw3.h>
 
-namespace hertzline::measures {
+namespace hertzline {
 namespace {
 
 // Fourfold padding puts a bin within 1/8 of the record's resolution of any line; a parabola through the three bins
@@ -345,4 +345,4 @@ MagnitudeSpectrum SpectrumAnalyser::magnitudes(std::span<const double> record) {
     return spectrum;
 }
 
-}  // namespace hertzline::measures
+}  // namespace hertzline

@@ -19,6 +19,7 @@
 #include "core/scene/scene_words.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
+#include "core/step_choice/step_advice.hpp"
 
 namespace {
 

@@ -8,6 +8,8 @@
 #include "bench/peers/problem.hpp"
 
 #include "core/scene/scene_words.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/energy.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
 

@@ -1,8 +1,6 @@
 #pragma once
 // Where a scene leaves the range of its equations. Nothing here is refused: the equations can still be solved.
 
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,21 +8,9 @@
 #include <Eigen/Core>
 
 #include "core/model/chain.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
-
-/// Horn - sphere, sphere - sphere and sphere - end.
-inline constexpr std::size_t contact_kinds = 3;
-
-/// The largest loads of the contacts, each number of the contact where it is largest.
-struct ContactLoad {
-    double force_n = 0;        ///< elastic force [N]
-    double pressure_pa = 0;    ///< at the centre of the contact [Pa]
-    double overlap_ratio = 0;  ///< overlap over the radius of a sphere
-    std::array<double, contact_kinds>
-        pressures_pa{};  ///< of each kind of contact [Pa]; 0 where there is none
-};
 
 /// Pressure at the centre of a contact of stiffness k [N/m^(3/2)] at an overlap [m]: 3 k sqrt(overlap) / (2 pi R) [Pa]
 /// (K. L. Johnson, Contact Mechanics, 1985, equation 4.24). @param radius_m relative radius of curvature: R of a sphere

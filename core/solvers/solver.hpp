@@ -2,50 +2,14 @@
 // The interface of the solvers, which integrate a chain for a Simulation: step by step on a grid (stepped_solver.hpp), or piece by piece as
 // power series (series_solver.hpp).
 
-#include <atomic>
 #include <cstdint>
-#include <limits>
 #include <string>
 
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
-#include "core/samples.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
-
-/// Whether the integration still stands.
-enum class Status {
-    running,
-    unstable,
-    stopped,  ///< as SimulationOptions asked
-};
-
-/// Whether spheres ahead of the wavefront are left out. With leapfrog the samples are the same, to the last bit.
-enum class WavefrontTracking {
-    on,
-    off,  ///< every sphere is worked on from the start: for tests and benchmarks
-};
-
-/// Whether work and losses are added up. Solvers on a grid always do: it costs them next to nothing.
-enum class LedgerKeeping { on, off };
-
-/// Purpose and limits of a simulation.
-struct SimulationOptions {
-    /// All taps that will be asked for; those that the scene lacks are left out.
-    TapSet taps = TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out;
-    LedgerKeeping ledger = LedgerKeeping::on;
-    WavefrontTracking tracking = WavefrontTracking::on;
-    /// Once it is true, samples come to an end within a few steps, in the midst of a block. Unset: never.
-    const std::atomic<bool>* stop = nullptr;
-    /// It is stopped after this number of steps or pieces, too.
-    std::int64_t max_steps = std::numeric_limits<std::int64_t>::max();
-
-    /// @param steps taken so far
-    bool stop_asked(std::int64_t steps) const noexcept {
-        return steps >= max_steps || (stop != nullptr && stop->load(std::memory_order_relaxed));
-    }
-};
 
 namespace kernels {
 class PlateMotion;

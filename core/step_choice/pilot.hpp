@@ -10,6 +10,7 @@
 
 #include "core/samples.hpp"
 #include "core/scene/scene.hpp"
+#include "core/model/chain.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/seen_motion.hpp"
 

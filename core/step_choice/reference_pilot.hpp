@@ -5,6 +5,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/step_choice/pilot.hpp"
+#include "hertzline/resolve.hpp"
 
 namespace hertzline {
 
@@ -39,13 +40,6 @@ struct Trial {
     /// Samples of v_out to be expected on the wrong side of a switching (pilot.hpp).
     double wrong_sides = 0;
     double steps_per_s = 0;  ///< steps or pieces in a simulated second
-};
-
-/// An error and the stretch from the start over which it was found.
-struct ErrorEstimate {
-    double error = 0;        ///< relative L2 of the worst of v_last and the outputs of the plate
-    double over_s = 0;       ///< [s]
-    bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
 };
 
 /// The stretch that it watches is a property of the scene, not of output.duration_s, so that runs of any length get the same step: the

@@ -1,4 +1,4 @@
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/scene/scene.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
 
@@ -54,20 +54,12 @@ private:
     bool whole_ = false;
 };
 
-/// The motion that pilots have seen.
-struct SeenMotion {
-    double largest_press_m = 0;  ///< as in MotionExtremes
-    double last_press_m = 0;
-    double events_per_s = 0;     ///< contact events, the largest EventRate
-    double energy_residual = 0;  ///< the largest that is in keeping with the estimated error
-
-    /// @param rate that has noted `now` @returns whether the motion is beyond it by more than the margin
-    bool exceeded_by(const MotionExtremes& now, const EventRate& rate) const noexcept {
-        return now.largest_press_m > drift_margin * largest_press_m ||
-               now.last_press_m > drift_margin * last_press_m || rate.exceeds(events_per_s) ||
-               now.energy_residual > drift_margin * energy_residual;
-    }
-};
+/// Whether a motion is beyond the range by more than the margin. @param rate that has noted `now`
+inline bool exceeds(const MotionExtremes& now, const EventRate& rate, const SeenMotion& seen) noexcept {
+    return now.largest_press_m > drift_margin * seen.largest_press_m ||
+           now.last_press_m > drift_margin * seen.last_press_m || rate.exceeds(seen.events_per_s) ||
+           now.energy_residual > drift_margin * seen.energy_residual;
+}
 
 /// The range that a pilot has seen. @param error estimated, of its step
 inline SeenMotion seen_motion(const MotionExtremes& motion, const EventRate& rate, double error) noexcept {

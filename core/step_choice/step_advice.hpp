@@ -1,24 +1,35 @@
 #pragma once
-// Which step gives the accuracy that is asked for: pilots run with several steps, and their errors are measured.
+// The integrator and the step of a scene that leaves them open. Pilots run with several steps, and their errors are measured.
 
-#include "core/scene/scene.hpp"
 #include "core/step_choice/reference_pilot.hpp"
+#include "hertzline/resolve.hpp"
 
 namespace hertzline {
 
 /// An error that shorter steps do not bring below this is no truncation error: the motion is chaotic.
 inline constexpr double chaotic_error = 0.05;
 
-/// Results of the pilots of a scene. A step is the longest piece of a series, or the step of a grid.
-struct StepAdvice {
-    double accuracy = default_accuracy;  ///< the wanted one: numerics.accuracy or the default
-    double recommended_step_s = 0;       ///< meets the accuracy; of a grid: fits that of the samples
-    double estimated_error = 0;          ///< relative L2, of the worst velocity at that step
-    double largest_stable_step_s = 0;    ///< with the largest overlaps of the pilots
-    bool accuracy_met = true;            ///< false: not even the smallest step tried can be shown to
-    int pilots = 0;                      ///< run to find this out, beside the reference,
-    double pilot_duration_s = 0;         ///< each over this simulated time
+/// A wanted error below this gets order 12.
+inline constexpr double high_accuracy = 1e-6;
+
+/// An integrator and the reason for it.
+struct IntegratorChoice {
+    Integrator integrator;
+    IntegratorReason reason;
 };
+IntegratorChoice integrator_choice(const Scene& scene) noexcept;
+
+/// The scene with its integrator set.
+Scene with_integrator(Scene scene);
+
+/// The scene with the poles of its modal plate settled, if it has one. @throws std::bad_alloc
+Scene with_poles(Scene scene);
+/// Error of the fit with these poles, relative to the plate's response in the band; 0 without a modal plate. @throws std::bad_alloc
+double pole_error(const Scene& scene);
+
+/// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.
+/// Aims at numerics.accuracy or default_accuracy. @throws std::bad_alloc
+StepAdvice advise_step(const Scene& scene);
 
 /// An advice, and the pilot with the recommended step.
 struct AdvisedStep {

@@ -85,7 +85,7 @@ EstimateWatch::News EstimateWatch::look(const MotionExtremes& now) {
         thread_.join();
         return reached_ ? news_of_estimate() : given_up(now.time_s);
     }
-    if (!seen_.exceeded_by(now, event_rate_)) {
+    if (!exceeds(now, event_rate_, seen_)) {
         return {};
     }
     try {
@@ -105,7 +105,7 @@ EstimateWatch::News EstimateWatch::finish(const MotionExtremes& now) {
         news = look(now);
     }
     event_rate_.note(now.time_s, now.contact_events);
-    if (watching_ && (estimating() || seen_.exceeded_by(now, event_rate_))) {
+    if (watching_ && (estimating() || exceeds(now, event_rate_, seen_))) {
         end_thread();
         news.warning += (news.warning.empty() ? "" : "; ") + given_up(now.time_s).warning;
     }

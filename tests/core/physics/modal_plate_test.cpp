@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/scene_words.hpp"
+#include "core/model/chain.hpp"
+#include "core/model/energy.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/resolve.hpp"
 #include "tests/support/modal_scenes.hpp"

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "core/model/energy.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"

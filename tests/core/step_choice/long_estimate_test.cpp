@@ -20,7 +20,7 @@ std::optional<double> left_at(const Resolution& resolved, double end_s) {
         simulation.skip(static_cast<std::int64_t>(1e-3 * resolved.scene.output.sample_rate_hz));
         const MotionExtremes now = simulation.extremes();
         rate.note(now.time_s, now.contact_events);
-        if (resolved.seen.exceeded_by(now, rate)) {
+        if (exceeds(now, rate, resolved.seen)) {
             return now.time_s;
         }
     }
@@ -51,24 +51,24 @@ TEST(SeenMotion, IsLeftByPressEventsAndEnergy) {
                               .last_press_m = 1e-6,
                               .contact_events = 1000,
                               .energy_residual = 1e-3};
-    const auto exceeded_by = [&](const MotionExtremes& now) {
+    const auto is_left_by = [&](const MotionExtremes& now) {
         EventRate rate(scene.drive);
         rate.note(now.time_s, now.contact_events);
-        return seen.exceeded_by(now, rate);
+        return exceeds(now, rate, seen);
     };
-    EXPECT_FALSE(exceeded_by(like));
+    EXPECT_FALSE(is_left_by(like));
     MotionExtremes other = like;
     other.largest_press_m *= 1.3;
-    EXPECT_TRUE(exceeded_by(other));
+    EXPECT_TRUE(is_left_by(other));
     other = like;
     other.last_press_m *= 1.3;
-    EXPECT_TRUE(exceeded_by(other));
+    EXPECT_TRUE(is_left_by(other));
     other = like;
     other.contact_events = 1300;
-    EXPECT_TRUE(exceeded_by(other));
+    EXPECT_TRUE(is_left_by(other));
     other = like;
     other.energy_residual *= 1.3;
-    EXPECT_TRUE(exceeded_by(other));
+    EXPECT_TRUE(is_left_by(other));
 }
 
 TEST(EventRate, CountsByPeriodsOfTheBursts) {

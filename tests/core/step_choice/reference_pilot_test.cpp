@@ -11,6 +11,7 @@
 #include "core/scene/scene_words.hpp"
 #include "core/scene/shipped_scenes.hpp"
 #include "core/step_choice/resolve.hpp"
+#include "core/step_choice/step_advice.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
 

@@ -1,6 +1,7 @@
 // The choice of integrator and step: accuracy asked for is accuracy met, whatever the scene, in bounded time.
 
 #include "core/step_choice/resolve.hpp"
+#include "core/step_choice/step_advice.hpp"
 
 #include <chrono>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "measures/scene_file.hpp"
+#include "hertzline/scene_file.hpp"
 
 #include <cerrno>
 #include <cstdio>
@@ -8,11 +8,10 @@
 #include <system_error>
 #include <utility>
 
-#include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
 
-namespace hertzline::measures {
+namespace hertzline {
 
 namespace {
 
@@ -87,4 +86,4 @@ Scene read_scene(const std::string& name) {
     return std::move(parsed->scene);
 }
 
-}  // namespace hertzline::measures
+}  // namespace hertzline

@@ -1,0 +1,88 @@
+#pragma once
+// Chooses the integrator and the step that a scene leaves open, by measuring instead of guessing.
+//
+// A pilot runs the scene over its burst and until it has rung down. The reference runs as exactly as possible; the difference of
+// another pilot from it is the error of that pilot's step. Pilots together cost about as much as simulating a few milliseconds. The
+// contacts' largest overlaps in them give the largest stable step. core/README.md explains the choice.
+
+#include <atomic>
+#include <optional>
+#include <vector>
+
+#include "hertzline/scene.hpp"
+
+namespace hertzline {
+
+/// Why a scene gets its integrator.
+enum class IntegratorReason {
+    set_by_scene,
+    fastest,  ///< a series of order 8: the fastest for its error, however long the chain (bench_crossover)
+    high_accuracy,  ///< an accuracy below 1e-6: a series of order 12
+};
+
+/// An error and the stretch from the start over which it was found.
+struct ErrorEstimate {
+    double error = 0;        ///< relative L2 of the worst of v_last and the outputs of the plate
+    double over_s = 0;       ///< [s]
+    bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
+};
+
+/// Results of the pilots of a scene. A step is the longest piece of a series, or the step of a grid.
+struct StepAdvice {
+    double accuracy = default_accuracy;  ///< the wanted one: numerics.accuracy or the default
+    double recommended_step_s = 0;       ///< meets the accuracy; of a grid: fits that of the samples
+    double estimated_error = 0;          ///< relative L2, of the worst velocity at that step
+    double largest_stable_step_s = 0;    ///< with the largest overlaps of the pilots
+    bool accuracy_met = true;            ///< false: not even the smallest step tried can be shown to
+    int pilots = 0;                      ///< run to find this out, beside the reference,
+    double pilot_duration_s = 0;         ///< each over this simulated time
+};
+
+/// The motion that pilots have seen.
+struct SeenMotion {
+    double largest_press_m = 0;  ///< as in MotionExtremes
+    double last_press_m = 0;
+    double events_per_s = 0;     ///< contact events, the largest rate of any burst
+    double energy_residual = 0;  ///< the largest that is in keeping with the estimated error
+};
+
+/// A scene with integrator and step, and the error to be expected of them; or the scene's faults.
+struct Resolution {
+    /// For a Simulation. @throws std::invalid_argument with every fault, a line each
+    operator ResolvedScene() const;
+
+    Scene scene;  ///< without faults: numerics.integrator and step_s set, accuracy unset
+    IntegratorReason integrator_reason = IntegratorReason::set_by_scene;
+    bool step_set_by_scene = false;
+    StepAdvice advice;
+    int pilots = 0;  ///< all that ran: the reference, those of the advice, that of the step in use
+    /// Error of the step in use: the difference of a pilot at that step from the reference, over the first 500 spheres. For a run that
+    /// is longer than pilots watch, the difference from a run with shorter steps if that is larger. None if the pilot would take too
+    /// long, or fails.
+    std::optional<ErrorEstimate> estimate;
+    std::optional<double> run_s;  ///< over which the error was to be estimated
+    SeenMotion seen;              ///< by the pilot of the estimate, if there is one
+    double steps_per_burst = 0;   ///< to be expected: steps, or pieces of a series
+    std::vector<Fault> faults;    ///< of the values, the step, the plate or the rest tolerance
+
+    /// Whether the accuracy asked for, or the default, is missed by the estimate. A scene that gives its step asks for none.
+    bool misses_accuracy() const noexcept {
+        return !step_set_by_scene && !(estimate && estimate->error <= advice.accuracy);
+    }
+    /// Whether the estimate says nothing about the end of the run: a small error may grow.
+    bool estimate_ends_early() const noexcept {
+        return estimate && run_s && estimate->over_s < *run_s - 1 / scene.output.sample_rate_hz;
+    }
+    /// Whether the accuracy is kept as far as is known, but the run is longer.
+    bool may_miss_accuracy() const noexcept {
+        return !step_set_by_scene && !misses_accuracy() && estimate_ends_early();
+    }
+};
+
+/// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch
+/// @param stop ends the estimate of a long run within a few steps: it then ends early. @throws std::bad_alloc
+Resolution resolve(const Scene& scene, std::optional<double> run_s, const std::atomic<bool>* stop = nullptr);
+/// Over output.duration_s.
+Resolution resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr);
+
+}  // namespace hertzline

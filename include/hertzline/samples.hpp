@@ -1,0 +1,49 @@
+#pragma once
+// The output of a simulation: blocks of samples.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "hertzline/taps.hpp"
+
+namespace hertzline {
+
+/// A block of samples: a column for each tap. Sized once, filled by Simulation::advance().
+class Samples {
+public:
+    /// Room for `capacity` samples of those taps.
+    Samples(TapSet taps, std::size_t spheres, std::size_t capacity)
+        : capacity_(capacity), spheres_(spheres), taps_(taps) {
+        for (const Tap tap : taps) {
+            columns_[static_cast<std::size_t>(tap)].resize(capacity * channels_of(tap, spheres));
+        }
+    }
+
+    std::int64_t first = 0;  ///< index of the first sample since the start
+    std::size_t count = 0;   ///< samples in this block
+    TapSet holds;            ///< the taps that are filled
+
+    std::size_t capacity() const noexcept { return capacity_; }
+    std::size_t spheres() const noexcept { return spheres_; }
+    TapSet taps() const noexcept { return taps_; }  ///< there is room for
+
+    /// The tap's values, row-major [sample][channel], in its unit; empty for a tap without room.
+    std::span<const double> operator[](Tap tap) const noexcept {
+        const std::vector<double>& column = columns_[static_cast<std::size_t>(tap)];
+        return {column.data(), column.empty() ? 0 : count * channels_of(tap, spheres_)};
+    }
+
+    /// All the room of a tap, to be filled.
+    std::span<double> room(Tap tap) noexcept { return columns_[static_cast<std::size_t>(tap)]; }
+
+private:
+    std::size_t capacity_;
+    std::size_t spheres_;
+    TapSet taps_;
+    std::array<std::vector<double>, tap_count> columns_;
+};
+
+}  // namespace hertzline

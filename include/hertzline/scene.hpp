@@ -1,0 +1,160 @@
+#pragma once
+// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a request: validate()
+// says what is wrong with it, resolve() (hertzline/resolve.hpp) fills in what was left open, Chain is
+// derived from it.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "hertzline/integrator.hpp"
+#include "hertzline/materials.hpp"
+
+namespace hertzline {
+
+enum class Envelope { hann, tukey, rectangular };
+enum class DampingLaw { dashpot, kuwabara_kono, tsuji };
+enum class Tension { allowed, clamped };
+enum class EndKind { plate, wall, free };
+enum class PlatePreload { balanced, as_printed };
+enum class PlateModel { lumped, modal };
+enum class FluidLoad { none, added_mass, radiation };
+
+/// Relative L2 error of the velocities that a scene gets when it asks for nothing.
+inline constexpr double default_accuracy = 1e-4;
+
+/// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
+struct Drive {
+    std::string material = "steel";
+    double frequency_hz = 73e3;
+    double cycles = 25;
+    double amplitude_m = 3e-6;
+    Envelope envelope = Envelope::hann;
+    double taper = 0.2;        ///< fraction of a tukey burst spent rising and falling
+    double repetition_hz = 0;  ///< bursts a second; 0: a single burst
+    bool operator==(const Drive&) const = default;
+};
+
+/// N equal spheres, pressed together.
+struct Spheres {
+    std::string material = "aluminium";
+    std::int64_t spheres = 6;
+    double diameter_m = 1e-3;
+    double damping_kg_per_s = 0.32;                ///< of a dashpot
+    DampingLaw damping_law = DampingLaw::dashpot;  ///< how closed contacts lose energy
+    std::optional<double> damping_time_s;          ///< A of Kuwabara and Kono's law, which needs it
+    std::optional<double> damping_alpha;           ///< alpha of Tsuji's law, which needs it
+    double preload_n = 0.1;
+    Tension tension = Tension::allowed;
+    bool operator==(const Spheres&) const = default;
+};
+
+/// The end that the last sphere leans on.
+struct End {
+    EndKind kind = EndKind::plate;
+    std::string material = "vitreous_carbon";
+    double radius_m = 5e-3;
+    double thickness_m = 0.5e-3;
+    std::optional<double> stiffness_n_per_m;  ///< unset: clamped-plate theory
+    PlatePreload preload = PlatePreload::balanced;
+    PlateModel model = PlateModel::lumped;  ///< the paper's mass and spring, or modes of the disc
+    std::int64_t modes = 4;                 ///< of a modal plate
+    double loss_factor = 0.005;             ///< of a modal plate's material: an assumption
+    bool operator==(const End&) const = default;
+};
+
+/// The fluid that the transducer radiates into.
+struct Medium {
+    std::string material = "water";
+    FluidLoad load = FluidLoad::radiation;  ///< its effect on a modal plate
+    bool operator==(const Medium&) const = default;
+};
+
+/// How to integrate. At most one of step_s and accuracy may be given; unset members are chosen by resolve().
+struct Numerics {
+    std::optional<Integrator> integrator;
+    std::optional<double> step_s;
+    std::optional<double> accuracy;  ///< wanted relative L2 error of the velocities
+    /// Between bursts, motion below this part of the horn's velocity is rest; 0: never.
+    double rest_tolerance = 0;
+    std::optional<std::int64_t> poles;  ///< of a modal plate's response in its fluid
+    bool operator==(const Numerics&) const = default;
+};
+
+/// The samples that a run gives.
+struct Output {
+    double sample_rate_hz = 10e6;
+    double duration_s = 500e-6;
+    std::int64_t frame_samples = 1024;
+    double hydrophone_m = 10e-3;  ///< distance on the plate's axis; for a modal plate
+    bool operator==(const Output&) const = default;
+};
+
+/// Everything a user can set, in SI units; the defaults are the paper's values.
+struct Scene {
+    Drive drive;
+    Spheres chain;
+    End end;
+    Medium medium;
+    Numerics numerics;
+    Output output;
+    std::map<std::string, Material> materials;  ///< the scene's own, beside the built-in ones
+    bool operator==(const Scene&) const = default;
+};
+
+/// Where something was said.
+struct Place {
+    std::string origin;  ///< the file's name, or "--set chain.spheres=0"; empty: not known
+    int line = 0;        ///< in the file, counted from 1; 0: no line in particular
+};
+
+/// One thing wrong with a scene, with its text or with a --set option.
+struct Fault {
+    std::string key;      ///< "chain.spheres"; empty when the fault is not a key's
+    std::string found;    ///< what stands there, as text
+    std::string allowed;  ///< what may stand there; empty: found is a sentence of its own
+    Place place = {};     ///< where it stands, if the scene comes from a text
+
+    /// "scene.toml:12: chain.spheres: found 0, allowed: an integer from 1 to 10000000"
+    std::string message() const;
+};
+
+/// The messages of the faults, one after another.
+std::string fault_text(std::span<const Fault> faults, std::string_view separator = "\n");
+
+/// Every fault of the scene's values at once; empty when it can be simulated. Does not know of steps beyond
+/// the stability limit: that needs the dynamics, see hertzline/resolve.hpp.
+std::vector<Fault> validate(const Scene& scene);
+
+/// A valid scene that leaves nothing open: integrator and step are set, by the user or by resolve().
+class ResolvedScene {
+public:
+    /// Implicit: a scene with both is one. @throws std::invalid_argument where one of them is open
+    ResolvedScene(Scene scene);
+
+    const Scene& scene() const noexcept { return scene_; }
+    Integrator integrator() const noexcept { return *scene_.numerics.integrator; }
+    /// Step of a grid, or the longest piece of a series [s].
+    double step_s() const noexcept { return *scene_.numerics.step_s; }
+
+private:
+    Scene scene_;
+};
+
+/// The material of that name, the scene's own first; nullptr when there is none.
+const Material* find_material(const Scene& scene, std::string_view name);
+
+/// The names of all materials of that sort that the scene can use: the built-in ones, then its own.
+std::vector<std::string> material_names(const Scene& scene, MaterialSort sort);
+
+/// The solid of that name in a scene without faults.
+const Solid& solid_of(const Scene& scene, std::string_view name);
+
+/// Largest number of spheres that a scene may ask for; 80 bytes of state and constants each.
+inline constexpr std::int64_t max_spheres = 10'000'000;
+
+}  // namespace hertzline

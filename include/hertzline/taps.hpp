@@ -1,0 +1,291 @@
+#pragma once
+// Taps: the outputs of a simulation. One row says all that the rest of the program must know of one: its name, unit, channels,
+// columns in files, and whether it is streamed. How it is computed stands in core/solvers/sampling/.
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+
+#include "hertzline/scene.hpp"
+
+namespace hertzline {
+
+/// A quantity of the model, sampled at the scene's sample rate. Streams are listed in this order.
+enum class Tap : unsigned {
+    v_out,     ///< transmitted into the medium [m/s]; v_face of a modal plate, v_last without a plate
+    v_last,    ///< of the last sphere [m/s]
+    v_plate,   ///< of the plate [m/s]
+    v_chain,   ///< of all spheres [m/s], row-major [sample][sphere], horn side first
+    x_chain,   ///< displacements of all spheres from static equilibrium [m], as v_chain
+    v_horn,    ///< of the horn: the drive [m/s]
+    f_last,    ///< force of the last contact, positive when it pushes [N]
+    v_centre,  ///< of a modal plate under the contact [m/s]
+    v_face,    ///< of a modal plate's face, its mean [m/s]
+    p_axis,    ///< pressure at the hydrophone on the axis of a modal plate [Pa]
+    f_chain,  ///< forces of all contacts, positive when they push [N], row-major [sample][contact], horn side first
+};
+
+/// How many channels a tap has.
+enum class Channels { one, per_sphere, per_contact };
+
+/// Requirement on a scene for a tap to exist.
+enum class Requires { nothing, last_contact, lumped_plate, modal_plate };
+
+/// When a recording of a run holds a tap by default.
+enum class Recorded { always, with_lumped_plate, with_modal_plate, on_request };
+
+struct TapRow {
+    Tap tap;
+    std::string_view name;  ///< in topics, options and metadata
+    std::string_view unit;
+    Channels channels;
+    Requires required;
+    Recorded recorded;
+    bool streamed;
+    std::string_view column;  ///< name in a file, with its unit; '#' stands for the sphere's number
+};
+
+/// All taps, in the order of a recording's columns.
+inline constexpr std::array tap_rows{
+    TapRow{.tap = Tap::v_last,
+           .name = "v_last",
+           .unit = "m/s",
+           .channels = Channels::one,
+           .required = Requires::nothing,
+           .recorded = Recorded::always,
+           .streamed = true,
+           .column = "v_last_m_per_s"},
+    TapRow{.tap = Tap::v_plate,
+           .name = "v_plate",
+           .unit = "m/s",
+           .channels = Channels::one,
+           .required = Requires::lumped_plate,
+           .recorded = Recorded::with_lumped_plate,
+           .streamed = true,
+           .column = "v_plate_m_per_s"},
+    TapRow{.tap = Tap::v_out,
+           .name = "v_out",
+           .unit = "m/s",
+           .channels = Channels::one,
+           .required = Requires::nothing,
+           .recorded = Recorded::with_lumped_plate,
+           .streamed = true,
+           .column = "v_out_m_per_s"},
+    TapRow{.tap = Tap::v_centre,
+           .name = "v_centre",
+           .unit = "m/s",
+           .channels = Channels::one,
+           .required = Requires::modal_plate,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "v_centre_m_per_s"},
+    TapRow{.tap = Tap::v_face,
+           .name = "v_face",
+           .unit = "m/s",
+           .channels = Channels::one,
+           .required = Requires::modal_plate,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "v_face_m_per_s"},
+    TapRow{.tap = Tap::p_axis,
+           .name = "p_axis",
+           .unit = "Pa",
+           .channels = Channels::one,
+           .required = Requires::modal_plate,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "p_axis_pa"},
+    TapRow{.tap = Tap::x_chain,
+           .name = "x_chain",
+           .unit = "m",
+           .channels = Channels::per_sphere,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = false,
+           .column = "x#_m"},
+    TapRow{.tap = Tap::v_chain,
+           .name = "v_chain",
+           .unit = "m/s",
+           .channels = Channels::per_sphere,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "v#_m_per_s"},
+    TapRow{.tap = Tap::v_horn,
+           .name = "v_horn",
+           .unit = "m/s",
+           .channels = Channels::one,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "v_horn_m_per_s"},
+    TapRow{.tap = Tap::f_last,
+           .name = "f_last",
+           .unit = "N",
+           .channels = Channels::one,
+           .required = Requires::last_contact,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "f_last_n"},
+    TapRow{.tap = Tap::f_chain,
+           .name = "f_chain",
+           .unit = "N",
+           .channels = Channels::per_contact,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "f#_n"},
+};
+inline constexpr std::size_t tap_count = tap_rows.size();
+
+constexpr const TapRow& row_of(Tap tap) noexcept {
+    for (const TapRow& row : tap_rows) {
+        if (row.tap == tap) {
+            return row;
+        }
+    }
+    return tap_rows.front();  // a value that is no tap
+}
+
+/// The tap of that name; nothing when there is none.
+constexpr std::optional<Tap> tap_named(std::string_view name) noexcept {
+    for (const TapRow& row : tap_rows) {
+        if (row.name == name) {
+            return row.tap;
+        }
+    }
+    return std::nullopt;
+}
+
+/// Numbers in one sample of the tap. A chain has a contact before each sphere, and one with its end.
+template <class Number>
+constexpr Number channels_of(Tap tap, Number spheres) noexcept {
+    switch (row_of(tap).channels) {
+        case Channels::one:
+            return 1;
+        case Channels::per_sphere:
+            return spheres;
+        case Channels::per_contact:
+            return spheres + 1;
+    }
+    return 1;
+}
+
+/// The reverse: number of spheres of a chain whose tap has that number of channels, at least 1.
+constexpr std::size_t spheres_of(Tap tap, std::size_t channels) noexcept {
+    return row_of(tap).channels == Channels::per_contact ? channels - 1 : channels;
+}
+
+/// A set of taps; a value of 32 bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of the enumeration.
+class TapSet {
+public:
+    constexpr TapSet() noexcept = default;
+    constexpr TapSet(Tap tap) noexcept : bits_(1U << static_cast<unsigned>(tap)) {}
+
+    constexpr bool contains(Tap tap) const noexcept { return (bits_ & TapSet(tap).bits_) != 0; }
+    constexpr bool empty() const noexcept { return bits_ == 0; }
+    constexpr std::size_t size() const noexcept { return static_cast<std::size_t>(std::popcount(bits_)); }
+
+    constexpr TapSet& operator|=(TapSet other) noexcept { return *this = *this | other; }
+    constexpr TapSet& operator&=(TapSet other) noexcept { return *this = *this & other; }
+    friend constexpr TapSet operator|(TapSet a, TapSet b) noexcept { return TapSet(a.bits_ | b.bits_); }
+    friend constexpr TapSet operator&(TapSet a, TapSet b) noexcept { return TapSet(a.bits_ & b.bits_); }
+    /// The taps of a that are not in b.
+    friend constexpr TapSet operator-(TapSet a, TapSet b) noexcept { return TapSet(a.bits_ & ~b.bits_); }
+    constexpr bool operator==(const TapSet&) const noexcept = default;
+
+    class Iterator {
+    public:
+        constexpr explicit Iterator(unsigned bits) noexcept : rest_(bits) {}
+        constexpr Tap operator*() const noexcept { return static_cast<Tap>(std::countr_zero(rest_)); }
+        constexpr Iterator& operator++() noexcept {
+            rest_ &= rest_ - 1;  // clears the lowest bit
+            return *this;
+        }
+        constexpr bool operator==(const Iterator&) const noexcept = default;
+
+    private:
+        unsigned rest_;
+    };
+    constexpr Iterator begin() const noexcept { return Iterator(bits_); }
+    constexpr Iterator end() const noexcept { return Iterator(0); }
+
+private:
+    constexpr explicit TapSet(unsigned bits) noexcept : bits_(bits) {}
+    unsigned bits_ = 0;
+};
+static_assert(tap_count <= 32, "a TapSet has 32 bits");
+
+/// Numbers in one sample of all of them together; counted in double, so that an absurd number of spheres is a number, too.
+constexpr double channels_of(TapSet taps, double spheres) noexcept {
+    double sum = 0;
+    for (const Tap tap : taps) {
+        sum += channels_of(tap, spheres);
+    }
+    return sum;
+}
+
+/// The taps for which `keep` holds of their row.
+template <class Keep>
+constexpr TapSet taps_where(Keep keep) noexcept {
+    TapSet taps;
+    for (const TapRow& row : tap_rows) {
+        taps |= keep(row) ? TapSet(row.tap) : TapSet();
+    }
+    return taps;
+}
+
+inline constexpr TapSet all_taps = taps_where([](const TapRow& /*row*/) { return true; });
+
+/// Whether a scene with this end meets a requirement.
+constexpr bool provides(const End& end, Requires required) noexcept {
+    switch (required) {
+        case Requires::nothing:
+            return true;
+        case Requires::last_contact:
+            return end.kind != EndKind::free;
+        case Requires::lumped_plate:
+            return end.kind == EndKind::plate && end.model == PlateModel::lumped;
+        case Requires::modal_plate:
+            return end.kind == EndKind::plate && end.model == PlateModel::modal;
+    }
+    return false;
+}
+
+/// The taps that a scene with this end has.
+constexpr TapSet taps_of(const End& end) noexcept {
+    return taps_where([&end](const TapRow& row) { return provides(end, row.required); });
+}
+
+/// The taps that show the whole chain: a channel for each sphere or contact.
+inline constexpr TapSet chain_taps =
+    taps_where([](const TapRow& row) { return row.channels != Channels::one; });
+
+/// The taps that can be streamed, of some scene.
+inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });
+
+/// The taps of a scene with this end that can be streamed.
+constexpr TapSet streamed_taps_of(const End& end) noexcept {
+    return taps_of(end) & streamed_taps;
+}
+
+/// The taps of such a scene that a recording of a run holds by default.
+constexpr TapSet recorded_taps(const End& end) noexcept {
+    return taps_of(end) & taps_where([&end](const TapRow& row) {
+               switch (row.recorded) {
+                   case Recorded::always:
+                       return true;
+                   case Recorded::with_lumped_plate:
+                       return provides(end, Requires::lumped_plate);
+                   case Recorded::with_modal_plate:
+                       return provides(end, Requires::modal_plate);
+                   case Recorded::on_request:
+                       return false;
+               }
+               return false;
+           });
+}
+
+}  // namespace hertzline
