@@ -68,19 +68,6 @@ std::string progress_of(const stream::StreamMeters& meters, const stream::Pipeli
                        meters.late_frames, meters.dropped_frames);
 }
 
-Json summary_of(const stream::StreamMeters& meters, const stream::Pipeline& pipeline,
-                const stream::Publisher& publisher) {
-    Json summary;
-    stream::add_stream_members(summary, meters, pipeline.format().taps);
-    summary["samples"] = meters.samples;
-    summary["dropped_frames"] = meters.dropped_frames;
-    summary["endpoint"] = publisher.endpoint();
-    summary["security"] = word(publisher.security());
-    summary["refused_clients"] = publisher.refused_clients();
-    summary["run"] = pipeline.options().run;
-    return summary;
-}
-
 /// Drops the counts of topics that had no subscriber.
 Json without_unused_topics(Json summary) {
     for (auto member = summary.begin(); member != summary.end();) {
@@ -238,7 +225,7 @@ void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& pub
                                 .watch = source.watch,
                                 .summary =
                                     [&](const stream::StreamMeters& meters) {
-                                        summary = summary_of(meters, pipeline, publisher);
+                                        summary = stream::summary_json(meters, pipeline, publisher);
                                         source.add_to_summary(summary, meters);
                                         return json_text(summary);
                                     }});

@@ -6,7 +6,8 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include <hertzline/hertzline.hpp>
+#include <hertzline/resolve.hpp>
+#include <hertzline/simulation.hpp>
 
 int main() {
     const hertzline::Scene scene;  // the paper's device

@@ -7,7 +7,8 @@
 #include <iostream>
 #include <stdexcept>
 
-#include <hertzline/hertzline.hpp>
+#include <hertzline/resolve.hpp>
+#include <hertzline/simulation.hpp>
 
 namespace {
 

@@ -12,12 +12,12 @@
 #include <stdexcept>
 #include <string>
 
-#include <hertzline/stream.hpp>
+#include <hertzline/hertzline.hpp>
 
 namespace {
 
 void listen(const std::string& endpoint) {
-    hertzline::stream::Listener listener(endpoint, {.taps = hertzline::Tap::v_out, .timeout_s = 10});
+    hertzline::Listener listener(endpoint, {.taps = hertzline::Tap::v_out, .timeout_s = 10});
     float peak = 0;
     while (!listener.ended()) {
         if (const auto* frame = listener.receive(std::chrono::milliseconds(100))) {
@@ -26,10 +26,9 @@ void listen(const std::string& endpoint) {
             }
         }
     }
-    std::cout << listener.run().text() << "; peak of v_out " << peak << " m/s\n";
-    if (!listener.run().complete()) {
-        throw std::runtime_error(std::string("the stream is incomplete: ") +
-                                 word(listener.run().end_reason()));
+    std::cout << listener.text() << "; peak " << peak << " m/s\n";
+    if (!listener.complete()) {
+        throw std::runtime_error("the stream is incomplete");
     }
 }
 

@@ -1,4 +1,4 @@
-// Publishes the stream of a scene from a program of its own: what `hertzline stream` does, without its options.
+// Publishes the stream of a scene from a program of its own.
 //
 //     publish [ENDPOINT]       tcp://127.0.0.1:5573 unless told otherwise
 //
@@ -6,55 +6,32 @@
 
 #include <atomic>
 #include <csignal>
-#include <cstdint>
 #include <exception>
 #include <iostream>
 #include <string>
 
 #include <hertzline/hertzline.hpp>
-#include <hertzline/stream.hpp>
 
 namespace {
 
 std::atomic<bool> stop = false;
-
-void publish(const std::string& endpoint) {
-    hertzline::Scene scene;
-    scene.drive.repetition_hz = 1000;  // a burst each millisecond
-    scene = hertzline::resolve(scene).scene;
-
-    // source -> pipeline -> publisher: the pipeline simulates ahead of the clock in a thread of its own and sends each frame
-    // when it is due.
-    hertzline::stream::SimulationSource source(scene, {});  // computes what somebody subscribes to
-    hertzline::stream::Publisher publisher(endpoint);
-    hertzline::stream::StreamOptions options;
-    options.about = {{"title", "example"}};  // subscribers find it in the meta message
-    options.start = hertzline::stream::StreamStart::with_first_subscriber;
-    options.samples = static_cast<std::int64_t>(0.1 * scene.output.sample_rate_hz);
-    hertzline::stream::Pipeline pipeline(options, source, publisher, nullptr);
-
-    const hertzline::stream::StreamEvents events{
-        .progress = [](const hertzline::stream::StreamMeters&) {},  // a place for a progress line
-        .warn = [](const std::string& text) { std::cerr << text << '\n'; },
-        // the end message, which tells listeners how much there was
-        .summary =
-            [&](const hertzline::stream::StreamMeters& meters) {
-                return hertzline::json_text({{"run", pipeline.options().run},
-                                             {"samples", meters.samples},
-                                             {"dropped_frames", meters.dropped_frames}});
-            },
-    };
-    std::cout << "publishing at " << publisher.endpoint() << std::endl;
-    const hertzline::stream::StreamMeters meters = pipeline.run(stop, events);
-    std::cout << meters.frames << " frames, " << meters.late_frames << " of them late\n";
-}
 
 }  // namespace
 
 int main(int argc, char** argv) {
     std::signal(SIGINT, [](int) { stop = true; });
     try {
-        publish(argc > 1 ? argv[1] : "tcp://127.0.0.1:5573");
+        hertzline::Scene scene;
+        scene.drive.repetition_hz = 1000;  // a burst each millisecond
+        const auto summary = hertzline::publish(
+            hertzline::resolve(scene),
+            {.endpoint = argc > 1 ? argv[1] : "tcp://127.0.0.1:5573",
+             .duration_s = 0.1,
+             .wait_for_subscriber = true,
+             .stop = &stop,
+             .bound = [](const std::string& endpoint) { std::cout << "publishing at " << endpoint << std::endl; },
+             .warn = [](const std::string& text) { std::cerr << text << '\n'; }});
+        std::cout << summary["frames"] << " frames, " << summary["late_frames"] << " of them late\n";
     } catch (const std::exception& error) {
         std::cerr << error.what() << '\n';
         return 1;

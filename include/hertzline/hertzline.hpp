@@ -10,4 +10,5 @@
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
 #include "hertzline/spectrum.hpp"
+#include "hertzline/stream.hpp"
 #include "hertzline/taps.hpp"

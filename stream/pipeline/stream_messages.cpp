@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/topics.hpp"
 
 namespace hertzline::stream {
-
-namespace {}  // namespace
 
 std::string meta_json(const StreamOptions& options, const StreamFormat& format) {
     Json streams = Json::array();
@@ -63,6 +62,18 @@ std::string meters_json(const StreamMeters& meters, TapSet taps, const std::stri
     json["dropped"] = meters.dropped_frames;
     json["ring_fill"] = meters.ring_fill;
     return json.dump();
+}
+
+Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Publisher& publisher) {
+    Json summary;
+    add_stream_members(summary, meters, pipeline.format().taps);
+    summary["samples"] = meters.samples;
+    summary["dropped_frames"] = meters.dropped_frames;
+    summary["endpoint"] = publisher.endpoint();
+    summary["security"] = word(publisher.security());
+    summary["refused_clients"] = publisher.refused_clients();
+    summary["run"] = pipeline.options().run;
+    return summary;
 }
 
 }  // namespace hertzline::stream

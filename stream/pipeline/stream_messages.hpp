@@ -11,6 +11,9 @@
 
 namespace hertzline::stream {
 
+class Pipeline;
+class Publisher;
+
 /// The message of the meta topic: format, streams, units, and the options' description of the samples.
 std::string meta_json(const StreamOptions& options, const StreamFormat& format);
 
@@ -19,5 +22,8 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps);
 
 /// The message of the meters topic.
 std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run);
+
+/// The summary of a stream: its message of the end topic.
+Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Publisher& publisher);
 
 }  // namespace hertzline::stream
