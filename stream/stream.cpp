@@ -59,6 +59,7 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
     const ResolvedScene scene = resolved;
     const double rate = scene.scene().output.sample_rate_hz;
     stream::StreamOptions streamed{
+        .about = {},
         .pace = options.pace == 0 ? stream::Pace::flat_out() : stream::Pace::factor(options.pace),
         .samples = samples_in(options.duration_s, rate),
         .start = options.wait_for_subscriber ? stream::StreamStart::with_first_subscriber
@@ -108,16 +109,18 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
 }
 
 struct Listener::Connection {
+    Connection(const std::string& endpoint, ListenOptions options)
+        : listener(endpoint, {.taps = options.taps,
+                              .timeout_s = options.timeout_s,
+                              .curve = keys_of(options),
+                              .notify = std::move(options.notify)}) {}
+
     stream::Listener listener;
     StreamFrame frame{};
 };
 
 Listener::Listener(const std::string& endpoint, ListenOptions options)
-    : connection_(std::make_unique<Connection>(
-          stream::Listener(endpoint, {.taps = options.taps,
-                                      .timeout_s = options.timeout_s,
-                                      .curve = keys_of(options),
-                                      .notify = std::move(options.notify)}))) {}
+    : connection_(std::make_unique<Connection>(endpoint, std::move(options))) {}
 Listener::~Listener() = default;
 Listener::Listener(Listener&&) noexcept = default;
 Listener& Listener::operator=(Listener&&) noexcept = default;

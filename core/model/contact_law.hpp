@@ -1,5 +1,5 @@
 #pragma once
-// The force between two bodies in contact (docs/model.md, section 3): Hertz's law and what damps it.
+// The force between two bodies in contact (docs/model.md, section 3): Hertz's law and its damping.
 
 #include <cmath>
 

@@ -10,7 +10,7 @@ namespace hertzline {
 
 namespace {
 
-/// What stands there, for a message.
+/// The value as text, for a message.
 std::string found_json(const Json& value) {
     return quoted_briefly(value.dump(-1, ' ', true, Json::error_handler_t::replace));
 }
@@ -55,7 +55,7 @@ void add_values(const Json& object, const std::string& section, Json& values) {
     }
 }
 
-/// Sets one key. @returns what is wrong
+/// Sets one key. @returns its fault
 std::optional<Fault> set_key(Scene& scene, const std::string& name, const Json& json) {
     const auto key = known_key(scene, name);
     if (!key) {

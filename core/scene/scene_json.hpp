@@ -20,11 +20,11 @@ Json json_of(const std::optional<SceneValue>& value);
 /// {"drive": {"material": "steel", ...}, ...}; unset members are null, materials that are the scene's own in "materials".
 Json scene_json(const Scene& scene);
 
-/// The scene that such an object describes: keys that it leaves out have their defaults. Or what is wrong with each value; whether
+/// The scene that such an object describes: keys that it leaves out have their defaults. Or the fault of each wrong value; whether
 /// the scene can be simulated is for validate() to say.
 tl::expected<Scene, std::vector<Fault>> scene_of_json(const Json& json);
 
-/// The scene with other values of some keys, or what is wrong with each of them. Whether the scene can then be simulated is for
+/// The scene with other values of some keys, or the fault of each wrong one. Whether the scene can then be simulated is for
 /// validate() to say.
 /// @param values an object: keys, "drive.amplitude_m", and their values as numbers and texts; null takes an optional value back
 tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& values);
@@ -32,7 +32,7 @@ tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& val
 /// A scene's values of the keys in `values`; null where it has none.
 Json values_of_keys(const Scene& scene, const Json& values);
 
-/// What there is to know of keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has
+/// Describes keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has
 tl::expected<Json, std::vector<Fault>> described_values(const Scene& scene,
                                                         const std::vector<std::string>& keys);
 

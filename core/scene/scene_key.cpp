@@ -62,7 +62,7 @@ bool assign(Member& member, const std::optional<SceneValue>& value) {
     }
 }
 
-/// Adds what the type of the member says of the key.
+/// Adds the facts that follow from the member's type.
 template <class Member>
 void describe(SceneKey& key, const Member& /*member*/) {
     if constexpr (may_be_unset<Member>) {
@@ -95,7 +95,7 @@ void at_member(AnyScene& scene, const SceneKey& key, const Act& act) {
     }
 }
 
-/// The keys that are visited. @param visit_all takes what is called for each of them
+/// The keys that are visited. @param visit_all takes a function, and calls it for each of them
 template <class VisitAll>
 std::vector<SceneKey> keys_in(const VisitAll& visit_all) {
     std::vector<SceneKey> keys;

@@ -41,7 +41,7 @@ struct Need {
 enum class Hashed { always, when_changed };
 
 struct KeyTraits {
-    std::string_view unset = "none";  ///< of an optional key: what holds where it is not given
+    std::string_view unset = "none";  ///< of an optional key: its meaning where it is not given
     Need needs = {};
     Hashed hashed = Hashed::always;
     MaterialSort sort = MaterialSort::solid;  ///< of the name of a material
@@ -51,7 +51,7 @@ struct KeyTraits {
 struct KeyRow {
     std::string_view key;  ///< without its section: "preload_n"
     Range range = {};      ///< of a number or an integer
-    std::string_view doc;  ///< what it means, in Markdown
+    std::string_view doc;  ///< its meaning, in Markdown
     KeyTraits traits = {};
 };
 
@@ -103,10 +103,10 @@ std::string value_text(const SceneValue& value);
 /// The value as one of that kind, an integer as a number, too; nothing when it is of another kind.
 std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value);
 
-/// The text as a value of that kind, as --set takes it, or what was found instead.
+/// The text as a value of that kind, as --set takes it, or its fault.
 tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_view text);
 
-/// The text as a value that the key allows, or what is wrong with it. @param scene has the materials
+/// The text as a value that the key allows, or its fault. @param scene has the materials
 tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text);
 
 /// The fault of the value by itself: it is out of the key's bounds, or no such word. @param scene has the

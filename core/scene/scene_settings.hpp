@@ -1,5 +1,5 @@
 #pragma once
-// What a scene file and the --set options say, by key, before it becomes a Scene: the keys are known, the
+// The settings of a scene file and of --set options, by key, before they become a Scene: the keys are known, the
 // values are as yet unchecked.
 
 #include <map>
@@ -24,13 +24,13 @@ public:
     /// Faults are appended to `faults`, which must outlive this.
     SceneSettings(std::string_view origin, std::vector<Fault>& faults) : origin_(origin), faults_(faults) {}
 
-    /// Adds what the text says. False when it could not be read at all, so that its settings are missing.
+    /// Adds the settings of a text. @returns false when it could not be read at all, so that they are missing
     bool add_file(std::string_view text);
 
-    /// Adds what a --set option says, in place of what was said before.
+    /// Adds the setting of a --set option, in place of an earlier one.
     void add_option(const std::string& option);
 
-    /// What was said of the key ("chain.spheres"), or where the section [materials.NAME] begins; nullptr: nothing.
+    /// The setting of the key ("chain.spheres"), or the beginning of the section [materials.NAME]; nullptr: none.
     const Setting* find(const std::string& key) const;
 
     /// The NAMEs of all [materials.NAME].

@@ -5,7 +5,7 @@
 // The structured bindings name every member of a section, so a member without a row does not compile.
 //
 // The bounds are generous. They are there so that no product of allowed numbers overflows, and so that sample and step counts
-// (duration times 1e12 at most) fit 63 bits; not to say what is a sensible device.
+// (duration times 1e12 at most) fit 63 bits; a device within them need not make sense.
 
 #include "core/scene/scene.hpp"
 #include "core/scene/scene_key.hpp"
@@ -78,7 +78,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         auto& [material, load] = scene.medium;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("medium", member, facts); };
         row(material, {"material", {}, "that the disc radiates into", {.sort = MaterialSort::fluid}});
-        row(load, {"load", {}, "what it does to a modal plate", {.needs = modal, .hashed = changed}});
+        row(load, {"load", {}, "effect on a modal plate", {.needs = modal, .hashed = changed}});
     }
     {
         auto& [integrator, step_s, accuracy, rest_tolerance, poles] = scene.numerics;

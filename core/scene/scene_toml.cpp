@@ -13,7 +13,7 @@ namespace hertzline {
 
 namespace {
 
-/// Sets what the settings say of the key; whether that is within its bounds is for validate() to say.
+/// Sets the key as the settings say. validate() checks its bounds.
 /// @param section the beginning of a [materials.NAME], which gives every key but the optional ones; nullptr: none
 void read_key(const SceneSettings& settings, const SceneKey& key, const Setting* section, Scene& scene,
               std::vector<Fault>& faults) {
@@ -123,7 +123,7 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
         read_key(settings, key, nullptr, parsed.scene, faults);
     }
     const std::set<std::string> unclear_materials = read_materials(settings, parsed.scene, faults);
-    if (readable) {  // else the options would be judged without what the file says beside them
+    if (readable) {  // else the options would be judged without the keys of the file
         for (Fault& fault : validate(parsed.scene)) {
             // A key that names an unclear material is not at fault: that is reported where the material is defined.
             if (!unclear_materials.contains(fault.found)) {

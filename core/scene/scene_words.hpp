@@ -76,7 +76,7 @@ struct Words<Integrator> {
     }();
 };
 
-/// Every choice, in the order of the words: for what has to hold for each of them.
+/// Every choice, in the order of the words, for loops over them.
 template <class Choice>
 inline constexpr auto choices = [] {
     std::array<Choice, Words<Choice>::all.size()> every{};

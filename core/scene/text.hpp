@@ -15,13 +15,13 @@ std::string number_text(std::int64_t value);
 /// The text between double quotes, with everything but printable ASCII escaped: a TOML string, safe on a terminal.
 std::string quoted(std::string_view text);
 
-/// quoted(), shortened to what fits a message.
+/// quoted(), shortened for a message.
 std::string quoted_briefly(std::string_view text);
 
-/// The text without quotes, for a message: what a terminal might act on becomes '?', and what is longer is cut.
+/// The text without quotes, for a message: characters that a terminal might act on become '?', and a longer text is cut.
 std::string printable(std::string_view text, std::size_t max_length = 120);
 
-/// True for what TOML accepts as a key without quotes: letters, digits, '_' and '-'.
+/// Whether TOML accepts the text as a key without quotes: letters, digits, '_' and '-'.
 bool is_bare_key(std::string_view text) noexcept;
 
 /// The text as one part of a dotted TOML key: as it is, or quoted where it must be.

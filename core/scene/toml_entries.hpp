@@ -33,7 +33,7 @@ struct TomlEntry {
     int line = 0;  ///< counted from 1
 };
 
-/// The entries of a whole scene file; sections come before what is in them. A fault tells its line; the name
+/// The entries of a whole scene file; sections come before their keys. A fault tells its line; the name
 /// of the file is for the caller to add.
 tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text);
 

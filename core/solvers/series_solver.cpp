@@ -355,7 +355,7 @@ Motion SeriesSolver::motion() noexcept {
 void SeriesSolver::begin_with(const Motion& motion) noexcept {
     reset();
     state_.take_motion(motion.state);
-    // a horn that has become next to silent does not ask for the last digit of what still rings
+    // a horn that has become next to silent does not ask for the last digit of the ringing
     constexpr double smallest_share = 1e-6;
     judge_by(std::max(scale_, smallest_share * state_.v.abs().maxCoeff()));
     if (plate_) {

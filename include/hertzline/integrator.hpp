@@ -37,7 +37,7 @@ struct Method {
 /// up to 4.314 and 5.823. No series is run near them: its error ends a piece before.
 ///
 /// Reach of leapfrog: two looks at the dashpots. Of chin4a: twelve (eight powers of the drift, two forces, one
-/// gradient), doubled for a step that is split. What a step of many splits carries further has fallen by a
+/// gradient), doubled for a step that is split. A disturbance that a step of many splits carries further has fallen by a
 /// hundred orders of magnitude on its way.
 inline constexpr std::array methods{
     Method{.integrator = Integrator::leapfrog,

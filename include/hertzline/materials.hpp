@@ -14,8 +14,8 @@ struct Solid {
     double poissons_ratio = 0;
     double density_kg_per_m3 = 0;
     std::optional<double>
-        yield_strength_pa{};  ///< where it begins to flow; unset: unknown, or it breaks first
-    std::optional<double> flexural_strength_pa{};  ///< of what breaks before it flows
+        yield_strength_pa{};  ///< of a material that flows; unset: unknown, or it breaks first
+    std::optional<double> flexural_strength_pa{};  ///< of a material that breaks before it flows
     bool operator==(const Solid&) const = default;
 };
 

@@ -1,7 +1,6 @@
 #pragma once
-// What the user asks for, in SI units, with the paper's values as defaults. A Scene is a request: validate()
-// says what is wrong with it, resolve() (hertzline/resolve.hpp) fills in what was left open, Chain is
-// derived from it.
+// The request of a user, in SI units, with the paper's values as defaults. validate() finds its faults, and resolve()
+// (hertzline/resolve.hpp) chooses the integrator and the step that it leaves open.
 
 #include <cstdint>
 #include <map>
@@ -106,17 +105,17 @@ struct Scene {
     bool operator==(const Scene&) const = default;
 };
 
-/// Where something was said.
+/// The place of a key or a value.
 struct Place {
     std::string origin;  ///< the file's name, or "--set chain.spheres=0"; empty: not known
     int line = 0;        ///< in the file, counted from 1; 0: no line in particular
 };
 
-/// One thing wrong with a scene, with its text or with a --set option.
+/// A fault of a scene, of its text or of a --set option.
 struct Fault {
     std::string key;      ///< "chain.spheres"; empty when the fault is not a key's
-    std::string found;    ///< what stands there, as text
-    std::string allowed;  ///< what may stand there; empty: found is a sentence of its own
+    std::string found;    ///< the value there, as text
+    std::string allowed;  ///< the allowed values; empty: found is a sentence of its own
     Place place = {};     ///< where it stands, if the scene comes from a text
 
     /// "scene.toml:12: chain.spheres: found 0, allowed: an integer from 1 to 10000000"

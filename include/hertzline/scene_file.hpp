@@ -35,8 +35,8 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string
 Fault unknown_scene(const std::string& name);
 
 /// Reads the text of a scene file, which messages call `origin`. Each override is the argument of a --set
-/// option, "section.key=value" or "materials.NAME.key=value", and replaces what the text says; the last one
-/// of a key wins. The value is TOML; a bare word is a string. Never throws because of what is in the texts.
+/// option, "section.key=value" or "materials.NAME.key=value", and replaces the value in the text; the last one
+/// of a key wins. The value is TOML; a bare word is a string. Never throws because of the texts.
 /// The error holds every fault: those of the file in the order of its lines, then those of the options.
 tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text, std::string_view origin,
                                                           std::span<const std::string> overrides = {});

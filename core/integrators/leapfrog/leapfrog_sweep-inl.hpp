@@ -82,7 +82,7 @@ public:
           work_(chain) {}
 
     /// Takes `count` steps (at most max_steps). `finished` is called after each; the rows near
-    /// the end of the chain are then what that step left.
+    /// the end of the chain are then as that step left them.
     template <class Finished>
     HWY_INLINE void block(const HornStep* horn, std::size_t count, Finished&& finished) {
         for (std::size_t s = 0; s < count; ++s) {

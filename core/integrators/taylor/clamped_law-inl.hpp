@@ -54,7 +54,7 @@ HWY_INLINE void settle_grazing_force(Expansion<K, Degree, Kind>& e, std::size_t 
 }
 
 /// Whether contact k, were it closed, would push at z. Where dashpot and elasticity cancel to rounding it is
-/// what it was at the piece's start: contacts that graze on and on must not end one piece after another.
+/// its value at the piece's start: contacts that graze on and on must not end one piece after another.
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE Flags would_push(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z) {
     const Vec elastic = horner<0, Degree - 2>(e.u, k, z);
