@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-ROOMS = ["scene", "plate", "model", "taps", "samples", "integrators", "solvers", "simulation", "step_choice"]
+ROOMS = ["scene", "plate", "model", "integrators", "solvers", "simulation", "step_choice"]
 INCLUDE = re.compile(r'\s*#\s*include\s*"core/([^"]+)"')
 UNITED = re.compile(r"Unity/unity_core-(\w+?)(?:-[\w-]+)?_cxx\.cxx")  # as cmake/Flags.cmake names united sources
 
@@ -71,9 +71,9 @@ def self_test():
 
         write("core/model/chain.hpp", '#include "core/scene/scene.hpp"\n#include <vector>\n')
         write("core/scene/scene.hpp", '\n  # include "core/model/chain.hpp"\n')
-        write("core/taps.cpp", '#include "core/simulation.hpp"\n')
+        write("core/solvers/solver.cpp", '#include "core/simulation.hpp"\n')
         expect(list(includes_faults(root)), ["core/scene/scene.hpp:2: scene may not include core/model/chain.hpp",
-                                             "core/taps.cpp:1: taps may not include core/simulation.hpp"])
+                                             "core/solvers/solver.cpp:1: solvers may not include core/simulation.hpp"])
 
     expect(height_of("Unity/unity_core-step_choice_cxx.cxx.o"), ROOMS.index("step_choice"))
     expect(height_of("Unity/unity_core-integrators-simd_cxx.cxx.o"), ROOMS.index("integrators"))

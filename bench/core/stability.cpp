@@ -22,6 +22,7 @@
 
 #include "bench/support/arguments.hpp"
 
+#include "core/step_choice/step_advice.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/end.hpp"

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/step_choice/reference_pilot.hpp"
 #include "core/model/chain.hpp"
 #include "core/simulation.hpp"
 #include "core/step_choice/finer_run.hpp"

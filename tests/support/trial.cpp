@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/model/energy.hpp"
+#include "core/step_choice/step_advice.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/contact_law.hpp"
 #include "core/simulation.hpp"
