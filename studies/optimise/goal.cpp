@@ -102,20 +102,20 @@ Score Judge::score(const PointResult& result) const {
     return score;
 }
 
-std::vector<std::string> measure_faults(const Goal& goal, std::span<const NumberColumn> columns) {
+std::vector<SearchFault> measure_faults(const Goal& goal, std::span<const NumberColumn> columns) {
     std::vector<std::string> names;
     std::ranges::transform(columns, std::back_inserter(names), &NumberColumn::name);
-    std::vector<std::string> faults;
-    const auto look = [&](const std::string& option, const std::string& measure) {
+    std::vector<SearchFault> faults;
+    const auto look = [&](std::string_view subject, const std::string& measure) {
         if (!column_of(measure, columns)) {
-            faults.push_back(option + ": found " + quoted_briefly(measure) +
-                             ", allowed: a number of run's summary, as occupied_20db_hz" +
-                             suggestion(measure, names));
+            faults.push_back({subject, "found " + quoted_briefly(measure) +
+                                           ", allowed: a number of a run's summary, e.g. occupied_20db_hz" +
+                                           suggestion(measure, names)});
         }
     };
-    look(goal.maximise ? "--maximise" : "--minimise", goal.measure);
+    look(goal.maximise ? "maximise" : "minimise", goal.measure);
     for (const Constraint& constraint : goal.constraints) {
-        look("--subject-to", constraint.measure);
+        look("subject-to", constraint.measure);
     }
     return faults;
 }

@@ -62,7 +62,13 @@ private:
     std::vector<Limit> limits_;
 };
 
-/// A sentence for each measure of the goal that no column has, with the option that names it.
-std::vector<std::string> measure_faults(const Goal& goal, std::span<const NumberColumn> columns);
+/// What is wrong with one of the things that a search is asked for.
+struct SearchFault {
+    std::string_view subject;  ///< "maximise", "minimise", "subject-to"
+    std::string text;
+};
+
+/// A fault for each measure of the goal that no column has.
+std::vector<SearchFault> measure_faults(const Goal& goal, std::span<const NumberColumn> columns);
 
 }  // namespace hertzline::studies

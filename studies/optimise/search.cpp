@@ -9,6 +9,7 @@
 #include "studies/optimise/local_search.hpp"
 #include "studies/optimise/sample.hpp"
 #include "studies/optimise/surroundings.hpp"
+#include <fmt/format.h>
 
 namespace hertzline::studies {
 
@@ -239,6 +240,15 @@ std::vector<Surroundings> around_others(const SearchSpace& space, Evaluations& e
 
 std::int64_t fewest_evaluations(const SearchSpace& space) noexcept {
     return evaluations_around(space) + 12 * static_cast<std::int64_t>(space.keys());
+}
+
+std::optional<std::string> evaluations_fault(std::int64_t evaluations, const SearchSpace& space) {
+    const std::size_t keys = space.keys();
+    const std::int64_t fewest = fewest_evaluations(space);
+    return evaluations >= fewest && evaluations <= most_evaluations
+               ? std::nullopt
+               : std::optional(fmt::format("found {}, allowed: {} to {}, where {} {}", evaluations, fewest,
+                                           most_evaluations, keys, keys == 1 ? "key varies" : "keys vary"));
 }
 
 SearchResult search(const SearchSpace& space, Evaluations& evaluations, std::uint64_t seed) {

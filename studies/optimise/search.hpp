@@ -6,6 +6,8 @@
 // and its local searches advance at once, so that each batch has a point of each of them.
 
 #include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "studies/optimise/evaluations.hpp"
@@ -28,8 +30,13 @@ struct SearchResult {
     std::vector<Surroundings> others;  ///< the best of what local searches found elsewhere; without `far`
 };
 
-/// Evaluations that a search needs at least.
+inline constexpr std::int64_t most_evaluations = 1'000'000;
+
+/// Returns the fewest evaluations that a search needs.
 std::int64_t fewest_evaluations(const SearchSpace& space) noexcept;
+
+/// Returns the fault of a number of evaluations in this space.
+std::optional<std::string> evaluations_fault(std::int64_t evaluations, const SearchSpace& space);
 
 /// Searches until the budget is used up, nothing new is left, or the user stops it (evaluations.stopped()). What it looks at hangs on
 /// the space, the seed, the budget and the scores alone.

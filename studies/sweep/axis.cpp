@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <unordered_set>
 #include <utility>
 
 #include "core/scene/text.hpp"
@@ -14,16 +15,8 @@ namespace {
 constexpr std::string_view form = "KEY=FROM..TO:COUNT[:lin|log] or KEY=A,B,C";
 constexpr std::string_view form_anywhere = "KEY=FROM..TO[:lin|log] or KEY=A,B,C, without a count";
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-    std::vector<std::string_view> parts;
-    while (true) {
-        const std::size_t end = text.find(separator);
-        parts.push_back(trimmed(text.substr(0, end), " \t"));
-        if (end == std::string_view::npos) {
-            return parts;
-        }
-        text.remove_prefix(end + 1);
-    }
+std::string_view without_blanks(std::string_view text) {
+    return trimmed(text, " \t");
 }
 
 double number_of(const SceneValue& value) {
@@ -42,6 +35,7 @@ public:
     AxisReader(const Scene& scene, Sampling sampling) : scene_(scene), sampling_(sampling) {}
 
     std::optional<Axis> read(std::string_view option);
+    std::optional<Axis> read(std::string_view key, std::span<const SceneValue> values);
 
     std::vector<Fault> faults;
 
@@ -49,7 +43,9 @@ private:
     void refuse(std::string_view found, std::string allowed) {
         faults.push_back({axis_.key.name, quoted_briefly(found), std::move(allowed)});
     }
+    bool find_key(std::string_view name);
     std::optional<SceneValue> value(std::string_view text);
+    void add_to_list(tl::expected<SceneValue, Fault> value);
     void read_list(std::string_view text);
     void read_range(std::string_view text);
     void read_count(std::string_view text);
@@ -58,7 +54,18 @@ private:
     const Scene& scene_;
     Sampling sampling_;
     Axis axis_;
+    std::unordered_set<SceneValue> listed_;
 };
+
+bool AxisReader::find_key(std::string_view name) {
+    auto key = scene_key_named(scene_, name);
+    if (!key) {
+        faults.push_back(std::move(key).error());
+        return false;
+    }
+    axis_.key = *std::move(key);
+    return true;
+}
 
 std::optional<SceneValue> AxisReader::value(std::string_view text) {
     auto value = read_allowed(scene_, axis_.key, text);
@@ -69,16 +76,25 @@ std::optional<SceneValue> AxisReader::value(std::string_view text) {
     return *std::move(value);
 }
 
+void AxisReader::add_to_list(tl::expected<SceneValue, Fault> value) {
+    if (!value) {
+        faults.push_back(std::move(value).error());
+        return;
+    }
+    if (!listed_.insert(*value).second) {
+        refuse(value_text(*value), "each value once");
+    }
+    axis_.list.push_back(*std::move(value));
+    axis_.count = static_cast<std::int64_t>(axis_.list.size());
+}
+
 void AxisReader::read_list(std::string_view text) {
     for (const std::string_view part : split(text, ',')) {
-        if (auto one = value(part)) {
-            if (std::ranges::find(axis_.list, *one) != axis_.list.end()) {
-                refuse(part, "each value once");
-            }
-            axis_.list.push_back(*std::move(one));
+        add_to_list(read_allowed(scene_, axis_.key, without_blanks(part)));
+        if (faults.size() == max_faults) {
+            return;
         }
     }
-    axis_.count = static_cast<std::int64_t>(axis_.list.size());
 }
 
 void AxisReader::read_count(std::string_view text) {
@@ -113,6 +129,7 @@ void AxisReader::refuse_repeated_integers() {
 
 void AxisReader::read_range(std::string_view text) {
     std::vector<std::string_view> parts = split(text, ':');
+    std::ranges::transform(parts, parts.begin(), without_blanks);
     const std::string_view ends = parts.front();
     parts.erase(parts.begin());
     const auto spacing =
@@ -130,8 +147,8 @@ void AxisReader::read_range(std::string_view text) {
         return;
     }
     const std::size_t dots = ends.find("..");
-    const auto from = value(trimmed(ends.substr(0, dots), " \t"));
-    const auto to = value(trimmed(ends.substr(dots + 2), " \t"));
+    const auto from = value(without_blanks(ends.substr(0, dots)));
+    const auto to = value(without_blanks(ends.substr(dots + 2)));
     if (sampling_ == Sampling::grid) {
         read_count(parts.front());
     }
@@ -155,17 +172,29 @@ std::optional<Axis> AxisReader::read(std::string_view option) {
         refuse(option, std::string(sampling_ == Sampling::grid ? form : form_anywhere));
         return std::nullopt;
     }
-    auto key = scene_key_named(scene_, trimmed(option.substr(0, equals), " \t"));
-    if (!key) {
-        faults.push_back(std::move(key).error());
+    if (!find_key(without_blanks(option.substr(0, equals)))) {
         return std::nullopt;
     }
-    axis_.key = *std::move(key);
-    const std::string_view text = trimmed(option.substr(equals + 1), " \t");
+    const std::string_view text = without_blanks(option.substr(equals + 1));
     if (text.find("..") != std::string_view::npos) {
         read_range(text);
     } else {
         read_list(text);
+    }
+    return faults.empty() ? std::optional(std::move(axis_)) : std::nullopt;
+}
+
+std::optional<Axis> AxisReader::read(std::string_view key, std::span<const SceneValue> values) {
+    if (!find_key(key)) {
+        return std::nullopt;
+    }
+    axis_.list.reserve(values.size());
+    listed_.reserve(values.size());
+    for (const SceneValue& value : values) {
+        add_to_list(allowed_value(scene_, axis_.key, value));
+        if (faults.size() == max_faults) {
+            break;
+        }
     }
     return faults.empty() ? std::optional(std::move(axis_)) : std::nullopt;
 }
@@ -224,6 +253,19 @@ tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::strin
         fault.place = {"--vary " + printable(option), 0};
     }
     return tl::unexpected(std::move(reader.faults));
+}
+
+tl::expected<Axis, std::vector<Fault>> axis_of(const Scene& scene, std::string_view key,
+                                               std::span<const SceneValue> values) {
+    AxisReader reader(scene, Sampling::grid);
+    auto axis = reader.read(key, values);
+    return axis ? tl::expected<Axis, std::vector<Fault>>(*std::move(axis))
+                : tl::unexpected(std::move(reader.faults));
+}
+
+double place_of(std::uint64_t number) noexcept {
+    constexpr int mantissa = 53;
+    return std::ldexp(static_cast<double>(number >> (64 - mantissa)), -mantissa);
 }
 
 }  // namespace hertzline::studies

@@ -1,7 +1,9 @@
 #pragma once
 // What one --vary option says: a key and the values that it takes.
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +16,9 @@ namespace hertzline::studies {
 
 /// A sweep has at most so many points.
 inline constexpr std::int64_t max_points = 100'000'000;
+
+/// Faults of the values of one axis or one list of points: more are not reported.
+inline constexpr std::size_t max_faults = 12;
 
 /// How the values of a range lie.
 enum class Spacing { linear, logarithmic };
@@ -46,5 +51,12 @@ struct Axis {
 /// @returns the axis or every fault, each with the option as its place
 tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::string_view option,
                                                   Sampling sampling);
+
+/// Makes an axis of the values, at least one. @returns the axis or every fault
+tl::expected<Axis, std::vector<Fault>> axis_of(const Scene& scene, std::string_view key,
+                                               std::span<const SceneValue> values);
+
+/// A random number, or one of a Sobol sequence, as a place from 0 to 1 without 1.
+double place_of(std::uint64_t number) noexcept;
 
 }  // namespace hertzline::studies

@@ -1,7 +1,7 @@
 #include "studies/sweep/plan.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -13,12 +13,6 @@ namespace hertzline::studies {
 
 namespace {
 
-/// From 0 to 1, without 1.
-double share_of(boost::random::sobol::result_type number) {
-    constexpr int mantissa = 53;
-    return std::ldexp(static_cast<double>(number >> (64 - mantissa)), -mantissa);
-}
-
 Fault only_one_way(const PlanRequest& request) {
     if (request.vary.empty()) {
         return {"", request.sobol ? "--sobol without --vary" : "nothing that varies", "--vary or --points"};
@@ -29,42 +23,55 @@ Fault only_one_way(const PlanRequest& request) {
 }  // namespace
 
 tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, const PlanRequest& request) {
-    SweepPlan plan;
-    plan.base_ = base;
-    plan.request_ = request;
     if (request.vary.empty() == request.points.empty() || (request.sobol && request.vary.empty())) {
         return tl::unexpected(std::vector{only_one_way(request)});
     }
     if (!request.points.empty()) {
-        auto list = parse_points(base, request.points, request.points_origin);
-        if (!list) {
-            return tl::unexpected(std::move(list).error());
-        }
-        plan.keys_ = list->keys;
-        plan.size_ = static_cast<std::int64_t>(list->size());
-        plan.list_ = *std::move(list);
-        return plan;
+        return parse_points(base, request.points, request.points_origin).map([&](PointList points) {
+            return of_points(base, std::move(points));
+        });
     }
     std::vector<Fault> faults;
-    plan.request_.vary.clear();
+    std::vector<Axis> axes;
     for (const std::string& option : request.vary) {
         auto axis = parse_axis(base, option, request.sobol ? Sampling::anywhere : Sampling::grid);
-        if (!axis) {
-            faults.insert(faults.end(), axis.error().begin(), axis.error().end());
-            continue;
+        if (axis) {
+            axes.push_back(*std::move(axis));
+        } else {
+            std::ranges::move(axis.error(), std::back_inserter(faults));
         }
-        if (std::ranges::find(plan.keys_, axis->key.name, &SceneKey::name) != plan.keys_.end()) {
-            faults.push_back(
-                {axis->key.name, "it a second time", "each key once", {"--vary " + printable(option), 0}});
-        }
-        plan.keys_.push_back(axis->key);
-        plan.request_.vary.push_back(axis->text());
-        plan.axes_.push_back(*std::move(axis));
     }
-    if (faults.empty()) {
-        if (auto fault = plan.size_fault()) {
-            faults.push_back(*std::move(fault));
+    if (axes.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    auto plan = make(base, std::move(axes), request.sobol);
+    if (!plan) {
+        std::ranges::move(plan.error(), std::back_inserter(faults));
+    }
+    return faults.empty() ? std::move(plan) : tl::unexpected(std::move(faults));
+}
+
+tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, std::vector<Axis> axes,
+                                                            std::optional<std::int64_t> sobol) {
+    if (axes.empty()) {
+        return tl::unexpected(std::vector{only_one_way({{}, "", "", sobol})});
+    }
+    SweepPlan plan;
+    plan.base_ = base;
+    plan.axes_ = std::move(axes);
+    plan.sobol_ = sobol;
+    std::vector<Fault> faults;
+    for (const Axis& axis : plan.axes_) {
+        if (std::ranges::find(plan.keys_, axis.key.name, &SceneKey::name) != plan.keys_.end()) {
+            faults.push_back({axis.key.name,
+                              "it a second time",
+                              "each key once",
+                              {"--vary " + printable(axis.text()), 0}});
         }
+        plan.keys_.push_back(axis.key);
+    }
+    if (auto fault = plan.size_fault()) {
+        faults.push_back(*std::move(fault));
     }
     if (!faults.empty()) {
         return tl::unexpected(std::move(faults));
@@ -72,12 +79,17 @@ tl::expected<SweepPlan, std::vector<Fault>> SweepPlan::make(const Scene& base, c
     return plan;
 }
 
-SweepPlan SweepPlan::growing(const Scene& base, std::vector<SceneKey> keys) {
+SweepPlan SweepPlan::of_points(const Scene& base, PointList points) {
     SweepPlan plan;
     plan.base_ = base;
-    plan.keys_ = std::move(keys);
-    plan.list_ = PointList{plan.keys_, {}};
+    plan.keys_ = points.keys;
+    plan.size_ = static_cast<std::int64_t>(points.size());
+    plan.list_ = std::move(points);
     return plan;
+}
+
+SweepPlan SweepPlan::growing(const Scene& base, std::vector<SceneKey> keys) {
+    return of_points(base, {std::move(keys), {}});
 }
 
 void SweepPlan::add(const std::vector<SceneValue>& values) {
@@ -88,11 +100,11 @@ void SweepPlan::add(const std::vector<SceneValue>& values) {
 /// Counts the points. @returns what is wrong with their number
 std::optional<Fault> SweepPlan::size_fault() {
     const std::string allowed = number_text(max_points);
-    if (request_.sobol) {
-        if (*request_.sobol < 1 || *request_.sobol > max_points) {
-            return Fault{"", number_text(*request_.sobol) + " points", "1 to " + allowed, {"--sobol", 0}};
+    if (sobol_) {
+        if (*sobol_ < 1 || *sobol_ > max_points) {
+            return Fault{"", number_text(*sobol_) + " points", "1 to " + allowed, {"--sobol", 0}};
         }
-        size_ = *request_.sobol;
+        size_ = *sobol_;
         sequence_.emplace(axes_.size());
         return std::nullopt;
     }
@@ -133,10 +145,12 @@ SweepPlan SweepPlan::from_json(const Json& json) {
 }
 
 Json SweepPlan::json() const {
+    Json vary = Json::array();
+    std::ranges::transform(axes_, std::back_inserter(vary), &Axis::text);
     return {{"scene", to_toml(base_)},
-            {"vary", Json(request_.vary)},
-            {"points", request_.points},
-            {"sobol", request_.sobol ? Json(*request_.sobol) : Json(nullptr)}};
+            {"vary", std::move(vary)},
+            {"points", list_ ? list_->text : ""},
+            {"sobol", sobol_ ? Json(*sobol_) : Json(nullptr)}};
 }
 
 std::vector<SceneValue> SweepPlan::values(std::int64_t point) const {
@@ -150,7 +164,7 @@ std::vector<SceneValue> SweepPlan::values(std::int64_t point) const {
         boost::random::sobol sequence = *sequence_;
         sequence.seed(static_cast<boost::random::sobol::result_type>(point));
         for (const Axis& axis : axes_) {
-            values.push_back(axis.at(share_of(sequence())));
+            values.push_back(axis.at(place_of(sequence())));
         }
     } else {
         values.resize(keys_.size());

@@ -31,6 +31,11 @@ public:
     /// @returns the plan or every fault: unknown keys, values that a key does not allow, ranges upside down, too many points.
     /// What a scene refuses because of several keys together is not looked for.
     static tl::expected<SweepPlan, std::vector<Fault>> make(const Scene& base, const PlanRequest& request);
+    /// The same of axes. @param sobol of a Sobol sequence in ranges without a count, the number of points
+    static tl::expected<SweepPlan, std::vector<Fault>> make(const Scene& base, std::vector<Axis> axes,
+                                                            std::optional<std::int64_t> sobol);
+    /// The same of points.
+    static SweepPlan of_points(const Scene& base, PointList points);
 
     /// The plan from what json() gave. @throws std::runtime_error when that is no plan
     static SweepPlan from_json(const Json& json);
@@ -69,8 +74,8 @@ private:
     std::optional<Fault> size_fault();
 
     Scene base_;
-    PlanRequest request_;  // canonical
     std::vector<Axis> axes_;
+    std::optional<std::int64_t> sobol_;
     std::optional<PointList> list_;
     std::optional<boost::random::sobol> sequence_;  // at its first point
     std::vector<SceneKey> keys_;

@@ -2,6 +2,8 @@
 // Points one by one, as a CSV has them: a line of keys, then a line of values for each point.
 
 #include <cstddef>
+#include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +17,7 @@ namespace hertzline::studies {
 struct PointList {
     std::vector<SceneKey> keys;
     std::vector<SceneValue> values;  ///< point by point
+    std::string text = {};           ///< the CSV
 
     std::size_t size() const noexcept { return values.size() / keys.size(); }
     const SceneValue& value(std::size_t point, std::size_t key) const {
@@ -22,10 +25,21 @@ struct PointList {
     }
 };
 
+/// A key and its value at each point.
+struct PointColumn {
+    std::string key;
+    std::vector<SceneValue> values;
+};
+
 /// Reads the text of a CSV. Cells may be quoted. Each value must be allowed for its key, whatever the other keys say.
 /// @param scene what is varied @param origin as messages call the file
 /// @returns the points, at least one, or the faults with their lines, the first dozen of them
 tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std::string_view text,
                                                          std::string_view origin);
+
+/// Makes a list of the columns, which are equally long.
+/// @returns the points, or what is wrong: the first dozen faults
+tl::expected<PointList, std::vector<Fault>> points_of(const Scene& scene,
+                                                      std::span<const PointColumn> columns);
 
 }  // namespace hertzline::studies

@@ -250,9 +250,9 @@ TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
     EXPECT_THAT(fault(sound), HasSubstr("-o FILE is missing"));
     EXPECT_THAT(fault(with(sound, {"-o", "a.txt"})), HasSubstr(".csv, .h5"));
     EXPECT_THAT(fault(with(with(scene, maximise), output)), HasSubstr("--vary is missing"));
-    EXPECT_THAT(fault(with(with(scene, vary), output)), HasSubstr("--maximise: found no measure"));
+    EXPECT_THAT(fault(with(with(scene, vary), output)), HasSubstr("--maximise or --minimise is missing"));
     EXPECT_THAT(fault(with(sound, with(output, {"--minimise", "thd_r"}))),
-                HasSubstr("--maximise: found a second measure"));
+                HasSubstr("--maximise and --minimise: found both"));
     EXPECT_THAT(fault(with(with(scene, vary), with(output, {"--maximise", "peak_v_out"}))),
                 AllOf(HasSubstr("--maximise: found \"peak_v_out\""),
                       HasSubstr("did you mean 'peak_v_out_m_per_s'?")));
@@ -277,7 +277,7 @@ TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
                     AllOf(HasSubstr("--seed"), HasSubstr("a whole number from 0 to 18446744073709551615")));
     }
     EXPECT_THAT(fault({"optimise", "paper-wall", "--vary", "chain.sphere=1", "--subject-to", "x"}),
-                AllOf(HasSubstr("-o FILE is missing"), HasSubstr("--maximise: found no measure"),
+                AllOf(HasSubstr("-o FILE is missing"), HasSubstr("--maximise or --minimise is missing"),
                       HasSubstr("--subject-to: found \"x\""), HasSubstr("did you mean 'chain.spheres'?")));
     const Outcome nowhere = hertzline(with(sound, {"-o", folder.file("no/a.csv")}));
     EXPECT_EQ(nowhere.status, 1);

@@ -9,8 +9,9 @@ using namespace studies;
 
 namespace {
 
-using testing::ElementsAre;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::SizeIs;
 
 PointResult result_of(PointStatus status, double value, double bounded) {
     PointResult result;
@@ -73,10 +74,13 @@ TEST(Judge, MinimisesTheValueAndAddsUpWhatIsViolated) {
 
 TEST(MeasureFaults, NameTheOptionAndAMeasureThatIsLikeIt) {
     const Goal goal{"occupied_20db", false, {*parse_constraint("thd_r >= 1")}};
-    EXPECT_THAT(measure_faults(goal, columns),
-                ElementsAre(testing::AllOf(HasSubstr("--minimise: found \"occupied_20db\""),
-                                           HasSubstr("did you mean 'occupied_20db_hz'?")),
-                            HasSubstr("--subject-to: found \"thd_r\"")));
+    const std::vector<SearchFault> faults = measure_faults(goal, columns);
+    ASSERT_THAT(faults, SizeIs(2));
+    EXPECT_EQ(faults[0].subject, "minimise");
+    EXPECT_THAT(faults[0].text,
+                AllOf(HasSubstr("found \"occupied_20db\""), HasSubstr("did you mean 'occupied_20db_hz'?")));
+    EXPECT_EQ(faults[1].subject, "subject-to");
+    EXPECT_THAT(faults[1].text, HasSubstr("found \"thd_r\""));
 }
 
 }  // namespace

@@ -12,13 +12,13 @@
 #include "measures/resources.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
+#include "studies/optimise/search_report.hpp"
 #include "studies/sweep/sweep_table.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/command.hpp"
 #include "apps/commands/optimise/optimise_options.hpp"
-#include "apps/commands/optimise/search_report.hpp"
 #include "apps/commands/sweep/study_session.hpp"
 #include "apps/commands/sweep/sweep_progress.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
@@ -86,12 +86,12 @@ void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
 }
 
 Exit report(const SearchJob& job, const SweepOptions& options) {
-    for (const std::string& warning : search_warnings(job)) {
+    for (const std::string& warning : studies::search_warnings(job)) {
         spdlog::warn(warning);
     }
-    print_summary(search_summary(job, names_json(options.files)), options.format);
+    print_summary(studies::search_summary(job, names_json(options.files)), options.format);
     if (job.result().best.centre == studies::Evaluations::none) {
-        spdlog::error(no_feasible_text(job));
+        spdlog::error(studies::no_feasible_text(job));
         return Exit::failed;
     }
     return Exit::done;

@@ -30,9 +30,6 @@ constexpr const char* examples =
     "  hertzline optimise my-scene.toml --vary chain.spheres=3..12 --vary end.material=pyrex,acrylic \\\n"
     "      --minimise thd_r --evaluations 300 --seed 7 -o search.csv";
 
-constexpr std::int64_t most_evaluations = 1'000'000;
-
-/// As sweeps have it, where they may do without.
 void refuse_no_file(const OptimiseOptions& options) {
     if (options.sweep.files.empty()) {
         throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv");
@@ -41,8 +38,9 @@ void refuse_no_file(const OptimiseOptions& options) {
 
 studies::Goal goal_of(const OptimiseOptions& options) {
     if (options.maximise.empty() == options.minimise.empty()) {
-        throw WrongUse(fmt::format("--maximise: found {} measure, allowed: one of --maximise and --minimise",
-                                   options.maximise.empty() ? "no" : "a second"));
+        throw WrongUse(options.maximise.empty()
+                           ? "--maximise or --minimise is missing: give one MEASURE"
+                           : "--maximise and --minimise: found both, allowed: one of them");
     }
     const bool maximise = options.minimise.empty();
     return {maximise ? options.maximise : options.minimise, maximise, {}};
@@ -65,11 +63,15 @@ studies::Goal whole_goal_of(const OptimiseOptions& options) {
     return goal;
 }
 
-void refuse_wrong_evaluations(const OptimiseOptions& options, std::int64_t fewest, std::size_t keys) {
-    if (options.evaluations < fewest || options.evaluations > most_evaluations) {
-        throw WrongUse(fmt::format("--evaluations: found {}, allowed: {} to {}{}", options.evaluations,
-                                   fewest, most_evaluations,
-                                   keys == 0 ? "" : fmt::format(", where {} keys vary", keys)));
+/// @param space nullptr: its keys are not known
+void refuse_wrong_evaluations(std::int64_t evaluations, const studies::SearchSpace* space) {
+    if (space != nullptr) {
+        if (const auto fault = studies::evaluations_fault(evaluations, *space)) {
+            throw WrongUse("--evaluations: " + *fault);
+        }
+    } else if (evaluations < 1 || evaluations > studies::most_evaluations) {
+        throw WrongUse(
+            fmt::format("--evaluations: found {}, allowed: 1 to {}", evaluations, studies::most_evaluations));
     }
 }
 
@@ -80,7 +82,7 @@ SoundSweep sound_sample(const OptimiseOptions& options) {
             "--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
     }
     SweepOptions sample = options.sweep;
-    sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
+    sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, studies::most_evaluations);
     if (sample.files.empty()) {  // refuse_no_file() says so
         sample.format = Format::json;
         sample.resume = false;
@@ -90,8 +92,8 @@ SoundSweep sound_sample(const OptimiseOptions& options) {
 
 void refuse_unknown_measures(const studies::Goal& goal, const studies::PointDemand& demand) {
     Faults faults;
-    for (const std::string& fault : studies::measure_faults(goal, demand.columns)) {
-        faults.of([&] { throw WrongUse(fault); });
+    for (const studies::SearchFault& fault : studies::measure_faults(goal, demand.columns)) {
+        faults.of([&] { throw WrongUse(fmt::format("--{}: {}", fault.subject, fault.text)); });
     }
     faults.refuse();
 }
@@ -119,11 +121,11 @@ SoundSearch sound_search(const OptimiseOptions& options) {
     faults.of([&] { goal = whole_goal_of(options); });
     faults.of([&] { sample = sound_sample(options); });
     if (!sample) {
-        faults.of([&] { refuse_wrong_evaluations(options, 1, 0); });
+        faults.of([&] { refuse_wrong_evaluations(options.evaluations, nullptr); });
         faults.refuse();
     }
     const studies::SearchSpace space(sample->sweep.plan.axes());
-    faults.of([&] { refuse_wrong_evaluations(options, fewest_evaluations(space), space.keys()); });
+    faults.of([&] { refuse_wrong_evaluations(options.evaluations, &space); });
     if (goal) {
         faults.of([&] { refuse_unknown_measures(*goal, sample->sweep.demand); });
     }

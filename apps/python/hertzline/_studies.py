@@ -1,15 +1,16 @@
-"""Sweeps: many scenes that differ in a few keys, a row each."""
+"""Sweeps and searches: many scenes that differ in a few keys, a row each."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
-from ._scene import Scene, names_in, scene, toml_value
+from ._scene import Scene, names_in, scene, with_values
 
 if TYPE_CHECKING:
     import pandas
@@ -47,12 +48,12 @@ def sweep(
     gives the row's bits when it is run.
     Raises ValueError with every fault of the plan before anything runs.
     """
-    start = base if isinstance(base, Scene) else scene(base)
-    ranges = [f"{key}={_values_text(key, values)}" for key, values in (vary or {}).items()]
-    columns, samples, provenance = _native.sweep(
-        start._native,
-        ranges,
-        _points_text(points) if points is not None else "",
+    if (vary is None) == (points is None) or (sobol is not None and vary is None):
+        raise ValueError("sweep: allowed: either vary, also with sobol, or points")
+    found = _native.sweep(
+        _scene_of(base)._native,
+        None if vary is None else _varied(vary),
+        None if points is None else _points(points),
         sobol,
         names_in("measure", measure),
         names_in("quantities", quantities),
@@ -60,48 +61,94 @@ def sweep(
         waveforms,
         jobs,
     )
-    keys = list(points if points is not None else vary or {})
-    return _table(columns, keys, vary is not None and sobol is None, samples, provenance)
+    return _table(found, list(points or vary or {}), points is None and sobol is None)
 
 
-def _column(key: str, values: Any) -> list[Any]:
-    array = np.asarray(values)
+def optimise(
+    base: Scene | str,
+    vary: Mapping[str, Any],
+    *,
+    maximise: str | None = None,
+    minimise: str | None = None,
+    subject_to: Iterable[str] = (),
+    evaluations: int = 2000,
+    seed: int = 1,
+    jobs: int | None = None,
+    measure: Iterable[str] = (),
+    band_from_hz: float | None = None,
+) -> SearchResult:
+    """Searches ranges of keys for the best point within bounds, with the numbers of `hertzline optimise`.
+
+        found = hertzline.optimise(s, {"end.thickness_m": "0.1e-3..2e-3:log", "chain.preload_n": "0.01..2:log"},
+                                   maximise="occupied_20db_hz", subject_to=["peak_v_out_m_per_s >= 0.3"], jobs=2)
+        found.best["end.thickness_m"], found.best_scene.run().summary
+
+    vary: a range without a count for each key, "FROM..TO" or "FROM..TO:log", or a list of values.
+    maximise, minimise: one of them is given, a number of a run's summary.
+    subject_to: bounds that a point must keep, "NAME >= NUMBER" or "NAME <= NUMBER".
+    evaluations: the most points that are simulated.
+    seed: with another seed the search starts from other points, 0 to 2**64 - 1.
+    jobs: threads; by default one for each processor that the process may use. The result is the same for any number.
+    measure: taps beside v_out whose peaks and spectra are measured, and can be the goal or a bound: "v_plate.thd_r".
+    band_from_hz: the lower limit of the bands [Hz]; by default half the drive's frequency.
+
+    Raises ValueError with every fault of the request before anything runs.
+    """
+    if not 0 <= seed < 2**64:
+        raise ValueError(f"seed: found {seed}, allowed: 0 to {2**64 - 1}")
+    start = _scene_of(base)
+    found, summary, warnings = _native.optimise(
+        start._native,
+        _varied(vary),
+        maximise or "",
+        minimise or "",
+        names_in("subject_to", subject_to),
+        evaluations,
+        seed,
+        names_in("measure", measure),
+        band_from_hz,
+        jobs,
+    )
+    return SearchResult(start, _table(found, list(vary), False), summary, warnings)
+
+
+def _scene_of(base: Scene | str) -> Scene:
+    return base if isinstance(base, Scene) else scene(base)
+
+
+def _list(key: str, values: Any) -> _native.Values:
+    """The values as numbers, integers or words."""
+    array = np.atleast_1d(np.asarray(values))
     if array.ndim > 1:
         raise TypeError(f"{key}: found an array of {array.ndim} dimensions, allowed: a list of values")
     if array.size == 0:
         raise ValueError(f"{key}: found no values, allowed: at least one")
-    return list(np.atleast_1d(array))
+    if array.dtype.kind == "U":
+        words: list[str] = array.tolist()
+        return words
+    if array.dtype.kind == "i" or (array.dtype.kind == "u" and array.max() < 2**63):
+        return np.ascontiguousarray(array, dtype=np.int64)
+    if array.dtype.kind in "uf" and array.dtype.itemsize <= 8:
+        return np.ascontiguousarray(array, dtype=np.float64)
+    raise TypeError(f"{key}: found values of type {array.dtype}, allowed: numbers, integers or words")
 
 
-def _cell(key: str, value: Any) -> str:
-    if not isinstance(value, str):
-        return toml_value(key, value)
-    if ".." in value or any(character in ',:"' or not character.isprintable() for character in value):
-        raise ValueError(f"{key}: found {str(value)!r} in a list, allowed there: a word or a number")
-    return str(value)
+def _varied(vary: Mapping[str, Any]) -> list[tuple[str, _native.Values]]:
+    return [(key, values if isinstance(values, str) else _list(key, values)) for key, values in vary.items()]
 
 
-def _values_text(key: str, values: Any) -> str:
-    if isinstance(values, str):
-        return values
-    return ",".join(_cell(key, value) for value in _column(key, values))
-
-
-def _points_text(points: Mapping[str, Any]) -> str:
-    columns = {key: _column(key, values) for key, values in points.items()}
+def _points(points: Mapping[str, Any]) -> list[tuple[str, _native.Values]]:
+    columns = {key: _list(key, values) for key, values in points.items()}
     if not columns:
         raise ValueError("points: found no keys, allowed: at least one")
     lengths = {key: len(column) for key, column in columns.items()}
     if len(set(lengths.values())) > 1:
         raise ValueError(f"points: found columns of different lengths {lengths}, allowed: one length")
-    lines = [",".join(columns)]
-    lines += [",".join(_cell(key, value) for key, value in zip(columns, row)) for row in zip(*columns.values())]
-    return "\n".join(lines) + "\n"
+    return list(columns.items())
 
 
-def _table(
-    columns: Sequence[tuple[str, str, Any]], keys: list[str], grid: bool, samples: Any, provenance: dict[str, Any]
-) -> Table:
+def _table(found: _native.Table, keys: list[str], grid: bool) -> Table:
+    columns, samples, provenance = found
     arrays = {name: np.array(values, dtype=str) if isinstance(values, list) else values for name, _, values in columns}
     rows = len(next(iter(arrays.values())))
     array = np.empty(rows, dtype=[(name, values.dtype) for name, values in arrays.items()])
@@ -190,10 +237,47 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
         return dataset
 
     def plot(self, quantities: Sequence[str] = (), *, title: str = "", axes: Any = None) -> Figure:
-        """Draws curves over one key that varies, a map over two, as `hertzline plot` does. Needs matplotlib.
+        """Draws curves over one key that varies, a map over two, as `hertzline plot` does; of a search its goal over each
+        key and over the evaluations. Needs matplotlib.
 
         axes: draws into these, one for each quantity; by default a figure is made.
         """
         from ._plot import draw_table
 
         return draw_table(self, names_in("quantities", quantities), title, axes)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchResult:
+    """The outcome of a search. Made by `hertzline.optimise`."""
+
+    scene: Scene
+    """The scene whose keys were varied."""
+    table: Table
+    """A row for each evaluation, in their order, with the columns of a sweep's table."""
+    summary: dict[str, Any]
+    """The numbers of `hertzline optimise --json`, with the same names, without `file`: the best point, its
+    neighbourhood, how sure it is."""
+    warnings: list[str]
+    """Sentences: the best point lies on an edge, only one local search found it, or no point keeps to the bounds."""
+
+    @property
+    def best(self) -> Any:
+        """The row of the best point; None when no point keeps to the bounds."""
+        point = self.table.provenance["search"]["best_point"]
+        return None if point is None else self.table[point]
+
+    @property
+    def best_scene(self) -> Scene:
+        """The scene of the best point. Raises ValueError when no point keeps to the bounds."""
+        best = self.best
+        if best is None:
+            raise ValueError(self.warnings[-1])
+        return with_values(self.scene, {key: best[key] for key in self.table.keys})
+
+    def plot(self, quantities: Sequence[str] = (), *, title: str = "", axes: Any = None) -> Figure:
+        """Draws the goal over each key and over the evaluations, as `hertzline plot` does. Needs matplotlib."""
+        return self.table.plot(quantities, title=title, axes=axes)
+
+    def __repr__(self) -> str:
+        return f"<hertzline.SearchResult {len(self.table)} evaluations, best {self.best}>"

@@ -1,4 +1,4 @@
-#include "apps/commands/optimise/search_report.hpp"
+#include "studies/optimise/search_report.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +9,9 @@
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 
-namespace hertzline::app {
+namespace hertzline::studies {
 
 namespace {
-
-using studies::Evaluations;
-using studies::Neighbour;
-using studies::SearchJob;
-using studies::SearchStart;
-using studies::Surroundings;
 
 constexpr double same_value = 0.01;  // relative: local searches came to the same
 constexpr double large_fall = 0.1;   // relative, within 1 %: an edge
@@ -28,7 +22,7 @@ double value_of(const SearchJob& job, std::int64_t evaluation) {
 
 /// null: the point is not feasible
 Json feasible_value(const SearchJob& job, std::int64_t evaluation) {
-    const studies::Score& score = job.evaluations()[evaluation].score;
+    const Score& score = job.evaluations()[evaluation].score;
     return score.feasible ? Json(score.value) : Json(nullptr);
 }
 
@@ -39,22 +33,22 @@ Json worst_near(const SearchJob& job, const Surroundings& around) {
 
 /// The values of the keys, the goal and what is bounded, of a point.
 Json point_json(const SearchJob& job, std::int64_t evaluation) {
-    const studies::SearchRequest& request = job.request();
+    const SearchRequest& request = job.request();
     Json json{{"point", evaluation}};
     for (std::size_t key = 0; key < request.axes.size(); ++key) {
         json[request.axes[key].key.name] = json_of(job.evaluations()[evaluation].values[key]);
     }
-    const studies::PointResult row = job.row(evaluation);
+    const PointResult row = job.row(evaluation);
     const auto put = [&](const std::string& measure) {
-        const auto column = std::ranges::find(request.demand.columns, measure, &studies::NumberColumn::name);
+        const auto column = std::ranges::find(request.demand.columns, measure, &NumberColumn::name);
         json[measure] = row.numbers[static_cast<std::size_t>(column - request.demand.columns.begin())];
     };
     put(request.goal.measure);
-    for (const studies::Constraint& constraint : request.goal.constraints) {
+    for (const Constraint& constraint : request.goal.constraints) {
         put(constraint.measure);
     }
     json["estimated_error"] = row.numbers.front();  // number_columns() begins with it
-    json["status"] = studies::word_of(row.status);
+    json["status"] = word_of(row.status);
     return json;
 }
 
@@ -133,8 +127,8 @@ Json evaluations_json(const SearchJob& job, const Json& files) {
     Json json{{"evaluations", job.evaluations().size()},
               {"feasible",
                std::ranges::count_if(all, [](const auto& evaluation) { return evaluation.score.feasible; })}};
-    for (std::size_t i = 0; i < studies::point_status_words.size(); ++i) {
-        json[std::string(studies::point_status_words[i])] = job.counts().of_status[i];
+    for (std::size_t i = 0; i < point_status_words.size(); ++i) {
+        json[std::string(point_status_words[i])] = job.counts().of_status[i];
     }
     json["seed"] = job.request().seed;
     json["file"] = files;
@@ -165,7 +159,7 @@ measures::Warnings search_warnings(const SearchJob& job) {
     if (best.centre == Evaluations::none) {
         return warnings;
     }
-    const studies::PointResult row = job.row(best.centre);
+    const PointResult row = job.row(best.centre);
     if (!row.message.empty()) {
         warnings.push_back(fmt::format("point {}: {}", best.centre, row.message));
     }
@@ -183,8 +177,8 @@ measures::Warnings search_warnings(const SearchJob& job) {
     }
     if (!job.result().starts.empty() && starts_at_best(job) < 2) {
         warnings.push_back(
-            "fewer than two local searches came to the best value: more --evaluations or "
-            "another --seed may find a better one");
+            "fewer than two local searches came to the best value: more evaluations or another "
+            "seed may find a better one");
     }
     return warnings;
 }
@@ -200,11 +194,11 @@ std::string no_feasible_text(const SearchJob& job) {
     const auto number = closest - all.begin();
     text += fmt::format("keeps to the bounds; the closest is {}", job.sweep().plan.name(number));
     const Json values = point_json(job, number);
-    for (const studies::Constraint& constraint : job.request().goal.constraints) {
+    for (const Constraint& constraint : job.request().goal.constraints) {
         text += fmt::format(", {} = {} where {} was asked for", constraint.measure,
                             number_text(values[constraint.measure].get<double>()), constraint.text());
     }
     return text;
 }
 
-}  // namespace hertzline::app
+}  // namespace hertzline::studies
