@@ -105,7 +105,7 @@ TEST_F(Optimise, WithoutAFeasiblePointSaysHowFarTheClosestIs) {
         optimised("n.csv", {"--subject-to", "peak_v_last_m_per_s >= 100", "--subject-to", "thd_r >= 0"});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("none of "), HasSubstr("the closest is point "),
-                                   HasSubstr("where peak_v_last_m_per_s >= 100 was asked for")));
+                                   HasSubstr("where peak_v_last_m_per_s >= 100 is required")));
     EXPECT_THAT(outcome.out, HasSubstr("feasible     0"));
     EXPECT_TRUE(fs::exists(folder.file("n.csv")));
 }
@@ -157,14 +157,14 @@ TEST_F(LongSearch, CtrlCSavesWhatThereIs) {
     const Outcome outcome = interrupt(SIGINT);
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("which are in " + journal), HasSubstr("--resume")));
-    EXPECT_THAT(hertzline(words).err, HasSubstr("--resume to go on"));
+    EXPECT_THAT(hertzline(words).err, HasSubstr("--resume to continue it"));
     const Outcome other = hertzline(with(words, {"--resume", "--seed", "5"}));
     EXPECT_EQ(other.status, 2);
     EXPECT_THAT(other.err, HasSubstr("found the --seed 1 where this search has 5"));
     const Outcome sweep =
         hertzline({"sweep", "paper-wall", "--vary", "chain.spheres=3,4", "-o", file, "--resume"});
     EXPECT_EQ(sweep.status, 2);
-    EXPECT_THAT(sweep.err, HasSubstr("found that of a search, allowed: the journal of the same sweep"));
+    EXPECT_THAT(sweep.err, HasSubstr("found one of a search, allowed: the journal of the same sweep"));
     expect_resumed();
 }
 
@@ -196,7 +196,7 @@ TEST_F(LongSearch, FinishedGoesOnWithMoreEvaluations) {
         const std::string first = contents(folder.file(name));
         const Outcome more = searched("150", {"--resume"});
         ASSERT_EQ(more.status, 0) << more.err;
-        EXPECT_THAT(more.err, HasSubstr("the search goes on from them"));
+        EXPECT_THAT(more.err, HasSubstr("the search continues from them"));
         EXPECT_GT(more.json()["evaluations"], 60);
         EXPECT_LE(more.json()["evaluations"], 150);
         EXPECT_FALSE(fs::exists(folder.file(name + ".journal")));

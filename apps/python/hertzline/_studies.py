@@ -34,22 +34,23 @@ def sweep(
 
         hertzline.sweep(s, {"end.thickness_m": np.geomspace(1e-4, 2e-3, 30), "chain.preload_n": "0.01..2:log:30"})
 
-    vary: the values of each key, or a range as the program takes it. Of several keys the last one varies fastest.
-    points: instead of `vary` points of your own, for each key as many values.
-    sobol: so many points of Sobol's sequence in the ranges of `vary`, which then have no count ("0.01..2:log").
-    jobs: threads; by default one for each processor that the process may use. The rows are the same, bit for bit, whatever it is.
-    measure: peaks and spectra of these taps beside v_out.
-    quantities: only these numbers of the summary; by default all.
-    band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.
-    waveforms: a tap whose samples are kept, too, as float32.
+    vary: for each key a list or array of values, or a range as text: "FROM..TO:COUNT", "FROM..TO:log:COUNT". The last key
+        varies fastest.
+    points: a list of points in place of a grid: equally many values for each key.
+    sobol: the number of points of Sobol's sequence in the ranges of `vary`, which then have no count ("0.01..2:log").
+    jobs: threads; by default one for each usable processor. The rows have the same bits for any number.
+    measure: taps beside v_out whose peaks and spectra are measured.
+    quantities: the numbers of the summary that are kept; by default all.
+    band_from_hz: the lower limit of the bands [Hz]; by default half the drive's frequency.
+    waveforms: a tap whose samples are kept as float32.
 
-    A point that cannot be simulated is a row with its reason: see `status` and `message`; its numbers are NaN. A scene with
-    the row's numbers, its `step_s` as numerics.step_s, a modal plate's `poles` as numerics.poles and no numerics.accuracy
-    gives the row's bits when it is run.
+    A point that cannot be simulated is a row with a reason in `status` and `message`; its numbers are NaN. A run repeats a
+    row's bits when its scene has the row's keys, `step_s` as numerics.step_s, the `poles` of a modal plate as
+    numerics.poles, and no numerics.accuracy.
     Raises ValueError with every fault of the plan before anything runs.
     """
     if (vary is None) == (points is None) or (sobol is not None and vary is None):
-        raise ValueError("sweep: allowed: either vary, also with sobol, or points")
+        raise ValueError("sweep: give either vary, also with sobol, or points")
     found = _native.sweep(
         _scene_of(base)._native,
         None if vary is None else _varied(vary),
@@ -88,7 +89,7 @@ def optimise(
     subject_to: bounds that a point must keep, "NAME >= NUMBER" or "NAME <= NUMBER".
     evaluations: the most points that are simulated.
     seed: with another seed the search starts from other points, 0 to 2**64 - 1.
-    jobs: threads; by default one for each processor that the process may use. The result is the same for any number.
+    jobs: threads; by default one for each usable processor. The result is the same for any number.
     measure: taps beside v_out whose peaks and spectra are measured, and can be the goal or a bound: "v_plate.thd_r".
     band_from_hz: the lower limit of the bands [Hz]; by default half the drive's frequency.
 
@@ -134,6 +135,8 @@ def _list(key: str, values: Any) -> _native.Values:
 
 
 def _varied(vary: Mapping[str, Any]) -> list[tuple[str, _native.Values]]:
+    if not vary:
+        raise ValueError("vary: found no keys, allowed: at least one")
     return [(key, values if isinstance(values, str) else _list(key, values)) for key, values in vary.items()]
 
 
@@ -170,19 +173,19 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
     units: dict[str, str]
     """The unit of each column; "" of a plain number or a text."""
     keys: list[str]
-    """What varies."""
+    """The keys that vary."""
     grid: bool
-    """Whether the points are a grid, the last key fastest."""
+    """Whether the points are a grid, in which the last key varies fastest."""
     waveforms: NDArray[np.float32] | None
     """Shape [point, sample]; NaN where a point is shorter than the longest."""
     provenance: dict[str, Any]
-    """What made the rows: version, base scene, plan."""
+    """The origin of the rows: version, base scene, plan or search."""
 
     def __array_finalize__(self, parent: Any) -> None:
         self.units = getattr(parent, "units", {})
         self.keys = getattr(parent, "keys", [])
         self.provenance = getattr(parent, "provenance", {})
-        # a part of the table is no grid, and has not the same waveforms
+        # a part of the table is not a grid, and its waveforms are others
         self.grid = False
         self.waveforms = None
 

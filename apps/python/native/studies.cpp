@@ -12,12 +12,10 @@
 #include <vector>
 
 #include "measures/resources.hpp"
-#include "studies/optimise/search_job.hpp"
-#include "studies/optimise/search_report.hpp"
-#include "studies/sweep/survey.hpp"
-#include "studies/sweep/sweep.hpp"
-#include "studies/sweep/sweep_table.hpp"
-#include "studies/sweep/workers.hpp"
+#include "studies/search_job.hpp"
+#include "studies/search_report.hpp"
+#include "studies/study.hpp"
+#include "studies/workers.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
@@ -63,7 +61,7 @@ struct SearchArguments {
 /// A column of the table, from the first point to the last.
 using TableColumn = std::variant<std::vector<std::int64_t>, std::vector<double>, std::vector<std::string>>;
 
-struct Rows {
+struct StudyRows {
     std::vector<TableColumn> columns;
     std::vector<float> waveforms;  ///< row-major, [point][sample]
 };
@@ -101,7 +99,7 @@ std::vector<VariedKey> varied_keys(const KeysAndValues& keys) {
 using Axes = tl::expected<std::vector<studies::Axis>, std::vector<Fault>>;
 using Plan = tl::expected<studies::SweepPlan, std::vector<Fault>>;
 
-/// The axes, or every fault. Needs no GIL.
+/// Returns the axes or every fault. Needs no GIL.
 Axes axes_of(const Scene& scene, const std::vector<VariedKey>& keys, studies::Sampling sampling) {
     std::vector<studies::Axis> axes;
     std::vector<Fault> faults;
@@ -143,32 +141,32 @@ int jobs_of(const StudyArguments& request, ArgumentFaults& faults) {
     return jobs;
 }
 
-/// What is kept of each point. What is wrong goes to the faults.
-studies::PointDemand demand_of(const StudyArguments& request, const studies::SweepSurvey& survey,
-                               ArgumentFaults& faults) {
-    const TapSet there = survey.measurable();
-    studies::PointDemand demand;
-    demand.measured = taps_named("measure", request.measure, there, faults);
-    demand.band_from_hz = request.band_from_hz;
-    if (const auto fault = measures::band_from_fault(demand.band_from_hz)) {
+/// Returns the measurements of each point, and adds their faults.
+studies::PointOptions options_of(const StudyArguments& request, const studies::PlanSummary& summary,
+                                 ArgumentFaults& faults) {
+    const TapSet there = summary.measurable();
+    studies::PointOptions options;
+    options.measured = taps_named("measure", request.measure, there, faults);
+    options.band_from_hz = request.band_from_hz;
+    if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
         faults.add("band_from_hz: " + *fault);
     }
     if (request.waveforms) {
         const TapSet tap = taps_named("waveforms", {*request.waveforms}, there, faults);
-        demand.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
-        demand.waveform_samples = static_cast<std::size_t>(survey.rows);
+        options.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
+        options.waveform_samples = static_cast<std::size_t>(summary.rows);
     }
     auto columns = measures::chosen_columns(
-        measures::number_columns((demand.measured | measures::measured_unasked) & there, survey.modal),
+        measures::number_columns((options.measured | measures::measured_unasked) & there, summary.modal),
         request.quantities);
     if (columns) {
-        demand.columns = *std::move(columns);
+        options.columns = *std::move(columns);
     } else {
         for (const std::string& fault : columns.error()) {
             faults.add("quantities: " + fault);
         }
     }
-    return demand;
+    return options;
 }
 
 std::vector<TableColumn> empty_columns(const recordings::Table& table) {
@@ -189,8 +187,8 @@ std::vector<TableColumn> empty_columns(const recordings::Table& table) {
     return columns;
 }
 
-Rows rows_of(const recordings::Table& table) {
-    Rows rows{empty_columns(table), {}};
+StudyRows rows_of(const recordings::Table& table) {
+    StudyRows rows{empty_columns(table), {}};
     recordings::TableRow row;
     for (std::int64_t point = 0; point < table.rows; ++point) {
         table.read(point, row);
@@ -217,7 +215,7 @@ py::object python_column(TableColumn& column) {
 }
 
 /// ([(name, unit, values)], waveforms or None, provenance)
-py::tuple python_table(const studies::Sweep& sweep, Rows& rows) {
+py::tuple python_table(const studies::Study& sweep, StudyRows& rows) {
     const std::vector<recordings::TableColumn> about = studies::columns_of(sweep);
     py::list columns;
     for (std::size_t i = 0; i < rows.columns.size(); ++i) {
@@ -225,40 +223,40 @@ py::tuple python_table(const studies::Sweep& sweep, Rows& rows) {
             py::make_tuple(about[i].about.name, about[i].about.unit, python_column(rows.columns[i])));
     }
     py::object waveforms = py::none();
-    if (sweep.demand.waveform) {
+    if (sweep.options.waveform) {
         waveforms =
             array_of(std::move(rows.waveforms), {static_cast<py::ssize_t>(sweep.plan.size()),
-                                                 static_cast<py::ssize_t>(sweep.demand.waveform_samples)});
+                                                 static_cast<py::ssize_t>(sweep.options.waveform_samples)});
     }
-    return py::make_tuple(columns, waveforms, python_object(studies::sweep_provenance(sweep)));
+    return py::make_tuple(columns, waveforms, python_object(studies::provenance_of(sweep)));
 }
 
-void require_memory_of_study(const char* study, double points, const studies::Sweep& rows, int jobs,
-                             const studies::SweepSurvey& survey) {
+void require_memory_of_study(const char* study, double points, const studies::Study& rows, int jobs,
+                             const studies::PlanSummary& summary) {
     const double kept = studies::Journal::bytes(points, studies::columns_of(rows), rows.samples());
-    require_memory(study, jobs * survey.memory_bytes + 2 * kept);
+    require_memory(study, jobs * summary.memory_bytes + 2 * kept);
 }
 
 py::tuple sweep(const std::function<Plan()>& make_plan, const StudyArguments& arguments) {
     ArgumentFaults faults;
     const int jobs = jobs_of(arguments, faults);
     std::optional<Plan> plan;
-    studies::SweepSurvey survey;
+    studies::PlanSummary summary;
     interruptible([&](const std::atomic<bool>&) {
         plan = make_plan();
         if (*plan) {
-            survey = studies::survey_of(**plan, measures::measurable_among(arguments.measure));
+            summary = studies::summary_of(**plan, measures::measurable_among(arguments.measure));
         }
     });
     if (!*plan) {
         faults.add(fault_text(std::move(*plan).error()));
         faults.refuse();
     }
-    studies::PointDemand demand = demand_of(arguments, survey, faults);
+    studies::PointOptions options = options_of(arguments, summary, faults);
     faults.refuse();
-    const studies::Sweep wanted{**std::move(plan), std::move(demand), {}};
-    require_memory_of_study("the sweep", static_cast<double>(wanted.plan.size()), wanted, jobs, survey);
-    Rows rows;
+    const studies::Study wanted{**std::move(plan), std::move(options), {}};
+    require_memory_of_study("the sweep", static_cast<double>(wanted.plan.size()), wanted, jobs, summary);
+    StudyRows rows;
     with_os_errors([&] {
         interruptible([&](const std::atomic<bool>& stop) {
             studies::Journal journal = studies::Journal::in_memory();
@@ -301,7 +299,7 @@ void check_search(const studies::SearchRequest& request, ArgumentFaults& faults)
     if (request.goal.measure.empty()) {
         return;  // goal_of() has said so
     }
-    for (const studies::SearchFault& fault : studies::measure_faults(request.goal, request.demand.columns)) {
+    for (const studies::SearchFault& fault : studies::measure_faults(request.goal, request.options.columns)) {
         std::string argument(fault.subject);
         std::ranges::replace(argument, '-', '_');
         faults.add(argument + ": " + fault.text);
@@ -310,13 +308,13 @@ void check_search(const studies::SearchRequest& request, ArgumentFaults& faults)
 
 /// The outcome of a search, in C++.
 struct Found {
-    Rows rows;
+    StudyRows rows;
     Json summary;
     measures::Warnings warnings;
 };
 
 Found found_by(const studies::SearchJob& job, const studies::Journal& journal) {
-    Found found{rows_of(studies::table_of(job.sweep(), std::span(&journal, 1))),
+    Found found{rows_of(studies::table_of(job.study(), std::span(&journal, 1))),
                 measures::summary_json(studies::search_summary(job, nullptr)), studies::search_warnings(job)};
     found.summary.erase("file");
     if (job.result().best.centre == studies::Evaluations::none) {
@@ -332,13 +330,13 @@ py::tuple optimise(const SceneObject& scene, const KeysAndValues& vary, const Se
     const int jobs = jobs_of(study, faults);
     studies::SearchRequest request{scene.scene(),  {}, goal_of(arguments, faults), arguments.evaluations,
                                    arguments.seed, {}};
-    std::optional<Plan> sample;  // all over the ranges: its points say what a search takes
-    studies::SweepSurvey survey;
+    std::optional<Plan> sample;  // points all over the ranges, to estimate the memory
+    studies::PlanSummary summary;
     interruptible([&, keys = varied_keys(vary)](const std::atomic<bool>&) {
         sample = plan_of_axes(scene.scene(), keys,
                               std::clamp<std::int64_t>(request.evaluations, 1, studies::most_evaluations));
         if (*sample) {
-            survey = studies::survey_of(**sample, measures::measurable_among(study.measure));
+            summary = studies::summary_of(**sample, measures::measurable_among(study.measure));
         }
     });
     if (!*sample) {
@@ -346,11 +344,11 @@ py::tuple optimise(const SceneObject& scene, const KeysAndValues& vary, const Se
         faults.refuse();
     }
     request.axes = (*sample)->axes();
-    request.demand = demand_of(study, survey, faults);
+    request.options = options_of(study, summary, faults);
     check_search(request, faults);
     faults.refuse();
-    const studies::Sweep rows = study_of(request);
-    require_memory_of_study("the search", static_cast<double>(request.evaluations), rows, jobs, survey);
+    const studies::Study rows = study_of(request);
+    require_memory_of_study("the search", static_cast<double>(request.evaluations), rows, jobs, summary);
     studies::Journal journal = studies::Journal::in_memory();
     std::optional<studies::SearchJob> job;
     Found found;
@@ -363,7 +361,7 @@ py::tuple optimise(const SceneObject& scene, const KeysAndValues& vary, const Se
             found = found_by(*job, journal);
         }
     });
-    return py::make_tuple(python_table(job->sweep(), found.rows), python_object(found.summary),
+    return py::make_tuple(python_table(job->study(), found.rows), python_object(found.summary),
                           found.warnings);
 }
 
