@@ -1,5 +1,5 @@
 # A room is a folder of the root that is one library. Its headers are reached through a folder of the build that holds links to the
-# room and to its public headers alone, which the room hands on to the targets that link it. So "studies/sweep/plan.hpp" and
+# room and to its public headers alone, which the room hands on to the targets that link it. So "studies/plan.hpp" and
 # "hertzline/studies.hpp" are found where hertzline_studies is linked, and nowhere else: target_link_libraries gives the direction of
 # includes. Installed, the public headers lie in one folder.
 

@@ -202,7 +202,7 @@ TEST_F(SharedSweep, ARankIsThatOfTheLauncherInUse) {
         const Environment environment(none);
         const Outcome outcome = swept({"-o", folder.file("s.csv"), "--shard", "mpi"});
         EXPECT_EQ(outcome.status, 2);
-        EXPECT_THAT(outcome.err, HasSubstr("--shard mpi: found no rank in the environment"));
+        EXPECT_THAT(outcome.err, HasSubstr("--shard mpi: the environment has no rank"));
     }
 }
 
@@ -212,7 +212,7 @@ TEST_F(SharedSweep, OutsideAnArrayOrInOneWithGapsNoPartIsNamed) {
         EXPECT_EQ(outcome.status, 2);
         return outcome.err;
     };
-    EXPECT_THAT(fault(), HasSubstr("--shard slurm: found no SLURM_ARRAY_TASK_ID"));
+    EXPECT_THAT(fault(), HasSubstr("--shard slurm: SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing"));
     {
         const SlurmTask slurm("7", "2", "3", "7");
         EXPECT_THAT(fault(),
@@ -223,7 +223,7 @@ TEST_F(SharedSweep, OutsideAnArrayOrInOneWithGapsNoPartIsNamed) {
         EXPECT_THAT(fault(), HasSubstr("that begins at 1"));
     }
     const SlurmTask slurm("x", "2", "1", "2");
-    EXPECT_THAT(fault(), HasSubstr("found no SLURM_ARRAY_TASK_ID"));
+    EXPECT_THAT(fault(), HasSubstr("SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing"));
 }
 
 TEST_F(SharedSweep, WritesSeveralTablesAtOnce) {

@@ -1,10 +1,8 @@
 #include "apps/commands/sweep/sweep_options.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -12,13 +10,14 @@
 
 #include "measures/resources.hpp"
 #include "recordings/files/input_file.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/target_option.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
-#include "apps/commands/sweep/sweep_result.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::app {
@@ -27,9 +26,9 @@ namespace {
 
 constexpr const char* examples =
     "A range is FROM..TO:COUNT[:lin|log], a list A,B,C. Several --vary make a grid, of which the last one "
-    "varies fastest. A row of the file is a point: what varies, status, the numbers of hertzline run, and a "
-    "message. A point that cannot be simulated is a row with its reason. FILE.journal holds what is done "
-    "until all is.\n"
+    "varies fastest. A row of the file is a point: the keys that vary, status, the numbers of hertzline run, "
+    "and a message. A point that cannot be simulated is a row with its reason. FILE.journal holds the rows "
+    "until all points are finished.\n"
     "Examples:\n"
     "  hertzline sweep paper-vitreous-carbon --vary end.thickness_m=0.1e-3..2e-3:log:30 -o thickness.csv\n"
     "  hertzline sweep paper-vitreous-carbon --vary chain.preload_n=0.01..2:log:30 \\\n"
@@ -58,7 +57,7 @@ std::string points_text(const std::string& name) {
     return text;
 }
 
-/// What `--set` says is not what varies.
+/// Refuses --set of a key that varies.
 void refuse_set_keys(const SweepOptions& options, const studies::SweepPlan& plan) {
     Faults faults;
     for (const std::string& setting : options.scene.settings) {
@@ -102,23 +101,50 @@ std::vector<studies::NumberColumn> columns_of(const SweepOptions& options, TapSe
 void refuse_wrong_output(const SweepOptions& options) {
     refuse_no_output(options);
     if (options.files.empty() && (options.resume || !options.shard.empty())) {
-        throw WrongUse(fmt::format("{}: found no -o FILE, allowed: together with it",
-                                   options.resume ? "--resume" : "--shard"));
+        throw WrongUse(fmt::format("{} needs -o FILE", options.resume ? "--resume" : "--shard"));
     }
     if (options.files.empty() && !options.waveform.empty()) {
-        throw WrongUse("--waveforms: found no -o FILE, allowed: together with one that ends in .h5");
+        throw WrongUse("--waveforms needs -o FILE.h5");
     }
     for (const std::string& file : options.files) {
         std::error_code there_is_none;
         if (!options.points.empty() && std::filesystem::equivalent(file, options.points, there_is_none)) {
             throw WrongUse(
-                fmt::format("-o {}: found the file of --points, allowed: another one", printable(file)));
+                fmt::format("-o {}: found the file of --points, allowed: another file", printable(file)));
         }
     }
     refuse_wrong_tables(options.files, options.waveform.empty() ? std::nullopt : std::optional(Tap::v_out));
 }
 
 }  // namespace
+
+void refuse_no_output(const SweepOptions& options) {
+    if (options.files.empty() && options.format == Format::text) {
+        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
+    }
+}
+
+void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform) {
+    recordings::Table table;
+    table.columns.push_back({{"status", "", ""}, recordings::CellKind::text});
+    if (waveform) {
+        table.samples.emplace();
+    }
+    Faults faults;
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : files) {
+        faults.of([&] {
+            if (const auto fault = recordings::table_fault(file, table)) {
+                throw WrongUse(*fault + (waveform ? ", which holds waveforms" : ""));
+            }
+            if (!names.insert(recordings::recording_name(file)).second) {
+                throw WrongUse(
+                    fmt::format("{}: found a second time, allowed: each file once", printable(file)));
+            }
+        });
+    }
+    faults.refuse();
+}
 
 int jobs_of(const SweepOptions& options) {
     if (!options.jobs && options.shard == "mpi") {
@@ -133,7 +159,7 @@ int jobs_of(const SweepOptions& options) {
     return *options.jobs;
 }
 
-SoundSweep sound_sweep(const SweepOptions& options) {
+ValidatedSweep validated_sweep(const SweepOptions& options) {
     Faults faults;
     std::optional<studies::SweepPlan> plan;
     studies::Shard shard;
@@ -142,27 +168,27 @@ SoundSweep sound_sweep(const SweepOptions& options) {
     faults.of([&] { shard = shard_argument(options.shard); });
     faults.of([&] { refuse_wrong_band(options.band_from_hz); });
     faults.of([&] { plan = plan_of(options); });
-    studies::SweepSurvey survey =
-        plan ? studies::survey_of(*plan, measures::measurable_among(options.measures))
-             : studies::SweepSurvey{};
-    const TapSet there = survey.measurable();
-    studies::PointDemand demand;
-    demand.band_from_hz = options.band_from_hz;
-    demand.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(survey.rows);
-    faults.of([&] { demand.measured = tap_arguments("--measure", options.measures, there); });
+    studies::PlanSummary summary =
+        plan ? studies::summary_of(*plan, measures::measurable_among(options.measures))
+             : studies::PlanSummary{};
+    const TapSet there = summary.measurable();
+    studies::PointOptions point_options;
+    point_options.band_from_hz = options.band_from_hz;
+    point_options.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(summary.rows);
+    faults.of([&] { point_options.measured = tap_arguments("--measure", options.measures, there); });
     faults.of([&] {
         if (!options.waveform.empty()) {
-            demand.waveform = tap_argument("--waveforms", options.waveform, there);
+            point_options.waveform = tap_argument("--waveforms", options.waveform, there);
         }
     });
     faults.of([&] {
-        demand.columns =
-            columns_of(options, (demand.measured | measures::measured_unasked) & (there | demand.measured),
-                       survey.modal);
+        point_options.columns = columns_of(
+            options, (point_options.measured | measures::measured_unasked) & (there | point_options.measured),
+            summary.modal);
     });
     faults.refuse();
-    survey.memory_bytes += sizeof(float) * static_cast<double>(demand.waveform_samples);
-    return {{*std::move(plan), std::move(demand), shard}, std::move(survey)};
+    summary.memory_bytes += sizeof(float) * static_cast<double>(point_options.waveform_samples);
+    return {{*std::move(plan), std::move(point_options), shard}, std::move(summary)};
 }
 
 void add_point_options(CLI::App& app, SweepOptions& options) {
@@ -170,14 +196,14 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
         ->check(missing_name)
         ->type_name("FILE");
     add_repeatable_option(app, "--measure", options.measures,
-                          "measure these outputs, too, as v_out, as run does")
+                          "measure these outputs beside v_out, as run does")
         ->delimiter(',')
         ->type_name("NAME,...");
     app.add_option("--band-from", options.band_from_hz,
-                   "bands are looked for from here upward (default: half the drive's frequency)")
+                   "lower limit of the bands (default: half the drive's frequency)")
         ->type_name("HZ");
     app.add_option("--jobs", options.jobs,
-                   "threads (default: one for each processor that it may use; with --shard mpi one)")
+                   "threads (default: one for each usable processor; one with --shard mpi)")
         ->type_name("N");
     add_target_option(app);
 }
@@ -187,26 +213,23 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
     add_repeatable_option(app, "--vary", options.vary,
                           "vary a key of the scene over a range or a list; repeatable")
         ->type_name("KEY=VALUES");
-    app.add_option("--points", options.points, "a CSV of points instead: a line of keys, then values")
+    app.add_option("--points", options.points, "run the points of a CSV: a line of keys, then values")
         ->check(missing_name)
         ->type_name("FILE");
-    app.add_option("--sobol", options.sobol,
-                   "so many points of Sobol's sequence in the ranges, instead of a grid")
+    app.add_option("--sobol", options.sobol, "run N points of Sobol's sequence in the ranges, not a grid")
         ->type_name("N");
     add_point_options(app, options);
     add_repeatable_option(app, "--quantity", options.quantities,
                           "keep only these numbers of run's summary (default: all)")
         ->delimiter(',')
         ->type_name("NAME,...");
-    app.add_option("--waveforms", options.waveform,
-                   "keep the samples of this output, too, as float32: .h5 only")
+    app.add_option("--waveforms", options.waveform, "keep the samples of this output as float32, in .h5 only")
         ->check(missing_name)
         ->type_name("NAME");
-    app.add_flag("--resume", options.resume, "go on where a sweep was ended, or begin");
-    app.add_option(
-           "--shard", options.shard,
-           "run only the I-th of N parts, or that of this task of a Slurm array or rank of mpirun or srun; "
-           "--merge joins them")
+    app.add_flag("--resume", options.resume, "continue an unfinished sweep, or start one");
+    app.add_option("--shard", options.shard,
+                   "run part I of N, or the part of this task of a Slurm array or rank of mpirun or srun; "
+                   "--merge joins the parts")
         ->check(missing_name)
         ->type_name("I/N|slurm[/N]|mpi");
     app.add_option("--merge", options.parts, "write FILE from the journals of all parts")

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ._samples import Samples
-    from ._sweep import Table
+    from ._studies import Table
 
 
 def _script() -> Any:
@@ -59,5 +59,7 @@ def draw_table(table: Table, quantities: Sequence[str], title: str, axes: Any = 
     names = plain.dtype.names or ()
     columns = {name: plain[name] if plain.dtype[name].kind == "U" else plain[name].astype(float) for name in names}
     with matplotlib.rc_context():
-        figure: Figure = script.draw_sweep(script.Sweep(columns, table.units), list(quantities), title, axes)
+        figure: Figure = script.draw_sweep(
+            script.Sweep(columns, table.units, table.provenance.get("search")), list(quantities), title, axes
+        )
     return figure

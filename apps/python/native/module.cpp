@@ -10,7 +10,7 @@
 #include "apps/python/native/scene_object.hpp"
 #include "apps/python/native/simulation.hpp"
 #include "apps/python/native/spectrum.hpp"
-#include "apps/python/native/sweep.hpp"
+#include "apps/python/native/studies.hpp"
 
 PYBIND11_MODULE(_native, module) {
     module.doc() = "What the package hertzline is made of: use the package.";
@@ -20,7 +20,7 @@ PYBIND11_MODULE(_native, module) {
     hertzline::python::add_simulation(module);
     hertzline::python::add_spectrum(module);
     hertzline::python::add_load(module);
-    hertzline::python::add_sweep(module);
+    hertzline::python::add_studies(module);
     hertzline::python::add_listen(module);
     hertzline::python::add_control(module);
 }
