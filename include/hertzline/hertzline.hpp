@@ -11,4 +11,5 @@
 #include "hertzline/simulation.hpp"
 #include "hertzline/spectrum.hpp"
 #include "hertzline/stream.hpp"
+#include "hertzline/studies.hpp"
 #include "hertzline/taps.hpp"

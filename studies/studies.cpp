@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+#include "hertzline/studies.hpp"
+#include "measures/resources.hpp"
+#include "studies/search_job.hpp"
+#include "studies/search_report.hpp"
+#include "studies/study.hpp"
+#include "studies/workers.hpp"
+
+#include "core/scene/faults.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline {
+
+namespace {
+
+using Axes = tl::expected<std::vector<studies::Axis>, std::vector<Fault>>;
+using Plan = tl::expected<studies::SweepPlan, std::vector<Fault>>;
+
+constexpr int max_jobs = 1024;
+
+std::vector<SceneValue> list_of(const StudyValues& values) {
+    return std::visit(
+        [](const auto& list) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(list)>, std::string>) {
+                return std::vector<SceneValue>{};
+            } else {
+                return std::vector<SceneValue>(list.begin(), list.end());
+            }
+        },
+        values);
+}
+
+/// The axes, or every fault.
+Axes axes_of(const Scene& scene, const StudyKeys& keys, studies::Sampling sampling) {
+    std::vector<studies::Axis> axes;
+    std::vector<Fault> faults;
+    for (const auto& [key, values] : keys) {
+        const std::vector<SceneValue> list = list_of(values);
+        const auto* range = std::get_if<std::string>(&values);
+        auto axis = list.empty() ? studies::parse_axis(scene, key + '=' + (range != nullptr ? *range : ""), sampling)
+                                 : studies::axis_of(scene, key, list);
+        if (axis) {
+            axes.push_back(*std::move(axis));
+        } else {
+            std::ranges::move(axis.error(), std::back_inserter(faults));
+        }
+    }
+    return faults.empty() ? Axes(std::move(axes)) : tl::unexpected(std::move(faults));
+}
+
+Plan plan_of_axes(const Scene& scene, const StudyKeys& keys, std::optional<std::int64_t> sobol) {
+    auto axes = axes_of(scene, keys, sobol ? studies::Sampling::anywhere : studies::Sampling::grid);
+    return axes ? studies::SweepPlan::make(scene, *std::move(axes), sobol)
+                : tl::unexpected(std::move(axes).error());
+}
+
+Plan plan_of_list(const Scene& scene, const StudyKeys& keys) {
+    std::vector<studies::PointColumn> columns;
+    for (const auto& [key, values] : keys) {
+        columns.push_back({key, list_of(values)});
+    }
+    return studies::points_of(scene, columns).map([&](studies::PointList points) {
+        return studies::SweepPlan::of_points(scene, std::move(points));
+    });
+}
+
+/// The plan. Axes name their keys as those of an option, which nobody gave. @throws std::invalid_argument with every fault
+studies::SweepPlan required(Plan plan, const Faults& others) {
+    if (!plan) {
+        for (Fault& fault : plan.error()) {
+            fault.place = {};
+        }
+        Faults faults = others;
+        faults.add({}, plan.error());
+        faults.refuse<std::invalid_argument>();
+    }
+    return *std::move(plan);
+}
+
+int jobs_of(const StudyOptions& options, Faults& faults) {
+    const int jobs = options.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
+    if (jobs < 1 || jobs > max_jobs) {
+        faults.add("jobs", "found " + number_text(std::int64_t{jobs}) + ", allowed: 1 to " +
+                               number_text(std::int64_t{max_jobs}));
+    }
+    return jobs;
+}
+
+TapSet taps_named(std::string_view subject, std::span<const std::string> names, TapSet allowed, Faults& faults) {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = faults.value_of(subject, measures::find_tap(name, allowed))) {
+            taps |= *tap;
+        }
+    }
+    return taps;
+}
+
+/// The measurements at each point.
+studies::PointOptions point_options(const StudyOptions& options, const studies::PlanSummary& plan, Faults& faults) {
+    const TapSet there = plan.measurable();
+    studies::PointOptions point;
+    point.measured = taps_named("measure", options.measure, there, faults);
+    point.band_from_hz = options.band_from_hz;
+    faults.add("band_from_hz", measures::band_from_fault(point.band_from_hz));
+    if (options.waveforms) {
+        const TapSet tap = taps_named("waveforms", {&*options.waveforms, 1}, there, faults);
+        point.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
+        point.waveform_samples = static_cast<std::size_t>(plan.rows);
+    }
+    const auto columns = measures::number_columns((point.measured | measures::measured_unasked) & there, plan.modal);
+    point.columns =
+        faults.value_of("quantities", measures::chosen_columns(columns, options.quantities)).value_or(columns);
+    return point;
+}
+
+StudyTable empty_table(const studies::Study& study) {
+    StudyTable table;
+    for (const recordings::TableColumn& column : studies::columns_of(study)) {
+        table.columns.push_back({column.about.name, column.about.unit, {}});
+        switch (column.kind) {
+            case recordings::CellKind::integer:
+                table.columns.back().values = std::vector<std::int64_t>();
+                break;
+            case recordings::CellKind::number:
+                table.columns.back().values = std::vector<double>();
+                break;
+            case recordings::CellKind::text:
+                table.columns.back().values = std::vector<std::string>();
+                break;
+        }
+    }
+    table.waveform_samples = study.samples();
+    table.provenance = studies::provenance_of(study);
+    return table;
+}
+
+/// @param journal has all rows
+StudyTable table_of(const studies::Study& study, const studies::Journal& journal) {
+    StudyTable table = empty_table(study);
+    const recordings::Table rows = studies::table_of(study, std::span(&journal, 1));
+    recordings::TableRow row;
+    for (std::int64_t point = 0; point < rows.rows; ++point) {
+        rows.read(point, row);
+        for (std::size_t i = 0; i < row.cells.size(); ++i) {
+            std::visit(
+                [&](auto& cell) {
+                    std::get<std::vector<std::decay_t<decltype(cell)>>>(table.columns[i].values).push_back(cell);
+                },
+                row.cells[i]);
+        }
+        table.waveforms.insert(table.waveforms.end(), row.samples.begin(), row.samples.end());
+    }
+    return table;
+}
+
+void require_memory(const char* purpose, double points, const studies::Study& study, int jobs,
+                    const studies::PlanSummary& plan) {
+    const double kept = studies::Journal::bytes(points, studies::columns_of(study), study.samples());
+    if (const auto shortage = measures::memory_shortage(purpose, jobs * plan.memory_bytes + 2 * kept)) {
+        throw OutOfMemory(*shortage);
+    }
+}
+
+studies::Goal goal_of(const SearchGoal& wanted, Faults& faults) {
+    const bool maximise = !wanted.maximise.empty();
+    if (maximise == !wanted.minimise.empty()) {
+        faults.add(maximise ? "maximise and minimise: found both, allowed: one of them"
+                            : "maximise or minimise is missing: give the name of a number");
+    }
+    studies::Goal goal{maximise ? wanted.maximise : wanted.minimise, maximise, {}};
+    for (const std::string& text : wanted.subject_to) {
+        if (auto constraint = faults.value_of("subject_to", studies::parse_constraint(text))) {
+            goal.constraints.push_back(*std::move(constraint));
+        }
+    }
+    return goal;
+}
+
+/// Adds the faults that show once the axes are known.
+void check_search(const studies::SearchRequest& request, Faults& faults) {
+    faults.add("evaluations",
+               studies::evaluations_fault(request.evaluations, studies::SearchSpace(request.axes)));
+    if (request.goal.measure.empty()) {
+        return;  // goal_of() has reported it
+    }
+    for (const studies::SearchFault& fault : studies::measure_faults(request.goal, request.options.columns)) {
+        std::string subject(fault.subject);
+        std::ranges::replace(subject, '-', '_');
+        faults.add(subject, fault.text);
+    }
+}
+
+const std::atomic<bool> never = false;
+
+const std::atomic<bool>& stop_of(const StudyOptions& options) noexcept {
+    return options.stop != nullptr ? *options.stop : never;
+}
+
+}  // namespace
+
+const std::vector<double>& StudyTable::operator[](std::string_view name) const {
+    const auto column = std::ranges::find(columns, name, &StudyColumn::name);
+    if (column == columns.end() || !std::holds_alternative<std::vector<double>>(column->values)) {
+        throw std::out_of_range("the table has no column of numbers " + quoted_briefly(name));
+    }
+    return std::get<std::vector<double>>(column->values);
+}
+
+StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& options, SweepPoints points,
+                 std::optional<std::int64_t> sobol) {
+    Faults faults;
+    const int jobs = jobs_of(options, faults);
+    studies::SweepPlan plan = required(
+        points == SweepPoints::list ? plan_of_list(scene, vary) : plan_of_axes(scene, vary, sobol), faults);
+    const studies::PlanSummary summary =
+        studies::summary_of(plan, measures::measurable_among(options.measure));
+    studies::PointOptions point = point_options(options, summary, faults);
+    faults.refuse<std::invalid_argument>();
+    const studies::Study study{std::move(plan), std::move(point), {}};
+    require_memory("the sweep", static_cast<double>(study.plan.size()), study, jobs, summary);
+    studies::Journal journal = studies::Journal::in_memory();
+    journal.begin(studies::journal_text(study), studies::columns_of(study));
+    studies::load_rows(journal, study);
+    std::vector<std::int64_t> numbers(static_cast<std::size_t>(study.plan.size()));
+    std::iota(numbers.begin(), numbers.end(), std::int64_t{0});
+    studies::run_points(study, journal, numbers, jobs, stop_of(options), [](const studies::PointCounts&) {});
+    return stop_of(options) ? empty_table(study) : table_of(study, journal);
+}
+
+SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGoal& goal,
+                       const StudyOptions& options) {
+    Faults faults;
+    const int jobs = jobs_of(options, faults);
+    studies::SearchRequest request{scene, {}, goal_of(goal, faults), goal.evaluations, goal.seed, {}};
+    // points all over the ranges show the memory of a search, and its taps
+    const studies::SweepPlan sample = required(
+        plan_of_axes(scene, vary, std::clamp<std::int64_t>(goal.evaluations, 1, studies::most_evaluations)), faults);
+    const studies::PlanSummary summary =
+        studies::summary_of(sample, measures::measurable_among(options.measure));
+    request.axes = sample.axes();
+    request.options = point_options(options, summary, faults);
+    check_search(request, faults);
+    faults.refuse<std::invalid_argument>();
+    const studies::Study rows = studies::study_of(request);
+    require_memory("the search", static_cast<double>(request.evaluations), rows, jobs, summary);
+    studies::Journal journal = studies::Journal::in_memory();
+    journal.begin(studies::journal_text(rows), studies::columns_of(rows));
+    journal.load(studies::columns_of(rows), rows.samples(), request.evaluations);
+    studies::SearchJob job(request, journal, jobs, stop_of(options), [](std::int64_t) {});
+    job.run();
+    if (stop_of(options)) {
+        return {empty_table(job.study()), nullptr, {}};
+    }
+    SearchOutcome outcome{table_of(job.study(), journal),
+                          measures::summary_json(studies::search_summary(job, nullptr)),
+                          studies::search_warnings(job)};
+    outcome.summary.erase("file");
+    if (job.result().best.centre == studies::Evaluations::none) {
+        outcome.warnings.push_back(studies::no_feasible_text(job));
+    }
+    return outcome;
+}
+
+}  // namespace hertzline

@@ -1,0 +1,49 @@
+#include "hertzline/run.hpp"
+
+#include <atomic>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hertzline/scene_file.hpp"
+#include "tests/support/error_of.hpp"
+
+namespace hertzline::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(Run, OfASceneIsThatOfItsResolution) {
+    const Scene scene = read_scene("paper-vitreous-carbon");
+    const Run of_scene = run(scene);
+    EXPECT_EQ(of_scene["peak_v_out_m_per_s"], run(resolve(scene))["peak_v_out_m_per_s"]);
+    EXPECT_EQ(summary_json(of_scene)["peak_v_out_m_per_s"], of_scene["peak_v_out_m_per_s"]);
+    EXPECT_THROW(of_scene["peak"], std::out_of_range);
+}
+
+TEST(Run, OfASceneWithFaultsThrowsAllOfThem) {
+    Scene scene;
+    scene.chain.spheres = 0;
+    scene.drive.frequency_hz = -1;
+    const auto faults = AllOf(HasSubstr("chain.spheres: found 0"), HasSubstr("drive.frequency_hz: found -1"));
+    EXPECT_THAT(error_of([&] { run(scene); }), faults);
+    EXPECT_THAT(error_of([&] { run(resolve(scene)); }), faults);
+    EXPECT_THAT(error_of([&] { const Simulation simulation(resolve(scene)); }), faults);
+}
+
+TEST(Run, GivesItsSamplesAsTheyCome) {
+    std::size_t rows = 0;
+    const Run all = run(Scene{}, {.recorded = Tap::v_chain, .take = [&](const Samples& block) {
+                                      EXPECT_EQ(block[Tap::v_chain].size(), block.count * block.spheres());
+                                      rows += block.count;
+                                      return true;
+                                  }});
+    EXPECT_EQ(rows, all.rows());
+    const std::atomic<bool> stop = true;
+    EXPECT_TRUE(run(Scene{}, {.stop = &stop}).stopped);
+}
+
+}  // namespace
+}  // namespace hertzline::test

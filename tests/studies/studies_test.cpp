@@ -1,0 +1,75 @@
+#include "hertzline/studies.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hertzline/run.hpp"
+#include "hertzline/scene_file.hpp"
+#include "tests/support/error_of.hpp"
+
+namespace hertzline::test {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(StudyVerbs, ASweepHasTheNumbersOfRuns) {
+    const Scene scene = read_scene("paper-vitreous-carbon");
+    const StudyTable table = sweep(scene, {{"chain.preload_n", std::vector<double>{0.05, 0.2}},
+                                           {"chain.spheres", std::vector<std::int64_t>{4, 6}}});
+    const std::vector<double>& peaks = table["peak_v_out_m_per_s"];
+    ASSERT_EQ(peaks.size(), 4U);
+    Scene second = scene;
+    second.chain.preload_n = 0.05;
+    second.chain.spheres = 6;  // the last key varies fastest
+    // a sweep chooses its steps without pilots: equal within the accuracy, not to the last bit
+    EXPECT_NEAR(peaks[1], run(second)["peak_v_out_m_per_s"], 2e-4 * peaks[1]);
+    EXPECT_EQ(table["chain.preload_n"], (std::vector<double>{0.05, 0.05, 0.2, 0.2}));
+    EXPECT_EQ(table.columns.front().name, "point");
+}
+
+TEST(StudyVerbs, AListOfPointsTakesTheValuesTogether) {
+    const StudyTable table = sweep(Scene{},
+                                   {{"chain.preload_n", std::vector<double>{0.05, 0.2}},
+                                    {"drive.envelope", std::vector<std::string>{"hann", "rectangular"}}},
+                                   {.waveforms = "v_out"}, SweepPoints::list);
+    EXPECT_EQ(table["chain.preload_n"], (std::vector<double>{0.05, 0.2}));
+    EXPECT_EQ(table.waveforms.size(), 2 * table.waveform_samples);
+    EXPECT_EQ(table.waveform_samples, 5001U);
+}
+
+TEST(StudyVerbs, EveryFaultIsThrownAtOnce) {
+    const std::string faults =
+        error_of([] { sweep(Scene{}, {{"chain.preload", "1..2:3"}}, {.measure = {"v_nothing"}, .jobs = 0}); });
+    EXPECT_THAT(faults, HasSubstr("jobs: found 0, allowed: 1 to 1024"));
+    EXPECT_THAT(faults, HasSubstr("chain.preload"));
+    EXPECT_THROW(sweep(Scene{}, {{"chain.preload_n", std::vector<double>{}}}), std::invalid_argument);
+    EXPECT_THAT(error_of([] {
+                    optimise(Scene{}, {{"chain.preload_n", "0.1..1"}}, {.subject_to = {"nonsense"}, .evaluations = 0});
+                }),
+                testing::AllOf(HasSubstr("maximise or minimise is missing"), HasSubstr("subject_to: "),
+                               HasSubstr("evaluations: found 0")));
+    const StudyTable table = sweep(Scene{}, {{"chain.preload_n", std::vector<double>{0.1}}});
+    EXPECT_THROW(table["status"], std::out_of_range);  // words
+}
+
+TEST(StudyVerbs, ASearchFindsTheBestOfItsEvaluations) {
+    const SearchOutcome found = optimise(Scene{}, {{"chain.preload_n", "0.05..1:log"}},
+                                         {.maximise = "peak_v_out_m_per_s", .evaluations = 40});
+    const std::vector<double>& peaks = found.evaluations["peak_v_out_m_per_s"];
+    EXPECT_LE(peaks.size(), 40U);
+    EXPECT_EQ(found.summary["best"]["peak_v_out_m_per_s"], *std::max_element(peaks.begin(), peaks.end()))
+        << found.summary.dump(1);
+}
+
+TEST(StudyVerbs, AStoppedStudyHasAnEmptyTable) {
+    const std::atomic<bool> stop = true;
+    const StudyTable table = sweep(Scene{}, {{"chain.preload_n", "0.05..1:100"}}, {.stop = &stop});
+    EXPECT_TRUE(table["chain.preload_n"].empty());
+}
+
+}  // namespace
+}  // namespace hertzline::test
