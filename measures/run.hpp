@@ -25,6 +25,10 @@
 #include "core/step_choice/resolve.hpp"
 #include "core/taps.hpp"
 
+namespace hertzline {
+class Faults;
+}
+
 namespace hertzline::measures {
 
 /// The longest record that a spectrum is made of [rows].
@@ -167,6 +171,10 @@ std::vector<std::string> names_of(TapSet taps);
 
 /// The tap of that name, or what was found and what is allowed.
 tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
+
+/// The taps of those names; the faults of other names are added. @param subject of the faults, as "--columns"
+TapSet taps_named(std::string_view subject, const std::vector<std::string>& names, TapSet allowed,
+                  Faults& faults);
 
 /// The measurable taps among the names; other names are passed over.
 TapSet measurable_among(std::span<const std::string> names) noexcept;

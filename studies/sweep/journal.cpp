@@ -262,7 +262,7 @@ void Journal::read(std::int64_t point, TableRow& row) const {
         const std::span<const std::byte> bytes = select.bytes(static_cast<int>(kinds_.size()));
         sound = bytes.size() == samples_ * sizeof(float);
         row.samples.resize(samples_);
-        if (sound && samples_ > 0) { // SQLite has no address for an empty blob
+        if (sound && samples_ > 0) {  // SQLite has no address for an empty blob
             std::memcpy(row.samples.data(), bytes.data(), bytes.size());
         }
     }

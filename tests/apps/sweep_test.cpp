@@ -235,7 +235,7 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
                 HasSubstr("--measure: found \"v_plate\""));
     EXPECT_THAT(fault(with(vary, {"--json", "--quantity", "thd"})), HasSubstr("--quantity: found \"thd\""));
     EXPECT_THAT(fault(with(vary, {"--json", "--set", "chain.spheres=5"})), HasSubstr("a key that varies"));
-    EXPECT_THAT(fault(with(vary, {"--json", "--resume"})), HasSubstr("--resume: found no -o FILE"));
+    EXPECT_THAT(fault(with(vary, {"--json", "--resume"})), HasSubstr("--resume needs -o FILE"));
     EXPECT_THAT(fault({"--merge", "x.journal", "--resume", "-o", "x.h5"}),
                 HasSubstr("--merge: found options"));
     const Outcome nowhere = hertzline(with({"sweep"}, with(vary, {"-o", folder.file("no/a.csv")})));

@@ -32,68 +32,45 @@ constexpr const char* examples =
 
 constexpr std::int64_t most_evaluations = 1'000'000;
 
-/// As sweeps have it, where they may do without.
-void refuse_no_file(const OptimiseOptions& options) {
-    if (options.sweep.files.empty()) {
-        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv");
-    }
-}
-
-studies::Goal goal_of(const OptimiseOptions& options) {
+std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& others) {
+    Faults faults;
     if (options.maximise.empty() == options.minimise.empty()) {
-        throw WrongUse(fmt::format("--maximise: found {} measure, allowed: one of --maximise and --minimise",
-                                   options.maximise.empty() ? "no" : "a second"));
+        faults.add(options.maximise.empty() ? "--maximise or --minimise is missing: give one MEASURE"
+                                            : "--maximise and --minimise: found both, allowed: one of them");
     }
     const bool maximise = options.minimise.empty();
-    return {maximise ? options.maximise : options.minimise, maximise, {}};
-}
-
-studies::Goal whole_goal_of(const OptimiseOptions& options) {
-    Faults faults;
-    studies::Goal goal;
-    faults.of([&] { goal = goal_of(options); });
+    studies::Goal goal{maximise ? options.maximise : options.minimise, maximise, {}};
     for (const std::string& text : options.subject_to) {
-        faults.of([&] {
-            auto constraint = studies::parse_constraint(text);
-            if (!constraint) {
-                throw WrongUse("--subject-to: " + constraint.error());
-            }
+        if (auto constraint = faults.value_of("--subject-to", studies::parse_constraint(text))) {
             goal.constraints.push_back(*std::move(constraint));
-        });
+        }
     }
-    faults.refuse();
-    return goal;
+    others.add(faults);
+    return faults.none() ? std::optional(std::move(goal)) : std::nullopt;
 }
 
-void refuse_wrong_evaluations(const OptimiseOptions& options, std::int64_t fewest, std::size_t keys) {
+void check_evaluations(const OptimiseOptions& options, std::int64_t fewest, std::size_t keys,
+                       Faults& faults) {
     if (options.evaluations < fewest || options.evaluations > most_evaluations) {
-        throw WrongUse(fmt::format("--evaluations: found {}, allowed: {} to {}{}", options.evaluations,
-                                   fewest, most_evaluations,
-                                   keys == 0 ? "" : fmt::format(", where {} keys vary", keys)));
+        faults.add("--evaluations",
+                   fmt::format("found {}, allowed: {} to {}{}", options.evaluations, fewest, most_evaluations,
+                               keys == 0 ? "" : fmt::format(", where {} keys vary", keys)));
     }
 }
 
 /// A sweep over the ranges: its plan says whether they are right, its points what they take.
-SoundSweep sound_sample(const OptimiseOptions& options) {
+std::optional<SoundSweep> sound_sample(const OptimiseOptions& options, Faults& faults) {
     if (options.sweep.vary.empty()) {
-        throw WrongUse(
-            "--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
+        faults.add("--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
+        return std::nullopt;
     }
     SweepOptions sample = options.sweep;
     sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
-    if (sample.files.empty()) {  // refuse_no_file() says so
+    if (sample.files.empty()) {  // a fault of its own
         sample.format = Format::json;
         sample.resume = false;
     }
-    return sound_sweep(sample);
-}
-
-void refuse_unknown_measures(const studies::Goal& goal, const studies::PointDemand& demand) {
-    Faults faults;
-    for (const std::string& fault : studies::measure_faults(goal, demand.columns)) {
-        faults.of([&] { throw WrongUse(fault); });
-    }
-    faults.refuse();
+    return sound_sweep(sample, faults);
 }
 
 /// A minus sign would be taken for a wrap-around.
@@ -113,21 +90,21 @@ SoundSearch sound_search(const OptimiseOptions& options) {
         throw WrongUse("SCENE is missing: give a scene file, or the name of a shipped scene");
     }
     Faults faults;
-    std::optional<studies::Goal> goal;
-    std::optional<SoundSweep> sample;
-    faults.of([&] { refuse_no_file(options); });
-    faults.of([&] { goal = whole_goal_of(options); });
-    faults.of([&] { sample = sound_sample(options); });
+    if (options.sweep.files.empty()) {
+        faults.add("-o FILE is missing: give a file that ends in .h5 or .csv");
+    }
+    std::optional<studies::Goal> goal = goal_of(options, faults);
+    std::optional<SoundSweep> sample = sound_sample(options, faults);
     if (!sample) {
-        faults.of([&] { refuse_wrong_evaluations(options, 1, 0); });
-        faults.refuse();
+        check_evaluations(options, 1, 0, faults);
+        faults.refuse<WrongUse>();
     }
     const studies::SearchSpace space(sample->sweep.plan.axes());
-    faults.of([&] { refuse_wrong_evaluations(options, fewest_evaluations(space), space.keys()); });
+    check_evaluations(options, fewest_evaluations(space), space.keys(), faults);
     if (goal) {
-        faults.of([&] { refuse_unknown_measures(*goal, sample->sweep.demand); });
+        faults.add({}, studies::measure_faults(*goal, sample->sweep.demand.columns));
     }
-    faults.refuse();
+    faults.refuse<WrongUse>();
     return {{sample->sweep.plan.base(), space.axes(), *std::move(goal), options.evaluations, options.seed,
              std::move(sample->sweep.demand)},
             std::move(sample->survey)};

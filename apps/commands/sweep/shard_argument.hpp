@@ -4,11 +4,12 @@
 #include <string>
 
 #include "studies/sweep/sweep.hpp"
+#include <tl/expected.hpp>
 
 namespace hertzline::app {
 
-/// Reads "I/N", "slurm", "slurm/N" or "mpi"; empty: all. @throws WrongUse, also where the environment names no part
-studies::Shard shard_argument(const std::string& text);
+/// Reads "I/N", "slurm", "slurm/N" or "mpi"; empty: all. Or returns the fault, also where the environment names no part.
+tl::expected<studies::Shard, std::string> shard_argument(const std::string& text);
 
 /// The journal of a sweep or of its part: FILE.journal, or FILE.1-of-4.journal.
 std::string journal_name(const std::string& file, const studies::Shard& shard);

@@ -121,8 +121,10 @@ Exit tell_finished(const SweepOptions& options, const Sweep& sweep) {
 }
 
 Exit run_sweep(const SweepOptions& options) {
-    const SoundSweep sound = sound_sweep(options);
-    const Sweep& sweep = sound.sweep;
+    Faults faults;
+    const std::optional<SoundSweep> sound = sound_sweep(options, faults);
+    faults.refuse<WrongUse>();
+    const Sweep& sweep = sound->sweep;
     const bool whole = sweep.shard.parts == 1;
     const int jobs = jobs_of(options);
     if (!options.files.empty()) {
@@ -134,7 +136,7 @@ Exit run_sweep(const SweepOptions& options) {
     if (whole) {
         std::ranges::for_each(options.files, recordings::require_writable);
     }
-    warn_of_refused(sound.survey, sweep.plan.size());
+    warn_of_refused(sound->survey, sweep.plan.size());
     Journal journal = open_journal(options, sweep.shard);
     begin_or_compare(journal, sweep, options.resume);
     studies::load_rows(journal, sweep);
@@ -146,16 +148,16 @@ Exit run_sweep(const SweepOptions& options) {
         spdlog::info("{} of {} points are in {}", there.all(), all, journal.path().string());
     }
     const UnusedJournal unused(journal, !missing.empty());
-    refuse_shortages(options, sound, missing.size(), jobs);
+    refuse_shortages(options, *sound, missing.size(), jobs);
     PointCounts counts = there;
     run_to_journal(journal, [&] { counts += run_missing(sweep, journal, missing, jobs); });
     const std::string done = fmt::format("{} of {} points", counts.all(), all);
     if (counts.all() < all) {
         return stopped(journal, done);
     }
-    if (const std::string faults = counts.faults(); !faults.empty()) {
+    if (const std::string failures = counts.faults(); !failures.empty()) {
         spdlog::warn("{} of {} points are not ok: {}; their messages say why",
-                     counts.all() - counts[PointStatus::ok], all, faults);
+                     counts.all() - counts[PointStatus::ok], all, failures);
     }
     const std::int64_t failed = counts[PointStatus::failed];
     if (whole && !finish(options, sweep, journal, failed)) {

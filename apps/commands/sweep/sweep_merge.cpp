@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/command.hpp"
 #include "apps/commands/sweep/sweep_result.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
@@ -74,13 +75,17 @@ const Journal& part_of(const std::vector<Journal>& parts, std::int64_t point) {
     return parts[static_cast<std::size_t>(point) % parts.size()];
 }
 
+/// @throws WrongUse for options that the journals have, or without a table
 void refuse_options_beside_merge(const SweepOptions& options) {
+    Faults faults;
     if (!options.scene.scene.empty() || !options.scene.settings.empty() || !options.vary.empty() ||
         !options.points.empty() || options.sobol || options.resume || !options.shard.empty() ||
         !options.quantities.empty() || !options.measures.empty() || !options.waveform.empty()) {
-        throw WrongUse("--merge: found options of a sweep, allowed: -o, --json; the journals know the rest");
+        faults.add("--merge: found options of a sweep, allowed: -o, --json; the journals know the rest");
+    } else {
+        check_output(options, faults);
     }
-    refuse_no_output(options);
+    faults.refuse<WrongUse>();
 }
 
 /// The sweep of the first journal.
@@ -98,7 +103,9 @@ Sweep first_sweep(const std::string& name) {
 Exit merge_parts(const SweepOptions& options) {
     refuse_options_beside_merge(options);
     const Sweep sweep = first_sweep(options.parts.front());
-    refuse_wrong_tables(options.files, sweep.demand.waveform);
+    Faults faults;
+    check_tables(options.files, sweep.demand.waveform, faults);
+    faults.refuse<WrongUse>();
     const std::vector<Journal> parts = open_parts(options, sweep);
     for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
         if (const Journal& part = part_of(parts, point); !part.has(point)) {

@@ -12,6 +12,7 @@
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/console/output.hpp"
+#include "core/scene/faults.hpp"
 
 namespace hertzline::app {
 
@@ -37,16 +38,16 @@ void add_point_options(CLI::App& app, SweepOptions& options);
 /// All of a sweep. @param options must outlive the parsing
 void add_sweep_options(CLI::App& app, SweepOptions& options);
 
-/// A sweep whose plan is sound.
+/// A sweep without faults.
 struct SoundSweep {
     studies::Sweep sweep;
     studies::SweepSurvey survey;
 };
 
-/// Looks at the scene of every point. @throws WrongUse that names every fault at once
-SoundSweep sound_sweep(const SweepOptions& options);
+/// Makes the sweep of the options, and looks at the scene of every point. Or adds the faults.
+std::optional<SoundSweep> sound_sweep(const SweepOptions& options, Faults& others);
 
-/// The number of threads. @throws WrongUse
+/// Returns the number of threads.
 int jobs_of(const SweepOptions& options);
 
 }  // namespace hertzline::app

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "apps/console/terminal.hpp"
+#include "apps/console/messages.hpp"
 
 namespace hertzline::app {
 

@@ -12,8 +12,6 @@
 #include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
-#include "apps/arguments/options.hpp"
-#include "apps/command.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
@@ -39,32 +37,26 @@ void print_rows(const studies::Sweep& sweep, const recordings::Table& table) {
 
 }  // namespace
 
-void refuse_no_output(const SweepOptions& options) {
+void check_output(const SweepOptions& options, Faults& faults) {
     if (options.files.empty() && options.format == Format::text) {
-        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
+        faults.add("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
     }
 }
 
-void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform) {
+void check_tables(std::span<const std::string> files, std::optional<Tap> waveform, Faults& faults) {
     recordings::Table table;
     table.columns.push_back({{"status", "", ""}, recordings::CellKind::text});
     if (waveform) {
         table.samples.emplace();
     }
-    Faults faults;
     std::set<std::filesystem::path> names;
     for (const std::string& file : files) {
-        faults.of([&] {
-            if (const auto fault = recordings::table_fault(file, table)) {
-                throw WrongUse(*fault + (waveform ? ", which holds waveforms" : ""));
-            }
-            if (!names.insert(recordings::recording_name(file)).second) {
-                throw WrongUse(
-                    fmt::format("{}: found a second time, allowed: each file once", printable(file)));
-            }
-        });
+        if (const auto fault = recordings::table_fault(file, table)) {
+            faults.add(*fault + (waveform ? ", which holds waveforms" : ""));
+        } else if (!names.insert(recordings::recording_name(file)).second) {
+            faults.add(printable(file), "found a second time, allowed: each file once");
+        }
     }
-    faults.refuse();
 }
 
 double table_bytes(std::span<const std::string> files, const studies::Sweep& sweep) {

@@ -11,14 +11,15 @@
 #include "studies/sweep/workers.hpp"
 
 #include "apps/commands/sweep/sweep_options.hpp"
+#include "core/scene/faults.hpp"
 
 namespace hertzline::app {
 
-/// @throws WrongUse when there is neither a file nor --json
-void refuse_no_output(const SweepOptions& options);
+/// Adds the fault of a sweep with neither a file nor --json.
+void check_output(const SweepOptions& options, Faults& faults);
 
-/// @throws WrongUse that names every file that cannot be a sweep's table, or is named twice. @param waveform only HDF5 holds them
-void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform);
+/// Adds the fault of each file that cannot be a sweep's table, or is named twice. @param waveform only HDF5 holds them
+void check_tables(std::span<const std::string> files, std::optional<Tap> waveform, Faults& faults);
 
 /// Bytes of all the files, from above.
 double table_bytes(std::span<const std::string> files, const studies::Sweep& sweep);
