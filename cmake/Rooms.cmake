@@ -1,5 +1,5 @@
 # A room is a folder of the root that is one library. Its headers are reached through a folder of the build that holds a link to the
-# room alone, which the room hands on to the targets that link it. So "studies/sweep/plan.hpp" is found where hertzline_studies is linked,
+# room alone, which the room hands on to the targets that link it. So "studies/plan.hpp" is found where hertzline_studies is linked,
 # and nowhere else: the direction of includes is what target_link_libraries says.
 
 # Lets a target, and those that link it, include the headers of a folder of the root.

@@ -20,8 +20,8 @@
 
 #include "bench/peers/problem.hpp"
 #include "bench/support/arguments.hpp"
-#include "studies/sweep/sweep_table.hpp"
-#include "studies/sweep/workers.hpp"
+#include "studies/study.hpp"
+#include "studies/workers.hpp"
 
 #include "core/scene/json.hpp"
 #include "core/scene/scene_toml.hpp"
@@ -77,10 +77,10 @@ void in_threads(std::int64_t points, int threads, const RunPoint& run) {
 class Subject {
 public:
     explicit Subject(std::int64_t points) : sweep_{plan_of(points), {}, {}} {
-        sweep_.demand.columns = measures::number_columns({}, false);
+        sweep_.options.columns = measures::number_columns({}, false);
     }
 
-    const studies::Sweep& sweep() const { return sweep_; }
+    const studies::Study& sweep() const { return sweep_; }
     std::int64_t points() const { return sweep_.plan.size(); }
     static std::size_t samples(const Scene& scene) {
         return static_cast<std::size_t>(std::lround(scene.output.duration_s * scene.output.sample_rate_hz)) +
@@ -103,10 +103,10 @@ public:
     /// The point's scene with the integrator and the step that the sweep takes.
     Scene settled(std::int64_t point) const {
         static const std::atomic<bool> never{false};
-        studies::PointDemand demand;
-        demand.columns = {*measures::find_column("step_s")};
+        studies::PointOptions options;
+        options.columns = {*measures::find_column("step_s")};
         Scene scene = sweep_.plan.scene(point);
-        const auto row = studies::PointRunner(demand, never).run(point, scene);
+        const auto row = studies::PointRunner(options, never).run(point, scene);
         scene.numerics = {
             .integrator = Integrator::taylor8, .step_s = row->numbers[0], .accuracy = {}, .poles = {}};
         return resolve(scene).scene;
@@ -119,7 +119,7 @@ private:
             base, {{"chain.preload_n=0.01..2:log:" + std::to_string(points)}, "", "", std::nullopt});
     }
 
-    studies::Sweep sweep_;
+    studies::Study sweep_;
 };
 
 double error_of(const Trace& trace, const Trace& truth) {

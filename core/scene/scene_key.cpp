@@ -287,6 +287,22 @@ tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey&
     return *std::move(value);
 }
 
+tl::expected<SceneValue, Fault> allowed_value(const Scene& scene, const SceneKey& key, SceneValue value) {
+    if (const auto* text = std::get_if<std::string>(&value); text != nullptr && key.kind != ValueKind::word) {
+        return read_allowed(scene, key, *text);
+    }
+    if (key.kind == ValueKind::number && std::holds_alternative<std::int64_t>(value)) {
+        value = static_cast<double>(std::get<std::int64_t>(value));
+    }
+    if (static_cast<std::size_t>(key.kind) != value.index()) {
+        return tl::unexpected(Fault{key.name, toml_text(value), key.allowed()});
+    }
+    if (auto fault = value_fault(scene, key, value)) {
+        return tl::unexpected(*std::move(fault));
+    }
+    return value;
+}
+
 std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const SceneValue& value) {
     if (const auto* text = std::get_if<std::string>(&value)) {
         if (key.is_material) {

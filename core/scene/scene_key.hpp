@@ -109,6 +109,9 @@ tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_vie
 /// The text as a value that the key allows, or what is wrong with it. @param scene has the materials
 tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text);
 
+/// The value as one that the key allows: integers are numbers, too, and a text may hold any value, as --set takes it.
+tl::expected<SceneValue, Fault> allowed_value(const Scene& scene, const SceneKey& key, SceneValue value);
+
 /// The fault of the value by itself: it is out of the key's bounds, or no such word. @param scene has the
 /// materials @param value of the key's kind
 std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const SceneValue& value);

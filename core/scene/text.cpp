@@ -105,6 +105,16 @@ std::string_view trimmed(std::string_view text, std::string_view blanks) noexcep
     return text.substr(0, text.find_last_not_of(blanks) + 1);  // npos + 1 is 0: nothing is left
 }
 
+std::vector<std::string_view> split(std::string_view text, char separator) {
+    std::vector<std::string_view> parts;
+    for (std::size_t end = text.find(separator); end != std::string_view::npos; end = text.find(separator)) {
+        parts.push_back(text.substr(0, end));
+        text.remove_prefix(end + 1);
+    }
+    parts.push_back(text);
+    return parts;
+}
+
 std::string comma_separated(std::span<const std::string> words) {
     std::string result;
     for (const std::string& word : words) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace hertzline {
 
@@ -29,6 +30,9 @@ std::string key_part(std::string_view text);
 
 /// The text without the blanks around it.
 std::string_view trimmed(std::string_view text, std::string_view blanks) noexcept;
+
+/// The parts between the separators, one more than there are separators.
+std::vector<std::string_view> split(std::string_view text, char separator);
 
 /// The words in a row, separated by ", ".
 std::string comma_separated(std::span<const std::string> words);

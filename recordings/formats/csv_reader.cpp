@@ -30,18 +30,6 @@ constexpr std::size_t rows_of_a_pipe = 16;  // at a time: few, as they may come 
 constexpr double max_samples = 5e14;        // times up to there distinguish samples
 constexpr double max_rounding = 0.25;       // of a sample, in such a time
 
-std::vector<std::string> split(std::string_view line) {
-    std::vector<std::string> parts;
-    for (;;) {
-        const std::size_t comma = line.find(',');
-        parts.emplace_back(line.substr(0, comma));
-        if (comma == std::string_view::npos) {
-            return parts;
-        }
-        line.remove_prefix(comma + 1);
-    }
-}
-
 /// Rounds a rate to that many digits. Rates are seldom crooked.
 double rounded(double rate, int digits) {
     double result = 0;
@@ -154,7 +142,7 @@ private:
     }
 
     void read_names() {
-        const std::vector<std::string> names = read_line() ? split(line_) : std::vector<std::string>();
+        const auto names = read_line() ? split(line_, ',') : std::vector<std::string_view>();
         if (names.size() < 2 || names.front() != csv_time_column) {
             line_number_ = 1;
             fail(fmt::format("found the column names {}, allowed: {} and others after it",

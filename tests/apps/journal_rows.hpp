@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "studies/sweep/database.hpp"
+#include "studies/database.hpp"
 
 namespace hertzline::test {
 

@@ -71,7 +71,7 @@ TEST_F(SweepFiles, OfPartsThatAreNotAllThereAreRefused) {
     const auto merge = [&](const Words& journals) {
         return hertzline(with(with({"sweep", "--merge"}, journals), {"-o", folder.file("m.csv")}));
     };
-    EXPECT_THAT(merge({first}).err, HasSubstr("no journal of part 2/2"));
+    EXPECT_THAT(merge({first}).err, HasSubstr("the journal of part 2/2 is missing"));
     EXPECT_THAT(merge({first, first}).err, HasSubstr("a second time"));
     fs::copy_file(first, folder.file("copy"));
     EXPECT_THAT(merge({first, folder.file("copy")}).err, HasSubstr("found part 1/2 again"));
@@ -137,7 +137,7 @@ TEST_F(LongSweep, CtrlCSavesWhatThereIs) {
                                    HasSubstr("--resume")));
     const Outcome again = hertzline(with(words, {"-o", file}));
     EXPECT_EQ(again.status, 1);
-    EXPECT_THAT(again.err, AllOf(HasSubstr(journal), HasSubstr("--resume to go on")));
+    EXPECT_THAT(again.err, AllOf(HasSubstr(journal), HasSubstr("--resume to continue it")));
     expect_resumed();
 }
 

@@ -146,7 +146,7 @@ TEST_F(SharedSweep, ATaskThatIsSubmittedAgainLandsInItsPlace) {
     const SlurmTask again("3", "1", "3", "3");
     const Outcome alone = swept(words_of_part);
     EXPECT_EQ(alone.status, 2);
-    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/N takes a task of it that is submitted again"));
+    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/N runs one task of it again"));
     EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm/4", "--resume"}).status, 0);
     EXPECT_EQ(merged("s.csv", 4), whole);
 }
@@ -202,7 +202,7 @@ TEST_F(SharedSweep, ARankIsThatOfTheLauncherInUse) {
         const Environment environment(none);
         const Outcome outcome = swept({"-o", folder.file("s.csv"), "--shard", "mpi"});
         EXPECT_EQ(outcome.status, 2);
-        EXPECT_THAT(outcome.err, HasSubstr("--shard mpi: found no rank in the environment"));
+        EXPECT_THAT(outcome.err, HasSubstr("--shard mpi: the environment has no rank"));
     }
 }
 
@@ -212,7 +212,7 @@ TEST_F(SharedSweep, OutsideAnArrayOrInOneWithGapsNoPartIsNamed) {
         EXPECT_EQ(outcome.status, 2);
         return outcome.err;
     };
-    EXPECT_THAT(fault(), HasSubstr("--shard slurm: found no SLURM_ARRAY_TASK_ID"));
+    EXPECT_THAT(fault(), HasSubstr("--shard slurm: SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing"));
     {
         const SlurmTask slurm("7", "2", "3", "7");
         EXPECT_THAT(fault(),
@@ -223,7 +223,7 @@ TEST_F(SharedSweep, OutsideAnArrayOrInOneWithGapsNoPartIsNamed) {
         EXPECT_THAT(fault(), HasSubstr("that begins at 1"));
     }
     const SlurmTask slurm("x", "2", "1", "2");
-    EXPECT_THAT(fault(), HasSubstr("found no SLURM_ARRAY_TASK_ID"));
+    EXPECT_THAT(fault(), HasSubstr("SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing"));
 }
 
 TEST_F(SharedSweep, WritesSeveralTablesAtOnce) {

@@ -38,6 +38,12 @@ class Pictures(InAFolder):
         table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.3], "end.thickness_m": [2e-4, 5e-4]})
         self.check(table.plot(["peak_v_out_m_per_s"]), 2)  # with its scale
 
+    def test_of_a_search(self):
+        found = hertzline.optimise(short_scene(), {"chain.preload_n": "0.1..1:log"}, maximise="peak_v_out_m_per_s",
+                                   evaluations=30)
+        self.check(found.plot(title="a search"), 2)  # over the key and over the evaluations
+        self.check(found.plot(["thd_r"]), 1)
+
     def test_into_axes_of_the_callers(self):
         figure, axes = matplotlib.pyplot.subplots(2, 2)
         self.assertIs(short_scene().run(taps=["v_out", "v_last"]).plot(["v_out", "v_last"], axes=axes), figure)

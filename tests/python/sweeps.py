@@ -103,6 +103,35 @@ class Sweeps(InAFolder):
             with self.assertRaisesRegex(ValueError, "end.kind: found"):
                 hertzline.sweep(short_scene(), points={"end.kind": values})
 
+    def test_values_reach_the_plan_as_they_are(self):
+        values = [0.1, 1 / 3, np.nextafter(0.2, 1)]
+        for given in (values, tuple(values), np.array(values), np.array(values)[::-1][::-1]):
+            table = hertzline.sweep(short_scene(), {"chain.preload_n": given}, quantities=["thd_r"])
+            self.assertEqual(list(table["chain.preload_n"]), values)
+        single = np.array([0.1, 0.2], dtype=np.float32)
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": single}, quantities=["thd_r"])
+        self.assertEqual(list(table["chain.preload_n"]), single.astype(float).tolist())
+        table = hertzline.sweep(short_scene(), points={"chain.preload_n": [1, 0.5], "chain.spheres": np.uint8([3, 4])})
+        self.assertEqual((list(table["chain.preload_n"]), list(table["chain.spheres"])), ([1, 0.5], [3, 4]))
+        self.assertEqual(table.provenance["plan"]["points"], "chain.preload_n,chain.spheres\n1,3\n0.5,4\n")
+
+    def test_values_that_a_key_does_not_take_are_refused(self):
+        for key, values, found in [("chain.spheres", [5.0, 6.0], "found 5.0, allowed: an integer"),
+                                   ("chain.spheres", [2**63], "allowed: an integer"),
+                                   ("chain.spheres", [5, 5], "each value once"),
+                                   ("chain.preload_n", [-1.0, math.nan], "found nan"),
+                                   ("chain.preload_n", ["x"], 'found "x"'),
+                                   ("end.material", [1.5], "allowed: the name of a solid"),
+                                   ("chain.prelod_n", [1.5], "did you mean 'chain.preload_n'")]:
+            with self.assertRaisesRegex(ValueError, found):
+                hertzline.sweep(short_scene(), {key: values})
+        with self.assertRaises(ValueError) as caught:
+            hertzline.sweep(short_scene(), {"chain.preload_n": -np.arange(1, 1000)})
+        self.assertEqual(len(str(caught.exception).splitlines()), 12)
+        for values in ([True], [None], [1, [2]], [b"x"], np.zeros((2, 2)), [1j]):
+            with self.assertRaises((TypeError, ValueError)):
+                hertzline.sweep(short_scene(), {"chain.preload_n": values})
+
     def test_goes_to_pandas(self):
         try:
             import pandas  # noqa: F401

@@ -6,6 +6,7 @@ import threading
 import time
 import unittest
 
+import numpy as np
 from support import LONG_ENOUGH_S
 
 import hertzline
@@ -48,6 +49,21 @@ class Threads(unittest.TestCase):
         scene = hertzline.scene("paper-stream", output={"duration_s": 0.05, "sample_rate_hz": 1e5})
         self.assertGreater(counted_during(lambda: hertzline.sweep(scene, {"drive.cycles": range(5, 25)}, jobs=1)), 20)
 
+    def test_others_go_on_during_a_search(self):
+        scene = hertzline.scene("paper-stream", output={"duration_s": 0.05, "sample_rate_hz": 1e5})
+        search = dict(vary={"drive.cycles": [5, 15, 25]}, maximise="thd_r", evaluations=18, jobs=1)
+        self.assertGreater(counted_during(lambda: hertzline.optimise(scene, **search)), 20)
+
+    def test_others_go_on_while_values_are_read(self):
+        # the last value is refused, so that only reading takes time
+        preloads = np.append(np.linspace(0.1, 1, 1_000_000), -1)
+
+        def refuse():
+            with self.assertRaisesRegex(ValueError, "found -1"):
+                hertzline.sweep("paper-wall", {"chain.preload_n": preloads})
+
+        self.assertGreater(counted_during(refuse), 20)
+
     def test_runs_beside_each_other_have_the_same_bits(self):
         scene = hertzline.scene("paper-wall")
         wanted, found = scene.run()["v_out"], []
@@ -77,6 +93,10 @@ class Threads(unittest.TestCase):
 
     def test_ctrl_c_ends_a_sweep(self):
         self.assertLess(self.interrupted("hertzline.sweep(s, {'drive.cycles': np.linspace(5, 25, 8)}, jobs=2)"), 5)
+
+    def test_ctrl_c_ends_a_search(self):
+        search = "hertzline.optimise(s, {'drive.cycles': '5..25'}, maximise='thd_r', evaluations=50, jobs=2)"
+        self.assertLess(self.interrupted(search), 5)
 
     def test_ctrl_c_ends_listening(self):
         self.assertLess(self.interrupted("next(hertzline.listen('tcp://127.0.0.1:9'))"), 5)

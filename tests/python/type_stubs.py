@@ -45,6 +45,8 @@ s = hertzline.scene("paper-vitreous-carbon", end={"thickness_m": 0.4e-3})
 r: hertzline.Result = s.run(taps=["v_out"])
 peak: float = float(np.abs(r["v_out"]).max())
 table: hertzline.Table = hertzline.sweep(s, {"chain.spheres": [5, 6]}, jobs=2)
+found: hertzline.SearchResult = hertzline.optimise(s, {"chain.preload_n": "0.1..1"}, minimise="thd_r")
+best: hertzline.Scene = found.best_scene
 with hertzline.listen("tcp://127.0.0.1:5573", "v_out", gaps="mark") as live:
     for block in live:
         first: np.float32 = block.samples[0]

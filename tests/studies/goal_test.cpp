@@ -1,4 +1,4 @@
-#include "studies/optimise/goal.hpp"
+#include "studies/goal.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,9 @@ using namespace studies;
 
 namespace {
 
-using testing::ElementsAre;
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::SizeIs;
 
 PointResult result_of(PointStatus status, double value, double bounded) {
     PointResult result;
@@ -42,10 +43,10 @@ TEST(Constraint, ThatDoesNotParseIsRefused) {
     }
 }
 
-TEST(Judge, PutsFeasiblePointsBeforeOthersAndThoseWithoutNumbersLast) {
-    const Judge judge({"occupied_20db_hz", true, {*parse_constraint("peak_v_out_m_per_s >= 0.3")}}, columns);
+TEST(Score, PutsFeasiblePointsBeforeOthersAndThoseWithoutNumbersLast) {
+    const Goal goal{"occupied_20db_hz", true, {*parse_constraint("peak_v_out_m_per_s >= 0.3")}};
     const auto merit = [&](PointStatus status, double value, double bounded) {
-        return merit_of(judge.score(result_of(status, value, bounded)), true);
+        return merit_of(score_of(goal, columns, result_of(status, value, bounded)), true);
     };
     const std::vector<double> merits{
         merit(PointStatus::ok, 2e5, 0.3), merit(PointStatus::inaccurate, 1e5, 0.4),
@@ -61,22 +62,24 @@ TEST(Judge, PutsFeasiblePointsBeforeOthersAndThoseWithoutNumbersLast) {
     EXPECT_EQ(merit(PointStatus::ok, 1, no_number), merits.back());
 }
 
-TEST(Judge, MinimisesTheValueAndAddsUpWhatIsViolated) {
+TEST(Score, MinimisesTheValueAndAddsUpWhatIsViolated) {
     const Goal goal{
         "occupied_20db_hz",
         false,
         {*parse_constraint("peak_v_out_m_per_s <= 2"), *parse_constraint("occupied_20db_hz >= 100")}};
-    const Judge judge(goal, columns);
-    EXPECT_EQ(merit_of(judge.score(result_of(PointStatus::ok, 120, 1)), false), 120);
-    EXPECT_DOUBLE_EQ(judge.score(result_of(PointStatus::ok, 75, 3)).violation, 0.25 + 0.5);
+    EXPECT_EQ(merit_of(score_of(goal, columns, result_of(PointStatus::ok, 120, 1)), false), 120);
+    EXPECT_DOUBLE_EQ(score_of(goal, columns, result_of(PointStatus::ok, 75, 3)).violation, 0.25 + 0.5);
 }
 
 TEST(MeasureFaults, NameTheOptionAndAMeasureThatIsLikeIt) {
     const Goal goal{"occupied_20db", false, {*parse_constraint("thd_r >= 1")}};
-    EXPECT_THAT(measure_faults(goal, columns),
-                ElementsAre(testing::AllOf(HasSubstr("--minimise: found \"occupied_20db\""),
-                                           HasSubstr("did you mean 'occupied_20db_hz'?")),
-                            HasSubstr("--subject-to: found \"thd_r\"")));
+    const std::vector<SearchFault> faults = measure_faults(goal, columns);
+    ASSERT_THAT(faults, SizeIs(2));
+    EXPECT_EQ(faults[0].subject, "minimise");
+    EXPECT_THAT(faults[0].text,
+                AllOf(HasSubstr("found \"occupied_20db\""), HasSubstr("did you mean 'occupied_20db_hz'?")));
+    EXPECT_EQ(faults[1].subject, "subject-to");
+    EXPECT_THAT(faults[1].text, HasSubstr("found \"thd_r\""));
 }
 
 }  // namespace

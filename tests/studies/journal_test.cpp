@@ -1,4 +1,4 @@
-#include "studies/sweep/journal.hpp"
+#include "studies/journal.hpp"
 
 #include <bit>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "studies/sweep/database.hpp"
+#include "studies/database.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -222,7 +222,7 @@ TEST_F(JournalOfAStudy, RowsThatAreNotItsOwnAreRefused) {
     EXPECT_THAT(error_after("UPDATE points SET samples = x'00'"), HasSubstr("point 1 is damaged"));
     EXPECT_THAT(error_after("ALTER TABLE points RENAME COLUMN thd_r TO other"), HasSubstr("thd_r"));
     EXPECT_THAT(error_after("DROP TABLE points"), HasSubstr("points"));
-    EXPECT_THAT(error_after("DELETE FROM about"), HasSubstr("what was studied"));
+    EXPECT_THAT(error_after("DELETE FROM about"), HasSubstr("no identity of a study"));
 }
 
 TEST_F(JournalOfAStudy, DamageIsAnErrorOrAnotherRow) {

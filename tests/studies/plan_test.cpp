@@ -1,4 +1,4 @@
-#include "studies/sweep/plan.hpp"
+#include "studies/plan.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -142,7 +142,7 @@ TEST(SweepPlan, SobolFillsTheRangesEvenly) {
     EXPECT_NEAR(pyrex, 128, 1);
     PlanRequest longer = request;
     longer.sobol = 1000;
-    EXPECT_EQ(plan_of(longer).name(200), plan.name(200));  // a point hangs on its number alone
+    EXPECT_EQ(plan_of(longer).name(200), plan.name(200));  // a point depends on its number alone
 }
 
 TEST(SweepPlan, AListOfPointsIsTakenAsItIs) {
@@ -154,6 +154,44 @@ TEST(SweepPlan, AListOfPointsIsTakenAsItIs) {
                  std::nullopt});
     EXPECT_EQ(plan.size(), 2);
     EXPECT_EQ(plan.name(1), "point 1 (chain.preload_n=1, end.material=acrylic)");
+}
+
+TEST(SweepPlan, OfValuesIsThatOfTheirText) {
+    const std::vector<std::pair<std::string, std::vector<SceneValue>>> axes{
+        {"chain.preload_n=0.1,0.25,1", {0.1, 0.25, std::int64_t{1}}},
+        {"chain.spheres=3,4", {std::int64_t{3}, std::int64_t{4}}},
+        {"end.material=\"pyrex\",\"mine\"", {"pyrex", "mine"}},
+        {"drive.cycles=5", {"5"}}};
+    for (const auto& [text, values] : axes) {
+        const auto axis = axis_of(base(), text.substr(0, text.find('=')), values);
+        ASSERT_TRUE(axis) << text;
+        EXPECT_EQ(axis->text(), text);
+        EXPECT_EQ(axis->list, parse_axis(base(), text, Sampling::grid)->list);
+    }
+    const auto points =
+        points_of(base(), std::vector<PointColumn>{{"chain.preload_n", {0.5, std::int64_t{1}}},
+                                                   {"end.kind", {"wall", "free"}}});
+    ASSERT_TRUE(points);
+    EXPECT_EQ(points->text, "chain.preload_n,end.kind\n0.5,wall\n1,free\n");
+    EXPECT_EQ(points->values, parse_points(base(), points->text, "")->values);
+}
+
+TEST(SweepPlan, ValuesThatAKeyDoesNotAllowAreRefused) {
+    const auto faults = [](const std::string& key, const std::vector<SceneValue>& values) {
+        const auto axis = axis_of(base(), key, values);
+        return axis ? "" : fault_text(axis.error());
+    };
+    EXPECT_THAT(faults("chain.spheres", {5.0}), HasSubstr("found 5.0, allowed: an integer from 1"));
+    EXPECT_THAT(faults("chain.preload_n", {-1.0, NAN}), AllOf(HasSubstr("found -1"), HasSubstr("found nan")));
+    EXPECT_THAT(faults("chain.preload_n", {1.0, 2.0, std::int64_t{1}}), HasSubstr("each value once"));
+    EXPECT_THAT(faults("chain.preload_n", {"x"}), HasSubstr("found \"x\""));
+    EXPECT_THAT(faults("end.kind", {1.5}), HasSubstr("found 1.5, allowed: one of"));
+    EXPECT_THAT(faults("chain.prelod_n", {1.0}), HasSubstr("did you mean 'chain.preload_n'?"));
+    const std::vector<SceneValue> many(1000, -1.0);
+    EXPECT_THAT(axis_of(base(), "chain.preload_n", many).error(), SizeIs(12));
+    const auto points = points_of(base(), std::vector<PointColumn>{{"chain.preload_n", many}});
+    ASSERT_FALSE(points);
+    EXPECT_THAT(points.error(), SizeIs(12));
 }
 
 TEST(SweepPlan, ReadsBackFromItsJson) {
@@ -236,7 +274,7 @@ TEST(SweepPlan, AllFaultsAreToldAtOnce) {
             {{"chain.preload_n=2..1:3", "end.kind=x", "chain.spheres=3,4", "chain.spheres=5"}, "", "", {}}),
         AllOf(HasSubstr("goes up"), HasSubstr("end.kind"), HasSubstr("a second time")));
     EXPECT_THAT(faults_of(PlanRequest{}), HasSubstr("--vary or --points"));
-    EXPECT_THAT(faults_of({{}, "", "", 4}), HasSubstr("--sobol without --vary"));
+    EXPECT_THAT(faults_of({{}, "", "", 4}), HasSubstr("--sobol needs --vary"));
     EXPECT_THAT(faults_of({{"chain.spheres=3"}, "chain.spheres\n4\n", "", {}}), HasSubstr("one of them"));
 }
 

@@ -1,10 +1,10 @@
-#include "studies/optimise/search.hpp"
+#include "studies/search.hpp"
 
 #include <atomic>
 #include <cmath>
 
-#include "studies/sweep/plan.hpp"
-#include "studies/sweep/point_run.hpp"
+#include "studies/plan.hpp"
+#include "studies/point.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -184,9 +184,9 @@ TEST(Search, StopsWhenItIsStopped) {
 class Device {
 public:
     explicit Device(const Goal& goal)
-        : demand_{{}, std::nullopt, measures::number_columns({}, false), std::nullopt, 0},
-          judge_(goal, demand_.columns),
-          runner_(demand_, stop_) {
+        : goal_(goal),
+          options_{{}, std::nullopt, measures::number_columns({}, false), std::nullopt, 0},
+          runner_(options_, stop_) {
         scene_.output.duration_s = 2e-4;
         scene_.drive.cycles = 10;
     }
@@ -195,14 +195,14 @@ public:
         Scene scene = scene_;
         scene.end.thickness_m = number(values[0]);
         scene.chain.preload_n = number(values[1]);
-        return judge_.score(*runner_.run(0, scene));
+        return score_of(goal_, options_.columns, *runner_.run(0, scene));
     }
 
 private:
     Scene scene_;
     std::atomic<bool> stop_{false};
-    PointDemand demand_;
-    Judge judge_;
+    Goal goal_;
+    PointOptions options_;
     PointRunner runner_;
 };
 

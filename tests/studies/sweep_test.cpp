@@ -1,8 +1,7 @@
-#include "studies/sweep/sweep.hpp"
-
 #include <algorithm>
 #include <cmath>
 
+#include "studies/study.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,16 +22,16 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-Sweep sweep_of(const std::string& vary = "chain.preload_n=0.1..1:5") {
+Study sweep_of(const std::string& vary = "chain.preload_n=0.1..1:5") {
     auto plan = SweepPlan::make({}, {{vary}, "", "", std::nullopt});
     EXPECT_TRUE(plan);
-    PointDemand demand;
-    demand.measured = TapSet(Tap::f_last) | Tap::v_plate;
-    demand.columns = measures::number_columns(demand.measured, false);
-    demand.waveform = Tap::v_out;
-    demand.waveform_samples = 3;
-    demand.band_from_hz = 1e3;
-    return {*std::move(plan), demand, {2, 3}};
+    PointOptions options;
+    options.measured = TapSet(Tap::f_last) | Tap::v_plate;
+    options.columns = measures::number_columns(options.measured, false);
+    options.waveform = Tap::v_out;
+    options.waveform_samples = 3;
+    options.band_from_hz = 1e3;
+    return {*std::move(plan), options, {2, 3}};
 }
 
 /// The journal's text of a sweep with a member changed.
@@ -43,22 +42,22 @@ std::string changed(const char* key, const Json& value) {
 }
 
 TEST(SweepOfAJournal, IsTheSweepThatWroteIt) {
-    const Sweep sweep = sweep_of();
-    const Sweep again = sweep_of_journal(journal_text(sweep));
+    const Study sweep = sweep_of();
+    const Study again = sweep_of_journal(journal_text(sweep));
     EXPECT_EQ(journal_text(again), journal_text(sweep));
     EXPECT_EQ(again.shard, sweep.shard);
-    EXPECT_EQ(again.demand.measured, sweep.demand.measured);
-    EXPECT_EQ(again.demand.waveform_samples, 3U);
+    EXPECT_EQ(again.options.measured, sweep.options.measured);
+    EXPECT_EQ(again.options.waveform_samples, 3U);
     EXPECT_EQ(again.plan.name(4), sweep.plan.name(4));
-    ASSERT_EQ(again.demand.columns.size(), sweep.demand.columns.size());
-    for (std::size_t i = 0; i < again.demand.columns.size(); ++i) {
-        EXPECT_EQ(again.demand.columns[i].unit, sweep.demand.columns[i].unit);
-        EXPECT_EQ(again.demand.columns[i].whole, sweep.demand.columns[i].whole);
+    ASSERT_EQ(again.options.columns.size(), sweep.options.columns.size());
+    for (std::size_t i = 0; i < again.options.columns.size(); ++i) {
+        EXPECT_EQ(again.options.columns[i].unit, sweep.options.columns[i].unit);
+        EXPECT_EQ(again.options.columns[i].whole, sweep.options.columns[i].whole);
     }
 }
 
 TEST(SweepOfAJournal, OfAnotherProgramOrPlanIsTold) {
-    const Sweep here = sweep_of();
+    const Study here = sweep_of();
     EXPECT_EQ(journal_difference(journal_text(here), here), std::nullopt);
     EXPECT_EQ(
         journal_difference(changed("simd_target", "AVX9"), here),
@@ -72,13 +71,13 @@ TEST(SweepOfAJournal, OfAnotherProgramOrPlanIsTold) {
     EXPECT_THAT(*journal_difference(journal_text(sweep_of("chain.preload_n=0.1..1:6")), here),
                 HasSubstr("--vary"));
     EXPECT_THAT(*journal_difference(changed("format", 1), here), HasSubstr("another format"));
-    EXPECT_THAT(*journal_difference(changed("maximise", "thd_r"), here), HasSubstr("that of a search"));
+    EXPECT_THAT(*journal_difference(changed("maximise", "thd_r"), here), HasSubstr("one of a search"));
     EXPECT_THAT(*journal_difference(changed("shard", {1, 3}), here), HasSubstr("--shard [1,3]"));
     EXPECT_EQ(journal_difference(changed("shard", {1, 3}), here, {"shard"}), std::nullopt);
 }
 
-recordings::WrittenTable written(const Sweep& sweep) {
-    recordings::WrittenTable table{{}, sweep.samples() > 0, sweep_provenance(sweep)};
+recordings::WrittenTable written(const Study& sweep) {
+    recordings::WrittenTable table{{}, sweep.samples() > 0, provenance_of(sweep)};
     for (const recordings::TableColumn& column : columns_of(sweep)) {
         table.columns.push_back(column.about.name);
     }
@@ -86,22 +85,22 @@ recordings::WrittenTable written(const Sweep& sweep) {
 }
 
 TEST(TableOfAStudy, OfAnotherProgramOrPlanIsTold) {
-    const Sweep here = sweep_of();
+    const Study here = sweep_of();
     EXPECT_EQ(table_difference(written(here), here), std::nullopt);
-    const auto differs = [&](const Sweep& other) { return *table_difference(written(other), here); };
+    const auto differs = [&](const Study& other) { return *table_difference(written(other), here); };
     EXPECT_THAT(differs(sweep_of("chain.preload_n=0.1..1:6")), HasSubstr("--vary"));
-    Sweep other = sweep_of();
-    other.demand.waveform = std::nullopt;
+    Study other = sweep_of();
+    other.options.waveform = std::nullopt;
     EXPECT_THAT(differs(other), HasSubstr("--waveforms"));
     other = sweep_of();
-    other.demand.columns.pop_back();
+    other.options.columns.pop_back();
     EXPECT_THAT(differs(other), HasSubstr("another --quantity"));
     other = sweep_of();
-    other.demand.band_from_hz = std::nullopt;
+    other.options.band_from_hz = std::nullopt;
     EXPECT_THAT(differs(other), HasSubstr("the --band-from null"));
     other = sweep_of();
     other.search = {{"maximise", "thd_r"}};
-    EXPECT_THAT(differs(other), HasSubstr("that of a search"));
+    EXPECT_THAT(differs(other), HasSubstr("one of a search"));
     recordings::WrittenTable older = written(here);
     older.provenance["version"] = "0.0.1";
     EXPECT_THAT(*table_difference(older, here), HasSubstr("the version \"0.0.1\""));
@@ -120,14 +119,14 @@ TEST(SweepOfAJournal, ThatTellsOfNoneIsRefused) {
 }
 
 TEST(SweepRow, IsItsResult) {
-    const Sweep sweep = sweep_of();
+    const Study sweep = sweep_of();
     PointResult result;
     result.point = 3;
     result.status = PointStatus::chaotic;
     result.integrator = "taylor12";
     result.scene_hash = "0123456789abcdef";
     result.message = "one; two\nthree";
-    result.numbers.assign(sweep.demand.columns.size(), no_number);
+    result.numbers.assign(sweep.options.columns.size(), no_number);
     result.numbers[1] = -0.0;
     result.waveform = {1.5F, -2.5F, NAN};
     const recordings::TableRow row = row_of(sweep, result);

@@ -12,16 +12,14 @@
 #include "measures/resources.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
-#include "studies/sweep/sweep_table.hpp"
+#include "studies/search_report.hpp"
+#include "studies/study.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/command.hpp"
 #include "apps/commands/optimise/optimise_options.hpp"
-#include "apps/commands/optimise/search_report.hpp"
 #include "apps/commands/sweep/study_session.hpp"
-#include "apps/commands/sweep/sweep_progress.hpp"
-#include "apps/commands/sweep/sweep_result.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/json.hpp"
@@ -34,15 +32,15 @@ using studies::Journal;
 using studies::SearchJob;
 using studies::SearchRequest;
 
-/// Evaluations of a finished search, which --resume finds in its table.
+/// The evaluations of a finished search, which --resume finds in its table.
 struct EarlierSearch {
     std::vector<recordings::TableRow> rows;
-    std::int64_t evaluations = 0;  ///< that it was allowed
-    std::int64_t after = 0;        ///< those that it had found itself
+    std::int64_t evaluations = 0;  ///< its budget
+    std::int64_t after = 0;        ///< evaluations of a search before it
 };
 
 std::optional<EarlierSearch> earlier_search(const SweepOptions& options, const SearchRequest& request) {
-    const studies::Sweep study = study_of(request);
+    const studies::Study study = study_of(request);
     const auto written = finished_table(options, study, {"evaluations", "after"});
     if (!written) {
         return std::nullopt;
@@ -53,7 +51,7 @@ std::optional<EarlierSearch> earlier_search(const SweepOptions& options, const S
         search.value("evaluations", std::int64_t{0}), search.value("after", std::int64_t{0})};
 }
 
-/// How many evaluations of an earlier search a journal begins with.
+/// Returns the number of an earlier search's evaluations in a journal.
 std::int64_t evaluations_before(const Journal& journal) {
     const Json json = json_from_outside(journal.text());
     const Json after = json.is_object() ? json.value("after", Json()) : Json();
@@ -61,7 +59,7 @@ std::int64_t evaluations_before(const Journal& journal) {
 }
 
 void load(Journal& journal, const SearchRequest& request, const std::vector<recordings::TableRow>& rows) {
-    const studies::Sweep study = study_of(request);
+    const studies::Study study = study_of(request);
     journal.load(studies::columns_of(study), study.samples(), request.evaluations);
     for (const recordings::TableRow& row : rows) {
         journal.append(studies::result_of(study, row).status, row);
@@ -69,15 +67,15 @@ void load(Journal& journal, const SearchRequest& request, const std::vector<reco
     journal.commit();
 }
 
-void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
+void refuse_shortages(const SweepOptions& options, const ValidatedSearch& search) {
     const SearchRequest& request = search.request;
     const int jobs = jobs_of(options);
     const auto points = static_cast<double>(request.evaluations);
-    constexpr double point_bytes = 500;  // what is known of each
-    const studies::Sweep study = study_of(request);
+    constexpr double point_bytes = 500;  // of an evaluation in memory
+    const studies::Study study = study_of(request);
     const auto tables = static_cast<double>(options.files.size());
     const StudyNeeds needs{
-        jobs * search.survey.memory_bytes + points * point_bytes,
+        jobs * search.summary.memory_bytes + points * point_bytes,
         (1 + tables) * Journal::bytes(points, studies::columns_of(study), study.samples())};
     refuse_shortages(options, "a search", jobs, needs);
     spdlog::info("{} evaluations at most, on {} {}; about {} of disk and {} of memory", request.evaluations,
@@ -86,19 +84,19 @@ void refuse_shortages(const SweepOptions& options, const SoundSearch& search) {
 }
 
 Exit report(const SearchJob& job, const SweepOptions& options) {
-    for (const std::string& warning : search_warnings(job)) {
+    for (const std::string& warning : studies::search_warnings(job)) {
         spdlog::warn(warning);
     }
-    print_summary(search_summary(job, names_json(options.files)), options.format);
+    print_summary(studies::search_summary(job, names_json(options.files)), options.format);
     if (job.result().best.centre == studies::Evaluations::none) {
-        spdlog::error(no_feasible_text(job));
+        spdlog::error(studies::no_feasible_text(job));
         return Exit::failed;
     }
     return Exit::done;
 }
 
-/// Leaves a table as it is that has all evaluations; its summary follows from its rows.
-Exit tell_finished(const SweepOptions& options, SearchRequest request, const EarlierSearch& earlier) {
+/// Reports on a finished table, which stays unchanged; its summary follows from its rows.
+Exit report_finished(const SweepOptions& options, SearchRequest request, const EarlierSearch& earlier) {
     spdlog::info("{} is complete with {} evaluations, and stays as it is", options.files.front(),
                  earlier.rows.size());
     request.evaluations = earlier.evaluations;
@@ -112,37 +110,38 @@ Exit tell_finished(const SweepOptions& options, SearchRequest request, const Ear
 }
 
 Exit optimise(const OptimiseOptions& options) {
-    SoundSearch search = sound_search(options);
+    ValidatedSearch search = validated_search(options);
     SearchRequest& request = search.request;
     const std::vector<std::string>& files = options.sweep.files;
     const auto earlier = earlier_search(options.sweep, request);
     if (earlier && earlier->evaluations >= request.evaluations) {
-        return tell_finished(options.sweep, request, *earlier);
+        return report_finished(options.sweep, request, *earlier);
     }
     std::ranges::for_each(files, recordings::require_writable);
-    if (search.survey.refused > 0) {
-        spdlog::warn("{} of {} points all over the ranges cannot be simulated; {}", search.survey.refused,
-                     request.evaluations, search.survey.first_refused);
+    if (search.summary.refused > 0) {
+        spdlog::warn("{} of {} points all over the ranges cannot be simulated; {}", search.summary.refused,
+                     request.evaluations, search.summary.first_refused);
     }
     Journal journal = open_journal(options.sweep, {});
     if (earlier) {
         request.after = static_cast<std::int64_t>(earlier->rows.size());
-        spdlog::info("{} evaluations are in {}; the search goes on from them", request.after, files.front());
+        spdlog::info("{} evaluations are in {}; the search continues from them", request.after,
+                     files.front());
     } else if (!journal.is_new()) {
         request.after = std::clamp<std::int64_t>(evaluations_before(journal), 0, request.evaluations);
     }
     begin_or_compare(journal, study_of(request), options.sweep.resume && !earlier);
     load(journal, request, earlier ? earlier->rows : std::vector<recordings::TableRow>());
     const UnusedJournal unused(journal, true);
-    stop_asked();  // from here on there are rows to be saved
+    stop_asked();  // from here on a signal saves the rows
     refuse_shortages(options.sweep, search);
-    SweepProgress progress(request.evaluations);
+    StudyProgress progress(request.evaluations);
     SearchJob job(request, journal, jobs_of(options.sweep), stop_asked(),
-                  [&](std::int64_t done) { progress.tell({{done}}); });
+                  [&](std::int64_t done) { progress.show({{done}}); });
     run_to_journal(journal, [&] { job.run(); });
     const std::string done = fmt::format("{} evaluations", job.evaluations().size());
     if (job.evaluations().stopped() ||
-        !write_tables(files, studies::table_of(job.sweep(), std::span(&journal, 1)))) {
+        !write_tables(files, studies::table_of(job.study(), std::span(&journal, 1)))) {
         return stopped(journal, done);
     }
     const Exit exit = report(job, options.sweep);

@@ -20,17 +20,16 @@ namespace {
 
 constexpr const char* examples =
     "MEASURE is a number of hertzline run's summary. A sample of the ranges is simulated first, then local "
-    "searches begin at its best points, then more samples follow, until the evaluations are used up. FILE "
-    "has all of them, as that of a sweep. The summary says how the best point differs from what other "
-    "searches came to, and what it is worth 1 % and 5 % beside itself.\n"
+    "searches start from its best points, then larger samples follow, until the evaluations are used up. "
+    "FILE "
+    "has all of them, as a table of a sweep. The summary compares the best point with the results of other "
+    "local searches, and has its values 1 % and 5 % beside it.\n"
     "Examples:\n"
     "  hertzline optimise paper-vitreous-carbon --vary end.thickness_m=0.1e-3..2e-3:log \\\n"
     "      --vary chain.preload_n=0.01..2:log --maximise occupied_20db_hz \\\n"
     "      --subject-to \"peak_v_out_m_per_s >= 0.3\" -o search.h5\n"
     "  hertzline optimise my-scene.toml --vary chain.spheres=3..12 --vary end.material=pyrex,acrylic \\\n"
     "      --minimise thd_r --evaluations 300 --seed 7 -o search.csv";
-
-constexpr std::int64_t most_evaluations = 1'000'000;
 
 std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& others) {
     Faults faults;
@@ -49,31 +48,22 @@ std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& oth
     return faults.none() ? std::optional(std::move(goal)) : std::nullopt;
 }
 
-void check_evaluations(const OptimiseOptions& options, std::int64_t fewest, std::size_t keys,
-                       Faults& faults) {
-    if (options.evaluations < fewest || options.evaluations > most_evaluations) {
-        faults.add("--evaluations",
-                   fmt::format("found {}, allowed: {} to {}{}", options.evaluations, fewest, most_evaluations,
-                               keys == 0 ? "" : fmt::format(", where {} keys vary", keys)));
-    }
-}
-
-/// A sweep over the ranges: its plan says whether they are right, its points what they take.
-std::optional<SoundSweep> sound_sample(const OptimiseOptions& options, Faults& faults) {
+/// Returns a sweep over the ranges, which checks them and estimates the memory of points. Or adds the faults.
+std::optional<ValidatedSweep> validated_sample(const OptimiseOptions& options, Faults& faults) {
     if (options.sweep.vary.empty()) {
         faults.add("--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
         return std::nullopt;
     }
     SweepOptions sample = options.sweep;
-    sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, most_evaluations);
+    sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, studies::most_evaluations);
     if (sample.files.empty()) {  // a fault of its own
         sample.format = Format::json;
         sample.resume = false;
     }
-    return sound_sweep(sample, faults);
+    return validated_sweep(sample, faults);
 }
 
-/// A minus sign would be taken for a wrap-around.
+/// Refuses a minus sign, too, which CLI11 would wrap around.
 std::string wrong_seed(const std::string& text) {
     std::uint64_t seed = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
@@ -85,7 +75,7 @@ std::string wrong_seed(const std::string& text) {
 
 }  // namespace
 
-SoundSearch sound_search(const OptimiseOptions& options) {
+ValidatedSearch validated_search(const OptimiseOptions& options) {
     if (options.sweep.scene.scene.empty()) {
         throw WrongUse("SCENE is missing: give a scene file, or the name of a shipped scene");
     }
@@ -94,20 +84,26 @@ SoundSearch sound_search(const OptimiseOptions& options) {
         faults.add("-o FILE is missing: give a file that ends in .h5 or .csv");
     }
     std::optional<studies::Goal> goal = goal_of(options, faults);
-    std::optional<SoundSweep> sample = sound_sample(options, faults);
+    std::optional<ValidatedSweep> sample = validated_sample(options, faults);
     if (!sample) {
-        check_evaluations(options, 1, 0, faults);
+        if (options.evaluations < 1 || options.evaluations > studies::most_evaluations) {
+            faults.add("--evaluations", fmt::format("found {}, allowed: 1 to {}", options.evaluations,
+                                                    studies::most_evaluations));
+        }
         faults.refuse<WrongUse>();
     }
-    const studies::SearchSpace space(sample->sweep.plan.axes());
-    check_evaluations(options, fewest_evaluations(space), space.keys(), faults);
+    const studies::SearchSpace space(sample->study.plan.axes());
+    faults.add("--evaluations", studies::evaluations_fault(options.evaluations, space));
     if (goal) {
-        faults.add({}, studies::measure_faults(*goal, sample->sweep.demand.columns));
+        for (const studies::SearchFault& fault :
+             studies::measure_faults(*goal, sample->study.options.columns)) {
+            faults.add(fmt::format("--{}", fault.subject), fault.text);
+        }
     }
     faults.refuse<WrongUse>();
-    return {{sample->sweep.plan.base(), space.axes(), *std::move(goal), options.evaluations, options.seed,
-             std::move(sample->sweep.demand)},
-            std::move(sample->survey)};
+    return {{sample->study.plan.base(), space.axes(), *std::move(goal), options.evaluations, options.seed,
+             std::move(sample->study.options)},
+            std::move(sample->summary)};
 }
 
 void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
@@ -116,22 +112,22 @@ void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
     add_repeatable_option(app, "--vary", sweep.vary,
                           "vary a key of the scene in a range or a list; repeatable")
         ->type_name("KEY=VALUES");
-    app.add_option("--maximise", options.maximise, "look for the largest value of this measure")
+    app.add_option("--maximise", options.maximise, "find the largest value of this measure")
         ->check(missing_name)
         ->type_name("MEASURE");
-    app.add_option("--minimise", options.minimise, "look for the smallest one")
+    app.add_option("--minimise", options.minimise, "find the smallest value of this measure")
         ->check(missing_name)
         ->type_name("MEASURE");
     add_repeatable_option(app, "--subject-to", options.subject_to,
-                          "only where a measure keeps to a bound: \"MEASURE >= NUMBER\", or <=; repeatable")
+                          "keep a measure within a bound: \"MEASURE >= NUMBER\", or <=; repeatable")
         ->type_name("BOUND");
-    app.add_option("--evaluations", options.evaluations, "points that are simulated at most (default: 2000)")
+    app.add_option("--evaluations", options.evaluations, "the most points that are simulated (default: 2000)")
         ->type_name("N");
-    app.add_option("--seed", options.seed, "another one begins with other points (default: 1)")
+    app.add_option("--seed", options.seed, "another seed starts from other points (default: 1)")
         ->check(wrong_seed)
         ->type_name("S");
     add_point_options(app, sweep);
-    app.add_flag("--resume", sweep.resume, "go on where a search was ended, or begin");
+    app.add_flag("--resume", sweep.resume, "continue a search, or start one");
     add_format_option(app, sweep.format, "print the summary as JSON");
     app.footer(examples);
 }

@@ -31,7 +31,7 @@ Number whole_number(std::string_view text) {
     return !text.empty() && read.ec == std::errc{} && read.ptr == end ? Number(number) : std::nullopt;
 }
 
-/// A number that a launcher has put into the environment; nothing where there is none.
+/// Returns a launcher's number from the environment; nothing where it is absent.
 Number number_of_launcher(const char* name) {
     const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before there are threads
     return text != nullptr ? whole_number(text) : std::nullopt;
@@ -39,13 +39,13 @@ Number number_of_launcher(const char* name) {
 
 std::string gaps_fault(std::int64_t task, std::int64_t tasks, std::int64_t first, std::int64_t last) {
     return fmt::format(
-        "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps "
-        "that begins at "
-        "1, as 1-8, or at 0; --shard slurm/N takes a task of it that is submitted again",
+        "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps that begins "
+        "at 1 "
+        "(1-8) or at 0; --shard slurm/N runs one task of it again",
         task, tasks, first, last);
 }
 
-/// A task of an array of jobs. --array=1-8 has parts 1/8 to 8/8; where tasks are submitted again the number of parts has to be given.
+/// Returns the part of a task of a job array. --array=1-8 has parts 1/8 to 8/8; tasks that are submitted again need the number of parts.
 tl::expected<studies::Shard, std::string> shard_of_slurm_task(Number parts) {
     const Number task = number_of_launcher("SLURM_ARRAY_TASK_ID");
     const Number tasks = number_of_launcher("SLURM_ARRAY_TASK_COUNT");
@@ -53,7 +53,7 @@ tl::expected<studies::Shard, std::string> shard_of_slurm_task(Number parts) {
     const Number last = number_of_launcher("SLURM_ARRAY_TASK_MAX");
     if (!task || !tasks || !first || !last) {
         return tl::unexpected<std::string>(
-            "--shard slurm: found no SLURM_ARRAY_TASK_ID with its COUNT, MIN and MAX, allowed: in a job of "
+            "--shard slurm: SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing: start it in a job of "
             "sbatch --array=1-N");
     }
     if (parts) {
@@ -71,12 +71,12 @@ tl::expected<studies::Shard, std::string> shard_of_slurm_task(Number parts) {
     return studies::Shard{*task - *first + 1, *tasks};
 }
 
-/// How a launcher of ranks names them.
+/// The environment variables of a launcher of ranks.
 struct RankNames {
     const char* rank;  ///< from 0
     const char* ranks;
 };
-/// A launcher inside of a job of Slurm comes before Slurm. The last one is srun's own: sbatch sets SLURM_NTASKS without starting tasks.
+/// A launcher inside of a Slurm job comes before Slurm. The last variables are srun's: sbatch sets SLURM_NTASKS without starting tasks.
 constexpr std::array launchers{RankNames{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
                                RankNames{"PMI_RANK", "PMI_SIZE"},
                                RankNames{"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
@@ -94,10 +94,10 @@ tl::expected<studies::Shard, std::string> shard_of_rank() {
         allowed += fmt::format("{}{} with {}", allowed.empty() ? "" : ", ", names.rank, names.ranks);
     }
     return tl::unexpected(
-        "--shard mpi: found no rank in the environment, allowed: under mpirun or srun, which set " + allowed);
+        "--shard mpi: the environment has no rank: start it with mpirun or srun, which set " + allowed);
 }
 
-/// A launcher names the part, and knows nothing of earlier parts.
+/// Returns whether a launcher names the part, without knowledge of earlier parts.
 bool is_of_launcher(const std::string& text) {
     return text == "slurm" || text == "mpi";
 }
@@ -127,7 +127,7 @@ tl::expected<studies::Shard, std::string> shard_argument(const std::string& text
         }
     }
     return tl::unexpected(
-        fmt::format("--shard: found {}, allowed: I/N, the I-th of N parts, as 1/4, or slurm, slurm/N, mpi",
+        fmt::format("--shard: found {}, allowed: I/N (1/4 is the first of 4 parts), slurm, slurm/N or mpi",
                     quoted_briefly(text)));
 }
 
@@ -150,12 +150,11 @@ void refuse_other_parts(const std::string& text, const std::string& file, const 
         std::smatch numbers;
         const std::string rest = name.starts_with(before) ? name.substr(before.size()) : std::string();
         if (std::regex_match(rest, numbers, form) && whole_number(numbers[2].str()) != shard.parts) {
-            throw WrongUse(
-                fmt::format("--shard {0}: found part {1} of {2}, and beside it {3}, allowed: parts of one "
-                            "number; --shard "
-                            "{4}{5} runs a part of those again",
-                            text, shard.part, shard.parts, printable(entry.path().string()),
-                            text == "slurm" ? "slurm/" : "I/", numbers[2].str()));
+            throw WrongUse(fmt::format(
+                "--shard {0}: found part {1} of {2}, and beside it {3}, allowed: journals with the "
+                "same number of parts; --shard {4}{5} runs one of those parts again",
+                text, shard.part, shard.parts, printable(entry.path().string()),
+                text == "slurm" ? "slurm/" : "I/", numbers[2].str()));
         }
     }
 }

@@ -1,15 +1,21 @@
 #include "apps/commands/sweep/study_session.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <filesystem>
+#include <numeric>
 #include <stdexcept>
 
 #include "measures/resources.hpp"
-#include "studies/sweep/sweep_table.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/sweep/shard_argument.hpp"
+#include "apps/console/messages.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
@@ -21,8 +27,9 @@ namespace {
 namespace fs = std::filesystem;
 
 using studies::Journal;
-using studies::Sweep;
+using studies::Study;
 
+constexpr auto between_messages = std::chrono::seconds(10);
 constexpr std::string_view how_to_continue = "the same command with --resume continues";
 
 /// A hint for a journal that was written on another instruction set.
@@ -35,7 +42,7 @@ std::string target_advice(const std::string& journal) {
                              printable(target.get<std::string>()));
 }
 
-/// Whether a study has begun its journal: one that was killed before leaves an empty file.
+/// Returns whether a study has begun its journal; one that was killed earlier leaves an empty file.
 bool has_begun(const std::string& journal) {
     try {
         return fs::is_regular_file(journal) && !Journal(journal, Journal::Use::read).is_new();
@@ -44,24 +51,39 @@ bool has_begun(const std::string& journal) {
     }
 }
 
+void print_rows(const studies::Study& study, const recordings::Table& table) {
+    constexpr std::size_t enough = std::size_t{1} << 16;
+    std::string text;
+    recordings::TableRow row;
+    for (std::int64_t point = 0; point < table.rows; ++point) {
+        table.read(point, row);
+        text += json_text(studies::row_json(study, row)) + '\n';
+        if (text.size() > enough) {
+            print(text);
+            text.clear();
+        }
+    }
+    print(text);
+}
+
 }  // namespace
 
-std::optional<recordings::WrittenTable> finished_table(const SweepOptions& options, const Sweep& sweep,
+std::optional<recordings::WrittenTable> finished_table(const SweepOptions& options, const Study& study,
                                                        std::initializer_list<std::string_view> but) {
-    const bool whole = options.resume && !options.files.empty() && sweep.shard.parts == 1;
+    const bool whole = options.resume && !options.files.empty() && study.shard.parts == 1;
     const auto is_there = [](const std::string& file) { return fs::is_regular_file(file); };
-    if (!whole || has_begun(journal_name(options.files.front(), sweep.shard)) ||
+    if (!whole || has_begun(journal_name(options.files.front(), study.shard)) ||
         !std::ranges::all_of(options.files, is_there)) {
         return std::nullopt;
     }
     std::optional<recordings::WrittenTable> first;
     for (const std::string& file : options.files) {
         recordings::WrittenTable written = recordings::read_table(file, studies::records_name);
-        if (const auto difference = studies::table_difference(written, sweep, but)) {
+        if (const auto difference = studies::table_difference(written, study, but)) {
             throw WrongUse(
                 fmt::format("{}: found {}, allowed: the table of the same {}, made by the same program; "
                             "without --resume it is replaced",
-                            printable(file), *difference, sweep.is_search() ? "search" : "sweep"));
+                            printable(file), *difference, study.is_search() ? "search" : "sweep"));
         }
         first = first ? std::move(first) : std::optional(std::move(written));
     }
@@ -76,18 +98,18 @@ Journal open_journal(const SweepOptions& options, const studies::Shard& shard) {
             options.resume ? Journal::Use::resume : Journal::Use::begin};
 }
 
-void begin_or_compare(Journal& journal, const Sweep& sweep, bool resume) {
-    const std::string_view study = sweep.is_search() ? "search" : "sweep";
+void begin_or_compare(Journal& journal, const Study& study, bool resume) {
+    const std::string_view kind = study.is_search() ? "search" : "sweep";
     if (journal.is_new()) {
         if (resume) {
-            spdlog::info("{} is not there; the {} begins with its first point", journal.path().string(),
-                         study);
+            spdlog::info("{} does not exist; the {} starts with its first point", journal.path().string(),
+                         kind);
         }
-        journal.begin(studies::journal_text(sweep), studies::columns_of(sweep));
-    } else if (const auto difference = studies::journal_difference(journal.text(), sweep)) {
+        journal.begin(studies::journal_text(study), studies::columns_of(study));
+    } else if (const auto difference = studies::journal_difference(journal.text(), study)) {
         throw WrongUse(
             fmt::format("{}: found {}, allowed: the journal of the same {}, made by the same program{}",
-                        journal.path().string(), *difference, study, target_advice(journal.text())));
+                        journal.path().string(), *difference, kind, target_advice(journal.text())));
     }
 }
 
@@ -113,12 +135,12 @@ void run_to_journal(Journal& journal, const std::function<void()>& work) {
         const std::string reason = error.what();
         try {
             journal.commit();
-        } catch (const std::exception&) {  // the first error counts
+        } catch (const std::exception&) {  // the first error is reported
         }
         if (!journal.has_rows() || journal.is_in_memory()) {
             throw;
         }
-        throw std::runtime_error(fmt::format("{}; the points that are done are in {}: {}", reason,
+        throw std::runtime_error(fmt::format("{}; the finished points are in {}: {}", reason,
                                              journal.path().string(), how_to_continue));
     }
 }
@@ -131,6 +153,72 @@ Exit stopped(const Journal& journal, std::string_view done) {
                       how_to_continue);
     }
     return Exit::failed;
+}
+
+std::string progress_text(const studies::PointCounts& done, std::int64_t all, double elapsed_s) {
+    const auto points = static_cast<double>(done.all());
+    const double rate = elapsed_s > 0 ? points / elapsed_s : 0;
+    const double left = rate > 0 ? (static_cast<double>(all) - points) / rate : INFINITY;
+    const std::string faults = done.faults();
+    return fmt::format("{:3.0f} %  {} of {} points, {:.3g} points/s, {} left{}{}",
+                       all > 0 ? 100 * points / static_cast<double>(all) : 100, done.all(), all, rate,
+                       time_text(left), faults.empty() ? "" : "; ", faults);
+}
+
+StudyProgress::StudyProgress(std::int64_t all) : all_(all), terminal_(stderr_is_terminal()) {}
+
+double StudyProgress::elapsed_s() const {
+    return std::chrono::duration<double>(Clock::now() - start_).count();
+}
+
+void StudyProgress::show(const studies::PointCounts& done) {
+    if (line_.due()) {
+        line_.show(progress_text(done, all_, elapsed_s()));
+    }
+    if (!terminal_ && Clock::now() - last_message_ >= between_messages) {
+        spdlog::info(progress_text(done, all_, elapsed_s()));
+        last_message_ = Clock::now();
+    }
+}
+
+double table_bytes(std::span<const std::string> files, const studies::Study& study) {
+    const std::vector<recordings::TableColumn> columns = studies::columns_of(study);
+    return std::accumulate(files.begin(), files.end(), 0.0, [&](double bytes, const std::string& file) {
+        return bytes + recordings::table_bytes(file, columns, static_cast<double>(study.plan.size()),
+                                               study.samples());
+    });
+}
+
+bool write_tables(std::span<const std::string> files, const recordings::Table& table) {
+    return std::ranges::all_of(
+        files, [&](const std::string& file) { return recordings::write_table(file, table, stop_asked()); });
+}
+
+bool write_result(const SweepOptions& options, const studies::Study& study, const recordings::Table& table) {
+    if (!write_tables(options.files, table)) {
+        return false;
+    }
+    if (options.format == Format::json) {
+        print_rows(study, table);
+    }
+    return true;
+}
+
+Json names_json(const std::vector<std::string>& files) {
+    return files.size() == 1 ? Json(files.front()) : Json(files);
+}
+
+void print_counts(const SweepOptions& options, const studies::PointCounts& counts,
+                  const std::vector<std::string>& files) {
+    if (options.format == Format::json) {
+        return;
+    }
+    Json summary{{"points", counts.all()}};
+    for (std::size_t i = 0; i < counts.of_status.size(); ++i) {
+        summary[std::string(studies::point_status_words[i])] = counts.of_status[i];
+    }
+    summary["file"] = names_json(files);
+    print_summary(summary, Format::text);
 }
 
 }  // namespace hertzline::app

@@ -1,37 +1,42 @@
 #pragma once
-// A study at work, whether a sweep or a search: from its journal, new or resumed, to the tables that replace it.
+// A study at work, whether a sweep or a search: its journal, new or resumed, its progress, and the tables that replace the journal.
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "recordings/formats/table.hpp"
-#include "studies/sweep/journal.hpp"
-#include "studies/sweep/sweep.hpp"
+#include "studies/journal.hpp"
+#include "studies/study.hpp"
+#include "studies/workers.hpp"
 
 #include "apps/command.hpp"
 #include "apps/commands/sweep/sweep_options.hpp"
+#include "apps/console/progress.hpp"
 
 namespace hertzline::app {
 
-/// The finished table that --resume finds where there is no journal; nothing when not all files of -o are there.
+/// Returns the finished table that --resume finds in place of a journal; nothing when a file of -o is missing.
 /// @param but members of its identity that may differ (studies::table_difference)
 /// @throws WrongUse when a file is of another study: it would be replaced
 std::optional<recordings::WrittenTable> finished_table(const SweepOptions& options,
-                                                       const studies::Sweep& sweep,
+                                                       const studies::Study& study,
                                                        std::initializer_list<std::string_view> but = {});
 
-/// The journal of the options' first file; without files one in memory.
+/// Opens the journal of the options' first file; without files one in memory.
 studies::Journal open_journal(const SweepOptions& options, const studies::Shard& shard);
 
-/// Begins the journal, or makes sure that it is of this study.
-/// @throws WrongUse that says in what it is of another one
-void begin_or_compare(studies::Journal& journal, const studies::Sweep& sweep, bool resume);
+/// Begins a new journal, or compares an existing one with the study.
+/// @throws WrongUse with the difference
+void begin_or_compare(studies::Journal& journal, const studies::Study& study, bool resume);
 
-/// Removes a journal that no row has come to, where one was to come.
+/// Removes a journal without rows at the end, unless none were wanted.
 class UnusedJournal {
 public:
     UnusedJournal(studies::Journal& journal, bool wants_rows) : journal_(journal), wants_rows_(wants_rows) {}
@@ -57,10 +62,50 @@ struct StudyNeeds {
 /// @throws std::runtime_error when memory or disk do not suffice. @param study "a sweep"
 void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs, const StudyNeeds& needs);
 
-/// Runs the work, which adds rows, and commits them, also where it fails: then the error says how to continue.
+/// Runs the work, which adds rows, and commits them, also when it fails: the error then says how to continue.
 void run_to_journal(studies::Journal& journal, const std::function<void()>& work);
 
-/// Tells that the user has stopped it. @param done "3 of 40 points"
+/// Reports that the user has stopped the study. @param done "3 of 40 points"
 Exit stopped(const studies::Journal& journal, std::string_view done);
+
+/// Returns a line of progress: " 42 %  420 of 1000 points, 251 points/s, 2.31 s left; 3 refused".
+std::string progress_text(const studies::PointCounts& done, std::int64_t all, double elapsed_s);
+
+/// The progress of a study: a line that is overwritten on a terminal, elsewhere a message every few seconds.
+class StudyProgress {
+public:
+    /// @param all points to be run
+    explicit StudyProgress(std::int64_t all);
+
+    void show(const studies::PointCounts& done);
+
+    /// Time since construction [s].
+    double elapsed_s() const;
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    std::int64_t all_;
+    bool terminal_;
+    ProgressLine line_;
+    Clock::time_point start_ = Clock::now();
+    Clock::time_point last_message_ = start_;
+};
+
+/// Returns an upper bound of the size of all tables [bytes].
+double table_bytes(std::span<const std::string> files, const studies::Study& study);
+
+/// Writes the tables. @returns false when the user stops it
+bool write_tables(std::span<const std::string> files, const recordings::Table& table);
+
+/// Writes the tables, and prints the rows with --json. @returns false when the user stops it
+bool write_result(const SweepOptions& options, const studies::Study& study, const recordings::Table& table);
+
+/// Returns the names for a summary: a text, or several.
+Json names_json(const std::vector<std::string>& files);
+
+/// Prints the counts of points, unless stdout has the rows.
+void print_counts(const SweepOptions& options, const studies::PointCounts& counts,
+                  const std::vector<std::string>& files);
 
 }  // namespace hertzline::app

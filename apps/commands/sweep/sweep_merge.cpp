@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "recordings/recording_formats.hpp"
-#include "studies/sweep/journal.hpp"
-#include "studies/sweep/sweep_table.hpp"
+#include "studies/journal.hpp"
+#include "studies/study.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/command.hpp"
-#include "apps/commands/sweep/sweep_result.hpp"
+#include "apps/commands/sweep/study_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 
@@ -26,9 +26,9 @@ namespace {
 
 using studies::Journal;
 using studies::PointCounts;
-using studies::Sweep;
+using studies::Study;
 
-/// @throws WrongUse when two names are those of one file
+/// @throws WrongUse when two names belong to one file
 void refuse_repeated(const std::vector<std::string>& names) {
     std::set<std::filesystem::path> seen;
     for (const std::string& name : names) {
@@ -39,32 +39,32 @@ void refuse_repeated(const std::vector<std::string>& names) {
     }
 }
 
-/// The journals of all parts, in their order.
-std::vector<Journal> open_parts(const SweepOptions& options, const Sweep& sweep) {
+/// Opens the journals of all parts, in their order.
+std::vector<Journal> open_parts(const SweepOptions& options, const Study& study) {
     refuse_repeated(options.parts);
-    std::map<std::int64_t, Journal> parts;  // a journal may say that there are millions
+    std::map<std::int64_t, Journal> parts;  // a journal can claim millions of parts
     for (const std::string& name : options.parts) {
         Journal journal(name, Journal::Use::read);
-        if (const auto difference = studies::journal_difference(journal.text(), sweep, {"shard"})) {
+        if (const auto difference = studies::journal_difference(journal.text(), study, {"shard"})) {
             throw WrongUse(
                 fmt::format("{}: found {}, allowed: parts of one sweep", printable(name), *difference));
         }
         const studies::Shard shard = studies::sweep_of_journal(journal.text()).shard;
         const bool again = parts.contains(shard.part);
-        if (shard.parts != sweep.shard.parts || again) {
+        if (shard.parts != study.shard.parts || again) {
             throw WrongUse(fmt::format("{}: found part {}/{}{}, allowed: each of {} parts once",
                                        printable(name), shard.part, shard.parts, again ? " again" : "",
-                                       sweep.shard.parts));
+                                       study.shard.parts));
         }
-        studies::load_rows(journal, sweep);
+        studies::load_rows(journal, study);
         parts.emplace(shard.part, std::move(journal));
     }
     std::vector<Journal> all;
-    for (std::int64_t part = 1; part <= sweep.shard.parts; ++part) {
+    for (std::int64_t part = 1; part <= study.shard.parts; ++part) {
         const auto there = parts.find(part);
         if (there == parts.end()) {
-            throw WrongUse(fmt::format("--merge: found no journal of part {}/{}, allowed: all parts", part,
-                                       sweep.shard.parts));
+            throw WrongUse(fmt::format("--merge: the journal of part {}/{} is missing: give all parts", part,
+                                       study.shard.parts));
         }
         all.push_back(std::move(there->second));
     }
@@ -75,21 +75,20 @@ const Journal& part_of(const std::vector<Journal>& parts, std::int64_t point) {
     return parts[static_cast<std::size_t>(point) % parts.size()];
 }
 
-/// @throws WrongUse for options that the journals have, or without a table
 void refuse_options_beside_merge(const SweepOptions& options) {
     Faults faults;
     if (!options.scene.scene.empty() || !options.scene.settings.empty() || !options.vary.empty() ||
         !options.points.empty() || options.sobol || options.resume || !options.shard.empty() ||
         !options.quantities.empty() || !options.measures.empty() || !options.waveform.empty()) {
-        faults.add("--merge: found options of a sweep, allowed: -o, --json; the journals know the rest");
+        faults.add("--merge: found options of a sweep, allowed: -o, --json; the journals have the others");
     } else {
         check_output(options, faults);
     }
     faults.refuse<WrongUse>();
 }
 
-/// The sweep of the first journal.
-Sweep first_sweep(const std::string& name) {
+/// Returns the sweep of the first journal.
+Study first_sweep(const std::string& name) {
     const Journal journal(name, Journal::Use::read);
     try {
         return studies::sweep_of_journal(journal.text());
@@ -102,24 +101,24 @@ Sweep first_sweep(const std::string& name) {
 
 Exit merge_parts(const SweepOptions& options) {
     refuse_options_beside_merge(options);
-    const Sweep sweep = first_sweep(options.parts.front());
+    const Study study = first_sweep(options.parts.front());
     Faults faults;
-    check_tables(options.files, sweep.demand.waveform, faults);
+    check_tables(options.files, study.options.waveform, faults);
     faults.refuse<WrongUse>();
-    const std::vector<Journal> parts = open_parts(options, sweep);
-    for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
+    const std::vector<Journal> parts = open_parts(options, study);
+    for (std::int64_t point = 0; point < study.plan.size(); ++point) {
         if (const Journal& part = part_of(parts, point); !part.has(point)) {
             throw std::runtime_error(fmt::format("{} lacks {}: run that part to its end with --resume",
-                                                 part.path().string(), sweep.plan.name(point)));
+                                                 part.path().string(), study.plan.name(point)));
         }
     }
     stop_asked();
-    if (!write_result(options, sweep, studies::table_of(sweep, parts))) {
+    if (!write_result(options, study, studies::table_of(study, parts))) {
         spdlog::error("stopped before the end; nothing was saved");
         return Exit::failed;
     }
     PointCounts counts;
-    for (std::int64_t point = 0; point < sweep.plan.size(); ++point) {
+    for (std::int64_t point = 0; point < study.plan.size(); ++point) {
         ++counts[part_of(parts, point).status(point)];
     }
     print_counts(options, counts, options.files);

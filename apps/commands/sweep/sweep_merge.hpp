@@ -1,12 +1,12 @@
 #pragma once
-// hertzline sweep --merge: the file from the journals of all parts.
+// hertzline sweep --merge: joins the journals of all parts.
 
 #include "apps/command.hpp"
 #include "apps/commands/sweep/sweep_options.hpp"
 
 namespace hertzline::app {
 
-/// @throws WrongUse when the journals are not the parts of one sweep, std::runtime_error when a part is not complete
+/// Writes the tables. @throws WrongUse when the journals are not the parts of one sweep, std::runtime_error when a part is not complete
 Exit merge_parts(const SweepOptions& options);
 
 }  // namespace hertzline::app

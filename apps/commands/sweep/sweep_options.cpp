@@ -2,17 +2,19 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "measures/resources.hpp"
 #include "recordings/files/input_file.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
-#include "apps/commands/sweep/sweep_result.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::app {
@@ -21,9 +23,9 @@ namespace {
 
 constexpr const char* examples =
     "A range is FROM..TO:COUNT[:lin|log], a list A,B,C. Several --vary make a grid, of which the last one "
-    "varies fastest. A row of the file is a point: what varies, status, the numbers of hertzline run, and a "
-    "message. A point that cannot be simulated is a row with its reason. FILE.journal holds what is done "
-    "until all is.\n"
+    "varies fastest. A row of the file is a point: the keys that vary, status, the numbers of hertzline run, "
+    "and a message. A point that cannot be simulated is a row with its reason. FILE.journal holds the rows "
+    "until all points are finished.\n"
     "Examples:\n"
     "  hertzline sweep paper-vitreous-carbon --vary end.thickness_m=0.1e-3..2e-3:log:30 -o thickness.csv\n"
     "  hertzline sweep paper-vitreous-carbon --vary chain.preload_n=0.01..2:log:30 \\\n"
@@ -51,7 +53,7 @@ std::optional<std::string> points_text(const std::string& name, Faults& faults) 
     return text;
 }
 
-/// Adds the faults of --set that set a key that varies.
+/// Adds the faults of --set of a key that varies.
 void check_set_keys(const SweepOptions& options, const studies::SweepPlan& plan, Faults& faults) {
     for (const std::string& setting : options.scene.settings) {
         const std::string key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
@@ -91,13 +93,13 @@ void check_files(const SweepOptions& options, Faults& faults) {
         return;
     }
     if (options.files.empty() && !options.waveform.empty()) {
-        faults.add("--waveforms needs -o FILE that ends in .h5");
+        faults.add("--waveforms needs -o FILE.h5");
         return;
     }
     for (const std::string& file : options.files) {
         std::error_code there_is_none;
         if (!options.points.empty() && std::filesystem::equivalent(file, options.points, there_is_none)) {
-            faults.add("-o " + printable(file), "found the file of --points, allowed: another one");
+            faults.add("-o " + printable(file), "found the file of --points, allowed: another file");
             return;
         }
     }
@@ -106,6 +108,28 @@ void check_files(const SweepOptions& options, Faults& faults) {
 
 }  // namespace
 
+void check_output(const SweepOptions& options, Faults& faults) {
+    if (options.files.empty() && options.format == Format::text) {
+        faults.add("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
+    }
+}
+
+void check_tables(std::span<const std::string> files, std::optional<Tap> waveform, Faults& faults) {
+    recordings::Table table;
+    table.columns.push_back({{"status", "", ""}, recordings::CellKind::text});
+    if (waveform) {
+        table.samples.emplace();
+    }
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : files) {
+        if (const auto fault = recordings::table_fault(file, table)) {
+            faults.add(*fault + (waveform ? ", which holds waveforms" : ""));
+        } else if (!names.insert(recordings::recording_name(file)).second) {
+            faults.add(printable(file), "found a second time, allowed: each file once");
+        }
+    }
+}
+
 int jobs_of(const SweepOptions& options) {
     if (!options.jobs && options.shard == "mpi") {
         return 1;  // the ranks of a machine share its processors
@@ -113,7 +137,7 @@ int jobs_of(const SweepOptions& options) {
     return options.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
 }
 
-std::optional<SoundSweep> sound_sweep(const SweepOptions& options, Faults& others) {
+std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Faults& others) {
     Faults faults;
     check_files(options, faults);
     if (const int jobs = jobs_of(options); jobs < 1 || jobs > max_jobs) {
@@ -122,28 +146,29 @@ std::optional<SoundSweep> sound_sweep(const SweepOptions& options, Faults& other
     const auto shard = faults.value_of({}, shard_argument(options.shard));
     faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
     std::optional<studies::SweepPlan> plan = plan_of(options, faults);
-    studies::SweepSurvey survey =
-        plan ? studies::survey_of(*plan, measures::measurable_among(options.measures))
-             : studies::SweepSurvey{};
-    const TapSet there = survey.measurable();
-    studies::PointDemand demand;
-    demand.band_from_hz = options.band_from_hz;
-    demand.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(survey.rows);
-    demand.measured = measures::taps_named("--measure", options.measures, there, faults);
+    studies::PlanSummary summary =
+        plan ? studies::summary_of(*plan, measures::measurable_among(options.measures))
+             : studies::PlanSummary{};
+    const TapSet there = summary.measurable();
+    studies::PointOptions point_options;
+    point_options.band_from_hz = options.band_from_hz;
+    point_options.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(summary.rows);
+    point_options.measured = measures::taps_named("--measure", options.measures, there, faults);
     if (!options.waveform.empty()) {
-        demand.waveform = faults.value_of("--waveforms", measures::find_tap(options.waveform, there));
+        point_options.waveform = faults.value_of("--waveforms", measures::find_tap(options.waveform, there));
     }
-    const TapSet measured = (demand.measured | measures::measured_unasked) & (there | demand.measured);
+    const TapSet measured =
+        (point_options.measured | measures::measured_unasked) & (there | point_options.measured);
     auto columns = faults.value_of(
         "--quantity",
-        measures::chosen_columns(measures::number_columns(measured, survey.modal), options.quantities));
+        measures::chosen_columns(measures::number_columns(measured, summary.modal), options.quantities));
     if (!faults.none()) {
         others.add(faults);
         return std::nullopt;
     }
-    demand.columns = *std::move(columns);
-    survey.memory_bytes += sizeof(float) * static_cast<double>(demand.waveform_samples);
-    return SoundSweep{{*std::move(plan), std::move(demand), *shard}, std::move(survey)};
+    point_options.columns = *std::move(columns);
+    summary.memory_bytes += sizeof(float) * static_cast<double>(point_options.waveform_samples);
+    return ValidatedSweep{{*std::move(plan), std::move(point_options), *shard}, std::move(summary)};
 }
 
 void add_point_options(CLI::App& app, SweepOptions& options) {
@@ -151,14 +176,14 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
         ->check(missing_name)
         ->type_name("FILE");
     add_repeatable_option(app, "--measure", options.measures,
-                          "measure these outputs, too, as v_out, as run does")
+                          "measure these outputs beside v_out, as run does")
         ->delimiter(',')
         ->type_name("NAME,...");
     app.add_option("--band-from", options.band_from_hz,
-                   "bands are looked for from here upward (default: half the drive's frequency)")
+                   "lower limit of the bands (default: half the drive's frequency)")
         ->type_name("HZ");
     app.add_option("--jobs", options.jobs,
-                   "threads (default: one for each processor that it may use; with --shard mpi one)")
+                   "threads (default: one for each usable processor; one with --shard mpi)")
         ->type_name("N");
     add_target_option(app);
 }
@@ -168,26 +193,23 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
     add_repeatable_option(app, "--vary", options.vary,
                           "vary a key of the scene over a range or a list; repeatable")
         ->type_name("KEY=VALUES");
-    app.add_option("--points", options.points, "a CSV of points instead: a line of keys, then values")
+    app.add_option("--points", options.points, "run the points of a CSV: a line of keys, then values")
         ->check(missing_name)
         ->type_name("FILE");
-    app.add_option("--sobol", options.sobol,
-                   "so many points of Sobol's sequence in the ranges, instead of a grid")
+    app.add_option("--sobol", options.sobol, "run N points of Sobol's sequence in the ranges, not a grid")
         ->type_name("N");
     add_point_options(app, options);
     add_repeatable_option(app, "--quantity", options.quantities,
                           "keep only these numbers of run's summary (default: all)")
         ->delimiter(',')
         ->type_name("NAME,...");
-    app.add_option("--waveforms", options.waveform,
-                   "keep the samples of this output, too, as float32: .h5 only")
+    app.add_option("--waveforms", options.waveform, "keep the samples of this output as float32, in .h5 only")
         ->check(missing_name)
         ->type_name("NAME");
-    app.add_flag("--resume", options.resume, "go on where a sweep was ended, or begin");
-    app.add_option(
-           "--shard", options.shard,
-           "run only the I-th of N parts, or that of this task of a Slurm array or rank of mpirun or srun; "
-           "--merge joins them")
+    app.add_flag("--resume", options.resume, "continue an unfinished sweep, or start one");
+    app.add_option("--shard", options.shard,
+                   "run part I of N, or the part of this task of a Slurm array or rank of mpirun or srun; "
+                   "--merge joins the parts")
         ->check(missing_name)
         ->type_name("I/N|slurm[/N]|mpi");
     app.add_option("--merge", options.parts, "write FILE from the journals of all parts")

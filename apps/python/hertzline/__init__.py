@@ -20,7 +20,7 @@ from ._recording import Recording, load
 from ._samples import Samples, Spectrum
 from ._scene import Result, Scene, materials, scene, scenes
 from ._simulation import Simulation
-from ._sweep import Table, sweep
+from ._studies import SearchResult, Table, optimise, sweep
 
 __all__ = [
     "Block",
@@ -31,6 +31,7 @@ __all__ = [
     "Result",
     "Samples",
     "Scene",
+    "SearchResult",
     "Simulation",
     "Spectrum",
     "Table",
@@ -39,6 +40,7 @@ __all__ = [
     "listen",
     "load",
     "materials",
+    "optimise",
     "scene",
     "scenes",
     "sweep",

@@ -5,6 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+# A range as text, or a list of numbers, integers or words.
+Values = str | NDArray[np.float64] | NDArray[np.int64] | list[str]
+# Columns as (name, unit, values), waveforms, provenance.
+Table = tuple[list[tuple[str, str, Any]], NDArray[np.float32] | None, dict[str, Any]]
+
 version: str
 
 class Scene:
@@ -93,15 +98,27 @@ def spectrum(
 def load(path: str) -> Recording: ...
 def sweep(
     scene: Scene,
-    vary: list[str],
-    points: str,
+    vary: list[tuple[str, Values]] | None,
+    points: list[tuple[str, Values]] | None,
     sobol: int | None,
     measure: list[str],
     quantities: list[str],
     band_from_hz: float | None,
     waveforms: str | None,
     jobs: int | None,
-) -> tuple[list[tuple[str, str, Any]], NDArray[np.float32] | None, dict[str, Any]]: ...
+) -> Table: ...
+def optimise(
+    scene: Scene,
+    vary: list[tuple[str, Values]],
+    maximise: str,
+    minimise: str,
+    subject_to: list[str],
+    evaluations: int,
+    seed: int,
+    measure: list[str],
+    band_from_hz: float | None,
+    jobs: int | None,
+) -> tuple[Table, dict[str, Any], list[str]]: ...
 def listen(
     endpoint: str,
     stream: str,

@@ -51,7 +51,7 @@ def draw_samples(
 
 
 def draw_table(table: Any, quantities: Sequence[str], title: str, axes: Any = None) -> Figure:
-    """table: a structured array with `units` of its columns."""
+    """table: a structured array with `units` of its columns, and `provenance`."""
     import matplotlib
 
     script = _script()
@@ -59,5 +59,7 @@ def draw_table(table: Any, quantities: Sequence[str], title: str, axes: Any = No
     names = plain.dtype.names or ()
     columns = {name: plain[name] if plain.dtype[name].kind == "U" else plain[name].astype(float) for name in names}
     with matplotlib.rc_context():
-        figure: Figure = script.draw_sweep(script.Sweep(columns, table.units), list(quantities), title, axes)
+        figure: Figure = script.draw_sweep(
+            script.Sweep(columns, table.units, table.provenance.get("search")), list(quantities), title, axes
+        )
     return figure

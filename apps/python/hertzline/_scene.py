@@ -51,6 +51,11 @@ def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping
     raise ValueError(_native.unknown_scene(name))
 
 
+def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
+    """The scene with other values of keys: {"chain.preload_n": 0.2}."""
+    return Scene(_native.parse(base.toml, base.name, [f"{key}={toml_value(key, value)}" for key, value in values.items()]))
+
+
 def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> Iterator[str]:
     """The keys as the program's option --set takes them."""
     for name, value in sections.items():

@@ -105,7 +105,7 @@ std::unique_ptr<PythonListener> listen(const std::string& endpoint, const std::s
                                        const std::optional<std::string>& server) {
     Faults faults;
     faults.add("endpoint", stream::endpoint_fault(endpoint, stream::EndpointUse::connect));
-    const TapSet tap = taps_named("stream", {name}, streamed_taps, faults);
+    const TapSet tap = measures::taps_named("stream", {name}, streamed_taps, faults);
     faults.add("timeout_s", positive_fault(timeout_s, "[s]"));
     const stream::ListenerOptions options{
         .taps = tap, .timeout_s = timeout_s, .curve = keys_of(own, server, faults)};

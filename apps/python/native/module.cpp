@@ -5,8 +5,6 @@
 #include "measures/provenance.hpp"
 #include <pybind11/pybind11.h>
 
-#include "apps/python/native/sweep.hpp"
-
 PYBIND11_MODULE(_native, module) {
     module.doc() = "The native part of the package hertzline: use the package.";
     module.attr("version") = hertzline::measures::program_version();
@@ -15,6 +13,6 @@ PYBIND11_MODULE(_native, module) {
     hertzline::python::add_simulation(module);
     hertzline::python::add_spectrum(module);
     hertzline::python::add_load(module);
-    hertzline::python::add_sweep(module);
+    hertzline::python::add_studies(module);
     hertzline::python::add_live(module);
 }

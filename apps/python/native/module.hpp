@@ -10,6 +10,7 @@ void add_run(pybind11::module_& module);         ///< a run of a scene, with all
 void add_simulation(pybind11::module_& module);  ///< a scene in motion that Python advances
 void add_spectrum(pybind11::module_& module);    ///< spectra of any samples, as the program measures them
 void add_load(pybind11::module_& module);        ///< recordings
+void add_studies(pybind11::module_& module);     ///< sweeps and searches whose rows stay in memory
 void add_live(pybind11::module_& module);        ///< running streams
 
 }  // namespace hertzline::python

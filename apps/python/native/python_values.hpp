@@ -10,11 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "measures/run.hpp"
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "core/scene/faults.hpp"
+#include "core/scene/fault.hpp"
 #include "core/scene/json.hpp"
 #include "core/taps.hpp"
 
@@ -27,15 +26,6 @@ py::object python_object(const Json& json);
 
 /// Returns the faults, a line each. Faults of settings name the key alone.
 std::string fault_text(std::vector<Fault> faults);
-
-/// Faults of the arguments of sweep().
-class ArgumentFaults : public Faults {
-public:
-    /// @throws py::value_error when there are any
-    void refuse() const { Faults::refuse<py::value_error>(); }
-};
-
-using measures::taps_named;
 
 /// Does work on files. @throws py::error_already_set: OSError with the text of its std::runtime_error
 void with_os_errors(const std::function<void()>& work);

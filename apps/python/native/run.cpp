@@ -17,6 +17,7 @@
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/save.hpp"
 #include "apps/python/native/scene_object.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 
 namespace hertzline::python {
@@ -34,8 +35,8 @@ RunRequest checked(const Scene& scene, const std::optional<std::vector<std::stri
                    const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
     Faults faults;
     const TapSet there = taps_of(scene.end);
-    RunRequest request{taps ? taps_named("taps", *taps, there, faults) : recorded_taps(scene.end),
-                       taps_named("measure", measure, there & measures::measurable_taps, faults),
+    RunRequest request{taps ? measures::taps_named("taps", *taps, there, faults) : recorded_taps(scene.end),
+                       measures::taps_named("measure", measure, there & measures::measurable_taps, faults),
                        band_from_hz};
     request.measured = measures::measured_taps(scene, request.measured);
     faults.add("band_from_hz", measures::band_from_fault(band_from_hz));

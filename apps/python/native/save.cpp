@@ -4,6 +4,7 @@
 #include <atomic>
 #include <stdexcept>
 
+#include "measures/run.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"
@@ -71,7 +72,7 @@ bool needs_the_gil(const std::vector<std::string>& paths) {
 void save(const std::shared_ptr<RunResult>& result, const std::vector<std::string>& paths,
           const std::optional<std::vector<std::string>>& names, double wav_scale) {
     Faults faults;
-    const TapSet taps = names ? taps_named("taps", *names, result->held, faults) : result->asked;
+    const TapSet taps = names ? measures::taps_named("taps", *names, result->held, faults) : result->asked;
     for (const std::string& path : paths) {
         faults.add(recordings::recording_fault(path));
     }

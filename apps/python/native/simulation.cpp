@@ -15,6 +15,7 @@
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/scene_object.hpp"
+#include "core/scene/faults.hpp"
 
 namespace hertzline::python {
 
@@ -88,7 +89,8 @@ std::unique_ptr<Steps> simulation_of(SceneObject& object,
                                      const std::optional<std::vector<std::string>>& names) {
     Faults faults;
     const TapSet there = taps_of(object.scene().end);
-    const TapSet taps = names ? taps_named("taps", *names, there, faults) : recorded_taps(object.scene().end);
+    const TapSet taps =
+        names ? measures::taps_named("taps", *names, there, faults) : recorded_taps(object.scene().end);
     if (taps.empty()) {
         faults.add("taps: found none, allowed: at least one");
     }

@@ -60,6 +60,13 @@ TEST(Text, TrimmedLosesTheBlanksAroundIt) {
     EXPECT_EQ(trimmed("", " "), "");
 }
 
+TEST(Text, SplitHasOnePartMoreThanSeparators) {
+    using Parts = std::vector<std::string_view>;
+    EXPECT_EQ(split("a, b,,c", ','), (Parts{"a", " b", "", "c"}));
+    EXPECT_EQ(split(",", ','), (Parts{"", ""}));
+    EXPECT_EQ(split("", ','), Parts{""});
+}
+
 TEST(Text, NumbersAreShort) {
     EXPECT_EQ(number_text(0.1), "0.1");
     EXPECT_EQ(number_text(73e3), "73000");

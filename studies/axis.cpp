@@ -1,0 +1,271 @@
+#include "studies/axis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_set>
+#include <utility>
+
+#include "core/scene/text.hpp"
+
+namespace hertzline::studies {
+
+namespace {
+
+constexpr std::string_view form = "KEY=FROM..TO:COUNT[:lin|log] or KEY=A,B,C";
+constexpr std::string_view form_anywhere = "KEY=FROM..TO[:lin|log] or KEY=A,B,C, without a count";
+
+std::string_view without_blanks(std::string_view text) {
+    return trimmed(text, " \t");
+}
+
+double number_of(const SceneValue& value) {
+    const auto* number = std::get_if<double>(&value);
+    return number != nullptr ? *number : static_cast<double>(std::get<std::int64_t>(value));
+}
+
+SceneValue value_of(const SceneKey& key, double number) {
+    return key.kind == ValueKind::integer ? SceneValue(static_cast<std::int64_t>(std::llround(number)))
+                                          : SceneValue(number);
+}
+
+/// Reads one option or list of values; its faults lack the place.
+class AxisReader {
+public:
+    AxisReader(const Scene& scene, Sampling sampling) : scene_(scene), sampling_(sampling) {}
+
+    std::optional<Axis> read(std::string_view option);
+    std::optional<Axis> read(std::string_view key, std::span<const SceneValue> values);
+
+    std::vector<Fault> faults;
+
+private:
+    void refuse(std::string_view found, std::string allowed) {
+        faults.push_back({axis_.key.name, quoted_briefly(found), std::move(allowed)});
+    }
+    bool find_key(std::string_view name);
+    std::optional<SceneValue> value(std::string_view text);
+    void add_to_list(tl::expected<SceneValue, Fault> value);
+    void read_list(std::string_view text);
+    void read_range(std::string_view text);
+    void read_count(std::string_view text);
+    void refuse_repeated_integers();
+
+    const Scene& scene_;
+    Sampling sampling_;
+    Axis axis_;
+    std::unordered_set<SceneValue> listed_;
+};
+
+bool AxisReader::find_key(std::string_view name) {
+    auto key = scene_key_named(scene_, name);
+    if (!key) {
+        faults.push_back(std::move(key).error());
+        return false;
+    }
+    axis_.key = *std::move(key);
+    return true;
+}
+
+std::optional<SceneValue> AxisReader::value(std::string_view text) {
+    auto value = read_allowed(scene_, axis_.key, text);
+    if (!value) {
+        faults.push_back(std::move(value).error());
+        return std::nullopt;
+    }
+    return *std::move(value);
+}
+
+void AxisReader::add_to_list(tl::expected<SceneValue, Fault> value) {
+    if (!value) {
+        faults.push_back(std::move(value).error());
+        return;
+    }
+    if (!listed_.insert(*value).second) {
+        refuse(value_text(*value), "each value once");
+    }
+    axis_.list.push_back(*std::move(value));
+    axis_.count = static_cast<std::int64_t>(axis_.list.size());
+}
+
+void AxisReader::read_list(std::string_view text) {
+    for (const std::string_view part : split(text, ',')) {
+        add_to_list(read_allowed(scene_, axis_.key, without_blanks(part)));
+        if (faults.size() == max_faults) {
+            return;
+        }
+    }
+}
+
+void AxisReader::read_count(std::string_view text) {
+    const auto count = read_value(ValueKind::integer, text);
+    const auto* number = count ? std::get_if<std::int64_t>(&*count) : nullptr;
+    if (number == nullptr || *number < 2 || *number > max_points) {
+        refuse(text, "a count from 2 to " + number_text(max_points));
+        return;
+    }
+    axis_.count = *number;
+}
+
+/// Refuses a range whose rounded integers repeat.
+void AxisReader::refuse_repeated_integers() {
+    if (axis_.key.kind != ValueKind::integer || sampling_ == Sampling::anywhere) {
+        return;
+    }
+    if (static_cast<double>(axis_.count) > axis_.to - axis_.from + 1) {
+        refuse(
+            number_text(axis_.count) + " values",
+            "at most one for each integer from " + number_text(axis_.from) + " to " + number_text(axis_.to));
+        return;
+    }
+    for (std::int64_t i = 1; i < axis_.count; ++i) {
+        if (axis_.value(i) == axis_.value(i - 1)) {
+            refuse(value_text(axis_.value(i)) + " twice",
+                   "fewer values, or a list: integers of a range are rounded");
+            return;
+        }
+    }
+}
+
+void AxisReader::read_range(std::string_view text) {
+    std::vector<std::string_view> parts = split(text, ':');
+    std::ranges::transform(parts, parts.begin(), without_blanks);
+    const std::string_view ends = parts.front();
+    parts.erase(parts.begin());
+    const auto spacing =
+        std::ranges::find_if(parts, [](std::string_view part) { return part == "lin" || part == "log"; });
+    if (spacing != parts.end()) {  // before or after the count
+        axis_.spacing = *spacing == "log" ? Spacing::logarithmic : Spacing::linear;
+        parts.erase(spacing);
+    }
+    if (parts.size() != (sampling_ == Sampling::grid ? 1U : 0U)) {
+        refuse(text, std::string(sampling_ == Sampling::grid ? form : form_anywhere));
+        return;
+    }
+    if (axis_.key.kind == ValueKind::word) {
+        refuse(text, "a list of words: A,B,C");
+        return;
+    }
+    const std::size_t dots = ends.find("..");
+    const auto from = value(without_blanks(ends.substr(0, dots)));
+    const auto to = value(without_blanks(ends.substr(dots + 2)));
+    if (sampling_ == Sampling::grid) {
+        read_count(parts.front());
+    }
+    if (!from || !to || !faults.empty()) {
+        return;
+    }
+    axis_.from = number_of(*from);
+    axis_.to = number_of(*to);
+    if (!(axis_.from < axis_.to)) {
+        refuse(ends, "a range that goes up: FROM below TO");
+    } else if (axis_.spacing == Spacing::logarithmic && !(axis_.from > 0)) {
+        refuse(ends, "a range above 0, as it is logarithmic");
+    } else {
+        refuse_repeated_integers();
+    }
+}
+
+std::optional<Axis> AxisReader::read(std::string_view option) {
+    const std::size_t equals = option.find('=');
+    if (equals == std::string_view::npos) {
+        refuse(option, std::string(sampling_ == Sampling::grid ? form : form_anywhere));
+        return std::nullopt;
+    }
+    if (!find_key(without_blanks(option.substr(0, equals)))) {
+        return std::nullopt;
+    }
+    const std::string_view text = without_blanks(option.substr(equals + 1));
+    if (text.find("..") != std::string_view::npos) {
+        read_range(text);
+    } else {
+        read_list(text);
+    }
+    return faults.empty() ? std::optional(std::move(axis_)) : std::nullopt;
+}
+
+std::optional<Axis> AxisReader::read(std::string_view key, std::span<const SceneValue> values) {
+    if (!find_key(key)) {
+        return std::nullopt;
+    }
+    axis_.list.reserve(values.size());
+    listed_.reserve(values.size());
+    for (const SceneValue& value : values) {
+        add_to_list(allowed_value(scene_, axis_.key, value));
+        if (faults.size() == max_faults) {
+            break;
+        }
+    }
+    return faults.empty() ? std::optional(std::move(axis_)) : std::nullopt;
+}
+
+}  // namespace
+
+SceneValue Axis::value(std::int64_t number) const {
+    if (!list.empty()) {
+        return list[static_cast<std::size_t>(number)];
+    }
+    if (number == 0 || number == count - 1) {
+        return value_of(key, number == 0 ? from : to);
+    }
+    const double share = static_cast<double>(number) / static_cast<double>(count - 1);
+    return value_of(
+        key, spacing == Spacing::linear ? from + (to - from) * share : from * std::pow(to / from, share));
+}
+
+SceneValue Axis::at(double position) const {
+    if (!list.empty()) {
+        const auto size = static_cast<double>(list.size());
+        return list[static_cast<std::size_t>(std::min(position * size, size - 1))];
+    }
+    // the ends have the same share as other integers, because numbers within 0.5 are rounded to them
+    const double margin = key.kind == ValueKind::integer ? 0.5 : 0;
+    const double low = from - margin;
+    const double high = to + margin;
+    const double number =
+        spacing == Spacing::linear ? low + (high - low) * position : low * std::pow(high / low, position);
+    return value_of(key, std::clamp(number, from, to));
+}
+
+std::string Axis::text() const {
+    std::string result = key.name + '=';
+    if (!list.empty()) {
+        for (const SceneValue& one : list) {
+            const auto* word = std::get_if<std::string>(&one);  // quoted: a word can look like a number
+            result += (result.back() == '=' ? "" : ",") +
+                      (word != nullptr ? hertzline::quoted(*word) : value_text(one));
+        }
+        return result;
+    }
+    result += value_text(value_of(key, from)) + ".." + value_text(value_of(key, to)) +
+              (spacing == Spacing::linear ? ":lin" : ":log");
+    return count > 0 ? result + ':' + number_text(count) : result;
+}
+
+tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::string_view option,
+                                                  Sampling sampling) {
+    AxisReader reader(scene, sampling);
+    auto axis = reader.read(option);
+    if (axis) {
+        return *std::move(axis);
+    }
+    for (Fault& fault : reader.faults) {
+        fault.place = {"--vary " + printable(option), 0};
+    }
+    return tl::unexpected(std::move(reader.faults));
+}
+
+tl::expected<Axis, std::vector<Fault>> axis_of(const Scene& scene, std::string_view key,
+                                               std::span<const SceneValue> values) {
+    AxisReader reader(scene, Sampling::grid);
+    auto axis = reader.read(key, values);
+    return axis ? tl::expected<Axis, std::vector<Fault>>(*std::move(axis))
+                : tl::unexpected(std::move(reader.faults));
+}
+
+double unit_fraction(std::uint64_t number) noexcept {
+    constexpr int mantissa = 53;
+    return std::ldexp(static_cast<double>(number >> (64 - mantissa)), -mantissa);
+}
+
+}  // namespace hertzline::studies

@@ -1,0 +1,163 @@
+#include "studies/point_list.hpp"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "studies/axis.hpp"
+
+#include "core/scene/text.hpp"
+
+namespace hertzline::studies {
+
+namespace {
+
+/// The cell without blanks and quotes around it.
+std::string_view bare_cell(std::string_view cell) {
+    cell = trimmed(cell, " \t");
+    return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2)
+                                                                         : cell;
+}
+
+class PointsReader {
+public:
+    PointsReader(const Scene& scene, std::string_view origin) : scene_(scene), origin_(origin) {}
+
+    void read(std::string_view text);
+    void read(std::span<const PointColumn> columns);
+
+    PointList points;
+    std::vector<Fault> faults;
+
+private:
+    void refuse(Fault fault) {
+        fault.place = {origin_, line_};
+        faults.push_back(std::move(fault));
+    }
+    void read_key(std::string_view name);
+    void read_values(const std::vector<std::string_view>& cells);
+    void refuse_wrong_size();
+
+    const Scene& scene_;
+    std::string origin_;
+    int line_ = 0;
+};
+
+void PointsReader::read_key(std::string_view name) {
+    auto key = scene_key_named(scene_, name);
+    if (!key) {
+        refuse(std::move(key).error());
+    } else if (std::ranges::find(points.keys, key->name, &SceneKey::name) != points.keys.end()) {
+        refuse({key->name, "it a second time", "each key once"});
+    } else {
+        points.keys.push_back(*std::move(key));
+    }
+}
+
+void PointsReader::read_values(const std::vector<std::string_view>& cells) {
+    if (cells.size() != points.keys.size()) {
+        refuse({"", number_text(static_cast<std::int64_t>(cells.size())) + " values",
+                number_text(static_cast<std::int64_t>(points.keys.size())) + ", one for each key"});
+        return;
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        if (auto value = read_allowed(scene_, points.keys[i], cells[i])) {
+            points.values.push_back(*std::move(value));
+        } else {
+            refuse(std::move(value).error());
+        }
+    }
+}
+
+void PointsReader::read(std::string_view text) {
+    points.text = text;
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // as spreadsheets write it
+    text.remove_prefix(text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0);
+    while (!text.empty() && faults.size() < max_faults) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        ++line_;
+        line = trimmed(line, " \t\r");
+        if (line.empty()) {
+            continue;
+        }
+        // keys and values have neither commas nor quotes of their own
+        std::vector<std::string_view> cells = split(line, ',');
+        std::ranges::transform(cells, cells.begin(), bare_cell);
+        if (points.keys.empty()) {
+            std::ranges::for_each(cells, [this](std::string_view cell) { read_key(cell); });
+            if (!faults.empty()) {
+                return;
+            }
+        } else {
+            read_values(cells);
+        }
+    }
+    line_ = 0;
+    refuse_wrong_size();
+}
+
+void PointsReader::read(std::span<const PointColumn> columns) {
+    for (const PointColumn& column : columns) {
+        read_key(column.key);
+    }
+    if (!faults.empty()) {
+        return;
+    }
+    const std::size_t rows = columns.empty() ? 0 : columns.front().values.size();
+    points.values.reserve(rows * columns.size());
+    for (const SceneKey& key : points.keys) {
+        points.text += (points.text.empty() ? "" : ",") + key.name;
+    }
+    for (std::size_t row = 0; row < rows && faults.size() < max_faults; ++row) {
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            auto value = allowed_value(scene_, points.keys[i], columns[i].values[row]);
+            if (!value) {
+                refuse(std::move(value).error());
+                continue;
+            }
+            points.text += (i == 0 ? '\n' : ',') + value_text(*value);
+            points.values.push_back(*std::move(value));
+        }
+    }
+    points.text += '\n';
+    refuse_wrong_size();
+}
+
+void PointsReader::refuse_wrong_size() {
+    if (!faults.empty()) {
+        return;
+    }
+    if (points.values.empty()) {
+        refuse({"", "no point", "a line of keys, then a line of values for each point"});
+    } else if (points.size() > static_cast<std::size_t>(max_points)) {
+        refuse({"", number_text(static_cast<std::int64_t>(points.size())) + " points",
+                "at most " + number_text(max_points)});
+    }
+}
+
+tl::expected<PointList, std::vector<Fault>> list_of(PointsReader reader) {
+    if (!reader.faults.empty()) {
+        return tl::unexpected(std::move(reader.faults));
+    }
+    return std::move(reader.points);
+}
+
+}  // namespace
+
+tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std::string_view text,
+                                                         std::string_view origin) {
+    PointsReader reader(scene, origin);
+    reader.read(text);
+    return list_of(std::move(reader));
+}
+
+tl::expected<PointList, std::vector<Fault>> points_of(const Scene& scene,
+                                                      std::span<const PointColumn> columns) {
+    PointsReader reader(scene, "");
+    reader.read(columns);
+    return list_of(std::move(reader));
+}
+
+}  // namespace hertzline::studies

@@ -1,0 +1,373 @@
+#include "studies/study.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "measures/provenance.hpp"
+#include <fmt/format.h>
+
+#include "core/integrators/kernels.hpp"
+#include "core/scene/json.hpp"
+#include "core/scene/scene_json.hpp"
+#include "core/scene/text.hpp"
+
+namespace hertzline::studies {
+
+namespace {
+
+using recordings::Cell;
+using recordings::CellKind;
+using recordings::TableColumn;
+using recordings::TableRow;
+
+constexpr int journal_format = 2;
+constexpr std::size_t status_bytes = 12;
+constexpr std::size_t integrator_bytes = 16;
+constexpr std::size_t hash_bytes = 16;
+constexpr double exact_whole_numbers = 9007199254740992;  // 2^53: smaller integers are exact
+
+Json number_names(const PointOptions& options) {
+    Json names = Json::array();
+    for (const NumberColumn& column : options.columns) {
+        names.push_back(column.name);
+    }
+    return names;
+}
+
+/// A member of a study's identity, and its name in messages.
+struct Member {
+    std::string_view key;
+    std::string_view name;
+};
+/// The members that must be equal, in the order of comparison.
+constexpr std::array members{Member{"scene", "scene"},
+                             Member{"vary", "--vary"},
+                             Member{"sobol", "--sobol"},
+                             Member{"points", "--points"},
+                             Member{"maximise", "--maximise"},
+                             Member{"minimise", "--minimise"},
+                             Member{"subject_to", "--subject-to"},
+                             Member{"evaluations", "--evaluations"},
+                             Member{"seed", "--seed"},
+                             Member{"method", "method"},
+                             Member{"after", "number of earlier evaluations"},
+                             Member{"version", "version"},
+                             Member{"git_hash", "commit"},
+                             Member{"compiler", "compiler"},
+                             Member{"simd_target", "instruction set"},
+                             Member{"measured", "--measure"},
+                             Member{"band_from_hz", "--band-from"},
+                             Member{"columns", "--quantity"},
+                             Member{"waveform", "--waveforms"},
+                             Member{"waveform_samples", "length of waveforms"},
+                             Member{"shard", "--shard"}};
+
+/// Returns the identity of a study. Absent members are null or missing.
+Json identity_of(const Study& study) {
+    const PointOptions& options = study.options;
+    Json json{{"format", journal_format}};
+    json.update(maker_json());
+    json.update(study.plan.json());
+    if (study.is_search()) {
+        json.update(study.search);
+    }
+    json["measured"] = measures::names_of(options.measured);
+    json["band_from_hz"] = options.band_from_hz ? Json(*options.band_from_hz) : Json(nullptr);
+    json["columns"] = number_names(options);
+    json["waveform"] = options.waveform ? Json(hertzline::row_of(*options.waveform).name) : Json(nullptr);
+    json["waveform_samples"] = options.waveform_samples;
+    json["shard"] = {study.shard.part, study.shard.parts};
+    return json;
+}
+
+/// Returns the identity that a table has of its study, with the names of identity_of().
+Json identity_of_table(const Json& provenance, Json columns, bool has_waveforms) {
+    Json json = provenance;
+    for (const char* part : {"plan", "search"}) {
+        if (json.contains(part) && json[part].is_object()) {
+            json.update(Json(json[part]));
+        }
+    }
+    json["columns"] = std::move(columns);
+    json["waveform"] = has_waveforms;
+    return json;
+}
+
+bool is_search(const Json& identity) {
+    return identity.contains("maximise") || identity.contains("minimise");
+}
+
+std::string difference(const Member& member, const Json& found, const Json& wanted, std::string_view study) {
+    constexpr std::size_t longest = 100;
+    const std::string there = found.dump();
+    const std::string here = wanted.dump();
+    if (std::max(there.size(), here.size()) > longest) {
+        return fmt::format("another {}", member.name);
+    }
+    return fmt::format("the {} {} where this {} has {}", member.name, printable(there), study,
+                       printable(here));
+}
+
+std::optional<std::string> difference(const Json& found, const Json& wanted,
+                                      std::initializer_list<std::string_view> but) {
+    const std::string_view study = is_search(wanted) ? "search" : "sweep";
+    if (is_search(found) != is_search(wanted)) {
+        return fmt::format("one of a {}", is_search(wanted) ? "sweep" : "search");
+    }
+    for (const Member& member : members) {
+        const Json there = found.value(member.key, Json());
+        const Json here = wanted.value(member.key, Json());
+        if (there != here && std::ranges::find(but, member.key) == but.end()) {
+            return difference(member, there, here, study);
+        }
+    }
+    return std::nullopt;
+}
+
+Tap tap_of(const Json& name) {
+    const auto tap = tap_named(name.get<std::string>());
+    if (!tap) {
+        throw std::runtime_error("it names an unknown output");
+    }
+    return *tap;
+}
+
+Json journal_json(const std::string& text) {
+    Json json = json_from_outside(text);
+    if (!json.is_object() || json.value("format", Json()) != journal_format) {
+        throw std::runtime_error("another version of hertzline has written it");
+    }
+    return json;
+}
+
+TableColumn column_of(const SweepPlan& plan, std::size_t number) {
+    const SceneKey& key = plan.keys()[number];
+    switch (key.kind) {
+        case ValueKind::integer:
+            return {{key.name, "", std::string(key.range.unit)}, CellKind::integer, sizeof(std::int64_t)};
+        case ValueKind::number:
+            return {{key.name, "", std::string(key.range.unit)}};
+        case ValueKind::word:
+            break;
+    }
+    return {{key.name, "", ""}, CellKind::text, plan.longest_word(number)};
+}
+
+std::string short_message(const std::string& text) {
+    std::string message = printable(text, max_message_bytes * 4);
+    if (message.size() > max_message_bytes) {
+        constexpr std::string_view ellipsis = " ...";
+        const std::size_t room = max_message_bytes - ellipsis.size();
+        const std::size_t word_end = message.find_last_of(' ', room);
+        message.resize(word_end != std::string::npos && word_end > room / 2 ? word_end : room);
+        message += ellipsis;
+    }
+    return message;
+}
+
+/// Returns the index of the first number in a row.
+std::size_t first_number(const Study& study) {
+    return study.plan.keys().size() + 2;
+}
+
+}  // namespace
+
+PlanSummary summary_of(const SweepPlan& plan, TapSet measured) {
+    PointOptions largest;
+    largest.measured = measured;
+    PlanSummary summary;
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        const Scene scene = plan.scene(point);
+        if (const std::string refusal = scene_refusal(scene); !refusal.empty()) {
+            if (summary.refused++ == 0) {
+                summary.first_refused = plan.name(point) + ": " + refusal;
+            }
+            continue;
+        }
+        summary.taps |= taps_of(scene.end);
+        summary.modal = summary.modal || provides(scene.end, Requires::modal_plate);
+        summary.rows = std::max(summary.rows, measures::rows_of_run(scene));
+        summary.memory_bytes = std::max(summary.memory_bytes, point_memory_bytes(scene, largest));
+    }
+    return summary;
+}
+
+Json maker_json() {
+    return {{"program", "hertzline"},
+            {"version", measures::program_version()},
+            {"git_hash", measures::git_hash()},
+            {"compiler", measures::compiler()},
+            {"simd_target", kernels::kernel_target()}};
+}
+
+std::string journal_text(const Study& study) {
+    return identity_of(study).dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
+Study sweep_of_journal(const std::string& text) {
+    const Json json = journal_json(text);
+    if (is_search(json)) {
+        throw std::runtime_error("it is the journal of a search");
+    }
+    try {
+        Study study{SweepPlan::from_json(json), {}, {}};
+        for (const Json& tap : json.at("measured")) {
+            study.options.measured |= tap_of(tap);
+        }
+        if (!json.at("band_from_hz").is_null()) {
+            study.options.band_from_hz = json.at("band_from_hz").get<double>();
+        }
+        for (const Json& column : json.at("columns")) {
+            auto found = measures::find_column(column.get<std::string>());
+            if (!found) {
+                throw std::runtime_error("its columns: " + found.error());
+            }
+            study.options.columns.push_back(*std::move(found));
+        }
+        if (!json.at("waveform").is_null()) {
+            study.options.waveform = tap_of(json.at("waveform"));
+        }
+        study.options.waveform_samples = json.at("waveform_samples").get<std::size_t>();
+        if (static_cast<double>(study.options.waveform_samples) > measures::max_run_rows) {
+            throw std::runtime_error("its waveforms exceed the longest run");
+        }
+        study.shard = {json.at("shard").at(0).get<std::int64_t>(),
+                       json.at("shard").at(1).get<std::int64_t>()};
+        if (study.shard.part < 1 || study.shard.part > study.shard.parts || study.shard.parts > max_points) {
+            throw std::runtime_error("its part of a sweep does not exist");
+        }
+        return study;
+    } catch (const Json::exception&) {
+        throw std::runtime_error("its plan is incomplete");
+    }
+}
+
+Json provenance_of(const Study& study) {
+    Json json = maker_json();
+    json["scene"] = scene_json(study.plan.base());
+    if (study.options.band_from_hz) {
+        json["band_from_hz"] = *study.options.band_from_hz;
+    }
+    if (study.is_search()) {
+        json["search"] = study.search;
+        return json;
+    }
+    const Json plan = study.plan.json();
+    for (const char* key : {"vary", "sobol", "points"}) {
+        json["plan"][key] = plan[key];
+    }
+    return json;
+}
+
+std::optional<std::string> journal_difference(const std::string& journal, const Study& wanted,
+                                              std::initializer_list<std::string_view> but) {
+    try {
+        return difference(journal_json(journal), identity_of(wanted), but);
+    } catch (const std::runtime_error&) {
+        return "another format";
+    }
+}
+
+std::optional<std::string> table_difference(const recordings::WrittenTable& written, const Study& wanted,
+                                            std::initializer_list<std::string_view> but) {
+    if (!written.provenance.is_object() || !written.provenance.contains("simd_target")) {
+        return "no table of a sweep or search";
+    }
+    Json columns = Json::array();
+    for (const TableColumn& column : columns_of(wanted)) {
+        columns.push_back(column.about.name);
+    }
+    return difference(
+        identity_of_table(written.provenance, written.columns, written.has_samples),
+        identity_of_table(provenance_of(wanted), std::move(columns), wanted.options.waveform.has_value()),
+        but);
+}
+
+std::vector<TableColumn> columns_of(const Study& study) {
+    std::vector<TableColumn> columns{{{"point", "", ""}, CellKind::integer, sizeof(std::int64_t)}};
+    for (std::size_t key = 0; key < study.plan.keys().size(); ++key) {
+        columns.push_back(column_of(study.plan, key));
+    }
+    columns.push_back({{"status", "", ""}, CellKind::text, status_bytes});
+    for (const NumberColumn& column : study.options.columns) {
+        columns.push_back({{column.name, "", column.unit}});
+    }
+    columns.push_back({{"integrator", "", ""}, CellKind::text, integrator_bytes});
+    columns.push_back({{"scene_hash", "", ""}, CellKind::text, hash_bytes});
+    columns.push_back({{"message", "", ""}, CellKind::text, max_message_bytes});
+    return columns;
+}
+
+TableRow row_of(const Study& study, const PointResult& result) {
+    TableRow row{{result.point}, result.waveform};
+    row.cells.reserve(first_number(study) + result.numbers.size() + 3);
+    for (SceneValue& value : study.plan.values(result.point)) {
+        std::visit([&](auto& held) { row.cells.emplace_back(std::move(held)); }, value);
+    }
+    row.cells.emplace_back(std::string(word_of(result.status)));
+    row.cells.insert(row.cells.end(), result.numbers.begin(), result.numbers.end());
+    row.cells.emplace_back(result.integrator);
+    row.cells.emplace_back(result.scene_hash);
+    row.cells.emplace_back(short_message(result.message));
+    return row;
+}
+
+PointResult result_of(const Study& study, const TableRow& row) {
+    const std::size_t first = first_number(study);
+    const auto text = [&](std::size_t at) { return std::get<std::string>(row.cells[at]); };
+    PointResult result;
+    result.point = std::get<std::int64_t>(row.cells.front());
+    result.status = status_named(text(first - 1)).value();
+    for (std::size_t i = 0; i < study.options.columns.size(); ++i) {
+        result.numbers.push_back(std::get<double>(row.cells[first + i]));
+    }
+    const std::size_t after = first + result.numbers.size();
+    result.integrator = text(after);
+    result.scene_hash = text(after + 1);
+    result.message = text(after + 2);
+    result.waveform = row.samples;
+    return result;
+}
+
+Json row_json(const Study& study, const TableRow& row) {
+    const std::vector<TableColumn> columns = columns_of(study);
+    const std::vector<NumberColumn>& numbers = study.options.columns;
+    Json json = Json::object();
+    for (std::size_t i = 0; i < row.cells.size(); ++i) {
+        const std::string& name = columns[i].about.name;
+        const auto* number = std::get_if<double>(&row.cells[i]);
+        if (number == nullptr) {
+            std::visit([&](const auto& held) { json.push_back({name, held}); }, row.cells[i]);
+        } else if (!std::isfinite(*number)) {
+            json.push_back({name, nullptr});
+        } else if (const std::size_t k = i - first_number(study);
+                   k < numbers.size() && numbers[k].whole && std::abs(*number) < exact_whole_numbers) {
+            json.push_back({name, static_cast<std::int64_t>(*number)});
+        } else {
+            json.push_back({name, *number});
+        }
+    }
+    return json;
+}
+
+recordings::Table table_of(const Study& study, std::span<const Journal> parts) {
+    recordings::Table table{columns_of(study), study.plan.size(), provenance_of(study), records_name, {}, {}};
+    if (study.options.waveform) {
+        const TapRow& row = hertzline::row_of(*study.options.waveform);
+        table.samples =
+            recordings::TableSamples{std::string(row.name), std::string(row.unit), study.samples()};
+    }
+    table.read = [parts](std::int64_t point, recordings::TableRow& row) {
+        parts[static_cast<std::size_t>(point) % parts.size()].read(point, row);
+    };
+    return table;
+}
+
+void load_rows(Journal& journal, const Study& study) {
+    journal.load(columns_of(study), study.samples(), study.plan.size());
+}
+
+}  // namespace hertzline::studies
