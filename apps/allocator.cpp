@@ -1,5 +1,5 @@
 // How the program's allocator is set. A subscriber that does not read leaves hundreds of MiB of frames
-// behind. glibc keeps such memory for itself: whatever lies above it in the heap holds it, and its
+// behind. glibc keeps such memory for itself: any block above it in the heap holds it, and its
 // malloc_trim() stops the sending thread for 0.3 s. jemalloc gives it back within seconds,
 // from a thread of its own.
 

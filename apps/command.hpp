@@ -1,5 +1,5 @@
 #pragma once
-// The subcommands. hertzline.cpp has a row for each of them.
+// The subcommands, and their form.
 
 #include <functional>
 #include <stdexcept>
@@ -13,7 +13,7 @@ namespace hertzline::app {
 /// The program's exit status.
 enum class Exit { done = 0, failed = 1, wrong_use = 2 };
 
-/// The user asked for what cannot be: exit status 2. One fault on each line of what().
+/// A wrong command line or scene: exit status 2. One fault on each line of what().
 class WrongUse : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
@@ -23,22 +23,29 @@ public:
 /// @throws WrongUse, or any other std::exception for exit status 1
 using Run = std::function<Exit()>;
 
-/// Adds a subcommand's options to `app` and returns what to run when the user asks for it.
+/// Adds a subcommand's options to `app` and returns its job.
 using AddCommand = Run(CLI::App& app);
 
-AddCommand run_command;
-AddCommand sweep_command;
-AddCommand optimise_command;
-AddCommand stream_command;
-AddCommand replay_command;
-AddCommand listen_command;
-AddCommand set_command;
-AddCommand get_command;
-AddCommand scope_command;
-AddCommand plot_command;
-AddCommand scenes_command;
-AddCommand materials_command;
-AddCommand check_command;
-AddCommand keys_command;
+/// The subcommands in the order of --help, a row each: name and description. A file of apps/commands/ defines
+/// NAME_command.
+#define HERTZLINE_SUBCOMMANDS(ROW)                                                    \
+    ROW(run, "simulate a scene as fast as possible, to files and a summary")          \
+    ROW(sweep, "vary keys of a scene: simulate each point, to a table")               \
+    ROW(optimise, "search ranges of a scene's keys for the best point, under bounds") \
+    ROW(stream, "simulate a scene in step with the clock and publish it")             \
+    ROW(replay, "publish a recording as if it were live")                             \
+    ROW(listen, "receive a stream, check that nothing is missing, save it")           \
+    ROW(set, "change keys of a scene while it is streamed")                           \
+    ROW(get, "look at the scene of a running stream")                                 \
+    ROW(scope, "show a stream in a browser")                                          \
+    ROW(plot, "draw waveforms and spectra of a recording")                            \
+    ROW(scenes, "list the shipped scenes, or print one with every default resolved")  \
+    ROW(materials, "list the built-in materials, their numbers and sources")          \
+    ROW(check, "validate a scene; print derived values and advice on its step")       \
+    ROW(keys, "make a key pair for streams that encrypt")
+
+#define HERTZLINE_DECLARE(name, description) AddCommand name##_command;
+HERTZLINE_SUBCOMMANDS(HERTZLINE_DECLARE)
+#undef HERTZLINE_DECLARE
 
 }  // namespace hertzline::app

@@ -1,12 +1,30 @@
-// The program: its subcommands.
+// The program: parses the command line, runs a subcommand, and turns errors into messages and an exit status.
 
+#include <algorithm>
+#include <array>
 #include <cstdlib>
+#include <exception>
+#include <memory>
+#include <new>
+#include <sstream>
+#include <string>
+#include <vector>
 
+#include "measures/provenance.hpp"
 #include "recordings/recording_thread.hpp"
+#include <CLI/CLI.hpp>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "apps/command.hpp"
+#include "apps/console/help.hpp"
 #include "apps/console/messages.hpp"
-#include "apps/program.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
 #include "stream/control/scene_control.hpp"
 
 namespace hertzline::app {
@@ -23,24 +41,123 @@ constexpr const char* examples =
     "  hertzline check my-scene.toml\n"
     "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
 
-/// In the order of --help.
-std::vector<Subcommand> subcommands() {
-    return {
-        {"run", "simulate a scene as fast as possible, to files and a summary", run_command},
-        {"sweep", "vary keys of a scene: simulate each point, to a table", sweep_command},
-        {"optimise", "search ranges of a scene's keys for the best point, under bounds", optimise_command},
-        {"stream", "simulate a scene in step with the clock and publish it", stream_command},
-        {"replay", "publish a recording as if it were live", replay_command},
-        {"listen", "receive a stream, check that nothing is missing, save it", listen_command},
-        {"set", "change keys of a scene while it is streamed", set_command},
-        {"get", "look at the scene of a running stream", get_command},
-        {"scope", "show a stream in a browser", scope_command},
-        {"plot", "draw waveforms and spectra of a recording", plot_command},
-        {"scenes", "list the shipped scenes, or print one with every default resolved", scenes_command},
-        {"materials", "list the built-in materials, their numbers and sources", materials_command},
-        {"check", "validate a scene; print derived values and advice on its step", check_command},
-        {"keys", "make a key pair for streams that encrypt", keys_command},
-    };
+struct Subcommand {
+    const char* name;
+    const char* description;
+    AddCommand* add;
+};
+
+#define HERTZLINE_ROW(name, description) Subcommand{#name, description, name##_command},
+constexpr std::array subcommands{HERTZLINE_SUBCOMMANDS(HERTZLINE_ROW)};
+#undef HERTZLINE_ROW
+
+/// Opens /dev/null in place of closed standard streams: else the next socket or file would take the number and receive
+/// summaries and messages. Using it fails, as using a closed stream does.
+void occupy_closed_standard_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) < 0) {
+            ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);  // takes the lowest number
+        }
+    }
+}
+
+/// Raises the limit of descriptors: each client takes one, and many systems allow 1024 unless a program asks for more.
+void ask_for_all_descriptors() {
+    rlimit descriptors{};
+    if (::getrlimit(RLIMIT_NOFILE, &descriptors) == 0) {
+        descriptors.rlim_cur = descriptors.rlim_max;
+        ::setrlimit(RLIMIT_NOFILE, &descriptors);
+    }
+}
+
+void report(const std::string& faults) {
+    std::istringstream lines(faults);
+    for (std::string line; std::getline(lines, line);) {
+        spdlog::error(line);
+    }
+}
+
+/// A subcommand with its options, and its job.
+struct Command {
+    const CLI::App* app;
+    Run run;
+};
+
+std::vector<Command> add_subcommands(CLI::App& program) {
+    std::vector<Command> commands;
+    for (const Subcommand& subcommand : subcommands) {
+        CLI::App* app = program.add_subcommand(subcommand.name, subcommand.description);
+        commands.push_back({app, subcommand.add(*app)});
+    }
+    return commands;
+}
+
+bool is_subcommand(std::string_view word) {
+    return std::ranges::find(subcommands, word, &Subcommand::name) != subcommands.end();
+}
+
+/// Names the subcommands, which CLI11 would not.
+void refuse_unknown_subcommand(int argc, char** argv) {
+    if (argc < 2 || argv[1][0] == '-' || is_subcommand(argv[1])) {
+        return;
+    }
+    std::vector<std::string> names;
+    names.reserve(subcommands.size());
+    for (const Subcommand& subcommand : subcommands) {
+        names.emplace_back(subcommand.name);
+    }
+    throw WrongUse(fmt::format("found the subcommand {}, allowed: {}{}", quoted_briefly(argv[1]),
+                               comma_separated(names), suggestion(argv[1], names)));
+}
+
+/// Returns the fault that CLI11 found, and the way to the options that are allowed.
+std::string fault_of(const CLI::ParseError& error, int argc, char** argv) {
+    return fmt::format("{}; hertzline {}--help says what is allowed", printable(error.what()),
+                       argc > 1 && is_subcommand(argv[1]) ? argv[1] + std::string(" ") : "");
+}
+
+Exit parse_and_run(int argc, char** argv) {
+    CLI::App app{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
+    app.set_version_flag("--version",
+                         fmt::format("hertzline {} ({})", measures::program_version(), measures::git_hash()));
+    app.footer(examples);
+    app.formatter(std::make_shared<HelpFormatter>());  // before the subcommands, which inherit it
+    const std::vector<Command> commands = add_subcommands(app);
+    app.require_subcommand(0, 1);
+    refuse_unknown_subcommand(argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        if (error.get_exit_code() != static_cast<int>(CLI::ExitCodes::Success)) {
+            throw WrongUse(fault_of(error, argc, argv));
+        }
+        std::ostringstream out;  // --help or --version
+        app.exit(error, out, out);
+        print(out.str());
+        return Exit::done;
+    }
+    const auto asked =
+        std::ranges::find_if(commands, [](const Command& command) { return command.app->parsed(); });
+    if (asked == commands.end()) {
+        write_message(app.help());
+        return Exit::wrong_use;
+    }
+    return asked->run();
+}
+
+/// Throws nothing.
+Exit run_program(int argc, char** argv) {
+    try {
+        return parse_and_run(argc, argv);
+    } catch (const WrongUse& wrong) {
+        report(wrong.what());
+        return Exit::wrong_use;
+    } catch (const std::bad_alloc&) {
+        report("not enough memory");
+    } catch (const std::exception& error) {
+        report(error.what());
+    }
+    return Exit::failed;
 }
 
 }  // namespace
@@ -49,14 +166,14 @@ std::vector<Subcommand> subcommands() {
 
 int main(int argc, char** argv) {
     using namespace hertzline;
-    app::prepare_process();
-    const auto status = static_cast<int>(
-        app::run_program({"hertzline", "real-time simulator of granular-chain ultrasound transducers",
-                          app::examples, app::subcommands()},
-                         argc, argv));
+    app::end_at_once_when_asked();
+    app::occupy_closed_standard_streams();
+    app::ask_for_all_descriptors();
+    app::send_messages_to_stderr();
+    const auto status = static_cast<int>(app::run_program(argc, argv));
     app::finish_messages();
     if (recordings::RecordingThread::any_abandoned() || stream::SceneControl::any_abandoned()) {
-        std::_Exit(status);  // it still uses what the ordinary end would destroy
+        std::_Exit(status);  // its thread still uses objects that the ordinary end would destroy
     }
     return status;
 }

@@ -14,6 +14,7 @@
 #include "core/model/energy.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::measures {
@@ -347,6 +348,17 @@ tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed) {
     const std::vector<std::string> names = names_of(allowed);
     return tl::unexpected("found " + quoted_briefly(name) + ", allowed: " + comma_separated(names) +
                           suggestion(name, names));
+}
+
+TapSet taps_named(std::string_view subject, const std::vector<std::string>& names, TapSet allowed,
+                  Faults& faults) {
+    TapSet taps;
+    for (const std::string& name : names) {
+        if (const auto tap = faults.value_of(subject, find_tap(name, allowed))) {
+            taps |= *tap;
+        }
+    }
+    return taps;
 }
 
 TapSet measurable_among(std::span<const std::string> names) noexcept {

@@ -14,6 +14,10 @@
 #include "core/model/end.hpp"
 #include "hertzline/run.hpp"
 
+namespace hertzline {
+class Faults;
+}
+
 namespace hertzline::measures {
 
 /// The longest record that a spectrum is made of [rows].
@@ -76,6 +80,10 @@ std::vector<std::string> names_of(TapSet taps);
 
 /// The tap of that name, or its fault.
 tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
+
+/// The taps of those names; the faults of other names are added. @param subject of the faults, as "--columns"
+TapSet taps_named(std::string_view subject, const std::vector<std::string>& names, TapSet allowed,
+                  Faults& faults);
 
 /// The measurable taps among the names; other names are passed over.
 TapSet measurable_among(std::span<const std::string> names) noexcept;

@@ -91,25 +91,15 @@ int jobs_of(const StudyOptions& options, Faults& faults) {
     return jobs;
 }
 
-TapSet taps_named(std::string_view subject, std::span<const std::string> names, TapSet allowed, Faults& faults) {
-    TapSet taps;
-    for (const std::string& name : names) {
-        if (const auto tap = faults.value_of(subject, measures::find_tap(name, allowed))) {
-            taps |= *tap;
-        }
-    }
-    return taps;
-}
-
 /// The measurements at each point.
 studies::PointOptions point_options(const StudyOptions& options, const studies::PlanSummary& plan, Faults& faults) {
     const TapSet there = plan.measurable();
     studies::PointOptions point;
-    point.measured = taps_named("measure", options.measure, there, faults);
+    point.measured = measures::taps_named("measure", options.measure, there, faults);
     point.band_from_hz = options.band_from_hz;
     faults.add("band_from_hz", measures::band_from_fault(point.band_from_hz));
     if (options.waveforms) {
-        const TapSet tap = taps_named("waveforms", {&*options.waveforms, 1}, there, faults);
+        const TapSet tap = measures::taps_named("waveforms", {*options.waveforms}, there, faults);
         point.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
         point.waveform_samples = static_cast<std::size_t>(plan.rows);
     }

@@ -1,33 +1,14 @@
 #include "apps/arguments/curve_arguments.hpp"
 
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
-#include "apps/command.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/security/certificate.hpp"
 
 namespace hertzline::app {
 
 namespace {
-
-/// Returns the value, or adds a line of faults.
-template <class T>
-T value_or_fault(tl::expected<T, std::string> read, const char* option, std::string& faults) {
-    if (read) {
-        return *std::move(read);
-    }
-    faults += (faults.empty() ? "" : "\n") + std::string(option) + ": " + read.error();
-    return T{};
-}
-
-void refuse(const std::string& faults) {
-    if (!faults.empty()) {
-        throw WrongUse(faults);
-    }
-}
 
 void add_key_option(CLI::App& app, std::string& key) {
     app.add_option("--curve-key", key,
@@ -57,53 +38,60 @@ void add_curve_options(CLI::App& app, CurveClientRequest& request) {
         ->type_name("FILE");
 }
 
-void refuse_exposure(const CurveServerRequest& request, const std::string& endpoint) {
+void check_exposure(const CurveServerRequest& request, const std::string& endpoint, Faults& faults) {
     const bool has_keys = !request.key.empty() || !request.clients.empty();
     if (!has_keys && !stream::is_local(endpoint) && request.exposure == Exposure::encrypted) {
-        throw WrongUse(fmt::format(
-            "--bind: {} can be reached from other machines, where anyone could listen; give "
-            "--curve-key and --allow-clients (hertzline keys makes the keys), or --insecure to allow it",
-            endpoint));
+        faults.add("--bind",
+                   fmt::format("{} can be reached from other machines, where anyone could listen; give "
+                               "--curve-key and --allow-clients (hertzline keys makes the keys), or "
+                               "--insecure to allow it",
+                               endpoint));
     }
 }
 
-std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request) {
+stream::CurveServer server_keys(const std::string& key, const char* option,
+                                const std::vector<std::string>& clients, Faults& faults) {
+    stream::CurveServer server;
+    server.own = faults.value_of("--curve-key", stream::read_key_pair(key)).value_or(stream::KeyPair());
+    for (const std::string& files : clients) {
+        if (const auto keys = faults.value_of(option, stream::read_public_keys(files))) {
+            server.clients.insert(server.clients.end(), keys->begin(), keys->end());
+        }
+    }
+    return server;
+}
+
+std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, Faults& faults) {
     if (request.key.empty() && request.clients.empty()) {
         return std::nullopt;
     }
     if (request.clients.empty()) {
-        throw WrongUse("--curve-key needs --allow-clients, the public keys of clients that may subscribe");
+        faults.add("--curve-key needs --allow-clients, the public keys of clients that may subscribe");
+        return std::nullopt;
     }
     if (request.key.empty()) {
-        throw WrongUse("--allow-clients needs --curve-key, the stream's secret key");
+        faults.add("--allow-clients needs --curve-key, the stream's secret key");
+        return std::nullopt;
     }
-    std::string faults;
-    stream::CurveServer server{
-        .own = value_or_fault(stream::read_key_pair(request.key), "--curve-key", faults), .clients = {}};
-    for (const std::string& clients : request.clients) {
-        const auto keys = value_or_fault(stream::read_public_keys(clients), "--allow-clients", faults);
-        server.clients.insert(server.clients.end(), keys.begin(), keys.end());
-    }
-    refuse(faults);
-    return server;
+    return server_keys(request.key, "--allow-clients", request.clients, faults);
 }
 
-std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request) {
+std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request, Faults& faults) {
     if (request.key.empty() && request.server.empty()) {
         return std::nullopt;
     }
     if (request.server.empty()) {
-        throw WrongUse("--curve-key needs --server-key, the stream's public key");
+        faults.add("--curve-key needs --server-key, the stream's public key");
+        return std::nullopt;
     }
     if (request.key.empty()) {
-        throw WrongUse("--server-key needs --curve-key, the listener's secret key");
+        faults.add("--server-key needs --curve-key, the listener's secret key");
+        return std::nullopt;
     }
-    std::string faults;
-    stream::CurveClient client{
-        .own = value_or_fault(stream::read_key_pair(request.key), "--curve-key", faults),
-        .server = value_or_fault(stream::read_public_key(request.server), "--server-key", faults)};
-    refuse(faults);
-    return client;
+    return stream::CurveClient{
+        .own = faults.value_of("--curve-key", stream::read_key_pair(request.key)).value_or(stream::KeyPair()),
+        .server = faults.value_of("--server-key", stream::read_public_key(request.server))
+                      .value_or(stream::CurveKey())};
 }
 
 }  // namespace hertzline::app

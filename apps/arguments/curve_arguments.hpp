@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "core/scene/faults.hpp"
 #include "stream/wire/security/curve.hpp"
 
 namespace hertzline::app {
@@ -30,13 +31,16 @@ struct CurveClientRequest {
 void add_curve_options(CLI::App& app, CurveServerRequest& request);
 void add_curve_options(CLI::App& app, CurveClientRequest& request);
 
-/// @throws WrongUse when there are no keys for an endpoint that other machines reach, unless that was allowed
-void refuse_exposure(const CurveServerRequest& request, const std::string& endpoint);
+/// Adds the fault of an endpoint that other machines reach without keys, unless that was allowed.
+void check_exposure(const CurveServerRequest& request, const std::string& endpoint, Faults& faults);
 
-/// The keys that were asked for; unset when none were.
-/// @throws WrongUse with every fault: one option without the other, files that are no keys, a secret key that
-/// others may read
-std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request);
-std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request);
+/// Reads the keys of a server; adds the faults of files that hold none. @param option names the clients
+stream::CurveServer server_keys(const std::string& key, const char* option,
+                                const std::vector<std::string>& clients, Faults& faults);
+
+/// Reads the keys; unset when the options ask for no encryption. Adds every fault: one option without the other, files
+/// that are no keys, a secret key that others may read.
+std::optional<stream::CurveServer> curve_of(const CurveServerRequest& request, Faults& faults);
+std::optional<stream::CurveClient> curve_of(const CurveClientRequest& request, Faults& faults);
 
 }  // namespace hertzline::app

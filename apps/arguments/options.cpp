@@ -1,12 +1,14 @@
 #include "apps/arguments/options.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <filesystem>
+#include <set>
 
 #include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/command.hpp"
+#include "core/integrators/simd/target_choice.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::app {
@@ -23,24 +25,6 @@ CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
-Tap tap_argument(const char* option, const std::string& name, TapSet allowed) {
-    const auto tap = measures::find_tap(name, allowed);
-    if (!tap) {
-        throw WrongUse(fmt::format("{}: {}", option, tap.error()));
-    }
-    return *tap;
-}
-
-TapSet tap_arguments(const char* option, const std::vector<std::string>& names, TapSet allowed) {
-    Faults faults;
-    TapSet taps;
-    for (const std::string& name : names) {
-        faults.of([&] { taps |= tap_argument(option, name, allowed); });
-    }
-    faults.refuse();
-    return taps;
-}
-
 CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, TapSet there) {
     return add_repeatable_option(
                app, "--columns", names,
@@ -55,27 +39,39 @@ CLI::Option* add_wav_scale_option(CLI::App& app, std::optional<double>& scale) {
         ->type_name("M_PER_S");
 }
 
-void refuse_wrong_wav_scale(std::optional<double> scale, std::span<const std::string> files) {
-    if (!scale) {
-        return;
-    }
-    require_positive("--wav-scale", *scale);
+void add_target_option(CLI::App& app) {
+    const std::string there = comma_separated(kernels::kernel_targets());
+    app.add_option_function<std::string>(
+           "--target",
+           [there](const std::string& name) {
+               if (!kernels::pin_kernel_target(name)) {
+                   throw WrongUse(fmt::format(
+                       "--target: found {}, allowed: {}, the instruction sets that this processor has and "
+                       "that there are kernels for",
+                       quoted_briefly(name), there));
+               }
+           },
+           "compute with these instructions, as other machines do (default: the widest; here: " + there + ")")
+        ->type_name("NAME");
+}
+
+void check_wav_scale(std::optional<double> scale, std::span<const std::string> files, Faults& faults) {
+    const auto fault = positive_fault(scale);
+    faults.add("--wav-scale", fault);
     const auto is_wav = [](const std::string& file) { return recordings::recording_ending(file) == ".wav"; };
-    if (std::ranges::none_of(files, is_wav)) {
-        throw WrongUse("--wav-scale needs a WAV file");
+    if (scale && !fault && std::ranges::none_of(files, is_wav)) {
+        faults.add("--wav-scale needs a WAV file");
     }
 }
 
-void refuse_wrong_band(std::optional<double> from_hz) {
-    if (const auto fault = measures::band_from_fault(from_hz)) {
-        throw WrongUse("--band-from: " + *fault);
-    }
-}
-
-void require_positive(const char* option, double value) {
-    if (!(value > 0) || !std::isfinite(value)) {
-        throw WrongUse(
-            fmt::format("{}: found {}, allowed: a finite number above 0", option, number_text(value)));
+void check_recordings(std::span<const std::string> files, Faults& faults) {
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : files) {
+        const auto fault = recordings::recording_fault(file);
+        faults.add(fault);
+        if (!fault && !names.insert(recordings::recording_name(file)).second) {
+            faults.add(file, "found a second time, allowed: each recording once");
+        }
     }
 }
 

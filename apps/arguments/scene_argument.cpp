@@ -1,6 +1,7 @@
 #include "apps/arguments/scene_argument.hpp"
 
 #include <stdexcept>
+#include <utility>
 
 #include "measures/resources.hpp"
 #include "measures/run.hpp"
@@ -14,14 +15,6 @@
 
 namespace hertzline::app {
 
-namespace {
-
-[[noreturn]] void refuse_scene(const std::vector<Fault>& faults) {
-    throw WrongUse(fault_text(faults));
-}
-
-}  // namespace
-
 CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
     add_repeatable_option(app, "--set", request.settings,
                           "override a key of the scene: section.key=value; repeatable")
@@ -30,32 +23,39 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
         ->type_name("");
 }
 
-ParsedScene parsed_scene(const SceneRequest& request) {
-    auto parsed = measures::parse_scene_file(request.scene, request.settings);
-    if (!parsed) {
-        refuse_scene(parsed.error());
-    }
-    return *std::move(parsed);
+tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
+    return measures::parse_scene_file(request.scene, request.settings);
 }
 
-Resolution resolved_scene(const SceneRequest& request, Lasting lasting) {
-    const ParsedScene parsed = parsed_scene(request);
-    if (const auto shortage = measures::memory_shortage("simulating " + parsed.origin,
-                                                        Simulation::memory_bytes(parsed.scene, {}))) {
+tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request, Lasting lasting) {
+    const auto parsed = parsed_scene(request);
+    if (!parsed) {
+        return tl::unexpected(parsed.error());
+    }
+    if (const auto shortage = measures::memory_shortage("simulating " + parsed->origin,
+                                                        Simulation::memory_bytes(parsed->scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
-                                                       : hertzline::resolve(parsed.scene, std::nullopt);
+    Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed->scene)
+                                                       : hertzline::resolve(parsed->scene, std::nullopt);
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
-            fault = parsed.placed(fault);
+            fault = parsed->placed(fault);
         }
-        refuse_scene(resolved.faults);
+        return tl::unexpected(std::move(resolved.faults));
     }
     for (const std::string& text : measures::scene_warnings(resolved)) {
-        spdlog::warn("{}: {}", parsed.origin, text);
+        spdlog::warn("{}: {}", parsed->origin, text);
     }
     return resolved;
+}
+
+Resolution required_scene(const SceneRequest& request) {
+    auto resolved = resolved_scene(request);
+    if (!resolved) {
+        throw WrongUse(fault_text(resolved.error()));
+    }
+    return *std::move(resolved);
 }
 
 }  // namespace hertzline::app

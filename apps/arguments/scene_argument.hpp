@@ -5,7 +5,9 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <tl/expected.hpp>
 
+#include "core/scene/fault.hpp"
 #include "core/scene/scene_toml.hpp"
 #include "core/step_choice/resolve.hpp"
 
@@ -20,16 +22,19 @@ struct SceneRequest {
 /// Adds SCENE and --set to a subcommand. `request` must outlive the parsing.
 CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request);
 
-/// The scene as it was asked for. @throws WrongUse that names every fault at once
-ParsedScene parsed_scene(const SceneRequest& request);
+/// Reads the scene as it was asked for, or returns its faults.
+tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request);
 
 /// The stretch over which the error of a scene is estimated: a run of output.duration_s, or the pilots' stretch of an
 /// endless motion.
 enum class Lasting { duration, endless };
 
-/// The scene with integrator and step settled. Warns where the requested accuracy is out of reach. Takes as
-/// long as the pilot runs of core/step_choice do.
-/// @throws WrongUse that names every fault at once, std::runtime_error when there is too little memory
-Resolution resolved_scene(const SceneRequest& request, Lasting lasting = Lasting::duration);
+/// Settles integrator and step of the scene, or returns its faults. Warns where the requested accuracy is out of reach.
+/// Takes as long as the pilot runs of core/step_choice do. @throws std::runtime_error when there is too little memory
+tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request,
+                                                            Lasting lasting = Lasting::duration);
+
+/// Returns the resolved scene. @throws WrongUse with every fault, and as resolved_scene()
+Resolution required_scene(const SceneRequest& request);
 
 }  // namespace hertzline::app

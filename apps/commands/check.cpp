@@ -65,7 +65,7 @@ std::string as_text(const std::vector<ReportRow>& report) {
     return text;
 }
 
-/// Memory and disk of a run and a stream of the scene.
+/// Adds memory and disk of a run and of a stream of the scene.
 void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
     const auto count = measures::report_count;
     const double rows = rows_of_run(scene);
@@ -89,7 +89,7 @@ void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
 }
 
 Exit check(const CheckOptions& options) {
-    const Resolution resolved = resolved_scene(options.scene);
+    const Resolution resolved = required_scene(options.scene);
     const Scene& scene = resolved.scene;
     const auto peaks =
         measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));

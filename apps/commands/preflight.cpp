@@ -1,8 +1,6 @@
 #include "apps/commands/preflight.hpp"
 
 #include <algorithm>
-#include <optional>
-#include <set>
 #include <stdexcept>
 
 #include "measures/resources.hpp"
@@ -12,7 +10,6 @@
 #include "recordings/recording_set.hpp"
 #include <fmt/format.h>
 
-#include "apps/command.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline::app {
@@ -53,45 +50,27 @@ void refuse_disk_shortages(const Scene& scene, double samples, std::span<const s
     }
 }
 
-void refuse_shortages(const Scene& scene, const RunDemand& demand) {
+void refuse_shortages(const Scene& scene, const RunOutputs& outputs) {
     const double rows = rows_of_run(scene);
     const double lines = lines_per_row * rows;
-    const double columns = 1 + static_cast<double>((demand.measured | Tap::v_out).size());
-    const double spectra_bytes = demand.spectra.empty() ? 0 : (columns + 2) * lines * sizeof(double);
+    const double columns = 1 + static_cast<double>((outputs.measured | Tap::v_out).size());
+    const double spectra_bytes = outputs.spectra.empty() ? 0 : (columns + 2) * lines * sizeof(double);
     const std::string run =
         fmt::format("a run of {} rows (duration_s times sample_rate_hz)", number_text(rows));
     if (const auto shortage = measures::memory_shortage(
-            run, memory_of_recorded_run(scene, demand.recorded, demand.measured) + spectra_bytes)) {
+            run, memory_of_recorded_run(scene, outputs.recorded, outputs.measured) + spectra_bytes)) {
         throw std::runtime_error(*shortage);
     }
-    if (rows > measures::max_run_rows) {
-        throw std::runtime_error(fmt::format("{} is too long: the spectrum takes at most {} rows", run,
-                                             number_text(measures::max_run_rows)));
+    if (const auto fault = measures::longest_run_fault(scene)) {
+        throw std::runtime_error(*fault);
     }
-    refuse_disk_shortages(scene, rows, demand.files, demand.recorded);
+    refuse_disk_shortages(scene, rows, outputs.files, outputs.recorded);
     const std::vector<recordings::TableColumn> numbers(static_cast<std::size_t>(columns));
-    for (const std::string& file : demand.spectra) {
+    for (const std::string& file : outputs.spectra) {
         if (const auto shortage =
                 measures::disk_shortage(file, recordings::table_bytes(file, numbers, lines))) {
             throw std::runtime_error(*shortage);
         }
-    }
-}
-
-void refuse_wrong_files(std::span<const std::string> files) {
-    std::string faults;
-    std::set<std::filesystem::path> names;
-    for (const std::string& file : files) {
-        std::optional<std::string> fault = recordings::recording_fault(file);
-        if (!fault && !names.insert(recordings::recording_name(file)).second) {
-            fault = fmt::format("{}: found a second time, allowed: each recording once", file);
-        }
-        if (fault) {
-            faults += (faults.empty() ? "" : "\n") + *fault;
-        }
-    }
-    if (!faults.empty()) {
-        throw WrongUse(faults);
     }
 }
 

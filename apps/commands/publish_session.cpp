@@ -37,7 +37,7 @@ std::optional<std::int64_t> samples_of(std::optional<double> duration_s, double 
     return static_cast<std::int64_t>(std::max(1.0, samples));
 }
 
-/// Connections that leave enough descriptors for files and for ZeroMQ.
+/// Returns the most connections that leave enough descriptors for files and for ZeroMQ.
 int most_clients() {
     constexpr rlim_t others = 40;
     rlimit descriptors{};
@@ -126,44 +126,24 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
     add_format_option(app, request.format, "print the summary as one JSON object");
 }
 
-std::optional<stream::CurveServer> checked_curve(const PublishRequest& request) {
-    Faults faults;
-    std::optional<stream::CurveServer> curve;
-    faults.of([&] {
-        if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
-            throw WrongUse("--bind: " + *fault);
-        }
-        refuse_exposure(request.curve, request.endpoint);
-    });
-    faults.of([&] { curve = curve_of(request.curve); });
-    faults.of([&] {
-        if (request.duration_s) {
-            require_positive("--duration", *request.duration_s);
-        }
-    });
-    faults.of([&] {
-        if (const auto pace = stream::parse_pace(request.pace); !pace) {
-            throw WrongUse("--pace: " + pace.error());
-        }
-    });
-    faults.of([&] {
-        if (request.max_clients && (*request.max_clients < 1 || *request.max_clients > most_clients())) {
-            throw WrongUse(fmt::format(
-                "--max-clients: found {}, allowed: 1 to {}, of the descriptors that this process may have",
-                *request.max_clients, most_clients()));
-        }
-    });
-    faults.of([&] {
-        if (request.queue_bytes && *request.queue_bytes == 0) {
-            throw WrongUse("--queue-memory: found 0, allowed: more");
-        }
-    });
-    faults.of([&] {
-        if (const auto fault = request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt) {
-            throw WrongUse("--cpu: " + *fault);
-        }
-    });
-    faults.refuse();
+std::optional<stream::CurveServer> checked_curve(const PublishRequest& request, Faults& faults) {
+    const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind);
+    faults.add("--bind", fault);
+    if (!fault) {
+        check_exposure(request.curve, request.endpoint, faults);
+    }
+    auto curve = curve_of(request.curve, faults);
+    faults.add("--duration", positive_fault(request.duration_s));
+    faults.value_of("--pace", stream::parse_pace(request.pace));
+    if (request.max_clients && (*request.max_clients < 1 || *request.max_clients > most_clients())) {
+        faults.add("--max-clients",
+                   fmt::format("found {}, allowed: 1 to {}, of the descriptors that this process may have",
+                               *request.max_clients, most_clients()));
+    }
+    if (request.queue_bytes == 0U) {
+        faults.add("--queue-memory: found 0, allowed: more");
+    }
+    faults.add("--cpu", request.thread.cpu ? stream::cpu_fault(*request.thread.cpu) : std::nullopt);
     return curve;
 }
 

@@ -32,9 +32,8 @@ struct PublishRequest {
 /// Adds these options to a subcommand. `request` must outlive the parsing.
 void add_publish_options(CLI::App& app, PublishRequest& request);
 
-/// Checks the request and reads its keys; unset when it asks for no encryption.
-/// @throws WrongUse that names the fault
-std::optional<stream::CurveServer> checked_curve(const PublishRequest& request);
+/// Reads the keys of the request; unset when it asks for no encryption. Adds the faults of all its options.
+std::optional<stream::CurveServer> checked_curve(const PublishRequest& request, Faults& faults);
 
 /// @param on_overrun the default treatment of late blocks
 stream::StreamOptions stream_options(const PublishRequest& request, double sample_rate_hz,
@@ -43,10 +42,10 @@ stream::StreamOptions stream_options(const PublishRequest& request, double sampl
 stream::PublisherOptions publisher_options(const PublishRequest& request, const stream::StreamFormat& format,
                                            std::optional<stream::CurveServer> curve);
 
-/// The address for a listener on this machine; on others the host's name replaces 127.0.0.1.
+/// Returns the address for a listener on this machine; on others the host's name replaces 127.0.0.1.
 std::string local_endpoint(std::string endpoint);
 
-/// Ring and queues, at most [bytes].
+/// Returns the most bytes of ring and queues.
 double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
                     const stream::PublisherOptions& options) noexcept;
 

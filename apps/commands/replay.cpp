@@ -29,7 +29,7 @@ constexpr const char* replay_examples =
     "  hertzline replay burst.h5 --pace 0.01 --wait-for-subscriber\n"
     "  hertzline replay elsewhere.npy --sample-rate 1e6 --pace flat-out";
 
-struct ReplayArguments {
+struct ReplayOptions {
     std::string file;
     std::optional<double> sample_rate_hz;
     PublishRequest publish;
@@ -45,8 +45,8 @@ std::int64_t frame_samples(const Json& provenance) {
     return samples >= 1 && samples <= max_frame ? samples : usual_frame;
 }
 
-/// The rate that the user gives, else the file's.
-double sample_rate(const recordings::RecordingHead& head, const ReplayArguments& arguments) {
+/// Returns the user's rate, else the file's.
+double sample_rate(const recordings::RecordingHead& head, const ReplayOptions& arguments) {
     if (arguments.sample_rate_hz) {
         return *arguments.sample_rate_hz;
     }
@@ -68,26 +68,18 @@ Json about(const recordings::RecordingHead& head, const std::string& file) {
     return about;
 }
 
-Exit replay(const ReplayArguments& arguments) {
+Exit replay(const ReplayOptions& arguments) {
     Faults faults;
-    std::optional<stream::CurveServer> curve;
-    faults.of([&] {
-        if (arguments.sample_rate_hz) {
-            require_positive("--sample-rate", *arguments.sample_rate_hz);
-            if (*arguments.sample_rate_hz > stream::max_sample_rate_hz) {
-                throw WrongUse(fmt::format("--sample-rate: found {} Hz, allowed: at most {} Hz",
-                                           number_text(*arguments.sample_rate_hz),
-                                           number_text(stream::max_sample_rate_hz)));
-            }
-        }
-    });
-    faults.of([&] {
-        if (const auto fault = recordings::recording_fault(arguments.file)) {
-            throw WrongUse(*fault);
-        }
-    });
-    faults.of([&] { curve = checked_curve(arguments.publish); });
-    faults.refuse();
+    const auto fault = positive_fault(arguments.sample_rate_hz);
+    faults.add("--sample-rate", fault);
+    if (!fault && arguments.sample_rate_hz > stream::max_sample_rate_hz) {
+        faults.add("--sample-rate",
+                   fmt::format("found {} Hz, allowed: at most {} Hz", number_text(*arguments.sample_rate_hz),
+                               number_text(stream::max_sample_rate_hz)));
+    }
+    faults.add(recordings::recording_fault(arguments.file));
+    const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish, faults);
+    faults.refuse<WrongUse>();
     std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(arguments.file);
     const recordings::RecordingHead head = reader->head();
     const double rate = sample_rate(head, arguments);
@@ -114,7 +106,7 @@ Exit replay(const ReplayArguments& arguments) {
 }  // namespace
 
 Run replay_command(CLI::App& app) {
-    auto arguments = std::make_shared<ReplayArguments>();
+    auto arguments = std::make_shared<ReplayOptions>();
     app.add_option("FILE", arguments->file, "a recording: " + recordings::recording_endings())
         ->required()
         ->check(missing_name);

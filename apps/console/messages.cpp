@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -11,11 +12,15 @@
 #include <unistd.h>
 
 #include "apps/console/standard_stream.hpp"
-#include "apps/console/terminal.hpp"
 
 namespace hertzline::app {
 
 namespace {
+
+std::string_view environment(const char* variable) {
+    const char* value = std::getenv(variable);
+    return value == nullptr ? "" : value;
+}
 
 constexpr std::size_t max_kept = std::size_t{1} << 16;  // bytes
 
@@ -67,11 +72,17 @@ ssize_t take(void* /*cookie*/, const char* text, std::size_t size) {
 
 }  // namespace
 
+bool stderr_is_terminal() {
+    const std::string_view kind = environment("TERM");
+    return ::isatty(STDERR_FILENO) == 1 && !kind.empty() && kind != "dumb";
+}
+
 void send_messages_to_stderr() {
     // spdlog's sink writes to a FILE; this one leads here.
     std::FILE* const file =
         ::fopencookie(nullptr, "w", {.read = nullptr, .write = take, .seek = nullptr, .close = nullptr});
-    const auto colour = colour_on_stderr() ? spdlog::color_mode::always : spdlog::color_mode::never;
+    const bool colourful = stderr_is_terminal() && environment("NO_COLOR").empty();  // https://no-color.org
+    const auto colour = colourful ? spdlog::color_mode::always : spdlog::color_mode::never;
     using Sink = spdlog::sinks::ansicolor_sink<spdlog::details::console_nullmutex>;
     auto logger = std::make_shared<spdlog::logger>("hertzline", std::make_shared<Sink>(file, colour));
     logger->set_pattern("%^%l%$: %v");

@@ -6,7 +6,10 @@
 
 namespace hertzline::app {
 
-/// Makes spdlog write to stderr.
+/// Whether stderr is a terminal with escape sequences, so that a line can be overwritten. TERM=dumb means no.
+bool stderr_is_terminal();
+
+/// Makes spdlog write to stderr, in colour on such a terminal unless NO_COLOR is set.
 void send_messages_to_stderr();
 
 /// Writes to stderr without a level before it.

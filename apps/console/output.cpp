@@ -45,7 +45,7 @@ std::size_t width_of(const Json& summary) {
     return width;
 }
 
-/// A name and its value on each line.
+/// Returns a line with name and value for each member.
 std::string lines_of(const Json& summary, std::size_t width, std::string_view indent) {
     std::string text;
     for (const auto& [name, value] : summary.items()) {

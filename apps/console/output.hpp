@@ -1,5 +1,5 @@
 #pragma once
-// The output on stdout: data and summaries, nothing else.
+// The output on stdout: data and summaries alone.
 
 #include <span>
 #include <string>
@@ -18,11 +18,11 @@ enum class Format { text, json };
 /// Adds --json to a subcommand.
 void add_format_option(CLI::App& command, Format& format, const char* description);
 
-/// Writes to stdout and makes sure that it got there.
+/// Writes to stdout and checks that it was written.
 /// @throws std::runtime_error with the system's reason
 void print(std::string_view text);
 
-/// A flat object: as JSON, or as text with a name and its value on each line.
+/// Prints a flat object: as JSON, or as text with a name and its value on each line.
 void print_summary(const Json& summary, Format format);
 
 using measures::SummaryGroup;

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "apps/console/messages.hpp"
-#include "apps/console/terminal.hpp"
 
 namespace hertzline::app {
 

@@ -1,5 +1,5 @@
 #pragma once
-// Progress on a terminal: one line on stderr that is overwritten. Elsewhere nothing is shown.
+// Progress on a terminal: one line on stderr that is overwritten. Nothing is shown elsewhere.
 
 #include <chrono>
 #include <optional>
@@ -36,10 +36,10 @@ struct Progress {
     double wall_s = 0;             ///< since the start
 };
 
-/// " 42 %  210 us of 500 us simulated, 3.1 x real time, 12 s left"
+/// Returns " 42 %  210 us of 500 us simulated, 3.1 x real time, 12 s left"
 std::string progress_text(const Progress& progress);
 
-/// "210 us", "12.3 s", "2 h 5 min"
+/// Returns "210 us", "12.3 s", "2 h 5 min"
 std::string time_text(double seconds);
 
 }  // namespace hertzline::app

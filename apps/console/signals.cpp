@@ -20,8 +20,8 @@ extern "C" void note_stop(int /*signal*/) {
     stop.store(true, std::memory_order_relaxed);
 }
 
-/// Catches the signal even if it was ignored: a shell starts its background jobs with SIGINT ignored, and a user who
-/// sends it means it.
+/// Catches the signal even if it was ignored: a shell starts its background jobs with SIGINT ignored, but a user who
+/// sends it wants the job to end.
 void catch_signal(int signal) {
     struct sigaction action {};
     action.sa_handler = note_stop;
@@ -29,7 +29,7 @@ void catch_signal(int signal) {
     sigaction(signal, &action, nullptr);
 }
 
-/// nohup(1) ignores it for us, and that is to stay.
+/// Catches the signal unless nohup(1) had it ignored.
 void catch_unless_ignored(int signal) {
     struct sigaction before {};
     if (sigaction(signal, nullptr, &before) == 0 && before.sa_handler != SIG_IGN) {

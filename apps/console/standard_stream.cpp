@@ -18,7 +18,7 @@ namespace {
 
 constexpr int wait_ms = 100;  // between looks at the stop flag, and for a reader after it
 
-/// Terminals and pipes can be opened a second time; a file would be opened at its start.
+/// Opens a terminal or pipe a second time. A file would be opened at its start.
 int reopen_without_blocking(int descriptor) noexcept {
     struct stat status {};
     const int flags = ::fcntl(descriptor, F_GETFL);

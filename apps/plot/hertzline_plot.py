@@ -42,7 +42,7 @@ STYLE = {
 
 
 def read(path):
-    """Samples by column, and what the recording says of them."""
+    """Samples by column, and their description."""
     with open(path, "rb") as file:
         samples = np.load(file, max_header_size=10**7)
         return samples, json.loads(np.load(file).item())
@@ -150,7 +150,7 @@ class NotASweep(Exception):
 
 
 def search_of(provenance):
-    """What `hertzline optimise` was asked for; None: it is a sweep."""
+    """The request of `hertzline optimise`; None: it is a sweep."""
     try:
         return json.loads(provenance).get("search")
     except (TypeError, ValueError, AttributeError):
@@ -197,7 +197,7 @@ def read_csv_table(path):
 
 
 class Sweep:
-    """A table, what varies in it, and which points have numbers."""
+    """A table, its varied keys, and the points that have numbers."""
 
     def __init__(self, columns, units, search=None):
         self.columns, self.units, self.search = columns, units, search
@@ -332,7 +332,7 @@ def draw_over_key(axes, sweep, kept, key):
 
 
 def draw_search(sweep, title):
-    """What was looked for over each key, and as the search went on."""
+    """The measure over each key, and over the evaluations."""
     matplotlib.rcParams.update(STYLE | {"font.size": 9})
     kept = kept_bounds(sweep)
     panels = len(sweep.keys) + 1
@@ -397,7 +397,7 @@ def main():
     parser.add_argument("-o", "--output", required=True, help="the picture")
     parser.add_argument("--format", help="png, svg or pdf (default: the ending of the picture)")
     parser.add_argument("--title", default="", help="stands above")
-    parser.add_argument("--quantity", type=lambda names: names.split(","), default=[], help="of a sweep: what is drawn")
+    parser.add_argument("--quantity", type=lambda names: names.split(","), default=[], help="of a sweep: draw these numbers")
     arguments = parser.parse_args()
     if arguments.recording.endswith(".npy"):
         figure = draw_recording(arguments.recording, arguments.title)

@@ -2,7 +2,7 @@
 
 const PREFIXES = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, '\u00b5'], [1e-9, 'n'], [1e-12, 'p']];
 
-/** 3.4e-4 s: "340 µs". */
+/** Returns a number with its unit: 3.4e-4 s is "340 µs". */
 export function withUnit(value, unit, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) {
     return '\u2013';
@@ -14,7 +14,7 @@ export function withUnit(value, unit, digits = 4) {
   return `${Number((value / factor).toPrecision(digits))} ${prefix}${unit}`;
 }
 
-/** About `count` round numbers in [low, high]. */
+/** Returns about `count` round numbers in [low, high]. */
 export function ticks(low, high, count) {
   const rough = (high - low) / Math.max(count, 1);
   if (!(rough > 0) || !Number.isFinite(rough)) {
@@ -48,7 +48,7 @@ export function fit(canvas) {
   return {width, height, scale};
 }
 
-/** What draws on a canvas, for a picture that is saved as SVG. */
+/** Draws as a canvas does, into an SVG. */
 export class SvgPen {
   constructor(width, height) {
     this.width = width;

@@ -1,10 +1,10 @@
-// A knob for each key that the stream takes changes of; without control the same keys, for show.
+// A knob for each key that can be changed; without control the same keys, which only show.
 import {withUnit} from './axes.js';
 
 const SECTIONS_OPEN = ['drive'];
-const JUST_TURNED_MS = 1000;  // what comes meanwhile may be older than the turn
+const JUST_TURNED_MS = 1000;  // a value that comes meanwhile may be older than the turn
 
-/** The scene of meta as knobs that only show. */
+/** Returns the scene of meta as knobs that only show. */
 function shownOnly(scene) {
   const values = {};
   for (const [section, keys] of Object.entries(scene?.scene ?? {})) {
@@ -38,7 +38,7 @@ export class Knobs {
     }
   }
 
-  /** These keys were not changed. */
+  /** Takes back keys that were not changed. */
   refuse(keys) {
     for (const key of keys) {
       this.rows.get(key)?.refuse();
@@ -143,7 +143,7 @@ class Knob {
       letGo();
     };
     slider.onpointerdown = () => { this.turning = true; };
-    slider.onpointerup = () => setTimeout(letGo);  // where it was not moved there is no change; else that comes first
+    slider.onpointerup = () => setTimeout(letGo);  // a change event comes first if it was moved
     slider.onpointercancel = letGo;
     slider.onblur = letGo;
     this.slider = slider;
@@ -158,7 +158,7 @@ class Knob {
     }
   }
 
-  /** What was asked for is not: shows what is, once nobody types there. */
+  /** A change was refused: shows the present value, unless the user types there. */
   refuse() {
     this.value = this.knob.value;
     if (document.activeElement === this.input && ['number', 'text'].includes(this.input.type)) {

@@ -1,10 +1,10 @@
-// The connection to the scope: pictures and states come, requests go. Restored by itself.
+// The connection to the scope: receives pictures and states, sends requests, and connects again when it breaks.
 
 import {protocol} from './protocol.js';  // made by the scope: see scope/pictures/picture.hpp
 
 const kinds = Object.fromEntries(Object.entries(protocol.kinds).map(([name, number]) => [number, name]));
 
-/** A picture of its bytes: the members of its head, its flags as booleans, its numbers. */
+/** Reads a picture: the members of its head, its flags as booleans, its numbers. */
 export function readPicture(buffer) {
   const view = new DataView(buffer);
   const picture = Object.fromEntries(protocol.head.map(([name, type, place]) => [name, Number(view[`get${type}`](place, true))]));
@@ -50,7 +50,7 @@ export class Link {
       return;
     }
     const text = JSON.parse(data);
-    this.socket.send(`{"ack":${text.update}}`);  // the text is a update's last part
+    this.socket.send(`{"ack":${text.update}}`);  // the text is the last part of an update
     this.events.text(text);
   }
 

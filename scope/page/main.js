@@ -1,4 +1,4 @@
-// The page: what is asked for, what came, and when it is drawn.
+// The page: sends requests, takes updates, and draws.
 import {colours, withUnit} from './axes.js';
 import {Chain} from './chain.js';
 import {Knobs} from './knobs.js';
@@ -48,7 +48,7 @@ const link = new Link({
   },
 });
 
-// ---- what is asked for
+// ---- requests
 
 function redrawAll() {
   Object.assign(stale, {waveform: true, spectrum: true, chain: true});
@@ -208,7 +208,7 @@ function showRecording(recording) {
     : `${recording.file}: ${recording.samples} samples${missing}; ${recording.text}.`;
 }
 
-// ---- what came
+// ---- updates
 
 function showUnit() {
   waveform.unit = scene?.streams?.find(({name}) => name === view.stream)?.unit ?? '';
@@ -342,7 +342,7 @@ setInterval(() => {
   }
 }, 500);
 
-/** For scripts and tests: what is on the page, as numbers. */
+/** The page's contents as numbers, for scripts and tests. */
 const page = {waveform, spectrum, chain, view, own, act, knobs, measures: null, answer: null,
   get scene() { return scene; }, get state() { return state; }};
 window.hertzline = page;

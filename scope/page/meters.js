@@ -1,4 +1,4 @@
-// What the stream, the way to the scope and this page say of themselves.
+// Meters of the stream, of the way to the scope and of this page.
 
 function entry(name, value, bad = false, title = '') {
   const pair = document.createElement('div');

@@ -19,7 +19,7 @@ export class Waveform {
     this.cursors = {A: null, B: null};     // seconds after the trigger
   }
 
-  /** @returns how many columns a picture should have */
+  /** @returns the number of columns of a picture */
   columns() {
     return Math.min(Math.max(Math.round(this.canvas.clientWidth * Math.min(window.devicePixelRatio || 1, 2)), 16), protocol.max_columns);
   }

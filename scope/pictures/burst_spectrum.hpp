@@ -14,7 +14,7 @@
 
 namespace hertzline::scope {
 
-/// What one burst holds.
+/// The spectrum of one burst.
 struct BurstSpectrum {
     std::uint64_t number = 0;  ///< counts the spectra of a stream
     BurstMark burst;
@@ -30,13 +30,13 @@ struct BurstSpectrum {
 /// Makes spectra of the bursts of one stream, as many as take a twentieth of the time.
 class BurstSpectra {
 public:
-    /// The longest burst that is looked at; of a longer one its beginning [samples].
+    /// The longest part of a burst that is analysed [samples].
     static constexpr std::size_t longest = std::size_t{1} << 17;
 
-    /// Looks at the latest whole burst when it is time to; at a single one from its start on as far as it has come, and then at
-    /// the last samples. @param now_s since 1970 [s]
+    /// Analyses the latest whole burst, if the last analysis is long enough ago. Of a single burst it analyses the samples so
+    /// far, and later the last ones. @param now_s since 1970 [s]
     void look_at(const StreamHistory& history, double fundamental_hz, double now_s);
-    /// The latest; null: none yet.
+    /// Returns the latest spectrum; null: none yet.
     const std::shared_ptr<const BurstSpectrum>& latest() const noexcept { return latest_; }
 
 private:
@@ -55,7 +55,7 @@ private:
     std::shared_ptr<const BurstSpectrum> latest_;
 };
 
-/// The mean power of spectra: of the first n, then with the weight 1/n for the newest. Begins anew when the scene changes.
+/// The mean power of spectra: of the first n, then with the weight 1/n for the newest. Restarts when the scene changes.
 class SpectrumAverage {
 public:
     /// @param over at least 1
@@ -64,14 +64,14 @@ public:
     std::uint64_t number() const noexcept { return number_; }
     unsigned count() const noexcept { return count_; }
 
-    /// As a picture: the largest level of each column from 0 Hz to `to_hz` [dB under the largest of all].
+    /// Returns a picture: the largest level of each column from 0 Hz to `to_hz` [dB under the largest of all].
     std::string picture(const BurstSpectrum& latest, double to_hz, std::size_t columns) const;
 
 private:
     std::vector<double> power_;
     unsigned count_ = 0;
     std::uint32_t epoch_ = 0;
-    std::uint64_t number_ = 0;  // of the spectrum that was taken last
+    std::uint64_t number_ = 0;  // of the last spectrum
 };
 
 }  // namespace hertzline::scope

@@ -26,7 +26,7 @@ public:
     /// Takes the next frame of a stream of the whole chain.
     void take(const stream::ReceivedFrame& frame, double now_s);
 
-    /// The picture's bytes, once its window is full. Each cell holds the value that is largest in size there.
+    /// Returns the picture's bytes, once its window is full. Each cell holds the value that is largest in size there.
     const std::optional<std::string>& picture() const noexcept { return picture_; }
 
 private:
@@ -48,27 +48,27 @@ private:
     std::optional<std::string> picture_;
 };
 
-/// The latest pictures of the streams of the whole chain. Each is captured only now and then: all spheres are many samples.
+/// The latest pictures of the streams of the whole chain. Captures are seldom, because all spheres are many samples.
 class ChainPictures {
 public:
     struct Picture {
         std::string bytes;
-        std::uint64_t number = 0;  ///< another one for each picture of any such stream
+        std::uint64_t number = 0;  ///< differs between any two pictures
     };
 
-    /// A page shows this stream: begins a capture when it is time to. @param span_s of the picture @param repetition_hz of the bursts
+    /// Begins a capture of a stream that a page shows, if the last one is long enough ago. @param span_s of the picture @param repetition_hz of the bursts
     void want(Tap tap, double span_s, double repetition_hz, double now_s);
-    /// Streams that are being captured.
+    /// Returns the streams that are being captured.
     TapSet captured() const;
-    /// Takes the next frame of such a stream.
+    /// Takes the next frame of a stream of the whole chain.
     void take(const stream::ReceivedFrame& frame, double now_s);
-    /// Ends the captures, whose run may be over.
+    /// Ends all captures: their run may be over.
     void cancel() {
         captures_.clear();
         pictured_at_s_.clear();
     }
 
-    /// The latest picture; null: none yet.
+    /// Returns the latest picture; null: none yet.
     const Picture* latest(Tap tap) const;
 
 private:

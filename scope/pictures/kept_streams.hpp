@@ -1,5 +1,5 @@
 #pragma once
-// The streams that pages look at, kept as long as one of them wants it.
+// The streams that pages show, each kept while a page wants it.
 
 #include <map>
 
@@ -20,14 +20,14 @@ struct KeptStream {
 /// For one thread.
 class KeptStreams {
 public:
-    /// The stream, which is wanted now [s since 1970].
+    /// Returns a stream and notes that it is wanted now. @param now_s since 1970 [s]
     KeptStream& want(Tap tap, double now_s) {
         KeptStream& stream = streams_[tap];
         stream.wanted_at_s = now_s;
         return stream;
     }
 
-    /// Forgets the streams that were not wanted for some time. @returns the others
+    /// Forgets the streams that were not wanted for some time. @returns the kept ones
     TapSet keep_wanted(double now_s) {
         constexpr double forgotten_after_s = 2;
         std::erase_if(streams_, [&](const auto& stream) {
@@ -40,7 +40,7 @@ public:
         return taps;
     }
 
-    /// Takes the next frame of any stream; one that is not kept is passed over.
+    /// Takes the next frame of any stream; ignores streams that are not kept.
     void take(const stream::ReceivedFrame& frame, std::uint32_t epoch, double repetition_hz, double now_s) {
         if (const auto stream = streams_.find(frame.tap); stream != streams_.end()) {
             stream->second.history.epoch = epoch;

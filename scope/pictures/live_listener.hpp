@@ -1,5 +1,5 @@
 #pragma once
-// Follows one endpoint for as long as the scope runs: receives the wanted streams of every run there, and explains a silence.
+// Listens at one endpoint while the scope runs: receives the wanted streams of every run there, and explains a silence.
 
 #include <chrono>
 #include <cstdint>
@@ -32,28 +32,28 @@ public:
     /// Replaces the wanted streams. One that the run does not have may come with the next run.
     void want(TapSet taps) { listener_.want(taps); }
 
-    /// Waits at most so long for a message, and takes all that have come.
+    /// Waits at most so long for a message, and takes all that have arrived.
     void listen(std::chrono::milliseconds patience);
 
     State state() const;
-    /// The state in a sentence or two, with advice; empty: running.
+    /// Returns the state in a sentence or two, with advice; empty: running.
     std::string state_text() const;
 
-    /// The last meta and meters; null: none.
+    /// Returns the last meta and meters; null: none.
     const Json& meta() const noexcept { return meta_; }
     const Json& meters() const noexcept { return meters_; }
-    /// Counts the metas that differ from the one before.
+    /// Returns a count of the metas that differ from the one before.
     std::uint64_t meta_number() const noexcept { return meta_number_; }
 
-    /// The run's id; empty: unknown.
+    /// Returns the run's id; empty: unknown.
     std::string run_id() const { return OutsideJson(meta_).text("run"); }
-    /// Of the scene's drive [Hz]; 0: unknown, or none.
+    /// Returns a frequency of the scene's drive [Hz]; 0: unknown, or none.
     double repetition_hz() const noexcept { return repetition_hz_; }
     double fundamental_hz() const noexcept { return fundamental_hz_; }
-    /// Counts the changes of the scene; 0 for a stream without control.
+    /// Returns the count of changes of the scene; 0 for a stream without control.
     std::uint32_t epoch() const noexcept { return epoch_; }
 
-    /// RunReceiver::account() of a stream in this run; null: it is not wanted.
+    /// Returns RunReceiver::account() of a stream in this run; null: it is not wanted.
     Json account(Tap tap) const;
 
 private:

@@ -21,7 +21,7 @@ void append(std::string& bytes, std::span<const std::byte> more) {
     bytes.append(reinterpret_cast<const char*>(more.data()), more.size());
 }
 
-/// As in the names of DataView's functions: "Uint32" of getUint32().
+/// Returns a type as DataView's functions name it: "Uint32" of getUint32().
 template <class Number>
 std::string data_view_type(const Number& /*member*/) {
     constexpr bool whole = !std::is_floating_point_v<Number>;
@@ -32,7 +32,7 @@ std::string data_view_type(const Number& /*member*/) {
                        8 * sizeof(Number));
 }
 
-/// [name, type, place in bytes] of each member.
+/// Returns [name, type, place in bytes] of each member.
 Json head_layout() {
     const PictureHead head;
     const auto& [kind, version, flags, columns, rows, epoch, trigger, first, samples, burst, rate_hz,

@@ -1,5 +1,5 @@
 #pragma once
-// Pictures as a page receives them: a head, then float32 numbers, NaN where nothing is there. All little-endian. The page reads
+// Pictures as a page receives them: a head, then float32 numbers, NaN where no sample is. All little-endian. The page reads
 // the layout of the head from protocol.js, which is made from the declarations here.
 //
 //   waveform   the columns' smallest values, then their largest; with the flag each_sample the values alone
@@ -41,11 +41,11 @@ struct PictureHead {
 static_assert(sizeof(PictureHead) == 64,
               "a picture has no gaps, and its numbers begin at a multiple of four bytes");
 
-/// The bytes of a picture.
+/// Returns the bytes of a picture.
 std::string picture_bytes(const PictureHead& head, std::span<const float> numbers,
                           std::span<const float> more_numbers = {});
 
-/// The layout of a picture and the limits of a view, as the page's module protocol.js.
+/// Returns the page's module protocol.js: the layout of a picture and the limits of a view.
 std::string protocol_script();
 
 }  // namespace hertzline::scope

@@ -1,5 +1,5 @@
 #pragma once
-// The recent past of one stream, from which pictures are made: its last samples, where its bursts began, and when it last came.
+// The recent past of one stream, from which pictures are made: its last samples, its bursts, and its last arrival.
 
 #include <algorithm>
 #include <cstddef>
@@ -14,17 +14,17 @@
 
 namespace hertzline::scope {
 
-/// A ring of samples of one channel. Samples are counted from the run's start. What is missing between two frames is held as
-/// NaN.
+/// A ring of samples of one channel. Samples are counted from the run's start. Samples that are missing between two frames
+/// are NaN.
 class SampleRing {
 public:
     /// @param capacity samples that are held, at least 1
     explicit SampleRing(std::size_t capacity);
 
-    /// Appends samples. Before end() everything is forgotten first: another run has begun.
+    /// Appends samples. Samples before end() are of another run: they clear the ring first.
     void append(std::uint64_t first, std::span<const float> values);
 
-    /// The samples that are held: from begin() to before end().
+    /// Returns the first sample that is held; the last one is before end().
     std::uint64_t begin() const noexcept { return begin_; }
     std::uint64_t end() const noexcept { return end_; }
     std::size_t capacity() const noexcept { return values_.size(); }
@@ -43,7 +43,7 @@ public:
         }
     }
 
-    /// One sample; NaN when it is not held.
+    /// Returns one sample; NaN when it is not held.
     float at(std::uint64_t sample) const noexcept;
 
 private:
@@ -63,12 +63,12 @@ struct BurstMark {
     bool operator==(const BurstMark&) const = default;
 };
 
-/// Whether the starts of bursts up to this one are whole numbers that a double holds: what a header or meta says may be anything.
-/// @param repetition_hz 0: they do not repeat, and are not to be counted
+/// Whether the starts of bursts up to this one are whole numbers that a double holds: numbers of a header or meta may be wrong.
+/// @param repetition_hz 0: bursts do not repeat, and cannot be counted
 bool countable(std::uint64_t burst, double fs, double repetition_hz) noexcept;
 
-/// The starts of the last bursts. A header tells in which burst its first sample lies; a burst that begins within a frame is
-/// known with the next one.
+/// The starts of the last bursts. A header has the burst of its first sample; a burst that begins within a frame is known
+/// with the next frame.
 class BurstMarks {
 public:
     static constexpr std::size_t most = 8192;
@@ -78,11 +78,11 @@ public:
     void take(const stream::FrameHeader& header, double repetition_hz);
     void clear() noexcept { marks_.clear(); }
 
-    /// The latest burst that began at `sample` or before.
+    /// Returns the latest burst that began at `sample` or before.
     std::optional<BurstMark> latest_by(std::uint64_t sample) const;
-    /// The burst after the one that began at `sample`.
+    /// Returns the burst after the one that began at `sample`.
     std::optional<BurstMark> next_after(std::uint64_t sample) const;
-    /// The latest that has begun.
+    /// Returns the latest burst.
     std::optional<BurstMark> latest() const;
 
 private:
@@ -94,14 +94,14 @@ private:
 /// Samples of a stream that are kept for pictures: 8 MiB, 0.2 s at 10 MHz.
 inline constexpr std::size_t held_samples = std::size_t{1} << 21;
 
-/// One stream as pictures are made of it.
+/// The part of one stream that pictures are made of.
 struct StreamHistory {
     SampleRing samples{held_samples};
     BurstMarks bursts;
-    double fs = 0;             ///< [Hz]; 0: no frame has come
+    double fs = 0;             ///< [Hz]; 0: no frame was received
     double repetition_hz = 0;  ///< of the bursts; 0: there is one
-    std::uint32_t epoch = 0;   ///< of the scene, when the last frame came
-    double received_at_s = 0;  ///< when the last frame came [s since 1970]
+    std::uint32_t epoch = 0;   ///< of the scene, of the last frame
+    double received_at_s = 0;  ///< arrival of the last frame [s since 1970]
 
     /// Takes the next frame of one channel.
     void take(const stream::ReceivedFrame& frame, double bursts_hz, double now_s);

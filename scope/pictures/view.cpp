@@ -18,7 +18,7 @@ struct Extremes {
     float high = -std::numeric_limits<float>::infinity();
 };
 
-/// A comparison with NaN is false, so NaN changes nothing.
+/// Takes the samples of a column. A comparison with NaN is false, so NaN changes nothing.
 Extremes extremes_of(std::span<const float> values, Extremes so_far) noexcept {
     for (const float value : values) {
         so_far.low = value < so_far.low ? value : so_far.low;
@@ -168,7 +168,7 @@ std::string View::bytes(const StreamHistory& history, const Window& window, cons
         head.columns = static_cast<std::uint32_t>(request_.columns);
         return picture_bytes(head, pixels.low, pixels.high);
     }
-    head.samples = window.count + 1;  // the line goes on to the right edge
+    head.samples = window.count + 1;  // the line reaches the right edge
     const Envelope samples = envelope(history.samples, head.first, head.samples, head.samples);
     head.columns = static_cast<std::uint32_t>(head.samples);
     head.flags = static_cast<std::uint16_t>(head.flags | PictureFlag::each_sample);

@@ -1,6 +1,6 @@
 #pragma once
-// The view of one stream that a page sees: finds the trigger, and makes the picture of the window around it, in which many samples
-// become few pixels and none is lost.
+// A page's view of one stream: finds the trigger, and makes the picture of the window around it. Many samples become few
+// pixels, and none is lost.
 
 #include <cstddef>
 #include <cstdint>
@@ -21,23 +21,23 @@ struct Envelope {
     std::vector<float> high;
 };
 
-/// Column i of C holds the samples from first + i count / C to before first + (i + 1) count / C, rounded down: each sample of
-/// the window lies in exactly one. Samples that are missing are passed over.
+/// Reduces samples to columns. Column i of C holds the samples from first + i count / C to before first + (i + 1) count / C, rounded down: each sample of
+/// the window lies in exactly one. Missing samples are ignored.
 /// @param first may lie before the first sample of the run @param columns at least 1
 Envelope envelope(const SampleRing& samples, std::int64_t first, std::uint64_t count, std::size_t columns);
 
-/// For one page, in one thread.
+/// The view of one page. For one thread.
 class View {
 public:
-    /// What is to be seen from now on.
+    /// Sets the request.
     void ask(const ViewRequest& request);
     const ViewRequest& request() const noexcept { return request_; }
 
-    /// The bytes of the next picture; nothing when the page has the latest one.
+    /// Returns the bytes of the next picture; nothing when the page has the latest one.
     /// @param now_s since 1970 [s]
     std::optional<std::string> picture(const StreamHistory& history, double now_s);
 
-    /// Pictures stand still.
+    /// Whether pictures stand still.
     bool is_held() const noexcept { return held_ != nullptr; }
 
 private:
@@ -62,7 +62,7 @@ private:
     LevelTrigger level_;
     std::shared_ptr<const StreamHistory> held_;
     std::optional<Trigger> shown_;
-    std::optional<Trigger> found_;  // the last one, and since when it is the last
+    std::optional<Trigger> found_;  // the last one, and the time of its first sight
     double triggered_at_s_ = 0;
     bool changed_ = true;
     std::optional<std::uint64_t> single_from_;  // a single shot shows a trigger from this sample on

@@ -9,6 +9,7 @@
 #include "measures/run.hpp"
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 
@@ -16,7 +17,7 @@ namespace hertzline::scope {
 
 namespace {
 
-/// Reads members of an object, and remembers the first that is wrong.
+/// Reads members of an object, and collects the faults.
 class Members {
 public:
     explicit Members(const Json& object) : object_(object) {}
@@ -69,8 +70,8 @@ public:
         fail(key, "one of its words");
     }
 
-    /// Nothing when it is left out, or wrong.
-    std::optional<Tap> stream(const char* key, TapSet allowed, const char* what) {
+    /// Returns a stream; nothing when it is left out, or wrong.
+    std::optional<Tap> stream(const char* key, TapSet allowed, const char* allowed_text) {
         const std::optional<std::string> name = text(key);
         if (!name) {
             return std::nullopt;
@@ -78,11 +79,11 @@ public:
         if (const auto tap = measures::find_tap(*name, allowed)) {
             return *tap;
         }
-        fail(key, what);
+        fail(key, allowed_text);
         return std::nullopt;
     }
 
-    /// Nothing when it is left out.
+    /// Returns a text; nothing when it is left out.
     std::optional<std::string> text(const char* key) {
         const auto found = object_.find(key);
         if (found == object_.end()) {
@@ -92,15 +93,13 @@ public:
     }
 
     void fail(const char* key, const std::string& allowed) {
-        if (fault_.empty()) {
-            fault_ = fmt::format("{}: allowed: {}", key, allowed);
-        }
+        faults_.add(std::string("view.") + key, "allowed: " + allowed);
     }
-    const std::string& fault() const noexcept { return fault_; }
+    const Faults& faults() const noexcept { return faults_; }
 
 private:
     const Json& object_;
-    std::string fault_;
+    Faults faults_;
 };
 
 constexpr std::array triggers{std::pair<std::string_view, TriggerKind>{"burst", TriggerKind::burst},
@@ -138,8 +137,8 @@ tl::expected<ViewRequest, std::string> view_request(const Json& json) {
     members.number("spectrum_to_hz", 1e-3, 1e12, request.spectrum_to_hz);
     members.whole("average", 1, 1000, request.average);
     request.chain = members.stream("chain", streamed_taps & chain_taps, "a stream of the whole chain");
-    if (!members.fault().empty()) {
-        return tl::unexpected("view." + members.fault());
+    if (!members.faults().none()) {
+        return tl::unexpected(members.faults().text());
     }
     return request;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What a page asks to see. It comes from a browser and is not trusted.
+// A page's request for its view. It comes from a browser and is not trusted.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,10 +16,10 @@ namespace hertzline::scope {
 
 enum class TriggerKind { burst, level, free };
 
-/// Whether pictures go on.
+/// Whether pictures advance.
 enum class ViewMode {
     run,
-    hold,    ///< the last picture stays, with all samples around it, to be looked at closely
+    hold,    ///< the last picture stays, with all samples around it for zooming
     single,  ///< as hold, from the next trigger on
 };
 
@@ -38,14 +38,14 @@ struct ViewRequest {
     bool spectrum = false;
     double spectrum_to_hz = 1e6;
     unsigned average = 1;      ///< spectra
-    std::optional<Tap> chain;  ///< which of the streams of the whole chain is drawn
+    std::optional<Tap> chain;  ///< the stream of the whole chain that is drawn
     bool operator==(const ViewRequest&) const = default;
 };
 
 /// Most columns, and longest window, of a picture.
 inline constexpr std::size_t max_columns = 4096;
 
-/// Reads a request; what is left out has the values above. The error is a sentence.
+/// Reads a request; members that are left out have the values above. Or returns the faults, a line each.
 tl::expected<ViewRequest, std::string> view_request(const Json& json);
 
 }  // namespace hertzline::scope

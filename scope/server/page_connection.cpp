@@ -120,7 +120,7 @@ void PageConnection::write() {
                         });
 }
 
-/// Sends no closing frame: a page that does not read would not read that one, either.
+/// Closes without a closing frame, which a page that does not read would not read, either.
 void PageConnection::close() {
     answer_.cancel();
     beast::get_lowest_layer(socket_).close();

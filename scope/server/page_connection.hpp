@@ -43,7 +43,7 @@ struct PageEvents {
 
 using HttpRequest = http::request<http::empty_body>;
 
-/// Lives as long as its socket. All in the server's thread.
+/// A page's connection; lives as long as its socket. For the server's thread.
 class PageConnection : public std::enable_shared_from_this<PageConnection> {
 public:
     PageConnection(beast::tcp_stream&& stream, PageId page, std::shared_ptr<PageEvents> events);

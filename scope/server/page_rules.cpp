@@ -19,7 +19,7 @@ namespace {
 
 constexpr unsigned default_port = 80;
 
-/// inet_pton() reads to the first NUL, behind which anything may stand.
+/// Whether all of the text is an address: inet_pton() reads to the first NUL only.
 bool is_address(int family, const std::string& text) {
     in6_addr address{};
     return text.find('\0') == std::string::npos && ::inet_pton(family, text.c_str(), &address) == 1;
@@ -41,7 +41,7 @@ std::optional<unsigned> port_in(std::string_view text) {
     return whole ? std::optional(port) : std::nullopt;
 }
 
-/// "HOST:PORT" in two; without a colon after the host the port is empty.
+/// Splits "HOST:PORT"; without a colon after the host the port is empty.
 std::pair<std::string_view, std::string_view> host_and_port(std::string_view text) {
     const std::size_t colon = text.rfind(':');
     const std::size_t bracket = text.rfind(']');
@@ -70,7 +70,7 @@ bool is_ours(std::string_view host_header, const PageAddress& address) {
     return !address.loopback && (is_ipv4(name) || is_ipv6(name));
 }
 
-/// Takes as long for any text of that length.
+/// Compares in a time that depends on the length alone.
 bool equal(std::string_view a, std::string_view b) {
     if (a.size() != b.size()) {
         return false;

@@ -1,5 +1,5 @@
 #pragma once
-// Who may see the page: the rules that every request is held to, before anything is answered.
+// The rules of access to the page, which every request has to meet.
 
 #include <cstdint>
 #include <string>
@@ -13,16 +13,16 @@ namespace hertzline::scope {
 struct PageAddress {
     std::string host;  ///< an address as numbers, IPv6 without brackets
     std::uint16_t port = 0;
-    bool loopback = true;  ///< nobody but this machine reaches it
+    bool loopback = true;  ///< only this machine reaches it
 };
 
 /// Reads "127.0.0.1:8573", "[::1]:8573" or "localhost:8573"; port 0 is any free one. The error is a sentence.
 tl::expected<PageAddress, std::string> page_address(std::string_view text);
 
-/// A host as it stands in a URL: IPv6 in brackets.
+/// Returns the host as it stands in a URL: IPv6 in brackets.
 std::string host_in_url(const PageAddress& address);
 
-/// What a request says of itself; empty: left out.
+/// Fields of a request; empty: left out.
 struct PageRequest {
     std::string_view method;
     std::string_view target;
@@ -31,19 +31,21 @@ struct PageRequest {
     bool opens_a_socket = false;  ///< asks for a WebSocket
 };
 
-/// Why a request is refused, or the name that follows the token in its target.
-///
-/// - Host is an address of this server, not a name that somebody else's name server may point here (DNS rebinding).
-/// - A WebSocket's Origin is this page, not a page of somebody else's that runs in the same browser.
-/// - The target begins with the token, which only who started the scope knows.
+/// The reason why a request is refused.
 struct PageRefusal {
     unsigned status = 403;
     std::string text;
 };
+
+/// Checks a request. @returns the name that follows the token in its target, or the refusal
+///
+/// - Host is an address of this server, not a name that another name server may point here (DNS rebinding).
+/// - A WebSocket's Origin is this page, not a foreign page in the same browser.
+/// - The target begins with the token, which only the user who started the scope has.
 tl::expected<std::string, PageRefusal> admitted(const PageRequest& request, const PageAddress& address,
                                                 std::string_view token);
 
-/// 128 random bits as 32 hexadecimal digits. @throws std::system_error
+/// Returns 128 random bits as 32 hexadecimal digits. @throws std::system_error
 std::string new_token();
 
 }  // namespace hertzline::scope

@@ -29,7 +29,7 @@ PageRequest page_request(const HttpRequest& request) {
             view(request[http::field::origin]), websocket::is_upgrade(request)};
 }
 
-/// Nothing but this page's own files is loaded, and no other page may hold it in a frame.
+/// Allows a page to load its own files alone, and no other page to hold it in a frame.
 HttpAnswer answer(unsigned status, std::string_view type, std::string_view text, const HttpRequest& request) {
     HttpAnswer answer{static_cast<http::status>(status), request.version()};
     const std::string host(view(request[http::field::host]));
@@ -66,7 +66,7 @@ HttpAnswer file_answer(const std::string& name, const HttpRequest& request) {
 
 }  // namespace
 
-/// All of it in the server's thread, but for its construction and end.
+/// For the server's thread, except construction and end.
 class PageServer::Work {
 public:
     Work(PageAddress address, std::string token)
@@ -115,7 +115,7 @@ private:
             accept_soon(error);
         });
     }
-    /// Without descriptors left accepting would fail again at once.
+    /// Waits before it accepts again: without descriptors left it would fail at once.
     void accept_soon(beast::error_code error) {
         if (!error) {
             accept();
@@ -207,7 +207,7 @@ private:
 };
 
 void PageServer::Work::receive(tcp::socket socket) {
-    // A update's parts are written one after another: a part would wait until the page's system has confirmed the one before, 40 ms.
+    // Else a part of an update would wait until the page's system has confirmed the one before, 40 ms.
     beast::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     if (events_->connections < PageLimits::connections) {

@@ -1,6 +1,6 @@
 #pragma once
-// Serves the page over HTTP, and talks to each page over a WebSocket. Has a thread of its own, so that no browser can delay the
-// listening thread. A page that is slow gets fewer updates.
+// Serves the page over HTTP, and exchanges messages with each page over a WebSocket. Has a thread of its own, so that no
+// browser can delay the listening thread. A slow page gets fewer updates.
 
 #include <cstdint>
 #include <memory>
@@ -22,7 +22,7 @@ struct PagePart {
     std::string bytes;
 };
 
-/// The messages that are sent to a page at a time. The page acknowledges them ("ack"), and is then ready for the next.
+/// The messages that are sent to a page at a time. The page acknowledges them ("ack"), and is then ready for more.
 using PageUpdate = std::vector<PagePart>;
 
 /// An act of a page.
@@ -54,29 +54,29 @@ struct PageFile {
     std::string_view text;
 };
 
-/// The files of scope/page/. index.html stands for the page itself.
+/// Returns the files of scope/page/. index.html stands for the page itself.
 std::span<const PageFile> page_files() noexcept;
 
 /// For one thread.
 class PageServer {
 public:
-    /// Binds and begins to serve. @throws std::runtime_error that names the address and what is wrong with it
+    /// Binds and begins to serve. @throws std::runtime_error with the address and its fault
     PageServer(PageAddress address, std::string token);
     /// Ends every connection.
     ~PageServer();
     PageServer(const PageServer&) = delete;
     PageServer& operator=(const PageServer&) = delete;
 
-    /// The address to be opened, with the token.
+    /// Returns the address to be opened, with the token.
     std::string url() const;
 
-    /// Sends a update to a page that is ready; nothing when it has gone.
+    /// Sends an update to a page that is ready; does nothing when it has gone.
     void deliver(PageId page, PageUpdate update);
 
-    /// The acts of pages since the last call.
+    /// Returns the acts of pages since the last call.
     std::vector<PageEvent> events();
 
-    /// Counts the pages that were dropped because they did not acknowledge an update.
+    /// Returns the count of pages that were dropped because they did not acknowledge an update.
     std::uint64_t dropped_pages() const noexcept;
 
 private:

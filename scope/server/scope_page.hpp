@@ -1,5 +1,5 @@
 #pragma once
-// One page that is open: its request, and the updates that are made for it.
+// An open page: its request, and its updates.
 
 #include <cstdint>
 #include <utility>
@@ -13,7 +13,7 @@
 
 namespace hertzline::scope {
 
-/// The state that all pages see alike.
+/// The common state of all pages.
 struct SharedState {
     Json now{};    ///< state, meters, recording: with each update that has the state
     Json scene{};  ///< a part of meta: once, and when it has changed
@@ -29,10 +29,11 @@ public:
     void ask(const ViewRequest& request);
     /// Sends this with the next update.
     void reply(Json reply) { replies_.push_back(std::move(reply)); }
-    /// The page has taken its update.
+    /// Notes that the page has taken its update.
     void note_ready() noexcept { ready_ = true; }
 
-    /// The next update; empty when nothing is due, or the page has not taken the last one. @param stream the one that it wants
+    /// Returns the next update; empty when nothing is due, or the page has not taken the last one.
+    /// @param stream the one of its request
     PageUpdate next_update(const KeptStream& stream, const SharedState& shared, double now_s);
 
 private:

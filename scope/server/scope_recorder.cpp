@@ -33,7 +33,7 @@ ScopeRecorder::~ScopeRecorder() {
     end();
 }
 
-std::string ScopeRecorder::begin(Tap tap, const std::string& ending) {
+std::optional<std::string> ScopeRecorder::begin(Tap tap, const std::string& ending) {
     if (is_on()) {
         return "a recording is being made already";
     }
@@ -57,7 +57,7 @@ std::string ScopeRecorder::begin(Tap tap, const std::string& ending) {
     text_ = "waiting for the first samples";
     samples_ = 0;
     missing_ = 0;
-    return "";
+    return std::nullopt;
 }
 
 void ScopeRecorder::end() {
@@ -67,7 +67,7 @@ void ScopeRecorder::end() {
         text_ = status.failure.empty() ? "saved" : status.failure;
         set_.reset();
     } else if (is_on()) {
-        text_ = "nothing was heard, nothing is saved";
+        text_ = "nothing was received, nothing is saved";
     }
     tap_.reset();
 }

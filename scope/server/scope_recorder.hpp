@@ -1,5 +1,5 @@
 #pragma once
-// "Record" of a scope: what it hears of a stream goes to a file, gaps are marked.
+// Recordings of a scope: received samples go to a file, with gaps marked.
 
 #include <atomic>
 #include <filesystem>
@@ -28,17 +28,17 @@ public:
     ScopeRecorder(const ScopeRecorder&) = delete;
     ScopeRecorder& operator=(const ScopeRecorder&) = delete;
 
-    /// From the next frame on. @param ending as of a recording's name: "sigmf-meta"
-    /// @returns what is wrong; empty: nothing
-    std::string begin(Tap tap, const std::string& ending);
+    /// Records from the next frame on. @param ending of a recording's name: "sigmf-meta"
+    /// @returns the fault, if there is one
+    std::optional<std::string> begin(Tap tap, const std::string& ending);
     void end();
     bool is_on() const noexcept { return tap_.has_value(); }
     std::optional<Tap> tap() const noexcept { return tap_; }
 
-    /// @param meta the last one: it says what the scene has become until now
+    /// @param meta the last one, with the changes of the scene so far
     void take(stream::RunReceiver& run, const stream::ReceivedFrame& frame, const Json& meta);
 
-    /// file, samples, missing and what happened, for the pages.
+    /// Returns file, counts of samples and of missing ones, and a text, for the pages.
     Json state() const;
 
 private:

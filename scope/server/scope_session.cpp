@@ -21,7 +21,7 @@ double since_1970_s() {
     return std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 }
 
-/// The scene in a stream's meta as a scene file; null where it holds none that this program knows.
+/// Returns the scene in a stream's meta as a scene file; null where it has no valid one.
 Json scene_toml(const Json& meta) {
     const auto scene = scene_of_json(OutsideJson(meta).at("scene"));
     return scene && validate(*scene).empty()
@@ -130,9 +130,9 @@ void ScopeSession::take_recording_request(ScopePage& page, const Json& request) 
     }
     const OutsideJson outside(request);
     const auto tap = measures::find_tap(outside.text("stream"), streamed_taps & measures::measurable_taps);
-    const std::string fault = tap ? recorder_.begin(*tap, outside.text("ending")) : "stream: " + tap.error();
-    if (!fault.empty()) {
-        page.reply({{"error", "record: " + fault}});
+    const auto fault = tap ? recorder_.begin(*tap, outside.text("ending")) : "stream: " + tap.error();
+    if (fault) {
+        page.reply({{"error", "record: " + *fault}});
     }
 }
 
@@ -150,7 +150,7 @@ void ScopeSession::want_streams() {
     listener_.want(streams_.keep_wanted(now_s_) | chains_.captured());
 }
 
-/// A burst, and half of its length more.
+/// Returns the length of a burst and half of it more.
 double ScopeSession::chain_span_s() const {
     constexpr double longest_s = 0.05;
     const double frequency_hz = listener_.fundamental_hz();

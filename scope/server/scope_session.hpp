@@ -1,5 +1,5 @@
 #pragma once
-// The scope at work: listens to a stream, makes updates for the pages that are open, and passes their requests on.
+// A running scope: listens to a stream, makes updates for the open pages, and passes their requests on.
 
 #include <atomic>
 #include <filesystem>
@@ -31,10 +31,10 @@ public:
     /// @throws std::runtime_error as Listener does
     ScopeSession(ScopeTargets targets, PageServer& server, const std::atomic<bool>& stop);
 
-    /// Listens for some milliseconds, and does what is due.
+    /// Listens for some milliseconds, then serves the pages.
     void advance();
 
-    /// The endpoint, and counts of pages that were opened and dropped.
+    /// Returns the endpoint, and counts of pages that were opened and dropped.
     Json summary() const;
 
 private:

@@ -1,6 +1,8 @@
 #include "stream/control/control_client.hpp"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -42,7 +44,9 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
     const std::string text = request.dump(-1, ' ', true, Json::error_handler_t::replace);
     const std::array parts{std::as_bytes(std::span(text))};
     send_parts(socket, parts);
-    const Clock::time_point end = Clock::now() + connection.timeout;
+    constexpr double day_s = 86400;
+    const std::chrono::duration<double> timeout(std::min(connection.timeout_s, day_s));
+    const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(timeout);
     while (Clock::now() < end && !stop.load(std::memory_order_relaxed)) {
         zmq_pollitem_t item{.socket = socket.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
         zmq_poll(&item, 1, nap_ms);

@@ -2,7 +2,6 @@
 // A controller: asks a running stream, and waits for its reply.
 
 #include <atomic>
-#include <chrono>
 #include <optional>
 #include <string>
 
@@ -20,10 +19,11 @@ inline constexpr const char* usual_control_endpoint = "tcp://127.0.0.1:5574";
 zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
                              const std::optional<CurveClient>& curve);
 
+/// A way to a stream that is controlled.
 struct ControlConnection {
     std::string endpoint = usual_control_endpoint;
     std::optional<CurveClient> curve{};
-    std::chrono::milliseconds timeout{10'000};
+    double timeout_s = 10;  ///< for the reply; at most a day counts
 };
 
 /// Sends the request and returns the reply, an object. @param stop gives up when it becomes true

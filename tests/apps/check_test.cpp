@@ -35,7 +35,7 @@ TEST(Check, DerivesThePapersNumbers) {
     EXPECT_EQ(derived["integrator"], "taylor8");
 }
 
-TEST(Check, SaysWhatWasPickedAndWhy) {
+TEST(Check, ReportsItsChoicesWithReasons) {
     struct Case {
         const char* setting;
         const char* integrator;
@@ -69,7 +69,7 @@ TEST(Check, SaysWhatWasPickedAndWhy) {
     }
 }
 
-TEST(Check, TellsWhatEachRecordingOfAStreamMayTake) {
+TEST(Check, ReportsTheMemoryOfEachRecordingOfAStream) {
     const auto bytes = [](const char* rate) {
         return hertzline({"check", "paper-stream", "--json", "--set", rate})
             .json()["stream_recording_memory_bytes"]

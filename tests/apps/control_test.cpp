@@ -42,7 +42,7 @@ public:
         control = found[1];
     }
     Json ask(const Json& request) const {
-        return ask_control({.endpoint = control, .timeout = std::chrono::seconds(100)}, request, never);
+        return ask_control({.endpoint = control, .timeout_s = 100}, request, never);
     }
 
     Program program;
@@ -115,7 +115,7 @@ TEST(Control, SetsGetsAndUndoes) {
     EXPECT_THAT(ended.err, HasSubstr("drive.amplitude_m = 2e-06"));
 }
 
-TEST(Control, SaysWhatIsWrongWithItsArguments) {
+TEST(Control, ReportsTheFaultsOfItsArguments) {
     EXPECT_EQ(hertzline({"set"}).status, 2);
     EXPECT_EQ(hertzline({"set", "drive.cycles"}).status, 2);
     EXPECT_EQ(hertzline({"set", "drive.cycles=3", "--undo"}).status, 2);

@@ -93,7 +93,7 @@ void PrintTo(const Stranger& stranger, std::ostream* out) {
 
 class Strangers : public testing::TestWithParam<Stranger> {};
 
-TEST_P(Strangers, HearNothingAndDisturbNobody) {
+TEST_P(Strangers, ReceiveNothingAndDisturbNoListener) {
     const Keys keys;
     Program stream(short_stream(keys.of_server()));
     const Outcome stranger = hertzline(

@@ -227,7 +227,7 @@ const Mistake mistakes[] = {
     {"KeysWithoutName", {"keys", ""}, 2, {"NAME", "found \"\""}},
     {"KeysOfAFolder", {"keys", "FOLDER/"}, 2, {"NAME"}},
     {"KeysInNoFolder", {"keys", "FOLDER/no/alice"}, 1, {"FOLDER/no/alice.key_secret", "No such file"}},
-    {"EncryptedForNobodyInParticular",
+    {"EncryptedWithoutClients",
      {"stream", "paper-wall", "--curve-key", "FOLDER/a.key_secret"},
      2,
      {"--curve-key needs --allow-clients"}},
@@ -254,7 +254,7 @@ const Mistake mistakes[] = {
      2,
      {"--server-key needs --curve-key"}},
 
-    {"NobodyStreams",
+    {"NoStream",
      {"listen", "--connect", "ipc://FOLDER/s", "--timeout", "0.2"},
      1,
      {"nothing arrived for 0.2 s"}},
@@ -292,7 +292,7 @@ TEST(WrongOptions, AreNamedAllAtOnce) {
                      {"a.xyz", "--sample-rate:", "--bind:", "--pace:"});
 }
 
-TEST(CommandLine, HasOneSubcommandAndNoWordsBehindItThatNobodyReads) {
+TEST(CommandLine, HasOneSubcommandAndNoUnknownWordsBehindIt) {
     for (const Words& words : {Words{"run", "paper-wall", "check", "paper-acrylic"},
                                Words{"scenes", "paper-wall", "run", "paper-wall"},
                                Words{"scenes", "keys", "nobody"}, Words{"check", "paper-wall", "scenes"}}) {

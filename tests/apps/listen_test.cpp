@@ -30,7 +30,7 @@ using testing::HasSubstr;
 
 const std::string any_port = "tcp://127.0.0.1:*";
 
-/// A stream that sends what a test tells it to, to one listener.
+/// A stream that sends a test's frames to one listener.
 class FakeStream {
 public:
     /// @param timeout_s empty: the program's own
@@ -47,7 +47,7 @@ public:
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
-        EXPECT_TRUE(publisher_.wanted(topic)) << "nobody listens";
+        EXPECT_TRUE(publisher_.wanted(topic)) << "there is no listener";
     }
 
     /// A frame of ten samples.
@@ -98,7 +98,7 @@ public:
     const std::string topic;
 };
 
-/// The listener ended with this status, and its account says this.
+/// The listener ended with this status and this account.
 void expect_account(const Outcome& outcome, int status, const json& expected) {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     const json account = outcome.json();
@@ -116,7 +116,7 @@ TEST(Listen, JoiningLateIsNoGap) {
     EXPECT_THAT(outcome.err, HasSubstr("joined run run-1 at sample 50"));
 }
 
-TEST(Listen, TellsWhoseLossAGapIs) {
+TEST(Listen, NamesTheSideThatLostSamples) {
     FakeStream stream;
     stream.send(0, 0);
     stream.send(2, 20, 1);
@@ -128,13 +128,13 @@ TEST(Listen, TellsWhoseLossAGapIs) {
                 HasSubstr("10 samples are missing before sample 20: 1 frames dropped by the sender, 0 lost"));
 }
 
-TEST(Listen, TheEndTellsOfSamplesThatNeverCame) {
+TEST(Listen, TheEndCountsSamplesThatNeverCame) {
     FakeStream stream;
     stream.send(0, 0);
     expect_account(stream.end(30), 1, {{"missing_samples", 20}, {"ended_by", "end of run"}});
 }
 
-TEST(Listen, TheEndTellsOfFramesThatTheSenderDroppedLast) {
+TEST(Listen, TheEndCountsFramesThatTheSenderDroppedLast) {
     FakeStream stream;
     stream.send(0, 0);
     stream.send(3, 30, 2);
@@ -152,7 +152,7 @@ TEST(Listen, AStreamThatFallsSilentWasNotHeardToItsEnd) {
     EXPECT_THAT(outcome.err, HasSubstr("nothing arrived for 2 s"));
 }
 
-TEST(Listen, WaitsFifteenSecondsForAStreamThatWasHeard) {
+TEST(Listen, WaitsFifteenSecondsForAStreamThatWasReceived) {
     FakeStream stream("");
     stream.send(0, 0);
     const auto start = std::chrono::steady_clock::now();
@@ -229,7 +229,7 @@ TEST(Listen, ALargeFrameTakesAFewTimesItsSizeOfMemory) {
     EXPECT_LT(peak_memory(stream.listener()), 5 * wide * sizeof(float) + (std::size_t{64} << 20));
 }
 
-TEST(Listen, WhatGoesWrongOftenIsToldAFewTimes) {
+TEST(Listen, RepeatedFaultsAreReportedAFewTimes) {
     FakeStream stream;
     for (std::uint64_t i = 0; i < 2000; ++i) {
         stream.send(2 * i, 20 * i);

@@ -113,7 +113,7 @@ TEST(Plot, SaysThatMatplotlibIsMissing) {
     EXPECT_EQ(files_in(fs::path(folder.file("x")).parent_path()), before);
 }
 
-TEST(Plot, WrongUseIsToldBeforeAnythingRuns) {
+TEST(Plot, WrongUseIsReportedBeforeAnythingRuns) {
     const TemporaryFolder folder;
     const Outcome both = hertzline({"plot", folder.file("a.txt"), "-o", folder.file("a.gif")});
     EXPECT_EQ(both.status, 2);

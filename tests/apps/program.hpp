@@ -1,5 +1,5 @@
 #pragma once
-// Runs the built program as its users do, and keeps what it says.
+// Runs the built program as its users do, and keeps its output.
 
 #include <chrono>
 #include <filesystem>

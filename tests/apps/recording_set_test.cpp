@@ -256,7 +256,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     EXPECT_EQ(file_text(folder.file("a.sigmf-meta")) + file_text(folder.file("a.sigmf-data")), "oldold");
 }
 
-/// A scene whose step turns out to be too long after some milliseconds. The motion is chaotic, so the moment hangs on the instruction
+/// A scene whose step turns out to be too long after some milliseconds. The motion is chaotic, so the moment depends on the instruction
 /// set: the scene lasts much longer.
 const Words unstable{"--set", "numerics.integrator=leapfrog", "--set", "numerics.step_s=2.3e-7",
                      "--set", "drive.amplitude_m=1.05e-3",    "--set", "output.duration_s=0.5"};

@@ -118,7 +118,7 @@ TEST(Replay, WhatWasLostIsMissingAgainAndAListenerKnows) {
     EXPECT_EQ(account["frames_lost_on_the_way"], 0);
 }
 
-TEST(Replay, AFileThatTellsNoRateNeedsOne) {
+TEST(Replay, AFileWithoutARateNeedsOne) {
     const TemporaryFolder folder;
     // as numpy.save writes two float32 of its own: format 1.0, header padded to 128 bytes
     std::string header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2,), }";

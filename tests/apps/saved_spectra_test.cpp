@@ -61,7 +61,7 @@ TEST(SavedSpectra, SavesTheSpectraFromWhichItsHarmonicsCanBeRead) {
     EXPECT_THAT(file_text(folder.file("s.csv-metadata.json")), HasSubstr("scene_hash"));
 }
 
-TEST(SavedSpectra, APlaceWhereNoneCanBeWrittenIsToldBeforeTheRun) {
+TEST(SavedSpectra, AnUnwritablePlaceIsReportedBeforeTheRun) {
     const TemporaryFolder folder;
     const Outcome outcome = hertzline({"run", "paper-wall", "--json", "--spectrum", folder.file("no/s.csv"),
                                        "--spectrum", folder.file("s.csv")});

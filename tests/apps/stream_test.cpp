@@ -120,7 +120,7 @@ TEST(StreamAndListen, DurationOfTheListenerIsExact) {
     EXPECT_EQ(csv_of(folder.file("heard.csv")).at("t_s").size(), 1234U);
 }
 
-TEST(StreamAndListen, ListenerIsToldWhenTheRunHasNoSuchStream) {
+TEST(StreamAndListen, ListenerLearnsThatTheRunHasNoSuchStream) {
     Program stream({"stream", "paper-wall", "--bind", any_port});
     const Outcome listener = hertzline({"listen", "--connect", stream.endpoint(), "--stream", "v_plate"});
     EXPECT_EQ(listener.status, 1);
@@ -170,7 +170,7 @@ TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
     EXPECT_EQ(end["scene_hash"], meta["scene_hash"]);
 }
 
-TEST(Stream, CountsOfTopicsThatNobodySubscribedToAreInJsonOnly) {
+TEST(Stream, CountsOfTopicsWithoutSubscribersAreInJsonOnly) {
     const Words words{"stream", "paper-wall", "--duration", "1e-3", "--bind", any_port};
     EXPECT_EQ(hertzline(with(words, {"--json"})).json()["v_last_np_sent"], 0);
     const std::string text = hertzline(words).out;

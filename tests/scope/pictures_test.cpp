@@ -182,7 +182,7 @@ double member_of(const std::string& bytes, const std::string& type, std::size_t 
                                  : std::nan("");
 }
 
-TEST(Picture, IsWrittenAsTheProtocolTellsThePage) {
+TEST(Picture, IsWrittenAsThePagesProtocolDeclares) {
     const std::string script = protocol_script();
     const std::size_t begin = script.find('{');
     const Json protocol = Json::parse(script.substr(begin, script.rfind('}') + 1 - begin));

@@ -31,72 +31,36 @@ constexpr const char* examples =
     "  hertzline optimise my-scene.toml --vary chain.spheres=3..12 --vary end.material=pyrex,acrylic \\\n"
     "      --minimise thd_r --evaluations 300 --seed 7 -o search.csv";
 
-void refuse_no_file(const OptimiseOptions& options) {
-    if (options.sweep.files.empty()) {
-        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv");
-    }
-}
-
-studies::Goal goal_of(const OptimiseOptions& options) {
+std::optional<studies::Goal> goal_of(const OptimiseOptions& options, Faults& others) {
+    Faults faults;
     if (options.maximise.empty() == options.minimise.empty()) {
-        throw WrongUse(options.maximise.empty()
-                           ? "--maximise or --minimise is missing: give one MEASURE"
-                           : "--maximise and --minimise: found both, allowed: one of them");
+        faults.add(options.maximise.empty() ? "--maximise or --minimise is missing: give one MEASURE"
+                                            : "--maximise and --minimise: found both, allowed: one of them");
     }
     const bool maximise = options.minimise.empty();
-    return {maximise ? options.maximise : options.minimise, maximise, {}};
-}
-
-studies::Goal whole_goal_of(const OptimiseOptions& options) {
-    Faults faults;
-    studies::Goal goal;
-    faults.of([&] { goal = goal_of(options); });
+    studies::Goal goal{maximise ? options.maximise : options.minimise, maximise, {}};
     for (const std::string& text : options.subject_to) {
-        faults.of([&] {
-            auto constraint = studies::parse_constraint(text);
-            if (!constraint) {
-                throw WrongUse("--subject-to: " + constraint.error());
-            }
+        if (auto constraint = faults.value_of("--subject-to", studies::parse_constraint(text))) {
             goal.constraints.push_back(*std::move(constraint));
-        });
-    }
-    faults.refuse();
-    return goal;
-}
-
-/// @param space nullptr: its keys are not known
-void refuse_wrong_evaluations(std::int64_t evaluations, const studies::SearchSpace* space) {
-    if (space != nullptr) {
-        if (const auto fault = studies::evaluations_fault(evaluations, *space)) {
-            throw WrongUse("--evaluations: " + *fault);
         }
-    } else if (evaluations < 1 || evaluations > studies::most_evaluations) {
-        throw WrongUse(
-            fmt::format("--evaluations: found {}, allowed: 1 to {}", evaluations, studies::most_evaluations));
     }
+    others.add(faults);
+    return faults.none() ? std::optional(std::move(goal)) : std::nullopt;
 }
 
-/// Returns a sweep over the ranges, which checks them and estimates the memory of points.
-ValidatedSweep validated_sample(const OptimiseOptions& options) {
+/// Returns a sweep over the ranges, which checks them and estimates the memory of points. Or adds the faults.
+std::optional<ValidatedSweep> validated_sample(const OptimiseOptions& options, Faults& faults) {
     if (options.sweep.vary.empty()) {
-        throw WrongUse(
-            "--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
+        faults.add("--vary is missing: give KEY=FROM..TO[:lin|log] or KEY=A,B,C for each key that varies");
+        return std::nullopt;
     }
     SweepOptions sample = options.sweep;
     sample.sobol = std::clamp<std::int64_t>(options.evaluations, 1, studies::most_evaluations);
-    if (sample.files.empty()) {  // refuse_no_file() says so
+    if (sample.files.empty()) {  // a fault of its own
         sample.format = Format::json;
         sample.resume = false;
     }
-    return validated_sweep(sample);
-}
-
-void refuse_unknown_measures(const studies::Goal& goal, const studies::PointOptions& point_options) {
-    Faults faults;
-    for (const studies::SearchFault& fault : studies::measure_faults(goal, point_options.columns)) {
-        faults.of([&] { throw WrongUse(fmt::format("--{}: {}", fault.subject, fault.text)); });
-    }
-    faults.refuse();
+    return validated_sweep(sample, faults);
 }
 
 /// Refuses a minus sign, too, which CLI11 would wrap around.
@@ -116,21 +80,27 @@ ValidatedSearch validated_search(const OptimiseOptions& options) {
         throw WrongUse("SCENE is missing: give a scene file, or the name of a shipped scene");
     }
     Faults faults;
-    std::optional<studies::Goal> goal;
-    std::optional<ValidatedSweep> sample;
-    faults.of([&] { refuse_no_file(options); });
-    faults.of([&] { goal = whole_goal_of(options); });
-    faults.of([&] { sample = validated_sample(options); });
+    if (options.sweep.files.empty()) {
+        faults.add("-o FILE is missing: give a file that ends in .h5 or .csv");
+    }
+    std::optional<studies::Goal> goal = goal_of(options, faults);
+    std::optional<ValidatedSweep> sample = validated_sample(options, faults);
     if (!sample) {
-        faults.of([&] { refuse_wrong_evaluations(options.evaluations, nullptr); });
-        faults.refuse();
+        if (options.evaluations < 1 || options.evaluations > studies::most_evaluations) {
+            faults.add("--evaluations", fmt::format("found {}, allowed: 1 to {}", options.evaluations,
+                                                    studies::most_evaluations));
+        }
+        faults.refuse<WrongUse>();
     }
     const studies::SearchSpace space(sample->study.plan.axes());
-    faults.of([&] { refuse_wrong_evaluations(options.evaluations, &space); });
+    faults.add("--evaluations", studies::evaluations_fault(options.evaluations, space));
     if (goal) {
-        faults.of([&] { refuse_unknown_measures(*goal, sample->study.options); });
+        for (const studies::SearchFault& fault :
+             studies::measure_faults(*goal, sample->study.options.columns)) {
+            faults.add(fmt::format("--{}", fault.subject), fault.text);
+        }
     }
-    faults.refuse();
+    faults.refuse<WrongUse>();
     return {{sample->study.plan.base(), space.axes(), *std::move(goal), options.evaluations, options.seed,
              std::move(sample->study.options)},
             std::move(sample->summary)};

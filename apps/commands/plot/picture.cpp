@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
-#include <optional>
 #include <stdexcept>
 #include <system_error>
 #include <thread>
@@ -22,8 +21,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "apps/command.hpp"
-#include "apps/commands/plot/plot_script.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 
@@ -33,12 +30,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// exit statuses of the script
+constexpr int plot_modules_missing = 3;  // a module of Python
+constexpr int plot_not_a_sweep = 4;      // the file holds none
+
 constexpr std::array endings{".png", ".svg", ".pdf"};
 
-/// Names of Python, the path's first: a user with matplotlib in a virtual environment means that one.
+/// Names of Python. The path's comes first: a virtual environment may have matplotlib.
 constexpr std::array pythons{"python3", "/usr/bin/python3"};
 
-/// A folder for the samples and the script, its owner's alone.
+/// Makes a folder for the samples and the script that only its owner can open.
 fs::path new_folder() {
     std::string name = fs::temp_directory_path() / "hertzline-plot-XXXXXX";
     if (::mkdtemp(name.data()) == nullptr) {
@@ -86,7 +87,7 @@ std::optional<pid_t> start(std::vector<std::string> words, const fs::path& messa
     return failure == 0 ? std::optional(process) : std::nullopt;
 }
 
-/// Waits for its end; ends it when the user asks to stop. @returns its status as of waitpid, or nothing when it was stopped
+/// Waits for the process to end, and kills it when the user asks to stop. @returns its status as of waitpid, or nothing when it was stopped
 std::optional<int> wait_for(pid_t process) {
     constexpr std::chrono::milliseconds glance(10);
     int status = 0;
@@ -101,7 +102,7 @@ std::optional<int> wait_for(pid_t process) {
     return status;
 }
 
-/// Runs the script in the folder on a file, to draw what the staged file will be. @returns its exit status if it can
+/// Runs the script in the folder on a file, to draw the staged file. @returns its exit status if it can
 /// draw, or nothing when it was stopped @throws std::runtime_error with the fault
 std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& picture,
                               const std::string& format, const fs::path& source,
@@ -154,11 +155,12 @@ public:
 
 }  // namespace
 
-void refuse_wrong_picture(const char* option, const fs::path& picture) {
-    if (std::ranges::find(endings, recordings::recording_ending(picture)) == endings.end()) {
-        throw WrongUse(fmt::format("{}: found {}, allowed: a name that ends in {}", option,
-                                   quoted_briefly(picture.string()), fmt::join(endings, ", ")));
+std::optional<std::string> picture_fault(const fs::path& picture) {
+    if (std::ranges::find(endings, recordings::recording_ending(picture)) != endings.end()) {
+        return std::nullopt;
     }
+    return fmt::format("found {}, allowed: a name that ends in {}", quoted_briefly(picture.string()),
+                       fmt::join(endings, ", "));
 }
 
 Picture::Picture(const fs::path& picture, const recordings::RecordingHead& head)

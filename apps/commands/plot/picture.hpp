@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -13,12 +14,15 @@
 
 namespace hertzline::app {
 
+/// The text of apps/plot/hertzline_plot.py, which is part of the program.
+extern const char* const plot_script;
+
 /// The most samples that a picture is drawn of, to within a portion.
 inline constexpr std::size_t max_picture_columns = 6;
 inline constexpr std::int64_t max_picture_samples = std::int64_t{1} << 20;
 
-/// @param option the option of the picture @throws WrongUse unless its ending is that of a picture
-void refuse_wrong_picture(const char* option, const std::filesystem::path& picture);
+/// Returns the fault of a file whose ending is not that of a picture.
+std::optional<std::string> picture_fault(const std::filesystem::path& picture);
 
 /// Takes samples, then draws them. Use it while stop_asked() notes signals: it leaves no incomplete picture.
 class Picture {

@@ -64,16 +64,13 @@ std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, c
     }
     Faults faults;
     for (const std::string& name : options.columns) {
-        faults.of([&] {
-            if (std::ranges::none_of(head.columns, [&](const recordings::Column& column) {
-                    return is_called(column, name);
-                })) {
-                throw WrongUse(fmt::format("--columns: found {}, allowed: {}{}", quoted_briefly(name),
-                                           comma_separated(names), suggestion(name, names)));
-            }
-        });
+        const auto has_name = [&](const recordings::Column& column) { return is_called(column, name); };
+        if (std::ranges::none_of(head.columns, has_name)) {
+            faults.add("--columns", fmt::format("found {}, allowed: {}{}", quoted_briefly(name),
+                                                comma_separated(names), suggestion(name, names)));
+        }
     }
-    faults.refuse();
+    faults.refuse<WrongUse>();
     if (chosen.size() > max_picture_columns) {
         spdlog::info("the picture shows the first {} of {} columns", max_picture_columns, chosen.size());
         chosen.resize(max_picture_columns);
@@ -116,7 +113,7 @@ std::vector<recordings::RecordedRows> samples_of(recordings::RecordingReader& re
     return samples;
 }
 
-/// A CSV of a sweep; a recording's begins with its times.
+/// Whether the file is a CSV of a sweep; a recording's begins with its times.
 bool is_csv_of_sweep(const std::string& file) {
     constexpr std::string_view first = "point,";
     std::string begin(first.size(), '\0');
@@ -126,7 +123,7 @@ bool is_csv_of_sweep(const std::string& file) {
            begin == first;
 }
 
-/// @returns nothing when it is no sweep
+/// Draws a sweep. @returns nothing when the file is none
 std::optional<Exit> plot_sweep(const PlotOptions& options) {
     stop_asked();  // from here on there are files to be cleaned up
     switch (
@@ -182,19 +179,12 @@ Exit plot_either(const PlotOptions& options) {
 
 Exit plot(const PlotOptions& options) {
     Faults faults;
-    faults.of([&] {
-        if (const auto fault = recordings::recording_fault(options.recording)) {
-            throw WrongUse(*fault);
-        }
-    });
-    faults.of([&] { refuse_wrong_picture("-o", options.picture); });
-    faults.of([&] {
-        if (!options.columns.empty() && !options.quantities.empty()) {
-            throw WrongUse(
-                "--quantity: found --columns, too, allowed: the one of a sweep, the other of a recording");
-        }
-    });
-    faults.refuse();
+    faults.add(recordings::recording_fault(options.recording));
+    faults.add("-o", picture_fault(options.picture));
+    if (!options.columns.empty() && !options.quantities.empty()) {
+        faults.add("--quantity: found --columns, too, allowed: the one of a sweep, the other of a recording");
+    }
+    faults.refuse<WrongUse>();
     if (!options.quantities.empty() || is_csv_of_sweep(options.recording)) {
         if (const auto drawn = plot_sweep(options)) {
             return *drawn;

@@ -18,13 +18,11 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
-#include "apps/arguments/target_option.hpp"
 #include "apps/command.hpp"
 #include "apps/commands/plot/picture.hpp"
 #include "apps/commands/preflight.hpp"
 #include "apps/commands/run/run_changes.hpp"
-#include "apps/commands/run/run_picture.hpp"
-#include "apps/commands/run/run_spectra.hpp"
+#include "apps/commands/run/run_files.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
@@ -48,7 +46,7 @@ constexpr const char* examples =
     "A recording in place of SCENE is simulated again, with the changes that its stream went through:\n"
     "  hertzline run session.h5 -o again.h5";
 
-struct RunArguments {
+struct RunOptions {
     SceneRequest scene;
     std::string changes;  ///< a file; empty: the scene stays as it is
     std::vector<std::string> files;
@@ -65,22 +63,14 @@ struct RunArguments {
 
 using measures::measurable_taps;
 
-/// @throws WrongUse when an option needs a file to save to and there is none
-void refuse_taps_without_files(const RunArguments& options) {
-    if (options.files.empty() && !(options.columns.empty() && options.taps.empty())) {
-        throw WrongUse(
-            fmt::format("{} needs -o FILE to save to", options.columns.empty() ? "--tap" : "--columns"));
-    }
-}
-
-/// The taps that the recordings hold.
-TapSet asked_taps(const RunArguments& options, TapSet columns, TapSet beside, const End& end) {
+/// Returns the taps that the recordings hold.
+TapSet asked_taps(const RunOptions& options, TapSet columns, TapSet beside, const End& end) {
     const TapSet taps = (options.columns.empty() ? recorded_taps(end) : columns) | beside;
     return options.all_bodies ? taps | Tap::v_chain | Tap::x_chain : taps;
 }
 
 /// Checks before the run that files written after it can be written. @throws std::runtime_error
-void refuse_unwritable(const RunArguments& options) {
+void refuse_unwritable(const RunOptions& options) {
     for (const std::string& file : options.spectra) {
         recordings::require_writable(file);
     }
@@ -153,45 +143,56 @@ void print_run(const measures::Run& run, Format format) {
     print_summary(summary, format);
 }
 
-/// @throws WrongUse
-Session session_of(const RunArguments& options) {
+/// Returns the session that SCENE names, a scene or a recording, or adds its faults.
+std::optional<Session> session_of(const RunOptions& options, Faults& faults) {
     if (!is_recording(options.scene.scene)) {
-        return session_of_scene(options.scene, options.changes);
+        return session_of_scene(options.scene, options.changes, faults);
     }
     if (!options.changes.empty()) {
-        throw WrongUse(
-            "--changes: found together with a recording, which has its own; allowed: with a scene");
+        faults.add("--changes: found together with a recording, which has its own; allowed: with a scene");
+        return std::nullopt;
     }
-    return session_of_recording(options.scene);
+    return session_of_recording(options.scene, faults);
 }
 
-Exit run(const RunArguments& options) {
-    const stream::Nanoseconds start = stream::MonotonicClock::now();
-    Faults faults;
-    std::optional<Session> sound;  // unset: the scene has faults
-    TapSet columns;
-    TapSet beside;
+/// The request of the options. recorded and measured: taps.
+struct CheckedRun {
+    Session session;
+    TapSet recorded;
     TapSet measured;
-    faults.of([&] { refuse_wrong_files(options.files); });
-    faults.of([&] { refuse_taps_without_files(options); });
-    faults.of([&] { refuse_wrong_spectra(options.spectra, options.files); });
-    faults.of([&] {
-        if (!options.picture.empty()) {
-            refuse_wrong_picture("--plot", options.picture);
-        }
-    });
-    faults.of([&] { refuse_wrong_wav_scale(options.wav_scale, options.files); });
-    faults.of([&] { sound = session_of(options); });
-    const TapSet there = sound ? taps_of(sound->resolved.scene.end) : all_taps;
-    faults.of([&] { columns = tap_arguments("--columns", options.columns, there); });
-    faults.of([&] { beside = tap_arguments("--tap", options.taps, there); });
-    faults.of([&] { measured = tap_arguments("--measure", options.measures, there & measurable_taps); });
-    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
-    faults.refuse();
-    const Resolution& resolved = sound->resolved;
-    const Scene& scene = resolved.scene;
-    measured = measures::measured_taps(scene, measured);
+};
+
+/// @throws WrongUse with every fault
+CheckedRun checked(const RunOptions& options) {
+    Faults faults;
+    check_recordings(options.files, faults);
+    if (options.files.empty() && !(options.columns.empty() && options.taps.empty())) {
+        faults.add(
+            fmt::format("{} needs -o FILE to save to", options.columns.empty() ? "--tap" : "--columns"));
+    }
+    check_spectra(options.spectra, options.files, faults);
+    if (!options.picture.empty()) {
+        faults.add("--plot", picture_fault(options.picture));
+    }
+    check_wav_scale(options.wav_scale, options.files, faults);
+    std::optional<Session> session = session_of(options, faults);
+    const TapSet there = session ? taps_of(session->resolved.scene.end) : all_taps;
+    const TapSet columns = measures::taps_named("--columns", options.columns, there, faults);
+    const TapSet beside = measures::taps_named("--tap", options.taps, there, faults);
+    const TapSet measured =
+        measures::taps_named("--measure", options.measures, there & measurable_taps, faults);
+    faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
+    faults.refuse<WrongUse>();
+    const Scene& scene = session->resolved.scene;
     const TapSet recorded = asked_taps(options, columns, beside, scene.end);
+    return {*session, recorded, measures::measured_taps(scene, measured)};
+}
+
+Exit run(const RunOptions& options) {
+    const stream::Nanoseconds start = stream::MonotonicClock::now();
+    const auto [session, recorded, measured] = checked(options);
+    const Resolution& resolved = session.resolved;
+    const Scene& scene = resolved.scene;
     refuse_unwritable(options);
     refuse_shortages(scene, {options.files, recorded, options.spectra, measured});
     stop_asked();  // from here on there are files to be cleaned up
@@ -205,7 +206,7 @@ Exit run(const RunArguments& options) {
         options.files, head, recordings::RecordingPatience::endless(stop_asked()),
         [](const std::string& text) { spdlog::error(text); }, recordings::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
-    measures::Run run = simulate(*sound, recorded, measured, recordings);
+    measures::Run run = simulate(session, recorded, measured, recordings);
     run.setup_s += setup_s;
     if (run.stopped) {
         recordings.discard();
@@ -237,7 +238,7 @@ Exit run(const RunArguments& options) {
 }  // namespace
 
 Run run_command(CLI::App& app) {
-    auto options = std::make_shared<RunArguments>();
+    auto options = std::make_shared<RunOptions>();
     add_scene_options(app, options->scene)->required();
     app.add_option("--changes", options->changes,
                    "change the scene on the way as a stream was changed: a JSON list of {\"sample\": N, "

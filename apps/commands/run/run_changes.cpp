@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "apps/command.hpp"
 #include "core/integrators/kernels.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
 #include "core/simulation.hpp"
@@ -24,92 +24,117 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& where, const std::vector<Fault>& faults) {
-    std::string text;
-    for (const Fault& fault : faults) {
-        text += (text.empty() ? "" : "\n") + where + ": " + fault.message();
-    }
-    throw WrongUse(text);
-}
-
-Scene changed(const Scene& scene, const Json& values, const std::string& where) {
-    auto result = with_values(scene, values);
-    if (!result) {
-        refuse(where, result.error());
-    }
-    return *std::move(result);
-}
-
-/// The scene with integrator and step, at a hash that is known or not.
-Scene resolved_step(const Scene& scene, const std::string& hash, const std::string& where) {
-    if (const std::vector<Fault> faults = validate(scene); !faults.empty()) {
-        refuse(where, faults);
+/// Resolves the scene, or adds its faults. @param hash of the resolved scene; empty: not known
+std::optional<Scene> resolved_step(const Scene& scene, const std::string& hash, const std::string& where,
+                                   Faults& faults) {
+    if (const std::vector<Fault> wrong = validate(scene); !wrong.empty()) {
+        faults.add(where, wrong);
+        return std::nullopt;
     }
     if (scene.numerics.integrator && scene.numerics.step_s && !hash.empty() && scene_hash(scene) == hash) {
         return scene;
     }
     Resolution resolved = hertzline::resolve(scene, std::nullopt);
     if (!resolved.faults.empty()) {
-        refuse(where, resolved.faults);
+        faults.add(where, resolved.faults);
+        return std::nullopt;
     }
     if (!hash.empty() && scene_hash(resolved.scene) != hash) {
-        throw WrongUse(
-            fmt::format("{}: found the scene hash {}, expected {}: it was another scene at the start, or "
-                        "another version of the program",
-                        where, scene_hash(resolved.scene), hash));
+        faults.add(where,
+                   fmt::format("found the scene hash {}, expected {}: it was another scene at the start, or "
+                               "another version of the program",
+                               scene_hash(resolved.scene), hash));
+        return std::nullopt;
     }
     return std::move(resolved.scene);
 }
 
-/// The scenes that the changes make. @param scene with or without integrator and step
-void add_steps(Session& session, Scene scene, const std::string& origin) {
+/// Resolves the scene of a change and completes the change, or adds the faults. Replaces `scene`, which is without
+/// integrator and step unless the user gave them, and `before`, which has them.
+bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scene& before,
+               const std::string& where, Faults& faults) {
+    const Json asked = change.set;
+    auto changed = faults.value_of(where, with_values(scene, asked));
+    auto after = changed ? resolved_step(*changed, change.scene_hash, where, faults) : std::nullopt;
+    if (!after) {
+        return false;
+    }
+    if (const std::vector<Fault> wrong = stream::frame_faults(before, *after); !wrong.empty()) {
+        faults.add(where, wrong);
+        return false;
+    }
+    const bool continues = stream::motion_goes_on(before, *after);
+    if (continues && !Simulation::can_hand_over(before)) {
+        faults.add(where,
+                   "the motion of this grid cannot be handed over; allowed: a series, or steps that "
+                   "divide the sample period");
+        return false;
+    }
+    change.set = stream::values_of_change(*after, asked);
+    change.was = stream::values_of_change(before, asked);
+    change.goes_on = continues;
+    change.scene_hash = scene_hash(*after);
+    session.steps.push_back({change.sample, continues, *after});
+    scene = *std::move(changed);
+    before = *std::move(after);
+    return true;
+}
+
+/// Adds the scenes that the changes make, or the faults of the first wrong one.
+/// @param scene with or without integrator and step
+std::optional<Session> with_steps(Session session, Scene scene, const std::string& origin, Faults& faults) {
     Scene before = session.resolved.scene;
     for (stream::SceneChange& change : session.changes) {
         const std::string where = fmt::format("{}: change from sample {} on", origin, change.sample);
-        const Json asked = change.set;
-        scene = changed(scene, asked, where);
-        Scene after = resolved_step(scene, change.scene_hash, where);
-        if (const std::vector<Fault> faults = stream::frame_faults(before, after); !faults.empty()) {
-            refuse(where, faults);
+        if (!take_step(session, change, scene, before, where, faults)) {
+            return std::nullopt;
         }
-        const bool goes_on = stream::motion_goes_on(before, after);
-        if (goes_on && !Simulation::can_hand_over(before)) {
-            throw WrongUse(
-                where +
-                ": the motion of this grid cannot be handed over; allowed: a series, or steps that "
-                "divide the sample period");
-        }
-        change.set = stream::values_of_change(after, asked);
-        change.was = stream::values_of_change(before, asked);
-        change.goes_on = goes_on;
-        change.scene_hash = scene_hash(after);
-        session.steps.push_back({change.sample, goes_on, after});
-        before = std::move(after);
     }
+    return session;
 }
 
-std::vector<stream::SceneChange> changes_of(const Json& list, const std::string& origin) {
-    auto changes = stream::changes_in(list);
-    if (!changes) {
-        throw WrongUse(origin + ": " + changes.error());
-    }
-    return *std::move(changes);
-}
-
-/// The scene in a recording's provenance.
-Scene recorded_scene(const Json& provenance, const std::string& origin) {
+/// Returns the scene in a recording's provenance, or adds the fault.
+std::optional<Scene> recorded_scene(const Json& provenance, const std::string& origin, Faults& faults) {
     const auto found = provenance.is_object() ? provenance.find("scene") : provenance.end();
     if (!provenance.is_object() || found == provenance.end() || !found->is_object()) {
-        throw WrongUse(origin + ": found no scene in this recording, allowed: recordings of hertzline");
+        faults.add(origin, "found no scene in this recording, allowed: recordings of hertzline");
+        return std::nullopt;
     }
-    auto scene = scene_of_json(*found);
-    if (!scene) {
-        refuse(origin, scene.error());
-    }
-    return *std::move(scene);
+    return faults.value_of(origin, scene_of_json(*found));
 }
 
-/// Index of the last sample.
+/// Returns the scene as it was in an epoch, before the changes up to it, or adds the faults.
+std::optional<Scene> before_epoch(std::int64_t epoch, std::optional<Scene> scene,
+                                  const std::vector<stream::SceneChange>& changes, const std::string& origin,
+                                  Faults& faults) {
+    if (epoch > 0 && (changes.empty() || changes.front().epoch != 1)) {
+        faults.add(origin,
+                   fmt::format("it begins in epoch {}, and does not hold all changes before it", epoch));
+        return std::nullopt;
+    }
+    for (auto change = changes.rbegin(); scene && change != changes.rend(); ++change) {
+        if (change->epoch <= epoch) {
+            scene = faults.value_of(
+                origin, with_values(*std::move(scene), change->was.is_null() ? Json::object() : change->was));
+        }
+    }
+    return scene;
+}
+
+/// Returns the JSON of a file of changes, or adds the fault of reading it.
+std::optional<Json> changes_file(const std::string& file, Faults& faults) {
+    constexpr std::uint64_t largest = 64 << 20;
+    try {
+        recordings::InputFile input(file);
+        Json json = json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
+        return json.is_object() && json.contains("changes") ? json["changes"] : json;
+    } catch (const std::runtime_error& error) {
+        faults.add("--changes", error.what());
+        return std::nullopt;
+    }
+}
+
+/// Returns the index of the last sample.
 std::int64_t last_sample(recordings::RecordingReader& reader) {
     constexpr std::size_t at_a_time = 4096;
     std::int64_t end = 0;
@@ -120,7 +145,7 @@ std::int64_t last_sample(recordings::RecordingReader& reader) {
     return std::max<std::int64_t>(0, end - 1);
 }
 
-/// The same bits need the same instructions.
+/// Warns of another version or instruction set: the same bits need the same instructions.
 void warn_of_differences(const Json& provenance, const std::string& origin) {
     const auto differs = [&](const char* key, const std::string& here) {
         const std::string there = provenance.value(key, here);
@@ -141,57 +166,62 @@ bool is_recording(const std::string& scene) {
            fs::is_regular_file(scene, error);
 }
 
-Session session_of_recording(const SceneRequest& request) {
+std::optional<Session> session_of_recording(const SceneRequest& request, Faults& faults) {
     const std::string origin = printable(request.scene);
     if (!request.settings.empty()) {
-        throw WrongUse("--set: found together with a recording, allowed: with a scene");
+        faults.add("--set: found together with a recording, allowed: with a scene");
+        return std::nullopt;
     }
     const std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(request.scene);
     const Json& provenance = reader->head().provenance;
-    Session session;
-    Scene scene = recorded_scene(provenance, origin);
-    session.changes = changes_of(provenance.value("changes", Json::array()), origin);
-    // a listener that joined later has the scene of the epoch in which it did
-    const auto joined = provenance.value("epoch", std::int64_t{0});
-    if (joined > 0 && (session.changes.empty() || session.changes.front().epoch != 1)) {
-        throw WrongUse(fmt::format("{}: it begins in epoch {}, and does not hold all changes before it",
-                                   origin, joined));
+    std::optional<Scene> scene = recorded_scene(provenance, origin, faults);
+    if (!scene) {
+        return std::nullopt;
     }
-    for (auto change = session.changes.rbegin(); change != session.changes.rend(); ++change) {
-        if (change->epoch <= joined) {
-            scene = changed(scene, change->was.is_null() ? Json::object() : change->was, origin);
-        }
+    Session session;
+    auto changes = faults.value_of(origin, stream::changes_in(provenance.value("changes", Json::array())));
+    if (!changes) {
+        return std::nullopt;
+    }
+    session.changes = *std::move(changes);
+    // a listener that joined later has the scene of the epoch in which it did
+    scene = before_epoch(provenance.value("epoch", std::int64_t{0}), std::move(scene), session.changes,
+                         origin, faults);
+    if (!scene) {
+        return std::nullopt;
     }
     warn_of_differences(provenance, origin);
-    session.resolved = hertzline::resolve(scene, std::nullopt);
+    session.resolved = hertzline::resolve(*scene, std::nullopt);
+    faults.add(origin, session.resolved.faults);
     if (!session.resolved.faults.empty()) {
-        refuse(origin, session.resolved.faults);
+        return std::nullopt;
     }
-    add_steps(session, scene, origin);
-    const double duration_s = static_cast<double>(last_sample(*reader)) / scene.output.sample_rate_hz;
-    session.resolved.scene.output.duration_s = duration_s;
-    return session;
+    auto whole = with_steps(std::move(session), *scene, origin, faults);
+    if (whole) {
+        whole->resolved.scene.output.duration_s =
+            static_cast<double>(last_sample(*reader)) / scene->output.sample_rate_hz;
+    }
+    return whole;
 }
 
-Session session_of_scene(const SceneRequest& request, const std::string& file) {
+std::optional<Session> session_of_scene(const SceneRequest& request, const std::string& file,
+                                        Faults& faults) {
+    auto resolved = faults.value_of({}, resolved_scene(request));
+    if (!resolved) {
+        return std::nullopt;
+    }
+    Session session{.resolved = *std::move(resolved), .changes = {}, .steps = {}};
     if (file.empty()) {
-        return {.resolved = resolved_scene(request), .changes = {}, .steps = {}};
+        return session;
     }
-    constexpr std::uint64_t largest = 64 << 20;
-    Session session;
-    session.resolved = resolved_scene(request);
-    try {
-        recordings::InputFile input(file);
-        const Json json = json_from_outside(input.text(std::min(input.size(), largest), "the changes"));
-        session.changes = changes_of(json.is_object() && json.contains("changes") ? json["changes"] : json,
-                                     "--changes " + printable(file));
-    } catch (const WrongUse&) {
-        throw;
-    } catch (const std::runtime_error& error) {
-        throw WrongUse(std::string("--changes: ") + error.what());
+    const auto json = changes_file(file, faults);
+    const std::string origin = "--changes " + printable(file);
+    auto changes = json ? faults.value_of(origin, stream::changes_in(*json)) : std::nullopt;
+    if (!changes) {
+        return std::nullopt;
     }
-    add_steps(session, parsed_scene(request).scene, "--changes " + printable(file));
-    return session;
+    session.changes = *std::move(changes);
+    return with_steps(std::move(session), parsed_scene(request).value().scene, origin, faults);
 }
 
 }  // namespace hertzline::app

@@ -1,12 +1,14 @@
 #pragma once
 // `run --changes` and `run RECORDING`: repeats a live session.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "measures/run.hpp"
 
 #include "apps/arguments/scene_argument.hpp"
+#include "core/scene/faults.hpp"
 #include "core/step_choice/resolve.hpp"
 #include "stream/control/scene_change.hpp"
 
@@ -22,11 +24,11 @@ struct Session {
 /// Whether SCENE names a recording: an ending of one, and a file that is there.
 bool is_recording(const std::string& scene);
 
-/// The session that a recording holds, from sample 0 to its last one. @throws WrongUse when it lacks its scene
-Session session_of_recording(const SceneRequest& request);
+/// Reads the session of a recording, from sample 0 to its last one, or adds the faults.
+std::optional<Session> session_of_recording(const SceneRequest& request, Faults& faults);
 
-/// A scene with the changes of a file: a JSON list as recordings have it, or an object with "changes".
-/// @param file empty: none @throws WrongUse with the fault
-Session session_of_scene(const SceneRequest& request, const std::string& file);
+/// Reads a scene and the changes of a file: a JSON list as recordings have it, or an object with "changes". Or adds the
+/// faults. @param file empty: none
+std::optional<Session> session_of_scene(const SceneRequest& request, const std::string& file, Faults& faults);
 
 }  // namespace hertzline::app

@@ -6,15 +6,14 @@
 
 #include "apps/arguments/options.hpp"
 #include "stream/wire/endpoint.hpp"
-#include "stream/wire/security/certificate.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
 // Bounds the changes in meta, which is sent once a second. Listeners read at most 1 MiB of it.
-constexpr std::size_t most_told = 500;
-constexpr std::size_t most_told_bytes = 512 << 10;
+constexpr std::size_t most_listed = 500;
+constexpr std::size_t most_listed_bytes = 512 << 10;
 
 }  // namespace
 
@@ -33,48 +32,31 @@ void add_control_options(CLI::App& app, ControlRequest& request) {
 }
 
 std::optional<stream::CurveServer> checked_control(const ControlRequest& request,
-                                                   const CurveServerRequest& stream) {
+                                                   const CurveServerRequest& stream, Faults& faults) {
     if (request.endpoint.empty()) {
         if (!request.controllers.empty()) {
-            throw WrongUse("--allow-controllers needs --control ENDPOINT");
+            faults.add("--allow-controllers needs --control ENDPOINT");
         }
         return std::nullopt;
     }
     if (const auto fault = stream::endpoint_fault(request.endpoint, stream::EndpointUse::bind)) {
-        throw WrongUse("--control: " + *fault);
+        faults.add("--control", fault);
+        return std::nullopt;
     }
     if (request.controllers.empty()) {
         if (!stream::is_local(request.endpoint)) {
-            throw WrongUse(
-                fmt::format("--control: {} can be reached from other machines, where anyone could "
-                            "change the scene; allowed: with --curve-key and --allow-controllers",
-                            request.endpoint));
+            faults.add("--control",
+                       fmt::format("{} can be reached from other machines, where anyone could "
+                                   "change the scene; allowed: with --curve-key and --allow-controllers",
+                                   request.endpoint));
         }
         return std::nullopt;
     }
     if (stream.key.empty()) {
-        throw WrongUse("--allow-controllers needs --curve-key, the stream's secret key");
+        faults.add("--allow-controllers needs --curve-key, the stream's secret key");
+        return std::nullopt;
     }
-    Faults faults;
-    stream::CurveServer server;
-    faults.of([&] {
-        auto own = stream::read_key_pair(stream.key);
-        if (!own) {
-            throw WrongUse("--curve-key: " + own.error());
-        }
-        server.own = *own;
-    });
-    for (const std::string& file : request.controllers) {
-        faults.of([&] {
-            const auto keys = stream::read_public_keys(file);
-            if (!keys) {
-                throw WrongUse("--allow-controllers: " + keys.error());
-            }
-            server.clients.insert(server.clients.end(), keys->begin(), keys->end());
-        });
-    }
-    faults.refuse();
-    return server;
+    return server_keys(stream.key, "--allow-controllers", request.controllers, faults);
 }
 
 LiveControl::LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
@@ -85,9 +67,9 @@ std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {
     std::vector<stream::EpochOfChange> begun = control_.take_epochs(epoch);
     for (const stream::EpochOfChange& one : begun) {
         changes_.push_back(stream::change_json(one.change));
-        told_bytes_ += changes_.back().dump().size();
-        while (changes_.size() > most_told || told_bytes_ > most_told_bytes) {
-            told_bytes_ -= changes_.front().dump().size();
+        listed_bytes_ += changes_.back().dump().size();
+        while (changes_.size() > most_listed || listed_bytes_ > most_listed_bytes) {
+            listed_bytes_ -= changes_.front().dump().size();
             changes_.erase(0);
             ++left_out_;
         }

@@ -24,10 +24,9 @@ struct ControlRequest {
 /// Adds --control and --allow-controllers. `request` must outlive the parsing.
 void add_control_options(CLI::App& app, ControlRequest& request);
 
-/// Checks the request, and reads the keys; unset when controllers need none. @param stream has the secret key
-/// @throws WrongUse with every fault
+/// Reads the keys of the request; unset when controllers need none. Adds every fault. @param stream has the secret key
 std::optional<stream::CurveServer> checked_control(const ControlRequest& request,
-                                                   const CurveServerRequest& stream);
+                                                   const CurveServerRequest& stream, Faults& faults);
 
 /// The changes of a stream that is controlled. All but the constructor is for the sending thread.
 class LiveControl {
@@ -49,11 +48,11 @@ private:
     stream::SceneControl control_;
     stream::ControlServer server_;
     Json changes_ = Json::array();
-    std::size_t told_bytes_ = 0;
+    std::size_t listed_bytes_ = 0;
     std::uint64_t left_out_ = 0;
 };
 
-/// A change for the log: "epoch 3 from sample 20000 on: drive.amplitude_m = 2e-06".
+/// Returns a change for the log: "epoch 3 from sample 20000 on: drive.amplitude_m = 2e-06".
 std::string change_text(const stream::SceneChange& change);
 
 }  // namespace hertzline::app

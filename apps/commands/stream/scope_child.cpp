@@ -13,18 +13,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "apps/command.hpp"
-
 namespace hertzline::app {
 
 namespace {
 
-/// Between fork and exec, where other threads' locks stay taken: system calls alone.
+/// Starts the scope in the child. Makes system calls alone: other threads' locks stay taken between fork and exec.
 [[noreturn]] void become_the_scope(char* const* arguments, pid_t parent) noexcept {
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     const int nothing = ::open("/dev/null", O_RDWR);
     ::dup2(nothing, STDIN_FILENO);
-    ::dup2(nothing, STDOUT_FILENO);  // its summary is none of the stream's
+    ::dup2(nothing, STDOUT_FILENO);  // its summary would mix with the stream's
     if (::getppid() == parent) {
         ::execv("/proc/self/exe", arguments);
     }
@@ -39,22 +37,19 @@ void add_scope_child_options(CLI::App& app, ScopeChildRequest& request) {
         ->type_name("ADDRESS:PORT");
 }
 
-void refuse_wrong_scope(const ScopeChildRequest& request, const CurveServerRequest& stream) {
+void check_scope(const ScopeChildRequest& request, const CurveServerRequest& stream, Faults& faults) {
     const bool wanted = request.wanted || !request.http.empty();
     if (wanted && !stream.key.empty()) {
-        throw WrongUse(
+        faults.add(
             "--scope: found an encrypted stream, whose listeners need keys of their own, allowed: a stream "
             "without --curve-key; or start hertzline scope with --curve-key and --server-key beside it");
-    }
-    if (request.http.empty()) {
-        return;
-    }
-    const auto address = scope::page_address(request.http);
-    if (!address || !address->loopback) {
-        throw WrongUse("--scope-http: " +
-                       (address ? "found an address that other machines reach, allowed: one of this "
-                                  "machine alone; or start hertzline scope beside the stream"
-                                : address.error()));
+    } else if (!request.http.empty()) {
+        const auto address = faults.value_of("--scope-http", scope::page_address(request.http));
+        if (address && !address->loopback) {
+            faults.add(
+                "--scope-http: found an address that other machines reach, allowed: one of this machine "
+                "alone; or start hertzline scope beside the stream");
+        }
     }
 }
 

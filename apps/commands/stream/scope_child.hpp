@@ -21,14 +21,14 @@ struct ScopeChildRequest {
 /// Adds --scope and --scope-http.
 void add_scope_child_options(CLI::App& app, ScopeChildRequest& request);
 
-/// @throws WrongUse for a scope of a stream whose keys it would need, or without an address
-void refuse_wrong_scope(const ScopeChildRequest& request, const CurveServerRequest& stream);
+/// Adds the fault of a scope whose stream is encrypted, or whose address is wrong.
+void check_scope(const ScopeChildRequest& request, const CurveServerRequest& stream, Faults& faults);
 
 /// Runs as long as the object lives, and ends with this process however that ends.
 class ScopeChild {
 public:
     /// Starts `hertzline scope` with these words. It prints the page's address, or its fault when it cannot run.
-    /// @throws std::runtime_error when there is no process to be had
+    /// @throws std::system_error when no process can be started
     explicit ScopeChild(std::vector<std::string> words);
     ~ScopeChild();
     ScopeChild(const ScopeChild&) = delete;

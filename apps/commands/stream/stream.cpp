@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "measures/resources.hpp"
+#include "measures/run.hpp"
 #include "measures/scene_report.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/row_builder.hpp"
@@ -41,7 +42,7 @@ constexpr const char* examples =
     "  hertzline stream paper-stream --control tcp://127.0.0.1:5574 --scope\n"
     "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --record wall.csv";
 
-struct StreamArguments {
+struct StreamOptions {
     SceneRequest scene;
     PublishRequest publish;
     ControlRequest control;
@@ -52,25 +53,18 @@ struct StreamArguments {
 };
 
 /// Returns the recorded taps of the streamed ones. @param end null: unknown, because the scene has faults
-TapSet taps_to_record(const StreamArguments& arguments, const End* end) {
+TapSet taps_to_record(const StreamOptions& arguments, const End* end, Faults& faults) {
     if (arguments.recordings.empty()) {
         return {};
     }
     if (arguments.columns.empty()) {
         return end == nullptr ? TapSet() : recorded_taps(*end);
     }
-    return tap_arguments("--columns", arguments.columns,
-                         end == nullptr ? streamed_taps : streamed_taps_of(*end));
+    return measures::taps_named("--columns", arguments.columns,
+                                end == nullptr ? streamed_taps : streamed_taps_of(*end), faults);
 }
 
-/// The faults of --columns that no scene is needed for. @throws WrongUse
-void refuse_wrong_columns(const StreamArguments& arguments) {
-    if (arguments.recordings.empty() && !arguments.columns.empty()) {
-        throw WrongUse("--columns needs --record FILE to save to");
-    }
-}
-
-void refuse_shortages(const StreamArguments& arguments, const Scene& scene,
+void refuse_shortages(const StreamOptions& arguments, const Scene& scene,
                       const stream::StreamOptions& options, const stream::PublisherOptions& publishing,
                       TapSet recorded) {
     const double memory = stream::SimulationSource::memory_bytes(scene) +
@@ -93,45 +87,44 @@ struct CheckedArguments {
 };
 
 /// @throws WrongUse with every fault
-CheckedArguments checked(const StreamArguments& arguments) {
+CheckedArguments checked(const StreamOptions& arguments) {
     Faults faults;
     CheckedArguments result;
-    faults.of([&] { refuse_wrong_files(arguments.recordings); });
-    faults.of([&] { result.curve = checked_curve(arguments.publish); });
-    faults.of([&] { refuse_wrong_scope(arguments.scope, arguments.publish.curve); });
-    faults.of([&] { result.control_curve = checked_control(arguments.control, arguments.publish.curve); });
-    faults.of([&] { refuse_wrong_columns(arguments); });
-    faults.of([&] { refuse_wrong_wav_scale(arguments.wav_scale, arguments.recordings); });
-    std::optional<End> end;  // unset: the scene has faults
-    faults.of([&] {
-        result.resolved = resolved_scene(arguments.scene, Lasting::endless);
-        end = result.resolved.scene.end;
-    });
-    faults.of([&] { result.recorded = taps_to_record(arguments, end ? &*end : nullptr); });
-    faults.refuse();
+    check_recordings(arguments.recordings, faults);
+    result.curve = checked_curve(arguments.publish, faults);
+    check_scope(arguments.scope, arguments.publish.curve, faults);
+    result.control_curve = checked_control(arguments.control, arguments.publish.curve, faults);
+    if (arguments.recordings.empty() && !arguments.columns.empty()) {
+        faults.add("--columns needs --record FILE to save to");
+    }
+    check_wav_scale(arguments.wav_scale, arguments.recordings, faults);
+    auto resolved = faults.value_of({}, resolved_scene(arguments.scene, Lasting::endless));
+    result.recorded = taps_to_record(arguments, resolved ? &resolved->scene.end : nullptr, faults);
+    faults.refuse<WrongUse>();
+    result.resolved = *std::move(resolved);
     return result;
 }
 
-void warn_of_contacts(const StreamArguments& arguments, const Scene& scene) {
+void warn_of_contacts(const StreamOptions& arguments, const Scene& scene) {
     for (const std::string& text :
          measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene)))) {
         spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
     }
 }
 
-std::unique_ptr<LiveControl> control_of(const StreamArguments& arguments, const CheckedArguments& checked,
+std::unique_ptr<LiveControl> control_of(const StreamOptions& arguments, const CheckedArguments& checked,
                                         stream::SimulationSource& source) {
     if (arguments.control.endpoint.empty()) {
         return nullptr;
     }
-    auto control =
-        std::make_unique<LiveControl>(arguments.control, checked.control_curve,
-                                      parsed_scene(arguments.scene).scene, checked.resolved.scene, source);
+    auto control = std::make_unique<LiveControl>(arguments.control, checked.control_curve,
+                                                 parsed_scene(arguments.scene).value().scene,
+                                                 checked.resolved.scene, source);
     spdlog::info("control {}", control->endpoint());
     return control;
 }
 
-Exit stream(const StreamArguments& arguments) {
+Exit stream(const StreamOptions& arguments) {
     const CheckedArguments asked = checked(arguments);
     const Scene& scene = asked.resolved.scene;
     warn_of_contacts(arguments, scene);
@@ -180,7 +173,7 @@ Exit stream(const StreamArguments& arguments) {
 }  // namespace
 
 Run stream_command(CLI::App& app) {
-    auto arguments = std::make_shared<StreamArguments>();
+    auto arguments = std::make_shared<StreamOptions>();
     add_scene_options(app, arguments->scene)->required();
     add_repeatable_option(app, "--record", arguments->recordings,
                           "save the samples as well; the ending picks the format: " +

@@ -32,7 +32,7 @@ void StreamSession::warn(const std::string& text) {
 }
 
 /// Returns members of meta for a new estimate of the error.
-Json StreamSession::told(const stream::EstimateWatch::News& news) {
+Json StreamSession::take_news(const stream::EstimateWatch::News& news) {
     if (!news.warning.empty()) {
         warn(news.warning);
     }
@@ -67,7 +67,7 @@ void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
         line_.clear();
         spdlog::warn(text);
     }
-    told(now_->estimate.finish(meters.motion));
+    take_news(now_->estimate.finish(meters.motion));
     const Scene& last = now_->resolved.scene;
     summary["recordings"] = recordings::recordings_json(recordings_);
     summary["steps"] = meters.account.steps;
@@ -85,7 +85,9 @@ PublishedSource StreamSession::callbacks() {
     };
     // unset if it could find nothing: looking takes a pass over the chain
     if (now_->estimate.watching() || control_ != nullptr) {
-        source.watch = [this](const MotionExtremes& motion) { return told(now_->estimate.look(motion)); };
+        source.watch = [this](const MotionExtremes& motion) {
+            return take_news(now_->estimate.look(motion));
+        };
     }
     if (control_ != nullptr) {
         source.epoch_begins = [this](const Epoch& epoch) { return begin(epoch); };

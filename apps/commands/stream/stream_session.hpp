@@ -14,7 +14,7 @@
 
 namespace hertzline::app {
 
-/// Provenance of a run that begins now.
+/// Returns the provenance of a run that begins now.
 Json provenance_of_stream(const Resolution& resolved, const std::string& run);
 
 /// For the sending thread. Its arguments outlive it.
@@ -37,7 +37,7 @@ private:
     };
 
     void warn(const std::string& text);
-    Json told(const stream::EstimateWatch::News& news);
+    Json take_news(const stream::EstimateWatch::News& news);
     Json begin(const Epoch& epoch);
     void add_to(Json& summary, const stream::StreamMeters& meters);
 

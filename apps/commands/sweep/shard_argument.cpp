@@ -37,37 +37,38 @@ Number number_of_launcher(const char* name) {
     return text != nullptr ? whole_number(text) : std::nullopt;
 }
 
-[[noreturn]] void refuse_gaps(std::int64_t task, std::int64_t tasks, std::int64_t first, std::int64_t last) {
-    throw WrongUse(
-        fmt::format("--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps "
-                    "that begins at 1 (1-8) or at 0; --shard slurm/N runs one task of it again",
-                    task, tasks, first, last));
+std::string gaps_fault(std::int64_t task, std::int64_t tasks, std::int64_t first, std::int64_t last) {
+    return fmt::format(
+        "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps that begins "
+        "at 1 "
+        "(1-8) or at 0; --shard slurm/N runs one task of it again",
+        task, tasks, first, last);
 }
 
 /// Returns the part of a task of a job array. --array=1-8 has parts 1/8 to 8/8; tasks that are submitted again need the number of parts.
-studies::Shard shard_of_slurm_task(Number parts) {
+tl::expected<studies::Shard, std::string> shard_of_slurm_task(Number parts) {
     const Number task = number_of_launcher("SLURM_ARRAY_TASK_ID");
     const Number tasks = number_of_launcher("SLURM_ARRAY_TASK_COUNT");
     const Number first = number_of_launcher("SLURM_ARRAY_TASK_MIN");
     const Number last = number_of_launcher("SLURM_ARRAY_TASK_MAX");
     if (!task || !tasks || !first || !last) {
-        throw WrongUse(
+        return tl::unexpected<std::string>(
             "--shard slurm: SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing: start it in a job of "
             "sbatch --array=1-N");
     }
     if (parts) {
         if (*first < 1 || *task < 1 || *task > *parts) {
-            throw WrongUse(fmt::format(
+            return tl::unexpected(fmt::format(
                 "--shard slurm/{0}: found task {1} of an array from {2} to {3}, allowed: tasks from 1 to {0}",
                 *parts, *task, *first, *last));
         }
-        return {*task, *parts};
+        return studies::Shard{*task, *parts};
     }
     const bool whole = (*first == 0 || *first == 1) && *last - *first + 1 == *tasks;
     if (!whole || *task < *first || *task > *last || *tasks > studies::max_points) {
-        refuse_gaps(*task, *tasks, *first, *last);
+        return tl::unexpected(gaps_fault(*task, *tasks, *first, *last));
     }
-    return {*task - *first + 1, *tasks};
+    return studies::Shard{*task - *first + 1, *tasks};
 }
 
 /// The environment variables of a launcher of ranks.
@@ -80,20 +81,20 @@ constexpr std::array launchers{RankNames{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORL
                                RankNames{"PMI_RANK", "PMI_SIZE"},
                                RankNames{"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
 
-studies::Shard shard_of_rank() {
+tl::expected<studies::Shard, std::string> shard_of_rank() {
     for (const RankNames& names : launchers) {
         const Number rank = number_of_launcher(names.rank);
         const Number ranks = number_of_launcher(names.ranks);
         if (rank && ranks && *rank >= 0 && *rank < *ranks && *ranks <= studies::max_points) {
-            return {*rank + 1, *ranks};
+            return studies::Shard{*rank + 1, *ranks};
         }
     }
     std::string allowed;
     for (const RankNames& names : launchers) {
         allowed += fmt::format("{}{} with {}", allowed.empty() ? "" : ", ", names.rank, names.ranks);
     }
-    throw WrongUse("--shard mpi: the environment has no rank: start it with mpirun or srun, which set " +
-                   allowed);
+    return tl::unexpected(
+        "--shard mpi: the environment has no rank: start it with mpirun or srun, which set " + allowed);
 }
 
 /// Returns whether a launcher names the part, without knowledge of earlier parts.
@@ -103,9 +104,9 @@ bool is_of_launcher(const std::string& text) {
 
 }  // namespace
 
-studies::Shard shard_argument(const std::string& text) {
+tl::expected<studies::Shard, std::string> shard_argument(const std::string& text) {
     if (text.empty()) {
-        return {};
+        return studies::Shard();
     }
     if (text == "mpi") {
         return shard_of_rank();
@@ -122,10 +123,10 @@ studies::Shard shard_argument(const std::string& text) {
             return shard_of_slurm_task(parts);
         }
         if (part && *part >= 1 && *part <= *parts) {
-            return {*part, *parts};
+            return studies::Shard{*part, *parts};
         }
     }
-    throw WrongUse(
+    return tl::unexpected(
         fmt::format("--shard: found {}, allowed: I/N (1/4 is the first of 4 parts), slurm, slurm/N or mpi",
                     quoted_briefly(text)));
 }

@@ -4,11 +4,13 @@
 #include <string>
 
 #include "studies/study.hpp"
+#include <tl/expected.hpp>
 
 namespace hertzline::app {
 
-/// Reads "I/N", "slurm", "slurm/N" or "mpi"; empty: all points. @throws WrongUse, also when the environment names no part
-studies::Shard shard_argument(const std::string& text);
+/// Reads "I/N", "slurm", "slurm/N" or "mpi"; empty: all points. Or returns the fault, also when the environment names no
+/// part.
+tl::expected<studies::Shard, std::string> shard_argument(const std::string& text);
 
 /// Returns the name of the journal of a sweep or of its part: FILE.journal, or FILE.1-of-4.journal.
 std::string journal_name(const std::string& file, const studies::Shard& shard);

@@ -13,9 +13,9 @@
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/sweep/shard_argument.hpp"
+#include "apps/console/messages.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
-#include "apps/console/terminal.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -120,8 +121,10 @@ Exit report_finished(const SweepOptions& options, const Study& study) {
 }
 
 Exit run_sweep(const SweepOptions& options) {
-    const ValidatedSweep sweep = validated_sweep(options);
-    const Study& study = sweep.study;
+    Faults faults;
+    const std::optional<ValidatedSweep> sweep = validated_sweep(options, faults);
+    faults.refuse<WrongUse>();
+    const Study& study = sweep->study;
     const bool whole = study.shard.parts == 1;
     const int jobs = jobs_of(options);
     if (!options.files.empty()) {
@@ -133,7 +136,7 @@ Exit run_sweep(const SweepOptions& options) {
     if (whole) {
         std::ranges::for_each(options.files, recordings::require_writable);
     }
-    warn_of_refused(sweep.summary, study.plan.size());
+    warn_of_refused(sweep->summary, study.plan.size());
     Journal journal = open_journal(options, study.shard);
     begin_or_compare(journal, study, options.resume);
     studies::load_rows(journal, study);
@@ -145,16 +148,16 @@ Exit run_sweep(const SweepOptions& options) {
         spdlog::info("{} of {} points are in {}", finished.all(), all, journal.path().string());
     }
     const UnusedJournal unused(journal, !missing.empty());
-    refuse_shortages(options, sweep, missing.size(), jobs);
+    refuse_shortages(options, *sweep, missing.size(), jobs);
     PointCounts counts = finished;
     run_to_journal(journal, [&] { counts += run_missing(study, journal, missing, jobs); });
     const std::string done = fmt::format("{} of {} points", counts.all(), all);
     if (counts.all() < all) {
         return stopped(journal, done);
     }
-    if (const std::string faults = counts.faults(); !faults.empty()) {
+    if (const std::string failures = counts.faults(); !failures.empty()) {
         spdlog::warn("{} of {} points are not ok: {}; their messages say why",
-                     counts.all() - counts[PointStatus::ok], all, faults);
+                     counts.all() - counts[PointStatus::ok], all, failures);
     }
     const std::int64_t failed = counts[PointStatus::failed];
     if (whole && !finish(options, study, journal, failed)) {

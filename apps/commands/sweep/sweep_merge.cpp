@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "apps/command.hpp"
 #include "apps/commands/sweep/study_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
@@ -75,13 +76,15 @@ const Journal& part_of(const std::vector<Journal>& parts, std::int64_t point) {
 }
 
 void refuse_options_beside_merge(const SweepOptions& options) {
+    Faults faults;
     if (!options.scene.scene.empty() || !options.scene.settings.empty() || !options.vary.empty() ||
         !options.points.empty() || options.sobol || options.resume || !options.shard.empty() ||
         !options.quantities.empty() || !options.measures.empty() || !options.waveform.empty()) {
-        throw WrongUse(
-            "--merge: found options of a sweep, allowed: -o, --json; the journals have the others");
+        faults.add("--merge: found options of a sweep, allowed: -o, --json; the journals have the others");
+    } else {
+        check_output(options, faults);
     }
-    refuse_no_output(options);
+    faults.refuse<WrongUse>();
 }
 
 /// Returns the sweep of the first journal.
@@ -99,7 +102,9 @@ Study first_sweep(const std::string& name) {
 Exit merge_parts(const SweepOptions& options) {
     refuse_options_beside_merge(options);
     const Study study = first_sweep(options.parts.front());
-    refuse_wrong_tables(options.files, study.options.waveform);
+    Faults faults;
+    check_tables(options.files, study.options.waveform, faults);
+    faults.refuse<WrongUse>();
     const std::vector<Journal> parts = open_parts(options, study);
     for (std::int64_t point = 0; point < study.plan.size(); ++point) {
         if (const Journal& part = part_of(parts, point); !part.has(point)) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
-#include <stdexcept>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -15,8 +14,6 @@
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
-#include "apps/arguments/target_option.hpp"
-#include "apps/command.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
 #include "core/scene/text.hpp"
 
@@ -40,134 +37,115 @@ constexpr const char* examples =
 constexpr int max_jobs = 1024;
 constexpr double max_points_bytes = 1U << 30;
 
-[[noreturn]] void refuse(const std::vector<Fault>& faults) {
-    throw WrongUse(fault_text(faults));
-}
-
-std::string points_text(const std::string& name) {
+/// Reads the file of points, or adds its fault.
+std::optional<std::string> points_text(const std::string& name, Faults& faults) {
     recordings::InputFile file(name);
     if (static_cast<double>(file.size()) > max_points_bytes) {
-        throw WrongUse(fmt::format("--points: found {} bytes, allowed: at most {} bytes", file.size(),
-                                   number_text(max_points_bytes)));
+        faults.add("--points", fmt::format("found {} bytes, allowed: at most {} bytes", file.size(),
+                                           number_text(max_points_bytes)));
+        return std::nullopt;
     }
     std::string text = file.text(file.size(), "the points");
     if (text.empty()) {
-        throw WrongUse(printable(name) + ": found an empty file, allowed: a line of keys, then points");
+        faults.add(printable(name), "found an empty file, allowed: a line of keys, then points");
+        return std::nullopt;
     }
     return text;
 }
 
-/// Refuses --set of a key that varies.
-void refuse_set_keys(const SweepOptions& options, const studies::SweepPlan& plan) {
-    Faults faults;
+/// Adds the faults of --set of a key that varies.
+void check_set_keys(const SweepOptions& options, const studies::SweepPlan& plan, Faults& faults) {
     for (const std::string& setting : options.scene.settings) {
         const std::string key(trimmed(std::string_view(setting).substr(0, setting.find('=')), " \t"));
         if (std::ranges::find(plan.keys(), key, &SceneKey::name) != plan.keys().end()) {
-            faults.of([&] {
-                throw WrongUse(fmt::format("--set {}: found a key that varies, allowed: one that does not",
-                                           printable(setting)));
-            });
+            faults.add("--set " + printable(setting), "found a key that varies, allowed: one that does not");
         }
     }
-    faults.refuse();
 }
 
-studies::SweepPlan plan_of(const SweepOptions& options) {
-    const ParsedScene base = parsed_scene(options.scene);
+std::optional<studies::SweepPlan> plan_of(const SweepOptions& options, Faults& faults) {
+    const auto base = faults.value_of({}, parsed_scene(options.scene));
+    if (!base) {
+        return std::nullopt;
+    }
     studies::PlanRequest request{options.vary, "", printable(options.points), options.sobol};
     if (!options.points.empty()) {
-        request.points = points_text(options.points);
-    }
-    auto plan = studies::SweepPlan::make(base.scene, request);
-    if (!plan) {
-        refuse(plan.error());
-    }
-    refuse_set_keys(options, *plan);
-    return *std::move(plan);
-}
-
-std::vector<studies::NumberColumn> columns_of(const SweepOptions& options, TapSet measured, bool modal) {
-    auto columns = measures::chosen_columns(measures::number_columns(measured, modal), options.quantities);
-    if (!columns) {
-        std::string text;
-        for (const std::string& fault : columns.error()) {
-            text += (text.empty() ? "--quantity: " : "\n--quantity: ") + fault;
+        auto points = points_text(options.points, faults);
+        if (!points) {
+            return std::nullopt;
         }
-        throw WrongUse(text);
+        request.points = *std::move(points);
     }
-    return *std::move(columns);
+    auto plan = faults.value_of({}, studies::SweepPlan::make(base->scene, request));
+    if (plan) {
+        check_set_keys(options, *plan, faults);
+    }
+    return plan;
 }
 
-void refuse_wrong_output(const SweepOptions& options) {
-    refuse_no_output(options);
+void check_files(const SweepOptions& options, Faults& faults) {
+    if (options.files.empty() && options.format == Format::text) {
+        check_output(options, faults);
+        return;
+    }
     if (options.files.empty() && (options.resume || !options.shard.empty())) {
-        throw WrongUse(fmt::format("{} needs -o FILE", options.resume ? "--resume" : "--shard"));
+        faults.add(fmt::format("{} needs -o FILE", options.resume ? "--resume" : "--shard"));
+        return;
     }
     if (options.files.empty() && !options.waveform.empty()) {
-        throw WrongUse("--waveforms needs -o FILE.h5");
+        faults.add("--waveforms needs -o FILE.h5");
+        return;
     }
     for (const std::string& file : options.files) {
         std::error_code there_is_none;
         if (!options.points.empty() && std::filesystem::equivalent(file, options.points, there_is_none)) {
-            throw WrongUse(
-                fmt::format("-o {}: found the file of --points, allowed: another file", printable(file)));
+            faults.add("-o " + printable(file), "found the file of --points, allowed: another file");
+            return;
         }
     }
-    refuse_wrong_tables(options.files, options.waveform.empty() ? std::nullopt : std::optional(Tap::v_out));
+    check_tables(options.files, options.waveform.empty() ? std::nullopt : std::optional(Tap::v_out), faults);
 }
 
 }  // namespace
 
-void refuse_no_output(const SweepOptions& options) {
+void check_output(const SweepOptions& options, Faults& faults) {
     if (options.files.empty() && options.format == Format::text) {
-        throw WrongUse("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
+        faults.add("-o FILE is missing: give a file that ends in .h5 or .csv, or --json");
     }
 }
 
-void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform) {
+void check_tables(std::span<const std::string> files, std::optional<Tap> waveform, Faults& faults) {
     recordings::Table table;
     table.columns.push_back({{"status", "", ""}, recordings::CellKind::text});
     if (waveform) {
         table.samples.emplace();
     }
-    Faults faults;
     std::set<std::filesystem::path> names;
     for (const std::string& file : files) {
-        faults.of([&] {
-            if (const auto fault = recordings::table_fault(file, table)) {
-                throw WrongUse(*fault + (waveform ? ", which holds waveforms" : ""));
-            }
-            if (!names.insert(recordings::recording_name(file)).second) {
-                throw WrongUse(
-                    fmt::format("{}: found a second time, allowed: each file once", printable(file)));
-            }
-        });
+        if (const auto fault = recordings::table_fault(file, table)) {
+            faults.add(*fault + (waveform ? ", which holds waveforms" : ""));
+        } else if (!names.insert(recordings::recording_name(file)).second) {
+            faults.add(printable(file), "found a second time, allowed: each file once");
+        }
     }
-    faults.refuse();
 }
 
 int jobs_of(const SweepOptions& options) {
     if (!options.jobs && options.shard == "mpi") {
         return 1;  // the ranks of a machine share its processors
     }
-    if (!options.jobs) {
-        return std::min(measures::usable_processors(), max_jobs);
-    }
-    if (*options.jobs < 1 || *options.jobs > max_jobs) {
-        throw WrongUse(fmt::format("--jobs: found {}, allowed: 1 to {}", *options.jobs, max_jobs));
-    }
-    return *options.jobs;
+    return options.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
 }
 
-ValidatedSweep validated_sweep(const SweepOptions& options) {
+std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Faults& others) {
     Faults faults;
-    std::optional<studies::SweepPlan> plan;
-    studies::Shard shard;
-    faults.of([&] { refuse_wrong_output(options); });
-    faults.of([&] { jobs_of(options); });
-    faults.of([&] { shard = shard_argument(options.shard); });
-    faults.of([&] { refuse_wrong_band(options.band_from_hz); });
-    faults.of([&] { plan = plan_of(options); });
+    check_files(options, faults);
+    if (const int jobs = jobs_of(options); jobs < 1 || jobs > max_jobs) {
+        faults.add("--jobs", fmt::format("found {}, allowed: 1 to {}", jobs, max_jobs));
+    }
+    const auto shard = faults.value_of({}, shard_argument(options.shard));
+    faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
+    std::optional<studies::SweepPlan> plan = plan_of(options, faults);
     studies::PlanSummary summary =
         plan ? studies::summary_of(*plan, measures::measurable_among(options.measures))
              : studies::PlanSummary{};
@@ -175,20 +153,22 @@ ValidatedSweep validated_sweep(const SweepOptions& options) {
     studies::PointOptions point_options;
     point_options.band_from_hz = options.band_from_hz;
     point_options.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(summary.rows);
-    faults.of([&] { point_options.measured = tap_arguments("--measure", options.measures, there); });
-    faults.of([&] {
-        if (!options.waveform.empty()) {
-            point_options.waveform = tap_argument("--waveforms", options.waveform, there);
-        }
-    });
-    faults.of([&] {
-        point_options.columns = columns_of(
-            options, (point_options.measured | measures::measured_unasked) & (there | point_options.measured),
-            summary.modal);
-    });
-    faults.refuse();
+    point_options.measured = measures::taps_named("--measure", options.measures, there, faults);
+    if (!options.waveform.empty()) {
+        point_options.waveform = faults.value_of("--waveforms", measures::find_tap(options.waveform, there));
+    }
+    const TapSet measured =
+        (point_options.measured | measures::measured_unasked) & (there | point_options.measured);
+    auto columns = faults.value_of(
+        "--quantity",
+        measures::chosen_columns(measures::number_columns(measured, summary.modal), options.quantities));
+    if (!faults.none()) {
+        others.add(faults);
+        return std::nullopt;
+    }
+    point_options.columns = *std::move(columns);
     summary.memory_bytes += sizeof(float) * static_cast<double>(point_options.waveform_samples);
-    return {{*std::move(plan), std::move(point_options), shard}, std::move(summary)};
+    return ValidatedSweep{{*std::move(plan), std::move(point_options), *shard}, std::move(summary)};
 }
 
 void add_point_options(CLI::App& app, SweepOptions& options) {

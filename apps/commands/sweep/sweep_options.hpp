@@ -12,6 +12,7 @@
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/console/output.hpp"
+#include "core/scene/faults.hpp"
 
 namespace hertzline::app {
 
@@ -43,16 +44,16 @@ struct ValidatedSweep {
     studies::PlanSummary summary;
 };
 
-/// Checks the options and the scene of every point. @throws WrongUse with every fault
-ValidatedSweep validated_sweep(const SweepOptions& options);
+/// Checks the options and the scene of every point. Returns the sweep, or adds the faults.
+std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Faults& others);
 
-/// Returns the number of threads. @throws WrongUse
+/// Returns the number of threads.
 int jobs_of(const SweepOptions& options);
 
-/// @throws WrongUse when there is neither a file nor --json
-void refuse_no_output(const SweepOptions& options);
+/// Adds the fault of a sweep with neither a file nor --json.
+void check_output(const SweepOptions& options, Faults& faults);
 
-/// @throws WrongUse with every file that cannot be a sweep's table, or is named twice. @param waveform only HDF5 holds them
-void refuse_wrong_tables(std::span<const std::string> files, std::optional<Tap> waveform);
+/// Adds the fault of each file that cannot be a sweep's table, or is named twice. @param waveform only HDF5 holds them
+void check_tables(std::span<const std::string> files, std::optional<Tap> waveform, Faults& faults);
 
 }  // namespace hertzline::app

@@ -7,15 +7,14 @@
 
 All numbers are in SI units, and the names say which: `thickness_m`, `preload_n`, `peak_v_out_m_per_s`.
 
-What is wrong with a scene or an argument is a `ValueError` that names every fault, a line each: where, what was found and
-what is allowed. A file that cannot be read or written is an `OSError`, too little memory a `MemoryError`, a motion that
-becomes unstable a `RuntimeError`. While it computes other threads of Python go on, and Ctrl-C ends it.
+A wrong scene or argument is a `ValueError` that names every fault, a line each: its place, what was found and what is
+allowed. A file that cannot be read or written is an `OSError`, too little memory a `MemoryError`, a motion that
+becomes unstable a `RuntimeError`. While it computes, other threads of Python run, and Ctrl-C ends it.
 
 FFTW is used for spectra: no other code of the process (pyfftw) may plan with it at the same time.
 """
 
-from ._control import Control, control
-from ._listen import Block, GapError, Live, listen
+from ._live import Block, Control, GapError, Live, control, listen
 from ._native import version as __version__
 from ._recording import Recording, load
 from ._samples import Samples, Spectrum

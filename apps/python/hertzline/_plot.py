@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from ._samples import Samples
-    from ._studies import Table
 
 
 def _script() -> Any:
@@ -22,36 +20,38 @@ def _script() -> Any:
     return _draw
 
 
-def draw_samples(samples: Samples, names: Sequence[str], title: str, axes: Any = None) -> Figure:
+def draw_samples(
+    taps: Mapping[str, tuple[NDArray[np.float64], str]],
+    t: NDArray[np.float64],
+    recording: Mapping[str, Any],
+    title: str,
+    axes: Any = None,
+) -> Figure:
+    """taps: samples and unit of each; t: their times [s]; recording: sample_rate_hz and provenance."""
     import matplotlib
 
-    columns: dict[str, Any] = {"t_s": samples.t}
+    columns: dict[str, Any] = {"t_s": t}
     about = []
-    for name in names:
-        values = samples[name]
+    for name, (values, unit) in taps.items():
         channels = values[:, np.newaxis] if values.ndim == 1 else values
         for channel in range(channels.shape[1]):
             label = name if values.ndim == 1 else f"{name} {channel + 1}"
             columns[label] = channels[:, channel]
-            about.append((label, label, samples.unit(name)))
+            about.append((label, label, unit))
     if not about:
         raise ValueError("plot: found no taps, allowed: at least one")
-    if len(samples.t) == 0:
+    if len(t) == 0:
         raise ValueError("plot: found no samples, allowed: at least one")
     rows = None if axes is None else np.asarray(axes).reshape(-1, 2) if np.size(axes) % 2 == 0 else np.empty((0, 2))
     if rows is not None and len(rows) != len(about):
         raise ValueError(f"axes: found {np.size(axes)}, allowed: {2 * len(about)}, two for each column")
     with matplotlib.rc_context():
-        figure: Figure = _script().draw(
-            columns,
-            {"columns": about, "sample_rate_hz": samples.sample_rate_hz, "provenance": samples.provenance},
-            title,
-            rows,
-        )
+        figure: Figure = _script().draw(columns, {"columns": about, **recording}, title, rows)
     return figure
 
 
-def draw_table(table: Table, quantities: Sequence[str], title: str, axes: Any = None) -> Figure:
+def draw_table(table: Any, quantities: Sequence[str], title: str, axes: Any = None) -> Figure:
+    """table: a structured array with `units` of its columns, and `provenance`."""
     import matplotlib
 
     script = _script()

@@ -20,7 +20,7 @@ def load(path: str | os.PathLike[str]) -> Recording:
 
 
 class Recording(Samples):
-    """Samples of a file. Where some are missing, `gaps` says so, and `t` leaps."""
+    """Samples of a file. Where some are missing, `gaps` has their place and count, and `t` leaps."""
 
     def __init__(self, native: _native.Recording) -> None:
         self._native = native
@@ -41,7 +41,7 @@ class Recording(Samples):
 
     @property
     def gaps(self) -> list[tuple[int, int]]:
-        """Where samples are missing: (row before which they are, how many)."""
+        """Gaps: (the row behind the gap, the count of missing samples)."""
         stretches = self._native.stretches
         return [
             (row, first - (before + row - row_before))
@@ -55,7 +55,7 @@ class Recording(Samples):
 
     @property
     def taps(self) -> list[str]:
-        """What `self[...]` takes beside the names of single columns."""
+        """The names for `self[...]`, beside those of single columns."""
         return list(self._quantities)
 
     @property
@@ -67,7 +67,7 @@ class Recording(Samples):
         return self._native.samples(name)
 
     def unit(self, name: str) -> str:
-        """The unit of a tap or column; "" where the file does not say."""
+        """The unit of a tap or column; "" where the file has none."""
         for column, quantity, unit in self._columns:
             if name in (quantity, column):
                 return unit
@@ -80,7 +80,7 @@ class Recording(Samples):
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """Where the samples come from, as the file says: version, scene, integrator, step, estimated error."""
+        """Origin of the samples, from the file: version, scene, integrator, step, estimated error."""
         provenance = self._native.provenance()
         return provenance if isinstance(provenance, dict) else {}
 

@@ -1,4 +1,4 @@
-"""What runs and recordings have in common: samples by name, their spectra and their pictures."""
+"""The common part of runs and recordings: samples by name, their spectra and their pictures."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._plot import draw_samples
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,12 +43,12 @@ class Samples:
 
     @property
     def taps(self) -> list[str]:
-        """What `self[...]` takes."""
+        """The names for `self[...]`."""
         raise NotImplementedError
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """Where the samples come from: version, scene, integrator, step, estimated error."""
+        """Origin of the samples: version, scene, integrator, step, estimated error."""
         raise NotImplementedError
 
     def __getitem__(self, name: str) -> Floats:
@@ -76,10 +77,10 @@ class Samples:
 
         Needs matplotlib. The figure is one of pyplot's: a notebook shows it by itself, a script by `plt.show()`.
         """
-        from ._plot import draw_samples
-
         names = [name for name in self.taps if self[name].ndim == 1] if taps is None else list(taps)
-        return draw_samples(self, names, title, axes)
+        drawn = {name: (self[name], self.unit(name)) for name in names}
+        recording = {"sample_rate_hz": self.sample_rate_hz, "provenance": self.provenance}
+        return draw_samples(drawn, self.t, recording, title, axes)
 
     def unit(self, name: str) -> str:
         """The unit of a tap: "m/s", "N", "Pa", "m"."""

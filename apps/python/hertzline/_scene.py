@@ -1,4 +1,4 @@
-"""Scenes, and what a run of one gives."""
+"""Scenes, and the results of their runs."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def toml_value(key: str, value: Any) -> str:
 
 
 class Scene:
-    """What to simulate. Made by `hertzline.scene`; never changes."""
+    """A device and its drive. Made by `hertzline.scene`; never changes."""
 
     __slots__ = ("_native",)
 
@@ -101,7 +101,7 @@ class Scene:
 
     @property
     def hash(self) -> str:
-        """16 hexadecimal digits that tell scenes apart, as in summaries and recordings of resolved scenes."""
+        """16 hexadecimal digits that identify the scene, as in summaries and recordings of resolved scenes."""
         return self._native.hash()
 
     @property
@@ -123,8 +123,8 @@ class Scene:
         return Scene(self._native.resolved())
 
     def check(self) -> dict[str, Any]:
-        """What follows from the scene, with the names and units of `hertzline check --json`: masses, stiffnesses,
-        frequencies, step and estimated error; and its `warnings`. What the program says of its files is left out.
+        """Numbers that follow from the scene, with the names and units of `hertzline check --json`: masses, stiffnesses,
+        frequencies, step and estimated error; and its `warnings`. The costs of files are left out.
 
         Raises ValueError when the scene cannot be simulated as it is, as with a step beyond the stability limit.
         """
@@ -139,8 +139,8 @@ class Scene:
     ) -> Result:
         """Simulates from 0 to output.duration_s, with the bits of `hertzline run`.
 
-        taps: what to keep, as ["v_out", "v_chain"]; by default what `hertzline run -o` saves. v_out is always there.
-        measure: peaks and spectra of these taps, too, stand in the summary; they are kept as well.
+        taps: the outputs to keep, such as ["v_out", "v_chain"]; by default those that `hertzline run -o` saves. v_out is always kept.
+        measure: taps whose peaks and spectra stand in the summary, too; they are kept as well.
         band_from_hz: bands are looked for from here upward [Hz]; by default half the drive's frequency.
 
         Raises ValueError with every fault, RuntimeError when the motion becomes unstable, MemoryError.
@@ -168,12 +168,12 @@ def _restored(toml: str, name: str) -> Scene:
 def names_in(argument: str, names: Iterable[str]) -> list[str]:
     """A list of names; one by itself, which would be taken letter by letter, is refused."""
     if isinstance(names, str):
-        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
+        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, such as ["{names}"]')
     return list(names)
 
 
 class Result(Samples):
-    """What a run has given. `result["v_out"]` are samples, `result.summary` the numbers of `hertzline run --json`."""
+    """Results of a run: `result["v_out"]` are samples, `result.summary` the numbers of `hertzline run --json`."""
 
     def __init__(self, native: _native.Run) -> None:
         self._native = native
@@ -194,7 +194,7 @@ class Result(Samples):
 
     @property
     def taps(self) -> list[str]:
-        """What `self[...]` takes: the taps that were asked for, those that are measured, and v_out."""
+        """The names for `self[...]`: the taps that were asked for, the measured ones, and v_out."""
         return self._native.taps
 
     def __getitem__(self, name: str) -> Floats:
@@ -210,24 +210,24 @@ class Result(Samples):
 
     @property
     def warnings(self) -> list[str]:
-        """What the program warns of, a sentence each: an accuracy that is missed, a record that is too short."""
+        """The program's warnings, a sentence each: an accuracy that is missed, a record that is too short."""
         return self._native.warnings
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """Where the samples come from: version, resolved scene, integrator, step, estimated error."""
+        """Origin of the samples: version, resolved scene, integrator, step, estimated error."""
         return self._native.provenance()
 
     def save(self, *paths: Path, taps: Sequence[str] | None = None, wav_scale: float = 1.0) -> None:
         """Writes recordings; the endings pick the formats: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-collection.
 
-        taps: what they hold; by default the taps that `run` was asked for.
-        wav_scale: what is full scale in WAV files, in the unit of the samples.
+        taps: the outputs that they hold; by default the taps that `run` was asked for.
+        wav_scale: full scale of WAV files, in the unit of the samples.
 
         A file has its name when it is complete. Raises ValueError for wrong names, OSError.
         """
         if not paths:
-            raise TypeError("save: found no file, allowed: at least one")
+            raise TypeError("save: paths is missing: give at least one file")
         files = [os.fspath(path) for path in paths]
         self._native.save(files, None if taps is None else names_in("taps", taps), wav_scale)
 

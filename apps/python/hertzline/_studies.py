@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._plot import draw_table
 from ._scene import Scene, names_in, scene, with_values
 
 if TYPE_CHECKING:
@@ -245,8 +246,6 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
 
         axes: draws into these, one for each quantity; by default a figure is made.
         """
-        from ._plot import draw_table
-
         return draw_table(self, names_in("quantities", quantities), title, axes)
 
 

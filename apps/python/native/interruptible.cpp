@@ -16,7 +16,7 @@ namespace py = pybind11;
 
 constexpr auto between_looks = std::chrono::milliseconds(50);  // for signals
 
-/// A thread that does the work, and how it went.
+/// A thread that does the work, and its outcome.
 class Worker {
 public:
     explicit Worker(const Work& work) : thread_([this, &work] { run(work); }) {}
@@ -26,7 +26,7 @@ public:
         std::unique_lock lock(mutex_);
         return ended_.wait_for(lock, between_looks, [this] { return over_; });
     }
-    /// To be called when it is over.
+    /// Throws the work's exception. Call it when the work is over.
     void rethrow() {
         if (failure_) {
             std::rethrow_exception(failure_);

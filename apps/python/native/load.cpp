@@ -1,5 +1,3 @@
-#include "apps/python/native/load.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <memory>
@@ -13,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/json.hpp"
 #include "core/taps.hpp"
@@ -23,7 +22,7 @@ namespace {
 
 constexpr std::size_t portion = 65'536;  // rows that are read at a time
 
-/// Samples without a gap: where they begin in the run, and where in the recording.
+/// Samples without a gap, and their beginning in the run and in the recording.
 struct Stretch {
     std::int64_t first = 0;
     std::size_t row = 0;
@@ -63,7 +62,7 @@ std::shared_ptr<Recording> load(const std::string& path) {
     return recording;
 }
 
-/// Whose columns are `quantity`: the first of them, and how many follow it without a break.
+/// Returns the first column of a quantity, and the count of its columns.
 std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const std::string& quantity) {
     const std::vector<recordings::Column>& columns = recording.head.columns;
     const auto named = std::ranges::find(columns, quantity, &recordings::Column::name);
@@ -76,14 +75,15 @@ std::pair<std::size_t, std::size_t> columns_of(const Recording& recording, const
             static_cast<std::size_t>(std::ranges::count_if(columns, is_its))};
 }
 
-/// [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain. @param name of a quantity or of a column
+/// Returns [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
+/// @param name of a quantity or of a column
 py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, const std::string& name) {
     const auto [first, count] = columns_of(*recording, name);
     const std::vector<recordings::Column>& columns = recording->head.columns;
     if (count == 0) {
         throw py::key_error("found \"" + name + "\", which the recording does not hold");
     }
-    // of all spheres the columns take turns: x1, v1, x2, v2
+    // the columns of several quantities take turns: x1, v1, x2, v2
     std::size_t apart = 1;
     while (count > 1 && columns[first + apart].quantity != columns[first].quantity) {
         ++apart;
@@ -104,7 +104,7 @@ py::array_t<double> samples_of(const std::shared_ptr<Recording>& recording, cons
 
 using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// All of a recording for pickle; JSON as text, which keeps every number.
+/// Returns all of a recording for pickle; JSON as text, which keeps every number.
 py::tuple state_of_recording(const std::shared_ptr<Recording>& recording) {
     py::list columns;
     for (const recordings::Column& column : recording->head.columns) {

@@ -1,7 +1,6 @@
 #include "apps/python/native/python_values.hpp"
 
 #include "measures/resources.hpp"
-#include "measures/run.hpp"
 
 #include "core/scene/json.hpp"
 
@@ -45,25 +44,6 @@ std::string fault_text(std::vector<Fault> faults) {
         }
     }
     return hertzline::fault_text(faults);
-}
-
-void ArgumentFaults::refuse() const {
-    if (!text_.empty()) {
-        throw py::value_error(text_);
-    }
-}
-
-TapSet taps_named(const char* argument, const std::vector<std::string>& names, TapSet allowed,
-                  ArgumentFaults& faults) {
-    TapSet taps;
-    for (const std::string& name : names) {
-        if (const auto tap = measures::find_tap(name, allowed)) {
-            taps |= *tap;
-        } else {
-            faults.add(std::string(argument) + ": " + tap.error());
-        }
-    }
-    return taps;
 }
 
 void with_os_errors(const std::function<void()>& work) {

@@ -21,38 +21,23 @@ namespace hertzline::python {
 
 namespace py = pybind11;
 
-/// dict, list, str, int, float, bool or None.
+/// Returns a dict, list, str, int, float, bool or None.
 py::object python_object(const Json& json);
 
-/// The faults, a line each, as messages call them. Those of settings name the key alone.
+/// Returns the faults, a line each. Faults of settings name the key alone.
 std::string fault_text(std::vector<Fault> faults);
 
-/// Collects what is wrong with several arguments, to be told at once.
-class ArgumentFaults {
-public:
-    void add(const std::string& text) { text_ += (text_.empty() ? "" : "\n") + text; }
-    /// @throws py::value_error when there are any
-    void refuse() const;
-
-private:
-    std::string text_;
-};
-
-/// The taps of those names; what is wrong goes to the faults. @param argument as messages call it
-TapSet taps_named(const char* argument, const std::vector<std::string>& names, TapSet allowed,
-                  ArgumentFaults& faults);
-
-/// Does what reads or writes files. @throws py::error_already_set: OSError with the text of its std::runtime_error
+/// Does work on files. @throws py::error_already_set: OSError with the text of its std::runtime_error
 void with_os_errors(const std::function<void()>& work);
 
-/// @throws py::error_already_set: MemoryError, unless so many bytes are available
+/// Checks that so many bytes are available. @throws py::error_already_set: MemoryError otherwise
 void require_memory(const std::string& what, double bytes);
 
-/// An array that cannot be written to, of memory that `owner` holds and keeps. @param strides in numbers; empty: row-major
+/// Returns a read-only array of memory that `owner` holds. @param strides in numbers; empty: row-major
 py::array_t<double> view_of(const double* data, std::vector<py::ssize_t> shape, const py::handle& owner,
                             const std::vector<py::ssize_t>& strides = {});
 
-/// An array that owns what the vector held. Nothing is copied.
+/// Returns an array that takes over the vector's numbers. Nothing is copied.
 template <class Number>
 py::array_t<Number> array_of(std::vector<Number>&& values, std::vector<py::ssize_t> shape) {
     auto held = std::make_unique<std::vector<Number>>(std::move(values));

@@ -1,4 +1,4 @@
-#include "apps/python/native/run.hpp"
+#include "measures/run.hpp"
 
 #include <array>
 #include <chrono>
@@ -10,20 +10,21 @@
 
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
-#include "measures/run.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/save.hpp"
 #include "apps/python/native/scene_object.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 
 namespace hertzline::python {
 
 namespace {
 
-/// What the caller asks for, checked.
+/// The checked arguments of run().
 struct RunRequest {
     TapSet taps;      ///< to be kept
     TapSet measured;  ///< beside v_out
@@ -32,23 +33,19 @@ struct RunRequest {
 
 RunRequest checked(const Scene& scene, const std::optional<std::vector<std::string>>& taps,
                    const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
-    ArgumentFaults faults;
+    Faults faults;
     const TapSet there = taps_of(scene.end);
-    RunRequest request{taps ? taps_named("taps", *taps, there, faults) : recorded_taps(scene.end),
-                       taps_named("measure", measure, there & measures::measurable_taps, faults),
+    RunRequest request{taps ? measures::taps_named("taps", *taps, there, faults) : recorded_taps(scene.end),
+                       measures::taps_named("measure", measure, there & measures::measurable_taps, faults),
                        band_from_hz};
     request.measured = measures::measured_taps(scene, request.measured);
-    if (const auto fault = measures::band_from_fault(band_from_hz)) {
-        faults.add("band_from_hz: " + *fault);
-    }
-    if (const auto fault = measures::longest_run_fault(scene)) {
-        faults.add(*fault);
-    }
-    faults.refuse();
+    faults.add("band_from_hz", measures::band_from_fault(band_from_hz));
+    faults.add(measures::longest_run_fault(scene));
+    faults.refuse<py::value_error>();
     return request;
 }
 
-/// Bytes of a run and of the samples that it keeps, roughly from above.
+/// Returns the bytes of a run and of the samples that it keeps, roughly from above.
 double memory_of(const Scene& scene, const RunRequest& request) {
     const TapSet taps = measures::taps_of_run(scene, request.taps | request.measured);
     return measures::memory_of_run(scene, taps, request.measured) +
@@ -113,7 +110,7 @@ Tap held_tap(const RunResult& result, const std::string& name) {
     return *tap;
 }
 
-/// [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
+/// Returns [sample], or [sample][sphere] or [sample][contact] of a tap of the whole chain.
 py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, const std::string& name) {
     const Tap tap = held_tap(*result, name);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
@@ -123,7 +120,7 @@ py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, con
     return view_of(result->column(tap).data(), shape, py::cast(result));
 }
 
-/// All of a run for pickle; JSON as text, which keeps every number.
+/// Returns all of a run for pickle; JSON as text, which keeps every number.
 py::tuple state_of_run(const std::shared_ptr<RunResult>& result) {
     py::dict samples;
     for (const Tap tap : result->held) {

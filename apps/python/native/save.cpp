@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <stdexcept>
 
+#include "measures/run.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"
@@ -13,7 +13,7 @@
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/samples.hpp"
-#include "core/scene/text.hpp"
+#include "core/scene/faults.hpp"
 
 namespace hertzline::python {
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t block_rows = 4096;
 
-/// The next rows of the taps, as a simulation would give them.
+/// Fills the block with the next rows of the taps, as a simulation would.
 void fill(Samples& block, const RunResult& result, TapSet taps, std::size_t first) {
     block.first = static_cast<std::int64_t>(first);
     block.count = std::min(block.capacity(), result.rows - first);
@@ -61,7 +61,7 @@ void write(const RunResult& result, const std::vector<std::string>& paths,
     }
 }
 
-/// The HDF5 library may be entered by one thread at a time, and h5py holds the GIL when it does.
+/// Whether a file is HDF5: one thread at a time may enter the library, and h5py holds the GIL when it does.
 bool needs_the_gil(const std::vector<std::string>& paths) {
     return std::ranges::any_of(
         paths, [](const std::string& path) { return recordings::recording_ending(path) == ".h5"; });
@@ -71,20 +71,16 @@ bool needs_the_gil(const std::vector<std::string>& paths) {
 
 void save(const std::shared_ptr<RunResult>& result, const std::vector<std::string>& paths,
           const std::optional<std::vector<std::string>>& names, double wav_scale) {
-    ArgumentFaults faults;
-    const TapSet taps = names ? taps_named("taps", *names, result->held, faults) : result->asked;
+    Faults faults;
+    const TapSet taps = names ? measures::taps_named("taps", *names, result->held, faults) : result->asked;
     for (const std::string& path : paths) {
-        if (const auto fault = recordings::recording_fault(path)) {
-            faults.add(*fault);
-        }
+        faults.add(recordings::recording_fault(path));
     }
-    if (!(wav_scale > 0 && std::isfinite(wav_scale))) {
-        faults.add("wav_scale: found " + number_text(wav_scale) + ", allowed: a finite number above 0");
-    }
+    faults.add("wav_scale", positive_fault(wav_scale));
     if (taps.empty() && (!names || names->empty())) {
         faults.add("taps: found none, allowed: at least one");
     }
-    faults.refuse();
+    faults.refuse<py::value_error>();
     const recordings::RecordingHead head{.columns = recordings::recorded_columns(taps, result->spheres),
                                          .sample_rate_hz = result->sample_rate_hz,
                                          .provenance = result->provenance,

@@ -13,7 +13,7 @@
 
 namespace hertzline::python {
 
-/// What a run has left. Its samples do not move once it is made.
+/// Results of a run. Its samples do not move once it is made.
 struct RunResult {
     double sample_rate_hz = 0;
     std::size_t rows = 0;

@@ -11,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"

@@ -1,18 +1,16 @@
 #pragma once
-// A scene as Python holds it: validated, and resolved when that is first needed.
+// A scene as Python holds it: validated, and resolved on its first use.
 
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <pybind11/pybind11.h>
 
 #include "core/scene/scene_toml.hpp"
 #include "core/step_choice/resolve.hpp"
 
 namespace hertzline::python {
 
-/// Never changes, but for what it remembers.
+/// A scene that never changes; it keeps its resolution.
 class SceneObject {
 public:
     explicit SceneObject(ParsedScene parsed) : parsed_(std::move(parsed)) {}
@@ -20,7 +18,7 @@ public:
     const Scene& scene() const noexcept { return parsed_.scene; }
     const std::string& origin() const noexcept { return parsed_.origin; }
 
-    /// With integrator and step settled, which takes as long as a few milliseconds of simulation. Needs the GIL, and gives it away
+    /// Settles integrator and step, which takes as long as a few milliseconds of simulation. Needs the GIL, and releases it
     /// meanwhile. @throws py::value_error with every fault; py::error_already_set: MemoryError, KeyboardInterrupt
     std::shared_ptr<const Resolution> resolved();
 
@@ -28,7 +26,5 @@ private:
     ParsedScene parsed_;
     std::shared_ptr<const Resolution> resolved_;  // nullptr: not yet
 };
-
-void add_scene(pybind11::module_& module);
 
 }  // namespace hertzline::python

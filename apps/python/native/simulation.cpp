@@ -1,4 +1,4 @@
-#include "apps/python/native/simulation.hpp"
+#include "core/simulation.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,9 +12,10 @@
 #include "measures/run.hpp"
 #include <pybind11/stl.h>
 
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/scene_object.hpp"
-#include "core/simulation.hpp"
+#include "core/scene/faults.hpp"
 
 namespace hertzline::python {
 
@@ -27,7 +28,7 @@ public:
         : simulation_(resolved, {.taps = taps}),
           block_(simulation_.make_samples(measures::block_of_run(simulation_.scene(), taps))) {}
 
-    /// The next samples of each tap: name and array [sample], or [sample][channel].
+    /// Simulates and returns the next samples of each tap: name and array [sample], or [sample][channel].
     /// @throws std::runtime_error when the motion becomes unstable; py::error_already_set of a signal handler
     py::dict advance(std::int64_t samples) {
         std::vector<std::vector<double>> columns(tap_count);
@@ -55,7 +56,7 @@ public:
         return result;
     }
 
-    /// Bytes of the arrays that advance() returns.
+    /// Returns the bytes of the arrays that advance() returns.
     double bytes_of(std::int64_t samples) const {
         return sizeof(double) * static_cast<double>(samples) *
                channels_of(simulation_.taps(), static_cast<double>(simulation_.scene().chain.spheres));
@@ -86,13 +87,14 @@ private:
 
 std::unique_ptr<Steps> simulation_of(SceneObject& object,
                                      const std::optional<std::vector<std::string>>& names) {
-    ArgumentFaults faults;
+    Faults faults;
     const TapSet there = taps_of(object.scene().end);
-    const TapSet taps = names ? taps_named("taps", *names, there, faults) : recorded_taps(object.scene().end);
+    const TapSet taps =
+        names ? measures::taps_named("taps", *names, there, faults) : recorded_taps(object.scene().end);
     if (taps.empty()) {
         faults.add("taps: found none, allowed: at least one");
     }
-    faults.refuse();
+    faults.refuse<py::value_error>();
     return std::make_unique<Steps>(*object.resolved(), taps);
 }
 

@@ -1,14 +1,14 @@
-#include "apps/python/native/spectrum.hpp"
+#include "measures/spectrum.hpp"
 
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "measures/quantities.hpp"
-#include "measures/spectrum.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 
 namespace hertzline::python {
@@ -17,7 +17,8 @@ namespace {
 
 using Record = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// frequencies [Hz], amplitudes [as the samples], and the numbers of docs/measures.md; None without a fundamental.
+/// Returns frequencies [Hz], amplitudes [as the samples], and the numbers of docs/measures.md, which are None without a
+/// fundamental.
 py::tuple spectrum(const Record& samples, double sample_rate_hz, std::optional<double> fundamental_hz,
                    std::optional<double> band_from_hz) {
     if (samples.ndim() != 1) {

@@ -1,5 +1,3 @@
-#include "apps/python/native/studies.hpp"
-
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -14,6 +12,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/scene_object.hpp"
 

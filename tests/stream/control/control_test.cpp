@@ -251,8 +251,9 @@ TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
                     ? Json{{"set", {{"chain.preload_n", 0.1 + 0.01 * i}}}}
                     : Json{{"set",
                             {{"drive.amplitude_m", 1e-6 + 1e-7 * i}, {"drive.repetition_hz", 900 + 7 * i}}}};
-            const Json reply =
-                ask_control({.endpoint = server.endpoint(), .timeout = patience}, request, never);
+            const Json reply = ask_control(
+                {.endpoint = server.endpoint(), .timeout_s = std::chrono::duration<double>(patience).count()},
+                request, never);
             EXPECT_EQ(reply["epoch"], i + 1) << reply;
             begins.push_back(reply["applies_at_sample"]);
         }

@@ -30,12 +30,12 @@ double density(const Material& material) {
     return std::visit([](const auto& sort) { return sort.density_kg_per_m3; }, material);
 }
 
-/// Speed of longitudinal waves [m/s].
+/// Returns the speed of longitudinal waves [m/s].
 double sound_speed(const Material& material) {
     return acoustic_impedance(material) / density(material);
 }
 
-/// In MPa.
+/// Returns a strength in MPa, or "-".
 std::string strength_text(const Solid* solid, std::optional<double> Solid::*strength) {
     return solid != nullptr && solid->*strength ? fmt::format("{:.4g}", *(solid->*strength) / 1e6) : "-";
 }

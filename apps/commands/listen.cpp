@@ -1,25 +1,31 @@
 // hertzline listen: the reference subscriber. Receives one stream, reports losses, and saves the samples.
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "measures/run.hpp"
+#include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/curve_arguments.hpp"
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "apps/commands/listen/listen_session.hpp"
-#include "apps/commands/preflight.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 #include "stream/listening/listener.hpp"
+#include "stream/listening/run_receiver.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::app {
@@ -28,7 +34,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-constexpr const char* examples =
+constexpr const char* listen_examples =
     "Missing samples are reported, not filled in; the exit status is then 1.\n"
     "Examples:\n"
     "  hertzline listen\n"
@@ -46,11 +52,112 @@ struct ListenOptions {
     Format format = Format::text;
 };
 
-Tap tap_of(const ListenOptions& options) {
-    return tap_argument("--stream", options.stream, streamed_taps);
+/// Where samples are saved.
+struct RecordingRequest {
+    std::vector<std::string> files;
+    double full_scale = 1;  ///< of WAV files
+};
+
+/// Saves one run, and sums it up.
+class ListenSession {
+public:
+    /// @param run the receiver of the frames @param wanted_s simulated seconds; unset: all of the run
+    ListenSession(stream::RunReceiver& run, std::optional<double> wanted_s, RecordingRequest request,
+                  stream::RunReceiver::Notify notify);
+
+    /// Takes the next frame, and ends the run when it has lasted long enough.
+    /// @throws std::runtime_error when the first samples come and a recording cannot be begun
+    void take(const stream::ReceivedFrame& frame);
+
+    /// Completes the recordings.
+    void save();
+
+    /// Whether no recording has failed.
+    bool saved() const noexcept { return !recordings_ || recordings_->sound(); }
+
+    double simulated_s() const noexcept {
+        return run_.has_samples() ? static_cast<double>(samples_) / run_.fs() : 0;
+    }
+
+    Json summary() const;
+
+private:
+    void begin();
+
+    stream::RunReceiver& run_;
+    std::optional<double> wanted_s_;
+    RecordingRequest request_;
+    stream::RunReceiver::Notify notify_;
+    std::optional<recordings::RecordingSet> recordings_;  // from the first frame on
+    std::uint64_t samples_ = 0;                           // kept
+};
+
+ListenSession::ListenSession(stream::RunReceiver& run, std::optional<double> wanted_s,
+                             RecordingRequest request, stream::RunReceiver::Notify notify)
+    : run_(run), wanted_s_(wanted_s), request_(std::move(request)), notify_(std::move(notify)) {}
+
+void ListenSession::begin() {
+    recordings::RecordingHead head{.columns = {},
+                                   .sample_rate_hz = run_.fs(),
+                                   .numbers = recordings::NumberType::float32,
+                                   .provenance = run_.provenance(),
+                                   .full_scale = request_.full_scale};
+    if (!request_.files.empty()) {
+        head.columns = recordings::recorded_columns(run_.tap(), spheres_of(run_.tap(), run_.channels()));
+    }
+    recordings_.emplace(request_.files, head, recordings::RecordingPatience::of_a_second(stop_asked()),
+                        notify_);
 }
 
-/// What the options ask for, checked.
+void ListenSession::take(const stream::ReceivedFrame& frame) {
+    if (!recordings_) {
+        begin();
+    }
+    for (const Json& change : run_.take_changes()) {
+        recordings_->note_change(change);
+    }
+    std::size_t count = frame.header.n;
+    if (wanted_s_) {
+        const double wanted = std::max(1.0, std::round(*wanted_s_ * run_.fs()));
+        const double left = wanted - static_cast<double>(samples_);
+        if (left <= static_cast<double>(count)) {
+            count = static_cast<std::size_t>(left);
+            run_.end(stream::EndReason::long_enough);
+        }
+    }
+    if (recordings_->any_left()) {
+        const auto end = frame.values.begin() + static_cast<std::ptrdiff_t>(count * run_.channels());
+        recordings_->write(static_cast<std::int64_t>(frame.header.sample), {frame.values.begin(), end});
+    }
+    samples_ += count;
+}
+
+void ListenSession::save() {
+    if (recordings_) {
+        recordings_->commit();
+        for (const std::string& text : recordings_->warnings()) {
+            notify_(text);
+        }
+    }
+}
+
+Json ListenSession::summary() const {
+    Json summary;
+    summary["stream"] = row_of(run_.tap()).name;
+    summary["run"] = run_.run();
+    summary["fs"] = run_.fs();
+    summary["channels"] = run_.channels();
+    summary["first_sample"] = run_.first_sample();
+    summary["simulated_s"] = simulated_s();
+    summary["samples"] = samples_;
+    summary.update(run_.account());
+    summary["recordings"] = recordings_ ? recordings::recordings_json(*recordings_) : Json::array();
+    summary["gapless"] = run_.complete();
+    summary["ended_by"] = word(run_.end_reason());
+    return summary;
+}
+
+/// The tap and the keys that the options name.
 struct Wanted {
     Tap tap{};
     std::optional<stream::CurveClient> curve;
@@ -59,28 +166,15 @@ struct Wanted {
 /// @throws WrongUse that names every fault
 Wanted checked(const ListenOptions& options) {
     Faults faults;
-    Wanted wanted;
-    faults.of([&] {
-        if (const auto fault = stream::endpoint_fault(options.endpoint, stream::EndpointUse::connect)) {
-            throw WrongUse("--connect: " + *fault);
-        }
-    });
-    faults.of([&] { wanted.tap = tap_of(options); });
-    faults.of([&] {
-        if (options.duration_s) {
-            require_positive("--duration", *options.duration_s);
-        }
-    });
-    faults.of([&] {
-        if (options.timeout_s) {
-            require_positive("--timeout", *options.timeout_s);
-        }
-    });
-    faults.of([&] { refuse_wrong_files(options.files); });
-    faults.of([&] { refuse_wrong_wav_scale(options.wav_scale, options.files); });
-    faults.of([&] { wanted.curve = curve_of(options.curve); });
-    faults.refuse();
-    return wanted;
+    faults.add("--connect", stream::endpoint_fault(options.endpoint, stream::EndpointUse::connect));
+    const auto tap = faults.value_of("--stream", measures::find_tap(options.stream, streamed_taps));
+    faults.add("--duration", positive_fault(options.duration_s));
+    faults.add("--timeout", positive_fault(options.timeout_s));
+    check_recordings(options.files, faults);
+    check_wav_scale(options.wav_scale, options.files, faults);
+    const auto curve = curve_of(options.curve, faults);
+    faults.refuse<WrongUse>();
+    return {*tap, curve};
 }
 
 void listen_to_the_end(stream::Listener& listener, ListenSession& session, ProgressLine& line,
@@ -105,7 +199,7 @@ void listen_to_the_end(stream::Listener& listener, ListenSession& session, Progr
 }
 
 /// Reports faults of the run, after everything was saved.
-void complain(const stream::Listener& listener, const ListenOptions& options) {
+void report_faults(const stream::Listener& listener, const ListenOptions& options) {
     const stream::RunReceiver& run = listener.run();
     if (run.end_reason() == stream::EndReason::silence) {
         spdlog::error("nothing arrived for {} s from {}", number_text(listener.timeout_s()),
@@ -143,7 +237,7 @@ Exit listen(const ListenOptions& options) {
         summary["endpoint"] = options.endpoint;
         print_summary(summary, options.format);
     }
-    complain(listener, options);
+    report_faults(listener, options);
     return listener.run().complete() && session.saved() ? Exit::done : Exit::failed;
 }
 
@@ -171,7 +265,7 @@ Run listen_command(CLI::App& app) {
            "give up when nothing arrives for S seconds (default: 15 after the first samples, never before)")
         ->type_name("S");
     add_format_option(app, options->format, "print the summary as one JSON object");
-    app.footer(examples);
+    app.footer(listen_examples);
     return [options] { return listen(*options); };
 }
 

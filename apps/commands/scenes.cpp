@@ -48,7 +48,7 @@ void list_scenes(Format format) {
     print(format == Format::json ? json_text(list) + '\n' : text);
 }
 
-/// A row of the tables in scenes/README.md.
+/// Returns a row of the tables in scenes/README.md.
 std::string key_row(const SceneKey& key) {
     const auto value = key.value(Scene{});
     const std::string standard = value                           ? '`' + toml_text(*value) + '`'
@@ -99,7 +99,7 @@ Exit scenes(const ScenesOptions& options) {
         list_scenes(options.format);
         return Exit::done;
     }
-    const Resolution resolved = resolved_scene(options.scene);
+    const Resolution resolved = required_scene(options.scene);
     print(options.format == Format::json ? json_text(scene_json(resolved.scene)) + '\n'
                                          : annotated_toml(resolved, options.scene));
     return Exit::done;

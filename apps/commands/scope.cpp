@@ -20,7 +20,7 @@ namespace hertzline::app {
 
 namespace {
 
-constexpr const char* examples =
+constexpr const char* scope_examples =
     "Open the address that it prints in a browser. It ends in a word that others do\n"
     "not know, and only this machine reaches it, unless --http-to-others. Ctrl-C\n"
     "ends it.\n"
@@ -39,51 +39,41 @@ struct ScopeOptions {
     Format format = Format::text;
 };
 
-void refuse_wrong_endpoint(const char* option, const std::string& endpoint) {
-    if (const auto fault = stream::endpoint_fault(endpoint, stream::EndpointUse::connect)) {
-        throw WrongUse(std::string(option) + ": " + *fault);
+void check_address(const ScopeOptions& options, const scope::PageAddress& address, Faults& faults) {
+    if (!address.loopback && !options.to_others) {
+        faults.add("--http",
+                   "found " + quoted_briefly(options.http) +
+                       ", which other machines reach, and HTTP does not encrypt; allowed: an address of "
+                       "this machine alone (127.0.0.1, through an SSH tunnel for others), or "
+                       "--http-to-others beside it");
     }
 }
 
-scope::PageAddress checked_address(const ScopeOptions& options) {
-    const auto address = scope::page_address(options.http);
-    if (!address) {
-        throw WrongUse("--http: " + address.error());
-    }
-    if (!address->loopback && !options.to_others) {
-        throw WrongUse(
-            "--http: found " + quoted_briefly(options.http) +
-            ", which other machines reach, and HTTP does not encrypt; allowed: an address of this machine "
-            "alone (127.0.0.1, through an SSH tunnel for others), or --http-to-others beside it");
-    }
-    return *address;
-}
-
-void refuse_wrong_folder(const std::string& folder) {
+void check_folder(const std::string& folder, Faults& faults) {
     std::error_code error;
     if (!std::filesystem::is_directory(folder, error)) {
-        throw WrongUse("--record-to: found " + quoted_briefly(folder) + ", allowed: a folder that is there");
+        faults.add("--record-to", "found " + quoted_briefly(folder) + ", allowed: a folder that is there");
     }
 }
 
-/// What the options ask for, checked. @throws WrongUse that names every fault
+/// Checks the options. @throws WrongUse that names every fault
 std::pair<scope::ScopeTargets, scope::PageAddress> checked(const ScopeOptions& options) {
     Faults faults;
     scope::ScopeTargets targets{
         .stream = options.endpoint, .control = {}, .curve = {}, .recordings = options.folder};
-    scope::PageAddress address;
-    faults.of([&] { refuse_wrong_endpoint("--connect", options.endpoint); });
-    faults.of([&] {
-        if (!options.control.empty()) {
-            refuse_wrong_endpoint("--control", options.control);
-            targets.control = options.control;
-        }
-    });
-    faults.of([&] { address = checked_address(options); });
-    faults.of([&] { refuse_wrong_folder(options.folder); });
-    faults.of([&] { targets.curve = curve_of(options.curve); });
-    faults.refuse();
-    return {targets, address};
+    faults.add("--connect", stream::endpoint_fault(options.endpoint, stream::EndpointUse::connect));
+    if (!options.control.empty()) {
+        faults.add("--control", stream::endpoint_fault(options.control, stream::EndpointUse::connect));
+        targets.control = options.control;
+    }
+    const auto address = faults.value_of("--http", scope::page_address(options.http));
+    if (address) {
+        check_address(options, *address, faults);
+    }
+    check_folder(options.folder, faults);
+    targets.curve = curve_of(options.curve, faults);
+    faults.refuse<WrongUse>();
+    return {targets, *address};
 }
 
 Exit scope(const ScopeOptions& options) {
@@ -123,7 +113,7 @@ Run scope_command(CLI::App& app) {
         ->capture_default_str();
     add_curve_options(app, options->curve);
     add_format_option(app, options->format, "print the summary as one JSON object");
-    app.footer(examples);
+    app.footer(scope_examples);
     return [options] { return scope(*options); };
 }
 

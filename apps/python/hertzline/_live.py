@@ -1,9 +1,10 @@
-"""A running stream, block by block."""
+"""A running stream: its samples, block by block, and its scene, which can be changed."""
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Literal
@@ -13,6 +14,13 @@ from numpy.typing import NDArray
 
 from . import _native
 
+Path = str | os.PathLike[str]
+
+
+def _files(curve_key: Path | None, server_key: Path | None) -> tuple[str | None, str | None]:
+    own = None if curve_key is None else os.fspath(curve_key)
+    return own, None if server_key is None else os.fspath(server_key)
+
 
 class GapError(RuntimeError):
     """Samples of a stream are missing."""
@@ -20,7 +28,7 @@ class GapError(RuntimeError):
     def __init__(self, message: str, missing: int) -> None:
         super().__init__(message)
         self.missing = missing
-        """How many samples."""
+        """Count of missing samples."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -30,7 +38,7 @@ class Block:
     samples: NDArray[np.float32]
     """In `unit`: shape [sample], [sample, sphere] of v_chain, or [sample, contact] of f_chain."""
     sample: int
-    """Index of the first of them since the run's start."""
+    """Index of the first sample since the run's start."""
     fs: float
     """Samples a second [Hz]."""
     seq: int
@@ -44,9 +52,9 @@ class Block:
     epoch: int
     """Counts the changes of the scene since the run's start; the same for all samples of a block."""
     burst: int
-    """The horn's burst that the first sample lies in, from 0."""
+    """Number of the burst that the first sample lies in, from 0."""
     burst_sample: int
-    """Index of the first sample since that burst's first one."""
+    """Index of the first sample within that burst."""
 
     @property
     def t(self) -> NDArray[np.float64]:
@@ -61,8 +69,8 @@ def listen(
     *,
     gaps: Literal["raise", "mark"] = "raise",
     timeout_s: float | None = None,
-    curve_key: str | os.PathLike[str] | None = None,
-    server_key: str | os.PathLike[str] | None = None,
+    curve_key: Path | None = None,
+    server_key: Path | None = None,
 ) -> Live:
     """Connects to a running stream and subscribes to one of its taps.
 
@@ -71,15 +79,15 @@ def listen(
                 print(block.t[0], np.abs(block.samples).max())
 
     gaps: "raise" a GapError where samples are missing, or "mark" the block after them (`block.missing`).
-    timeout_s: how long to wait for a message [s]; by default without limit for the first samples, then 15 s.
+    timeout_s: the longest wait for a message [s]; by default without limit for the first samples, then 15 s.
     curve_key, server_key: files of keys, for an encrypted stream: one's own secret key, the stream's public key.
 
     Raises ValueError with every wrong argument.
     """
     if gaps not in ("raise", "mark"):
         raise ValueError(f'gaps: found {gaps!r}, allowed: "raise", "mark"')
-    keys = [os.fspath(key) if key is not None else None for key in (curve_key, server_key)]
-    return Live(_native.listen(endpoint, stream, timeout_s, *keys), endpoint, stream, gaps)
+    native = _native.listen(endpoint, stream, timeout_s, *_files(curve_key, server_key))
+    return Live(native, endpoint, stream, gaps)
 
 
 class Live:
@@ -89,7 +97,7 @@ class Live:
         self._native = native
         self._endpoint, self._stream, self._gaps = endpoint, stream, gaps
         self._end_reported = False
-        self._kept: Block | None = None  # what follows a gap that was raised
+        self._kept: Block | None = None  # the block after a gap that was raised
 
     def __enter__(self) -> Live:
         return self
@@ -100,7 +108,7 @@ class Live:
         self.close()
 
     def close(self) -> None:
-        """Ends the connection. Also from another thread: whoever iterates is then at the end."""
+        """Ends the connection, from any thread. An iteration in another thread then ends."""
         self._native.close()
 
     def __iter__(self) -> Iterator[Block]:
@@ -109,7 +117,7 @@ class Live:
     def __next__(self) -> Block:
         """The next block. Waits for it, and lets other threads run meanwhile.
 
-        Raises GapError where samples are missing (the next call goes on behind them), TimeoutError when nothing comes in
+        Raises GapError where samples are missing (the next call continues behind them), TimeoutError when nothing comes in
         time, ConnectionError when the stream refuses or breaks off, ValueError when it does not have the tap.
         """
         if self._kept is not None:
@@ -144,15 +152,71 @@ class Live:
 
     @property
     def totals(self) -> dict[str, Any]:
-        """What was received so far and what is missing, with the names of the summary of `hertzline listen`."""
+        """Counts of received and missing samples, with the names of the summary of `hertzline listen`."""
         return self._native.totals()
 
     @property
     def notices(self) -> list[str]:
-        """What the program would warn of, a sentence each."""
+        """The warnings that the program would print, a sentence each."""
         return self._native.notices
 
     @property
     def provenance(self) -> dict[str, Any]:
-        """Where the samples come from: version, scene, integrator, step, estimated error."""
+        """Origin of the samples: version, scene, integrator, step, estimated error."""
         return self._native.provenance()
+
+
+def control(
+    endpoint: str = "tcp://127.0.0.1:5574",
+    *,
+    timeout_s: float = 10.0,
+    curve_key: Path | None = None,
+    server_key: Path | None = None,
+) -> Control:
+    """Controls a stream that was started with `hertzline stream --control ENDPOINT`.
+
+        live = hertzline.control()
+        live["drive.amplitude_m"]
+        live.set({"drive.amplitude_m": 2e-6})
+
+    timeout_s: the longest wait for a reply [s].
+    curve_key, server_key: files of keys, for an encrypted stream: one's own secret key, the stream's public key.
+    """
+    return Control(endpoint, timeout_s, *_files(curve_key, server_key))
+
+
+class Control:
+    """The scene of a running stream. Each call is a request of its own; nothing stays connected."""
+
+    def __init__(self, endpoint: str, timeout_s: float, curve_key: str | None, server_key: str | None) -> None:
+        self._connection = (endpoint, timeout_s, curve_key, server_key)
+
+    def _ask(self, request: Mapping[str, Any]) -> dict[str, Any]:
+        reply = _native.ask_control(json.dumps(request), *self._connection)
+        faults = reply.get("faults")
+        if faults:
+            raise ValueError("\n".join(str(fault.get("message", "refused")) for fault in faults))
+        return reply
+
+    def set(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Changes keys of the scene: {"drive.amplitude_m": 2e-6}; None takes an optional value back.
+
+        Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`. Raises ValueError with every fault, OSError without a reply.
+        """
+        return self._ask({"set": dict(values)})
+
+    def undo(self) -> dict[str, Any]:
+        """Takes the last change back. Returns and raises as `set`."""
+        return self._ask({"undo": True})
+
+    def get(self, *keys: str) -> dict[str, dict[str, Any]]:
+        """Each key's `value`, `unit`, bounds and `description`; without keys all that the scene has."""
+        values: dict[str, dict[str, Any]] = self._ask({"get": list(keys)})["values"]
+        return values
+
+    def __getitem__(self, key: str) -> Any:
+        """The value of a key: control["drive.amplitude_m"] [m]."""
+        return self.get(key)[key]["value"]
+
+    def __setitem__(self, key: str, value: Any) -> None:
+        self.set({key: value})

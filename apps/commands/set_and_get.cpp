@@ -1,6 +1,5 @@
 // hertzline set and hertzline get: change the scene of a running stream, and look at it.
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -37,7 +36,7 @@ constexpr const char* get_examples =
     "  hertzline get\n"
     "  hertzline get drive.amplitude_m chain.preload_n --json";
 
-struct ControlArguments {
+struct ControlOptions {
     std::string endpoint = stream::usual_control_endpoint;
     CurveClientRequest curve;
     double timeout_s = 10;
@@ -46,7 +45,7 @@ struct ControlArguments {
     Format format = Format::text;
 };
 
-void add_connection_options(CLI::App& app, ControlArguments& arguments) {
+void add_connection_options(CLI::App& app, ControlOptions& arguments) {
     app.add_option("--connect", arguments.endpoint, "where the stream is controlled")
         ->type_name("ENDPOINT")
         ->capture_default_str();
@@ -57,24 +56,18 @@ void add_connection_options(CLI::App& app, ControlArguments& arguments) {
     add_format_option(app, arguments.format, "print the reply as one JSON object");
 }
 
-stream::ControlConnection checked(const ControlArguments& arguments) {
-    constexpr double longest_s = 86400;
+stream::ControlConnection checked(const ControlOptions& arguments) {
     Faults faults;
-    stream::ControlConnection connection{.endpoint = arguments.endpoint};
-    faults.of([&] {
-        if (const auto fault = stream::endpoint_fault(arguments.endpoint, stream::EndpointUse::connect)) {
-            throw WrongUse("--connect: " + *fault);
-        }
-    });
-    faults.of([&] { require_positive("--timeout", arguments.timeout_s); });
-    faults.of([&] { connection.curve = curve_of(arguments.curve); });
-    faults.refuse();
-    connection.timeout =
-        std::chrono::milliseconds(std::llround(std::ceil(1000 * std::min(longest_s, arguments.timeout_s))));
+    stream::ControlConnection connection{
+        .endpoint = arguments.endpoint, .curve = {}, .timeout_s = arguments.timeout_s};
+    faults.add("--connect", stream::endpoint_fault(arguments.endpoint, stream::EndpointUse::connect));
+    faults.add("--timeout", positive_fault(arguments.timeout_s));
+    connection.curve = curve_of(arguments.curve, faults);
+    faults.refuse<WrongUse>();
     return connection;
 }
 
-/// A number, null, or a text.
+/// Returns a number, null, or a text.
 Json value_of(const std::string& text) {
     double number = 0;
     const char* const end = text.data() + text.size();
@@ -86,12 +79,10 @@ Json value_of(const std::string& text) {
     return json.is_string() || json.is_null() ? json : Json(text);
 }
 
-Json request_of(const ControlArguments& arguments) {
+Json request_of(const ControlOptions& arguments) {
     if (arguments.undo != arguments.words.empty()) {
-        throw WrongUse(
-            "found " +
-            std::string(arguments.undo ? "both KEY=VALUE and --undo" : "neither KEY=VALUE nor --undo") +
-            ", allowed: one of them");
+        throw WrongUse(arguments.undo ? "found both KEY=VALUE and --undo, allowed: one of them"
+                                      : "KEY=VALUE or --undo is missing: give one of them");
     }
     if (arguments.undo) {
         return {{"undo", true}};
@@ -100,8 +91,8 @@ Json request_of(const ControlArguments& arguments) {
     for (const std::string& word : arguments.words) {
         const std::size_t equals = word.find('=');
         if (equals == std::string::npos || equals == 0) {
-            throw WrongUse(
-                fmt::format("found {}, allowed: KEY=VALUE, as drive.amplitude_m=2e-6", quoted_briefly(word)));
+            throw WrongUse(fmt::format("found {}, allowed: KEY=VALUE, such as drive.amplitude_m=2e-6",
+                                       quoted_briefly(word)));
         }
         set[word.substr(0, equals)] = value_of(word.substr(equals + 1));
     }
@@ -109,7 +100,7 @@ Json request_of(const ControlArguments& arguments) {
 }
 
 /// Sends the request and reports faults. @returns whether there are none
-bool ask(const ControlArguments& arguments, const Json& request, Json& reply) {
+bool ask(const ControlOptions& arguments, const Json& request, Json& reply) {
     const stream::ControlConnection connection = checked(arguments);
     reply = stream::ask_control(connection, request, stop_asked());
     if (!reply.contains("faults") || !reply["faults"].is_array()) {
@@ -122,7 +113,7 @@ bool ask(const ControlArguments& arguments, const Json& request, Json& reply) {
     return false;
 }
 
-Exit set(const ControlArguments& arguments) {
+Exit set(const ControlOptions& arguments) {
     const Json request = request_of(arguments);
     Json reply;
     if (!ask(arguments, request, reply)) {
@@ -132,7 +123,7 @@ Exit set(const ControlArguments& arguments) {
     return Exit::done;
 }
 
-Exit get(const ControlArguments& arguments) {
+Exit get(const ControlOptions& arguments) {
     Json reply;
     if (!ask(arguments, {{"get", arguments.words}}, reply)) {
         return Exit::wrong_use;
@@ -155,7 +146,7 @@ Exit get(const ControlArguments& arguments) {
 }  // namespace
 
 Run set_command(CLI::App& app) {
-    auto arguments = std::make_shared<ControlArguments>();
+    auto arguments = std::make_shared<ControlOptions>();
     app.add_option("KEY=VALUE", arguments->words, "keys of the scene and their new values")->type_name("");
     app.add_flag("--undo", arguments->undo, "take the last change back instead");
     add_connection_options(app, *arguments);
@@ -164,7 +155,7 @@ Run set_command(CLI::App& app) {
 }
 
 Run get_command(CLI::App& app) {
-    auto arguments = std::make_shared<ControlArguments>();
+    auto arguments = std::make_shared<ControlOptions>();
     app.add_option("KEY", arguments->words, "keys of the scene (default: all)")->type_name("");
     add_connection_options(app, *arguments);
     app.footer(get_examples);

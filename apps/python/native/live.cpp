@@ -1,7 +1,5 @@
-#include "apps/python/native/listen.hpp"
-
+#include <atomic>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,47 +10,47 @@
 #include "measures/run.hpp"
 #include <pybind11/stl.h>
 
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
-#include "core/scene/text.hpp"
+#include "core/scene/faults.hpp"
+#include "core/scene/json.hpp"
 #include "core/taps.hpp"
+#include "stream/control/control_client.hpp"
 #include "stream/listening/listener.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/security/certificate.hpp"
 
 namespace hertzline::python {
 
+namespace {
+
+/// Reads the keys of an encrypted stream, or adds their faults; none without files. @param own secret key
+/// @param server public key
 std::optional<stream::CurveClient> keys_of(const std::optional<std::string>& own,
-                                           const std::optional<std::string>& server, ArgumentFaults& faults) {
+                                           const std::optional<std::string>& server, Faults& faults) {
     if (!own && !server) {
         return std::nullopt;
     }
     if (!own || !server) {
-        faults.add("curve_key: found " + std::string(own ? "no server_key" : "none beside server_key") +
-                   ", allowed: both or neither");
+        faults.add(own ? "server_key is missing: give it beside curve_key"
+                       : "curve_key is missing: give it beside server_key");
         return std::nullopt;
     }
-    const auto pair = stream::read_key_pair(*own);
-    const auto key = stream::read_public_key(*server);
-    if (!pair) {
-        faults.add("curve_key: " + pair.error());
-    }
-    if (!key) {
-        faults.add("server_key: " + key.error());
-    }
+    const auto pair = faults.value_of("curve_key", stream::read_key_pair(*own));
+    const auto key = faults.value_of("server_key", stream::read_public_key(*server));
     return pair && key ? std::optional(stream::CurveClient{*pair, *key}) : std::nullopt;
 }
 
-namespace {
-
 constexpr auto nap = std::chrono::milliseconds(100);  // between looks at signals
 
-/// A listener whose waiting lets other threads of Python run. For one thread at a time, but for close().
+/// A listener that lets other threads of Python run while it waits. For one thread at a time, except close().
 class PythonListener {
 public:
     PythonListener(const std::string& endpoint, stream::ListenerOptions options)
         : listener_(endpoint, with_notices(std::move(options))) {}
 
-    /// (samples, header's numbers, missing) of the next frame; None at the end. @throws py::error_already_set of a signal handler
+    /// Returns (samples, header's numbers, missing) of the next frame; None at the end. @throws py::error_already_set of a signal handler
     py::object next() {
         while (!listener_.ended()) {
             if (stream::ReceivedFrame* frame = frame_or_nothing()) {
@@ -105,17 +103,13 @@ private:
 std::unique_ptr<PythonListener> listen(const std::string& endpoint, const std::string& name,
                                        std::optional<double> timeout_s, const std::optional<std::string>& own,
                                        const std::optional<std::string>& server) {
-    ArgumentFaults faults;
-    if (const auto fault = stream::endpoint_fault(endpoint, stream::EndpointUse::connect)) {
-        faults.add("endpoint: " + *fault);
-    }
-    const TapSet tap = taps_named("stream", {name}, streamed_taps, faults);
-    if (timeout_s && !(*timeout_s > 0 && std::isfinite(*timeout_s))) {
-        faults.add("timeout_s: found " + number_text(*timeout_s) + ", allowed: a finite number above 0 [s]");
-    }
+    Faults faults;
+    faults.add("endpoint", stream::endpoint_fault(endpoint, stream::EndpointUse::connect));
+    const TapSet tap = measures::taps_named("stream", {name}, streamed_taps, faults);
+    faults.add("timeout_s", positive_fault(timeout_s, "[s]"));
     const stream::ListenerOptions options{
         .taps = tap, .timeout_s = timeout_s, .curve = keys_of(own, server, faults)};
-    faults.refuse();
+    faults.refuse<py::value_error>();
     std::unique_ptr<PythonListener> listener;
     with_os_errors([&] { listener = std::make_unique<PythonListener>(endpoint, options); });
     return listener;
@@ -135,9 +129,27 @@ py::dict totals_of(const PythonListener& listener) {
     return dict;
 }
 
+/// Sends a request and returns the reply, an object. @param request JSON
+py::object ask_control(const std::string& request, const std::string& endpoint, double timeout_s,
+                       const std::optional<std::string>& own, const std::optional<std::string>& server) {
+    Faults faults;
+    faults.add("endpoint", stream::endpoint_fault(endpoint, stream::EndpointUse::connect));
+    faults.add("timeout_s", positive_fault(timeout_s, "[s]"));
+    const stream::ControlConnection connection{
+        .endpoint = endpoint, .curve = keys_of(own, server, faults), .timeout_s = timeout_s};
+    faults.refuse<py::value_error>();
+    Json reply;
+    with_os_errors([&] {
+        interruptible([&](const std::atomic<bool>& stop) {
+            reply = stream::ask_control(connection, json_from_outside(request), stop);
+        });
+    });
+    return python_object(reply);
+}
+
 }  // namespace
 
-void add_listen(py::module_& module) {
+void add_live(py::module_& module) {
     py::class_<PythonListener>(module, "Listener")
         .def("next", &PythonListener::next)
         .def("close", &PythonListener::close)
@@ -152,6 +164,8 @@ void add_listen(py::module_& module) {
              [](const PythonListener& listener) { return python_object(listener.run().provenance()); })
         .def("totals", &totals_of);
     module.def("listen", &listen, py::arg("endpoint"), py::arg("stream"), py::arg("timeout_s"),
+               py::arg("curve_key"), py::arg("server_key"));
+    module.def("ask_control", &ask_control, py::arg("request"), py::arg("endpoint"), py::arg("timeout_s"),
                py::arg("curve_key"), py::arg("server_key"));
 }
 

@@ -1,0 +1,124 @@
+#include "apps/commands/run/run_files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "measures/run.hpp"
+#include "measures/spectrum.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/commands/plot/picture.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "core/taps.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+recordings::Table spectra_of(const measures::Run& run, const Json& provenance) {
+    measures::SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
+    std::vector<recordings::Column> columns{{"frequency_hz", "frequency", "Hz"}};
+    std::vector<std::vector<double>> values(1);
+    for (const measures::TapRecord& tap : run.taps) {
+        const TapRow& row = row_of(tap.tap);
+        measures::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
+        columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
+        values.front() = std::move(spectrum.frequencies_hz);
+        values.push_back(std::move(spectrum.amplitudes));
+    }
+    return recordings::number_table(columns, std::move(values), provenance);
+}
+
+recordings::RecordingHead head_of(const measures::Run& run, const Json& provenance) {
+    recordings::RecordingHead head;
+    for (const measures::TapRecord& tap : run.taps) {
+        const TapRow& row = row_of(tap.tap);
+        head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
+    }
+    head.columns.resize(std::min(head.columns.size(), max_picture_columns));
+    head.sample_rate_hz = run.scene().output.sample_rate_hz;
+    head.provenance = provenance;
+    return head;
+}
+
+/// @returns false when stopped meanwhile
+bool draw(const std::string& file, const measures::Run& run, const recordings::RecordingHead& head,
+          const std::string& title) {
+    Picture picture(file, head);
+    const std::size_t rows = std::min(run.rows(), static_cast<std::size_t>(max_picture_samples));
+    if (rows < run.rows()) {
+        spdlog::info("the picture shows the first {} samples", rows);
+    }
+    std::vector<double> values;
+    values.reserve(rows * head.columns.size());
+    for (std::size_t row = 0; row < rows; ++row) {
+        for (std::size_t column = 0; column < head.columns.size(); ++column) {
+            values.push_back(run.taps[column].values[row]);
+        }
+    }
+    picture.write(0, values);
+    return picture.draw(title);
+}
+
+}  // namespace
+
+void check_spectra(std::span<const std::string> spectra, std::span<const std::string> recordings,
+                   Faults& faults) {
+    std::set<std::filesystem::path> names;
+    for (const std::string& file : recordings) {
+        names.insert(recordings::recording_name(file));
+    }
+    for (const std::string& file : spectra) {
+        const auto fault = recordings::table_fault(file);
+        faults.add("--spectrum", fault);
+        if (!fault && !names.insert(recordings::recording_name(file)).second) {
+            faults.add("--spectrum", file + ": found a second time, allowed: each file once");
+        }
+    }
+}
+
+bool save_spectra(std::span<const std::string> files, const measures::Run& run, const Json& provenance) {
+    if (files.empty()) {
+        return true;
+    }
+    const recordings::Table table = spectra_of(run, provenance);
+    note_when_asked();  // from here on there are files to be cleaned up
+    bool all = true;
+    for (const std::string& file : files) {
+        try {
+            all = recordings::write_table(file, table, stop_asked()) && all;
+        } catch (const std::runtime_error& error) {
+            spdlog::error(error.what());
+            all = false;
+        }
+    }
+    end_at_once_when_asked();
+    return all;
+}
+
+bool save_picture(const std::string& file, const measures::Run& run, const Json& provenance,
+                  const std::string& title) {
+    if (file.empty()) {
+        return true;
+    }
+    note_when_asked();  // from here on there are files to be cleaned up
+    bool drawn = false;
+    try {
+        drawn = draw(file, run, head_of(run, provenance), printable(title));
+    } catch (const std::runtime_error& error) {
+        spdlog::error(error.what());
+    }
+    end_at_once_when_asked();
+    return drawn;
+}
+
+}  // namespace hertzline::app
