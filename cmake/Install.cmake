@@ -1,5 +1,5 @@
-# find_package(hertzline COMPONENTS core stream) gives hertzline::core and hertzline::stream. pkg-config knows hertzline-core and
-# hertzline, which is both.
+# Installs packages. find_package(hertzline COMPONENTS core stream) gives hertzline::core and hertzline::stream; pkg-config has
+# hertzline-core and hertzline, which is both.
 include(CMakePackageConfigHelpers)
 
 set(write_headers ${PROJECT_SOURCE_DIR}/cmake/WritePublicHeaders.cmake)

@@ -1,10 +1,10 @@
-# The installed headers. Every other header is the project's own business and may change at any time.
+# The installed headers. Every other header is internal and may change at any time.
 #
-# The sources include from the root of the project ("core/taps.hpp"); installed, the same header is <hertzline/core/taps.hpp>,
-# so that no other project's core/ can come in its way. WritePublicHeaders.cmake writes the listed headers in that form.
+# The sources include from the root of the project ("core/taps.hpp"). Installed, the same header is <hertzline/core/taps.hpp>, which
+# cannot collide with another project's core/. WritePublicHeaders.cmake writes the listed headers in that form.
 
 set(core_headers
-  # what one uses
+  # for users
   core/samples.hpp
   core/scene/integrator.hpp
   core/scene/materials.hpp
@@ -15,7 +15,7 @@ set(core_headers
   core/simulation.hpp
   core/step_choice/resolve.hpp
   core/taps.hpp
-  # what those include
+  # included by those
   core/scene/json.hpp
   core/scene/fault.hpp
   core/model/bursts.hpp
@@ -33,7 +33,7 @@ set(core_headers
   core/step_choice/step_advice.hpp)
 
 set(stream_headers
-  # what one uses
+  # for users
   stream/pipeline/pipeline.hpp
   stream/pipeline/stream_options.hpp
   recordings/recording.hpp
@@ -55,7 +55,7 @@ set(stream_headers
   stream/wire/frame_codec.hpp
   stream/wire/publisher.hpp
   stream/wire/subscriber.hpp
-  # what those include
+  # included by those
   stream/pipeline/capacity.hpp
   stream/pipeline/frame_sender.hpp
   stream/pipeline/pacer.hpp

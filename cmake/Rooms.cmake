@@ -1,6 +1,6 @@
-# A room is a folder of the root that is one library. Its headers are reached through a folder of the build that holds a link to the
-# room alone, which the room hands on to the targets that link it. So "studies/sweep/plan.hpp" is found where hertzline_studies is linked,
-# and nowhere else: the direction of includes is what target_link_libraries says.
+# A room is a folder of the root that is one library. Its include directory is a folder of the build that holds a link to the room alone;
+# targets that link the room inherit it. So "studies/sweep/plan.hpp" is found where hertzline_studies is linked, and nowhere else:
+# target_link_libraries defines the direction of includes.
 
 # Lets a target, and those that link it, include the headers of a folder of the root.
 function(hertzline_room_headers target folder)
@@ -14,7 +14,7 @@ function(hertzline_room_headers target folder)
   target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/rooms/${folder}>)
 endfunction()
 
-# hertzline_room(NAME SOURCE...): the library hertzline_NAME of the sources in the folder of that name.
+# hertzline_room(NAME SOURCE...): makes the library hertzline_NAME of the sources in the folder of that name.
 function(hertzline_room name)
   set(target hertzline_${name})
   add_library(${target} STATIC ${ARGN})

@@ -1,4 +1,4 @@
-# Writes the headers of PublicHeaders.cmake as others include them, and two that include them all: <hertzline/hertzline.hpp> for
+# Writes the headers of PublicHeaders.cmake in their installed form, and two that include them all: <hertzline/hertzline.hpp> for
 # core, <hertzline/stream.hpp> for stream. cmake -D OUTPUT=dir -P WritePublicHeaders.cmake
 # Fails when a listed header does not exist, or includes one of the project that is not listed.
 cmake_minimum_required(VERSION 3.25)
@@ -36,8 +36,8 @@ foreach(header IN LISTS core_headers stream_headers)
   list(REMOVE_ITEM obsolete "${OUTPUT}/${header}")
 endforeach()
 if(faults)
-  message(FATAL_ERROR "The list of installed headers in cmake/PublicHeaders.cmake is not whole:\n${faults}"
-    "Correct the list, or do without the include in the installed header.")
+  message(FATAL_ERROR "The list of installed headers in cmake/PublicHeaders.cmake is incomplete:\n${faults}"
+    "Correct the list, or remove the include from the installed header.")
 endif()
 
 function(write_umbrella name what)

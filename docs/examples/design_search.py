@@ -20,8 +20,8 @@ table.plot()
 plt.show()
 
 # %% [markdown]
-# The widest band among the points with at least 0.3 m/s. A row's numbers are as good as its `status` says. They mean what
-# they seem to where the burst has rung down, and where nothing below the band is louder than all in it.
+# This is the widest band among the points with at least 0.3 m/s. `status` tells whether a row's numbers are accurate. They describe
+# the device only where the burst has rung down, and where no line below the band is louder than the band.
 
 # %%
 sound = (table["status"] == "ok") & (table["ringing_ratio"] <= 0.05) & (table["below_db"] <= 0)
@@ -30,7 +30,7 @@ best = strong[np.argmax(strong["occupied_20db_hz"])]
 print(f"{best['occupied_20db_hz'] / 1e3:.0f} kHz with {best['end.thickness_m'] * 1e3:.2f} mm and {best['chain.preload_n']:.2f} N")
 
 # %% [markdown]
-# The device itself, with the step of its row, has the numbers of its row, bit for bit.
+# A run of the device with the step of its row gives the numbers of the row, bit for bit.
 
 # %%
 device = hertzline.scene(
