@@ -1,4 +1,4 @@
-// What the program says of itself: help and version.
+// The program's help and version.
 
 #include <sstream>
 

@@ -72,7 +72,7 @@ class PageSocket:
         self.send_frame(1, json.dumps(request).encode())
 
     def receive(self):
-        """A picture, or the object of a text. Answers updates and pings."""
+        """Returns a picture, or the object of a text. Answers updates and pings."""
         data, kind = b"", None
         while True:
             first, second = self._take(2)
@@ -83,7 +83,7 @@ class PageSocket:
                 self.send_frame(10, payload)
                 continue
             if opcode == 8:
-                raise EOFError("the scope says farewell")
+                raise EOFError("the scope closes the connection")
             kind, data = (opcode or kind), data + payload
             if first & 128:
                 break
@@ -95,7 +95,7 @@ class PageSocket:
         return text
 
     def until(self, condition, most=4000):
-        """The first message of which the condition holds."""
+        """Returns the first message for which the condition holds."""
         for _ in range(most):
             message = self.receive()
             if condition(message):
@@ -109,9 +109,9 @@ class PageSocket:
         return self.until(lambda m: isinstance(m, dict) and condition(m))
 
     def knows(self, condition, most=4000):
-        """Waits until the condition holds of all that texts have told, the newest of each member."""
+        """Waits until the condition holds for the newest value of each member of all texts."""
         for _ in range(most):
             if self.texts and condition(self.texts):
                 return self.texts
             self.receive()
-        raise AssertionError("never told")
+        raise AssertionError("timed out")

@@ -142,7 +142,7 @@ TEST(SweepPlan, SobolFillsTheRangesEvenly) {
     EXPECT_NEAR(pyrex, 128, 1);
     PlanRequest longer = request;
     longer.sobol = 1000;
-    EXPECT_EQ(plan_of(longer).name(200), plan.name(200));  // a point hangs on its number alone
+    EXPECT_EQ(plan_of(longer).name(200), plan.name(200));  // a point depends on its number alone
 }
 
 TEST(SweepPlan, AListOfPointsIsTakenAsItIs) {
