@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Whether two builds of hertzline give the same bits: same_bits.py OLD NEW [--quick]
+"""Compares two builds of hertzline bit by bit: same_bits.py OLD NEW [--quick]
 
 Runs both programs on each shipped scene with each integrator, and on sweeps, a search, recordings of every format and frames of a
-stream, compares the files, and prints a line for each. Exit status 1 when one differs. --quick: the scenes as they are, nothing else.
-Recordings differ in their provenance (commit, date), so their samples are compared, as the Python module beside NEW reads them.
+stream, compares the files, and prints a line for each. Exit status 1 when one differs. --quick: the unchanged scenes only.
+The provenance of recordings differs (commit, date), so only their samples are compared, as the Python module beside NEW reads them.
 """
 import argparse
 import hashlib
@@ -19,7 +19,7 @@ FORMATS = ["csv", "h5", "npy", "wav", "sigmf-meta", "sigmf-collection"]
 
 
 def digest_of(path):
-    """Of a file's data: a table's lines without those that begin with '#', a recording's samples."""
+    """Returns the digest of a file's data: of a table the lines that do not begin with '#', of a recording the samples."""
     if path.suffix == ".csv":
         data = b"".join(line for line in path.read_bytes().splitlines(True) if not line.startswith(b"#"))
     else:
@@ -30,7 +30,7 @@ def digest_of(path):
 
 
 def outcome(program, arguments, output):
-    """What a call writes, or that it is refused."""
+    """Returns the digest of the file that a call writes, or the message of a refusal."""
     with tempfile.TemporaryDirectory() as folder:
         done = subprocess.run([program, *arguments, output], cwd=folder, capture_output=True, text=True)
         if done.returncode != 0:
@@ -65,7 +65,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("old", type=pathlib.Path)
     parser.add_argument("new", type=pathlib.Path)
-    parser.add_argument("--quick", action="store_true", help="the shipped scenes as they are, nothing else")
+    parser.add_argument("--quick", action="store_true", help="the unchanged shipped scenes only")
     options = parser.parse_args()
     sys.path.insert(0, str(options.new.resolve().parent / "python"))
     differ = 0

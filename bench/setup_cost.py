@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What `hertzline run` takes beside the simulation: scene, pilots, spectra, summary.
+"""Measures the time of `hertzline run` beside the simulation: scene, pilots, spectra, summary.
 
     bench/setup_cost.py [--repeat N] BUILD/hertzline [OTHER/hertzline]
 
-`--version` is the start of the program alone. The set-up is what `run` takes beyond that and beyond its own wall_s. Programs are
-run in turn, and medians are printed [ms].
+`--version` measures the start of the program alone. The set-up is the time of `run` less that start and less its own wall_s.
+Programs run in turn; medians are printed [ms].
 """
 
 import argparse
@@ -19,7 +19,7 @@ SCENES = ["paper-vitreous-carbon", "paper-acrylic", "paper-aluminium", "paper-py
 
 
 def timed(command):
-    """From start to end [ms]: on the wall, and of the processor."""
+    """Returns wall time and processor time of a command [ms]."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     to_nowhere = [(os.POSIX_SPAWN_DUP2, nowhere, 1), (os.POSIX_SPAWN_DUP2, nowhere, 2)]
     begin = time.perf_counter()

@@ -3,7 +3,7 @@
 find_package(Git QUIET)
 set(hash "")
 if(GIT_FOUND)
-  # Sources unpacked inside of somebody else's repository are none of that one's commits.
+  # Sources unpacked inside another repository do not belong to its commits.
   get_filename_component(above "${SOURCE}" DIRECTORY)
   set(ENV{GIT_CEILING_DIRECTORIES} "${above}")
   set(ENV{GIT_OPTIONAL_LOCKS} 0)

@@ -1,5 +1,5 @@
-# find_package(hertzline COMPONENTS core stream) gives hertzline::core and hertzline::stream. pkg-config knows hertzline-core and
-# hertzline, which is both.
+# Installs packages. find_package(hertzline COMPONENTS core stream) gives hertzline::core and hertzline::stream; pkg-config has
+# hertzline-core and hertzline, which is both.
 include(CMakePackageConfigHelpers)
 
 # Every header of include/hertzline belongs to a room; hertzline.hpp includes them all.

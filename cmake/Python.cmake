@@ -1,6 +1,7 @@
-# Whether `import hertzline` is built (apps/python), and for which Python. It is when pybind11 is there: HERTZLINE_PYTHON=OFF leaves
-# it out, ON insists on it. Not with the sanitizers: their run-time library would have to be loaded before the interpreter, which
-# is not built with them and whose own leaks would be told of. What the module does is the libraries' work, which they watch.
+# Decides whether `import hertzline` is built (apps/python), and for which Python. By default it is built where pybind11 is found;
+# HERTZLINE_PYTHON=OFF leaves it out, ON requires it. It is not built with the sanitizers: their run-time library would have to be
+# loaded before the interpreter, and the interpreter's own leaks would be reported. The sanitizers check the libraries that the module
+# calls.
 set(hertzline_python_default OFF)
 set(HERTZLINE_PYTHON_MISSING "the Python module is not built with the sanitizers")
 if(NOT HERTZLINE_SANITIZE AND NOT HERTZLINE_FUZZ)

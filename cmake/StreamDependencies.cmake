@@ -1,11 +1,11 @@
-# What hertzline::stream is linked with beside core; read by the project itself and by find_package(hertzline).
+# Libraries that hertzline::stream is linked with beside core's; included by the project itself and by find_package(hertzline).
 find_package(Threads REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFTW REQUIRED IMPORTED_TARGET fftw3)
 pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET libzmq)
-# From its cache CMake 3.25 takes the folders of -isystem for options, which it takes for include directories at first: with other
-# commands everything would be compiled again.
+# At the first configure CMake 3.25 takes -isystem folders for include directories; later, from its cache, for options. The commands
+# would then differ, and everything would be compiled again.
 get_target_property(options PkgConfig::ZMQ INTERFACE_COMPILE_OPTIONS)
 list(FIND options "-isystem" at)
 if(at GREATER -1)

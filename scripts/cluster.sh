@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# cluster.sh [BUILD]: sweeps on a real Slurm: munged, slurmctld and two slurmd on this machine, started here and gone afterwards. Submits
-# an array of jobs, one of its tasks again alone, and a job of two ranks, one on each node, and compares their tables with that of one
-# process, byte for byte. Exit status 1 when one differs or does not end. Needs hertzline in BUILD (build/release), and Debian's slurm-wlm
-# and munge: install_packages.sh --optional.
+# cluster.sh [BUILD]: runs sweeps on a real Slurm. Starts munged, slurmctld and two slurmd on this machine and stops them afterwards.
+# Submits an array of jobs, one of its tasks again alone, and a job of two ranks, one on each node, and compares their tables with that of
+# one process, byte for byte. Exit status 1 when one differs or does not end. Needs hertzline in BUILD (default: build/release), and
+# Debian's slurm-wlm and munge: install_packages.sh --optional.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 build=$(realpath "${1:-build/release}")
@@ -44,7 +44,7 @@ print(*(s.getsockname()[1] for s in sockets))" "$1"
 wait_until() { # SECONDS COMMAND...
     end=$((SECONDS + $1)) && shift
     until "$@" >/dev/null 2>&1; do
-        [ "$SECONDS" -lt "$end" ] || { echo "cluster.sh: waited in vain for: $*" >&2; exit 1; }
+        [ "$SECONDS" -lt "$end" ] || { echo "cluster.sh: timed out: $*" >&2; exit 1; }
         sleep 0.2
     done
 }

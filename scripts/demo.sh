@@ -1,5 +1,5 @@
 #!/bin/sh
-# Installs what is missing, builds, and streams the paper's transducer in real time, with a scope in the browser, until Ctrl-C.
+# Installs missing packages, builds, and streams the paper's transducer in real time, with a scope in the browser, until Ctrl-C.
 # Arguments go to `hertzline stream`: ./scripts/demo.sh --duration 10
 set -eu
 cd "$(dirname "$0")/.."

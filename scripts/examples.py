@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Runs the notebooks of docs/examples, and draws their pictures.
+"""Runs the notebooks of docs/examples and draws their pictures.
 
     scripts/examples.py --build build/release --out docs/examples
 
-runs each of them with the Python package of that build and writes what plt.show() would have shown: NAME-1.png and so on.
+runs each of them with the Python package of that build and writes each picture of plt.show(): NAME-1.png and so on.
 Debian: python3-numpy python3-matplotlib.
 """
 import argparse

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws what the paper found, what the plate in water adds to it, and a sweep.
+"""Draws the paper's results, the plate in water, and a sweep.
 
     scripts/figures.py --program build/release/hertzline --out docs/
 
@@ -18,7 +18,7 @@ import pictures  # sets the backend
 
 import matplotlib.pyplot as plt  # noqa: E402
 
-# Hard layers, soft layers, wall: scene name, title, colour. The order tells the story.
+# Scene name, title and colour, from hard layers over soft ones to the wall.
 SCENES = [
     ("paper-vitreous-carbon", "vitreous carbon", "#0b6e8a"),
     ("paper-pyrex", "pyrex", "#2a8fbd"),
@@ -34,15 +34,15 @@ SPAN_DB = (-60, 6)
 
 
 def velocity(csv):
-    """Time [s] and the velocity that counts [m/s]: v_out where there is a layer, the last sphere's at a wall."""
+    """Returns time [s] and output velocity [m/s]: v_out where there is a layer, the last sphere's at a wall."""
     table = np.genfromtxt(csv, delimiter=",", names=True)
     column = "v_out_m_per_s" if "v_out_m_per_s" in table.dtype.names else "v_last_m_per_s"
     return table["t_s"], table[column]
 
 
 def spectrum(t, v):
-    """Frequency [Hz] and level [dB under the maximum] of the whole record, zero-padded, no window: a burst starts and
-    ends at rest. The same definition as measures/spectrum.hpp."""
+    """Returns frequency [Hz] and level [dB under the maximum] of the whole record, zero-padded and without a window,
+    because a burst starts and ends at rest. The definition is that of measures/spectrum.hpp."""
     padded = 8 * len(v)
     magnitude = np.abs(np.fft.rfft(v, padded))
     step = (t[-1] - t[0]) / (len(t) - 1)
@@ -74,7 +74,7 @@ def draw_spectrum(axes, t, v, colour):
 
 
 def explain(axes):
-    """Names the marks of the spectra, once, above the topmost."""
+    """Labels the marks of the spectra above the topmost one."""
     for k in range(1, int(SPAN_KHZ[1] * 1e3 // FUNDAMENTAL_HZ) + 1):
         axes.annotate(f"{k}f", (k * FUNDAMENTAL_HZ / 1e3, SPAN_DB[1]), (0, 4), textcoords="offset points",
                       ha="center", fontsize=8, color="#666666")
@@ -83,7 +83,7 @@ def explain(axes):
 
 
 def draw_all(csv_of, png):
-    """Six rows, waveform left and spectrum right; one scale for all layers, another for the wall."""
+    """Draws six rows, waveform left and spectrum right, with one scale for all layers and another for the wall."""
     records = {scene: velocity(csv_of(scene)) for scene, _, _ in SCENES}
     layers = np.concatenate([v for scene, (_, v) in records.items() if scene != "paper-wall"])
     pictures.use_style()
@@ -103,7 +103,7 @@ def draw_all(csv_of, png):
     figure.savefig(png, dpi=110, facecolor="white")
 
 
-# The models side by side: scene name with what differs from it, title, colour; then what is drawn of each: columns, labels, scales.
+# The models side by side: scene name with changes, title, colour. The rows of the picture: columns, labels and scales of each model.
 MODELS = [
     (["paper-vitreous-carbon", "--set", "drive.envelope=tukey"], "the paper's plate: one mass, a vacuum", "#c46a1b"),
     (["wet-vitreous-carbon"], "four modes, water", "#0b6e8a"),
@@ -116,7 +116,7 @@ ROWS = [
 
 
 def draw_models(csv_of, png):
-    """Waveforms and spectra of force, plate and output, a column pair for each model."""
+    """Draws waveforms and spectra of force, plate and output, a pair of columns for each model."""
     pictures.use_style()
     figure, axes = plt.subplots(len(ROWS), 2 * len(MODELS), figsize=(14, 6.5), sharex="col", layout="constrained")
     for m, (_, title, colour) in enumerate(MODELS):
@@ -153,7 +153,7 @@ SWEEP = ["paper-vitreous-carbon", "--vary", "end.thickness_m=0.2e-3..2e-3:log:30
 
 
 def draw_sweep(program, folder, png):
-    """Occupied band and peak of 900 points, as README's commands have them."""
+    """Draws occupied band and peak of 900 points, by the commands of docs/tour.md."""
     program = pathlib.Path(program).resolve()
     quiet = {"check": True, "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     subprocess.run([program, "sweep", *SWEEP, "-o", "map.h5"], **quiet)

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""What the paper found, recomputed with each model, envelope, stiffness and definition: docs/findings.md.
+"""Recomputes the paper's findings with each model, envelope, stiffness and definition: docs/findings.md.
 
     scripts/findings.py --program build/release/hertzline --out docs/findings.md     writes the page
     scripts/findings.py --program build/release/hertzline --check docs/findings.md
 
---check fails where a number of the page differs from the program's by more than the last digit that it shows. Half a minute on
-two cores.
+--check fails where a number of the page differs from the program's by more than its last digit. It takes half a minute on two
+cores.
 """
 import argparse
 import concurrent.futures
@@ -22,7 +22,7 @@ ENVELOPES = [("Hann", ("drive.envelope=hann",)),
              ("Tukey 0.1", ("drive.envelope=tukey", "drive.taper=0.1"))]
 HARD = ["vitreous_carbon", "pyrex", "aluminium"]
 SOFT = ["acrylic", "silicone_rubber"]
-# The ends of the range that the paper states; which layer has what between them it does not say.
+# The ends of the range that the paper states. It does not assign the values between them to layers.
 STATED_N_PER_M = {**{material: "620e3" for material in HARD}, "silicone_rubber": "2.2e3"}
 WET = ("end.model=modal",)
 PAPER_BAND_HZ = 350e3
@@ -33,13 +33,13 @@ def spoken(material):
 
 
 class Program:
-    """Runs of the program, each once."""
+    """Runs the program, each run once."""
 
     def __init__(self, path):
         self.path, self.known = path, {}
 
     def run(self, scene, settings, *words):
-        """The summary; None where the program refuses the scene."""
+        """Returns the summary, or None where the program refuses the scene."""
         key = (scene, tuple(settings), words)
         if key not in self.known:
             sets = [word for setting in settings for word in ("--set", setting)]
@@ -51,7 +51,7 @@ class Program:
 
 
 class Device:
-    """A disc and how it is modelled, under one envelope."""
+    """A disc with its model, under one envelope."""
 
     def __init__(self, program, model, envelope, material="vitreous_carbon", thickness_mm=0.5, modes=None):
         self.program, self.wet = program, model == "wet"
@@ -67,7 +67,7 @@ class Device:
         return self.program.run("paper-vitreous-carbon", self.settings, *words) if self.possible else None
 
     def spectrum(self, *words):
-        """Of v_out, or of the pressure at 10 mm."""
+        """Returns the spectrum of v_out, or of the pressure at 10 mm."""
         summary = self.summary(*words)
         return summary and (summary["p_axis"] if self.wet else summary)
 
@@ -83,7 +83,7 @@ class Device:
 
 
 def distortion(harmonics_db, last):
-    """thd_r of so many harmonics."""
+    """Returns thd_r of harmonics 1 to `last`."""
     powers = [10 ** (level / 10) for level in harmonics_db[:last]]
     return math.sqrt(sum(powers[1:]) / sum(powers))
 
@@ -106,12 +106,13 @@ COLUMN_NAMES = [f"{name}, {envelope[0]}" for _, name in MODELS for envelope in E
 
 
 def by_column(program, value, **disc):
-    """What `value` makes of the device of each column."""
+    """Returns value(device) for the device of each column."""
     return [value(Device(program, model, envelope[1], **disc)) for model, envelope in COLUMNS]
 
 
 def strong_share(program, envelope):
-    """Of the energy of v_last at the wall, what lies in the stronger half of each of the ten periods in the burst's middle."""
+    """Returns the share of the energy of v_last at the wall in the stronger half of a period, averaged over the ten periods in the
+    burst's middle."""
     with tempfile.TemporaryDirectory() as folder:
         file = f"{folder}/wall.csv"
         program.run("paper-wall", envelope[1], "--columns", "v_last", "-o", file)
@@ -154,12 +155,12 @@ def material_tables(program):
 
 
 def high_harmonics(device, without_jumps=False):
-    """The largest level beyond 400 kHz, dB under the largest harmonic."""
+    """Returns the largest level beyond 400 kHz, in dB under the largest harmonic."""
     harmonics = device.harmonics()
     if harmonics is None or without_jumps and device.wet:
         return None
     levels = harmonics
-    if without_jumps:  # both under their own largest: switching_db is of each line itself
+    if without_jumps:  # relative to the largest line without jumps: switching_db belongs to each line
         smooth = [level - jumps for level, jumps in zip(harmonics, device.number("switching_db"))]
         levels = [level - max(smooth) for level in smooth]
     return max(levels[5:])
@@ -227,7 +228,7 @@ def modes_table(program):
 
 
 def verdict(values):
-    """One word where all three envelopes agree."""
+    """Returns one word where all three envelopes agree."""
     words = ["-" if value is None else "yes" if value else "**no**" for value in values]
     if len(set(words)) == 1:
         return words[0]
@@ -235,7 +236,7 @@ def verdict(values):
 
 
 def verdicts(name, of_column):
-    """A row of the short table: of_column(model, envelope) is whether it holds, None where that cannot be said."""
+    """Returns a row of the short table. of_column(model, envelope) is whether the finding holds, or None where it does not apply."""
     return [name, *(verdict([of_column(model, envelope) for envelope in ENVELOPES]) for model, _ in MODELS)]
 
 
@@ -294,7 +295,7 @@ def short_table(program):
 
 
 def solver_table(program):
-    """An independent solver of the same equations, good to 1e-8, and what the program gives."""
+    """Returns the results of an independent solver of the same equations, good to 1e-8, beside the program's."""
     hann, tukey, tenth = (envelope[1] for envelope in ENVELOPES)
 
     def wet(envelope, **disc):
@@ -340,7 +341,7 @@ PAGE = """# The paper's findings, and the assumptions behind each
 
 S. Harput et al., *Coupling of Wideband Impulses Generated by Granular Chains into Liquids*
 ([arXiv:1902.01962](https://arxiv.org/abs/1902.01962)), leave open the shape of the burst ("tapered"), the discs'
-stiffnesses (2.2 to 620 kN/m over the materials) and how a bandwidth is counted. So each finding is recomputed here with:
+stiffnesses (2.2 to 620 kN/m over the materials) and how a bandwidth is counted. So this page recomputes each finding with:
 
 * **paper, theory**: the paper's mass on a spring and its formula for `v_out`, the stiffness from plate theory
 * **paper, stated stiffness**: the same with the ends of the paper's range, 620 kN/m for a hard layer of 0.5 mm and 2.2 kN/m
@@ -350,7 +351,7 @@ stiffnesses (2.2 to 620 kN/m over the materials) and how a bandwidth is counted.
 
 [measures.md](measures.md) defines the numbers, [model.md](model.md) the models. f is the drive's frequency, 73 kHz. Runs last
 0.5 ms, as the shipped scenes do; soft discs still ring then, and the program warns of it. The peak of the formula's `v_out`
-has its jumps in it. This page is made by `scripts/findings.py --program build/release/hertzline --out docs/findings.md`, and a test runs it again.
+includes its jumps. `scripts/findings.py --program build/release/hertzline --out docs/findings.md` makes this page, and a test runs it again.
 
 ## In short
 
@@ -376,7 +377,7 @@ disc's motion, not on the impedance.
 
 ## Bandwidth, harmonics, distortion
 
-The paper has over 350 kHz at −20 dB and harmonics beyond 400 kHz; sister measurements of the same group have a −6 dB band of
+The paper reports over 350 kHz at −20 dB and harmonics beyond 400 kHz. Other measurements of the same group have a −6 dB band of
 280 kHz and a distortion of 73 %, their model 252 kHz and 78 %.
 
 {bands}
@@ -394,14 +395,14 @@ Thin-plate theory is strained from 1 mm on. "-" is a scene that the program refu
 
 ## Against an independent solver
 
-Of the same equations, good to 1e-8, nothing tuned. Harmonics 6 to 9, 25 to 37 dB down, differ by up to 0.6 dB, the others by
-0.1 dB at most; edges by a kilohertz at most, which is rounding.
+The solver integrates the same equations to 1e-8, and nothing is tuned. Harmonics 6 to 9, 25 to 37 dB down, differ by up to 0.6 dB,
+the others by at most 0.1 dB. Edges differ by at most a kilohertz, which is rounding.
 
 {solver}
 
 So the paper's "over 350 kHz" holds as the upper edge with a tapered burst, with the water for a taper of 0.1 to 0.5, with the
 paper's formula for 0.1 only. It depends on the fifth harmonic, 365 kHz, which lies 3.4 dB above the threshold or 1.4 below. As a
-span from half the drive's frequency up it does not hold anywhere, and from 0 Hz up it misses by a kilohertz at best.
+span from half the drive's frequency up it holds nowhere, and from 0 Hz up it misses by a kilohertz at best.
 """
 
 
@@ -414,7 +415,7 @@ def page(program):
 
 
 def warm(program):
-    """Runs what the page needs on two processors."""
+    """Runs the scenes of the page in two threads."""
     jobs = [Device(program, model, envelope[1], material=material) for model, envelope in COLUMNS for material in HARD + SOFT]
     jobs += [Device(program, model, envelope[1], thickness_mm=h) for model, envelope in THEORY_AND_WET for h in THICKNESSES_MM]
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
@@ -425,7 +426,7 @@ NUMBER = re.compile(r"−?\d+(?:\.\d+)?")
 
 
 def difference(have, want):
-    """The first line that is not the same, numbers but for one in their last digit; None."""
+    """Returns the first line that differs by more than one in the last digit of a number, or None."""
     old, new = have.splitlines(), want.splitlines()
     if len(old) != len(new):
         return f"{len(old)} lines, now {len(new)}"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # fuzz.sh [SECONDS] [TARGET...]: fuzzes each target of tests/fuzz (default: all) for SECONDS (default: 60) and prints a line for it.
-# Exit status 1 when one was found that breaks its claims; the input lies in build/fuzz/findings then. What a run learns stays in
-# build/fuzz/corpus; fuzz.sh --keep [TARGET...] puts the smallest part of it that covers as much into tests/fuzz/corpus.
+# Exit status 1 when an input breaks a target's claims; build/fuzz/findings then has the input. build/fuzz/corpus keeps the inputs
+# that a run has found; fuzz.sh --keep [TARGET...] copies the smallest part with the same coverage into tests/fuzz/corpus.
 set -eu
 cd "$(dirname "$0")/.."
 command -v clang++ >/dev/null || { echo "fuzz.sh: needs Debian's clang and libclang-rt-14-dev" >&2; exit 1; }
@@ -24,7 +24,7 @@ for target in "$@"; do
     mkdir -p "$learnt" "$findings"
     if [ "$seconds" = keep ]; then
         mkdir -p "$learnt.new"
-        # by edges, not by how often each was taken: a hundred inputs instead of thousands
+        # by edges, not by their counts: a hundred inputs instead of thousands
         build/fuzz/fuzz_"$target" -set_cover_merge=1 -use_counters=0 $limits "$learnt.new" "$kept" "$learnt" >"$log" 2>&1
         rm -rf "$kept" && mv "$learnt.new" "$kept"
         echo "$target: $(ls "$kept" | wc -l) inputs kept"

@@ -1,6 +1,6 @@
 #!/bin/sh
-# install_packages.sh [--tests|--optional]: installs the Debian packages of packages.txt that are missing, those for tests and the
-# optional ones only when asked for (--optional: both). Quick and silent when none is missing.
+# install_packages.sh [--tests|--optional]: installs the missing Debian packages of packages.txt; with --tests also those for tests, with
+# --optional all. Quick and silent when none is missing.
 set -eu
 passed_over="tests optional"
 case "${1:-}" in

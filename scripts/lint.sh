@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Checks style: clang-format on every source, which takes a second, and clang-tidy.
+# Checks style by clang-format on every source, which takes a second, and by clang-tidy.
 #   lint.sh                   clang-tidy on everything: a quarter of an hour on two cores
 #   lint.sh --changed [BASE]  clang-tidy on the 40 sources that differ most from BASE (origin/main, or else the last commit): minutes
 #   lint.sh --format          no clang-tidy
@@ -10,7 +10,7 @@ mode=${1:-}
 most_sources=40
 sources_of_rooms=({core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
 
-# The commit to compare with; none in a clone of a single commit.
+# Prints the commit to compare with; nothing in a clone of a single commit.
 base_commit() { # [BASE]
     if [ -n "${1:-}" ]; then
         git merge-base "$1" HEAD
@@ -21,7 +21,7 @@ base_commit() { # [BASE]
     fi
 }
 
-# A source through which clang-tidy sees the file: itself, or for a header the source of that name, or one that includes it.
+# Prints a source through which clang-tidy sees the file: itself, or for a header the source of that name, or one that includes it.
 source_of() { # FILE
     case "$1" in *.cpp) echo "$1" && return ;; esac
     [ -f "${1%.hpp}.cpp" ] && echo "${1%.hpp}.cpp" && return
@@ -31,7 +31,8 @@ source_of() { # FILE
     done
 }
 
-# Those with the most changed lines first: a change of all names touches every source, and clang-tidy takes seconds for each.
+# Prints the changed sources, those with most changed lines first: a change of all names touches every source, and clang-tidy takes
+# seconds for each.
 changed_sources() { # COMMIT
     git diff --numstat --no-renames --diff-filter=d "$1" -- "${sources_of_rooms[@]}" |
         awk '{ print $1 + $2, $3 }' | sort -k1,1nr -k2,2 |

@@ -1,4 +1,4 @@
-"""What the pictures of the project have in common: look, and the command line of those drawn from results."""
+"""Common parts of the project's pictures: their style, and the command line of those drawn from results."""
 import argparse
 import json
 import pathlib
@@ -16,9 +16,9 @@ def use_style(font_size=10):
 
 
 def draw_results(description, bench, default_png, draw):
-    """Reads the results of a benchmark and has draw(results, png) make the picture."""
+    """Reads the results of a benchmark and draws the picture by draw(results, png)."""
     parser = argparse.ArgumentParser(description=description.split("\n", maxsplit=1)[0])
-    parser.add_argument("results", type=pathlib.Path, help=f"what {bench} --json wrote")
+    parser.add_argument("results", type=pathlib.Path, help=f"file of {bench} --json")
     parser.add_argument("--out", type=pathlib.Path, default=default_png, help="picture (%(default)s)")
     arguments = parser.parse_args()
     try:

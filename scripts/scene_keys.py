@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the tables of keys in scenes/README.md as the program prints them: scene_keys.py HERTZLINE [--check]
 
---check writes nothing: exit status 1 where they differ.
+--check writes nothing. Exit status 1 where the tables differ.
 """
 import pathlib
 import re

@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""Streams for a long time to subscribers of all kinds, on busy processors, and keeps the accounts.
+"""Streams for a long time to subscribers of all kinds, on busy processors, and counts all frames.
 
     scripts/soak.py --program build/release/hertzline --seconds 1800
 
-One subscriber listens from the first sample to the last: what was sent must have reached it, or it must have noticed that it is
-missing. Another is too slow from beginning to end. Others come and go: some listen for a while, some save what they hear, some are
-killed. Memory and file descriptors of the program are looked at once a second. Prints the figures, then what did not hold; exit
-status 1 if there is anything. Debian: python3-zmq python3-numpy.
+One subscriber listens from the first sample to the last: it must receive each sent frame or count it as missing. Another is too
+slow from beginning to end. Others come and go: some listen for a while, some record, some are killed. The program's memory and file
+descriptors are sampled. Prints the figures, then the failed demands; exit status 1 if there are any. Debian: python3-zmq
+python3-numpy.
 """
 import argparse
 import json
@@ -24,23 +24,23 @@ import numpy as np
 import zmq
 
 STREAMS = ["v_out", "v_last", "v_plate"]
-SETTLED_S = 600          # queues are full and the heap has its shape: memory is judged from here on
-LONG_ENOUGH_S = 1200     # to judge it at all; shorter runs print how it grew after their first third
+SETTLED_S = 600          # queues are full and the heap has settled: memory is judged from here on
+LONG_ENOUGH_S = 1200     # shortest run whose memory is judged; shorter ones print its growth after their first third
 MOST_MIB_PER_HOUR = 1
 VISITORS_AT_A_TIME = 3
-FRAMES_AT_A_TIME = 250   # the slow subscriber takes so many,
-NAP_S = 0.05             # then sleeps: half of ten thousand frames a second
+FRAMES_AT_A_TIME = 250   # frames that the slow subscriber receives
+NAP_S = 0.05             # before it sleeps: half of ten thousand frames a second
 
 
 def busy():
-    """Load, a little less urgent than what is tested."""
+    """Keeps a processor busy, at a lower priority than the tested programs."""
     os.nice(10)
     while True:
         pass
 
 
 def slow_subscriber(endpoint, frames):
-    """Falls behind and stays there; counts the frames that it gets, and by their numbers those that it missed."""
+    """Falls behind and stays there; counts received frames, and by their numbers the missed ones."""
     socket = zmq.Context().socket(zmq.SUB)
     socket.set_hwm(100)
     socket.connect(endpoint)
@@ -74,7 +74,7 @@ class Stream:
         sys.exit("soak.py: the stream did not start: " + said.read_text(encoding="utf-8"))
 
     def memory_mib(self):
-        """Resident. Not from smaps_rollup, which holds up the program for milliseconds."""
+        """Returns the resident memory. Reading smaps_rollup instead would delay the program by milliseconds."""
         pages = pathlib.Path(f"/proc/{self.process.pid}/statm").read_text(encoding="ascii").split()[1]
         return int(pages) * os.sysconf("SC_PAGE_SIZE") / 2**20
 
@@ -86,7 +86,7 @@ class Stream:
             sys.exit(f"soak.py: the stream is over, with status {self.process.returncode}")
 
     def end(self):
-        """Ctrl-C; the summary, and how long it took [s]."""
+        """Sends Ctrl-C. Returns the summary and the time until the end [s]."""
         began = time.monotonic()
         self.process.send_signal(signal.SIGINT)
         out, _ = self.process.communicate(timeout=60)
@@ -96,7 +96,7 @@ class Stream:
 
 
 class Visitors:
-    """Subscribers that come and go: each third one saves what it hears, each third one is killed."""
+    """Subscribers that come and go: each third one records, each third one is killed."""
 
     def __init__(self, program, endpoint, folder):
         self.listen = [program, "listen", "--json", "--connect", endpoint]
@@ -106,7 +106,7 @@ class Visitors:
         self.came = self.killed = self.recordings = self.odd = self.frames = self.lost = 0
 
     def come(self):
-        """One more, unless there are enough."""
+        """Starts one more, unless there are enough."""
         if len(self.present) == VISITORS_AT_A_TIME:
             return
         self.came += 1
@@ -122,7 +122,7 @@ class Visitors:
         self.present.append((process, kill_at, file))
 
     def see_off(self):
-        """Kills those whose time has come, and takes the accounts of those that are done."""
+        """Kills those that are due, and counts the frames of those that have ended."""
         for visitor in list(self.present):
             process, kill_at, file = visitor
             if kill_at and time.monotonic() > kill_at:
@@ -136,7 +136,7 @@ class Visitors:
                 self.take(json.loads(out), file)
 
     def take(self, summary, file):
-        """What a visitor says that it heard; a recording must hold as much."""
+        """Adds a visitor's counts; its recording must hold as many samples."""
         self.frames += summary["frames"]
         self.lost += summary["frames_lost_on_the_way"]
         sound = summary["ended_by"] == "duration" and is_in_order(summary)
@@ -154,8 +154,8 @@ def is_in_order(heard):
 
 
 def growth(memory):
-    """Slope of the memory [MiB/h] and the half width of its 95 % interval, by least squares through the medians of twenty parts.
-    The queue of a slow subscriber swings between half and full in seconds, as ZeroMQ has it, and a visitor's may be long for a
+    """Returns the slope of the memory [MiB/h] and the half width of its 95 % interval, by least squares through the medians of
+    twenty parts. ZeroMQ's queue of a slow subscriber swings between half and full in seconds, and a visitor's may be long for a
     moment; a leak stays."""
     medians = [np.median(part, axis=0) for part in np.array_split(np.array(memory), 20)]
     hours, mib = np.transpose(medians) / [[3600], [1]]
@@ -166,7 +166,7 @@ def growth(memory):
 
 
 def settled(memory):
-    """Without the beginning, during which queues fill."""
+    """Returns the samples without the beginning, during which queues fill."""
     start = min(SETTLED_S, memory[-1][0] / 3)  # [s]
     return [sample for sample in memory if sample[0] >= start]
 
@@ -178,11 +178,11 @@ def until(holds, patience_s):
 
 
 def soak(arguments, folder):
-    """Runs it all; what was seen, by name."""
+    """Runs the stream and all subscribers. Returns the observations by name."""
     stream = Stream(arguments.program, arguments.scene, folder)
     steady = subprocess.Popen([arguments.program, "listen", "--json", "--connect", stream.endpoint],
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    time.sleep(1)  # it is the one that starts the stream
+    time.sleep(1)  # so that its subscription starts the stream
     slow = multiprocessing.Array("q", 2)
     helpers = [multiprocessing.Process(target=slow_subscriber, args=(stream.endpoint, slow), daemon=True)]
     helpers += [multiprocessing.Process(target=busy, daemon=True) for _ in range(os.cpu_count())]
@@ -204,7 +204,7 @@ def soak(arguments, folder):
             time.sleep(0.1)
             memory.append((time.monotonic() - began, stream.memory_mib()))
     until(lambda: visitors.see_off() or not visitors.present, 60)
-    until(lambda: stream.descriptors() == before, 20)  # a connection that was cut is noticed soon, not at once
+    until(lambda: stream.descriptors() == before, 20)  # a broken connection is noticed with a delay
     after = stream.descriptors()
     summary, ending_s = stream.end()
     heard = json.loads(steady.communicate(timeout=60)[0])
@@ -216,7 +216,7 @@ def soak(arguments, folder):
 
 
 def account(seen):
-    """The figures that are printed, and the demands that they have to meet."""
+    """Returns the figures to print, and the failed demands."""
     summary, heard, visitors = seen["summary"], seen["heard"], seen["visitors"]
     sent, dropped = summary["v_out_np_sent"], summary["v_out_np_dropped"]
     # Frames missing at the very end show in the count of samples alone.
@@ -245,9 +245,9 @@ def account(seen):
     }
     demands = {
         "frames are unaccounted for": unaccounted == 0 and heard["frames_dropped_by_sender"] == dropped,
-        "the steady listener did not hear the end": heard["ended_by"] == "end of run" and heard["first_sample"] == 0,
+        "the steady listener did not receive the end": heard["ended_by"] == "end of run" and heard["first_sample"] == 0,
         "frames came twice, late or contradictory": is_in_order(heard),
-        f"{visitors.odd} visitors did not get what they wanted": visitors.odd == 0 and not visitors.present,
+        f"{visitors.odd} visitors received too little or wrong data": visitors.odd == 0 and not visitors.present,
         "the slow subscriber was not slow": seen["slow"][0] > 0 and seen["slow"][1] > 0,
         f"memory grows by more than {MOST_MIB_PER_HOUR} MiB/h": slope - error < MOST_MIB_PER_HOUR or not seen["long_enough"],
         "file descriptors were left open": after == before,
@@ -260,7 +260,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
     parser.add_argument("--program", default="build/release/hertzline", help="the hertzline to run (%(default)s)")
     parser.add_argument("--seconds", type=float, default=1800, help="how long (%(default)s)")
-    parser.add_argument("--scene", default="paper-stream", help="what to stream (%(default)s)")
+    parser.add_argument("--scene", default="paper-stream", help="scene to stream (%(default)s)")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         figures, faults = account(soak(arguments, folder))

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every test. Names those that were skipped, and why.
+# Installs missing packages, builds, and runs every test. Names skipped tests with their reasons.
 # test.sh [PRESET...]: release by default; asan and tsan run the same tests under sanitizers.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Which part of core may use which: its rooms from the lowest to the highest, of which each may use itself and those before it.
+"""Checks the order of core's rooms, from the lowest to the highest: each may use itself and lower ones.
 
-The rooms of the whole project need no such test: a target does not find the headers of what it does not link (cmake/Rooms.cmake).
+The rooms of the whole project need no such test: a target finds only the headers of rooms that it links (cmake/Rooms.cmake).
 layers.py CHECK [ARGUMENT]:
   includes          every #include "core/..." goes to the same room or a lower one
   symbols BUILD     so does every symbol that an object file takes from another one
-  self-test         the checks find wrong includes and symbols that are made for them
+  self-test         the checks find wrong includes and symbols made for this test
 """
 import pathlib
 import re
@@ -20,7 +20,7 @@ UNITED = re.compile(r"Unity/unity_core-(\w+?)(?:-[\w-]+)?_cxx\.cxx")  # as cmake
 
 
 def height_of(path):
-    """How high a room lies, given the path of one of its sources in core."""
+    """Returns the height of a room, given the path of one of its sources in core."""
     united = UNITED.match(path)
     room = united[1] if united else re.split(r"[/.]", path)[0]
     return ROOMS.index("scene" if room == "shipped_scenes_data" else room)
@@ -36,7 +36,7 @@ def includes_faults(root):
 
 
 def symbols_of(build):
-    """(source, kind, symbol) of each global symbol."""
+    """Yields (source, kind, symbol) of each global symbol."""
     folder = pathlib.Path(build) / "core/CMakeFiles/hertzline_core.dir"
     for path in sorted(folder.rglob("*.o")):
         text = subprocess.run(["nm", "--extern-only", "--demangle", path], check=True, capture_output=True, text=True).stdout
@@ -46,7 +46,7 @@ def symbols_of(build):
 
 
 def symbols_faults(symbols):
-    """A symbol with several definitions (an inline function) belongs to no room."""
+    """Yields uses of higher rooms. A symbol with several definitions (an inline function) belongs to no room."""
     symbols = list(symbols)
     definitions = {symbol: source for source, kind, symbol in symbols if kind in "TDBRG"}
     if not definitions:

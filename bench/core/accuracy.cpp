@@ -1,14 +1,14 @@
-// Is the accuracy that is asked for met over a whole run, and does the program say so where it is not?
+// Measures whether whole runs keep the requested accuracy, and whether the program warns of those that do not.
 //
 //     bench_accuracy [--json FILE] [--threads N] [COUNT [SEED]]
-//     bench_accuracy --finer-run [COUNT [SEED]]    the same for the points of a sweep
-//     bench_accuracy --integrator chin4a [COUNT [SEED]]    the same by this method
+//     bench_accuracy --finer-run [COUNT [SEED]]            for the points of a sweep
+//     bench_accuracy --integrator chin4a [COUNT [SEED]]    by this method
 //     bench_accuracy --scene SEED INDEX
 //
-// First come the scenes of tests/reference/accuracy/, which have independent solutions, then COUNT scenes drawn at
-// random over what somebody might design. There the truth is taylor12 with the shortest pieces that are of use, and
-// again with shorter ones, to know how true it is. An error is the relative L2 norm of the worst of v_last, v_plate
-// and v_out over all of the run. --scene prints a scene.
+// The scenes of tests/reference/accuracy/ come first; they have independent solutions. COUNT plausible devices, drawn
+// at random, follow. Their reference is taylor12 with the shortest useful pieces, and its error is measured by another
+// run with longer ones. An error is the relative L2 norm of the worst of v_last, v_plate and v_out over the whole run.
+// --scene prints a scene.
 
 #include <algorithm>
 #include <array>
@@ -39,7 +39,7 @@ using namespace hertzline;
 using bench::JudgedScene;
 constexpr std::array accuracies{1e-3, 1e-4, 1e-6};
 
-/// All results of a job, in the order of their numbers, whoever computes them.
+/// Runs job(0) to job(count - 1) in threads. Returns their results in this order.
 template <class Job>
 std::vector<JudgedScene> in_parallel(std::size_t count, unsigned threads, Job job) {
     std::vector<JudgedScene> results(count);
@@ -97,7 +97,7 @@ Json json(const std::vector<JudgedScene>& scenes) {
     return rows;
 }
 
-/// What the drawn scenes show.
+/// Prints the tables of the drawn scenes.
 void print(const std::vector<JudgedScene>& scenes) {
     if (scenes.empty()) {
         return;
@@ -121,8 +121,8 @@ int main(int argc, char** argv) {
     std::optional<Integrator> integrator;
     CLI::App app("Accuracy asked for, estimated and true, of whole runs");
     app.add_option("COUNT", count, "scenes to draw")->capture_default_str();
-    app.add_option("SEED", seed, "of the scenes")->capture_default_str();
-    app.add_option("--threads", threads, "that work on them")
+    app.add_option("SEED", seed, "seed of the scenes")->capture_default_str();
+    app.add_option("--threads", threads, "number of threads")
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
     app.add_option("--scene", wanted, "SEED and INDEX of a scene to print")->expected(2);
@@ -130,9 +130,10 @@ int main(int argc, char** argv) {
     for (const Integrator choice : choices<Integrator>) {
         integrators.emplace(word(choice), choice);
     }
-    app.add_option("--integrator", integrator, "for all scenes, in place of the default")
+    app.add_option("--integrator", integrator, "use this integrator for all scenes")
         ->transform(CLI::CheckedTransformer(integrators));
-    app.add_flag("--finer-run", finer_run, "steps and estimates as in a sweep: by a finer run beside it");
+    app.add_flag("--finer-run", finer_run,
+                 "choose steps and estimate errors by a finer run, as a sweep does");
     app.add_option("--json", json_file, "file for all results");
     CLI11_PARSE(app, argc, argv);
     if (!wanted.empty()) {

@@ -20,7 +20,7 @@ std::string text(const char* format, Values... values) {
     return buffer.data();
 }
 
-/// "2e-03/3e-04 ~w"
+/// Formats error and estimate with their marks: "2e-03/3e-04 ~w".
 std::string cell(const Judgement& judgement) {
     const std::string estimate =
         judgement.estimate ? text("%.0e", *judgement.estimate) : std::string("unknown");
@@ -51,9 +51,9 @@ const std::vector<Group>& groups() {
 
 struct Tally {
     int within = 0, nearly = 0, beyond = 0;
-    int warned = 0, unwarned_nearly = 0, unwarned_beyond = 0;  ///< of those that miss
-    int amplify = 0;                                           ///< of all,
-    int unwarned_amplify = 0;                                  ///< and of the unwarned misses
+    int warned = 0, unwarned_nearly = 0, unwarned_beyond = 0;  ///< misses
+    int amplify = 0;                                           ///< all runs that amplify
+    int unwarned_amplify = 0;                                  ///< unwarned misses that amplify
 
     void add(const Judgement& judgement) {
         const bool missed = !judgement.met();
@@ -89,7 +89,7 @@ void print_ratios(const std::string& name, std::vector<double> ratios) {
                 ratios.back(), 100.0 * static_cast<double>(close) / static_cast<double>(ratios.size()));
 }
 
-/// "accuracy 0.001", for the heads of tables.
+/// Formats a column's head: "asked 1e-03".
 std::string asked(const JudgedScene& scene, std::size_t accuracy) {
     return text("asked %.0e", scene.judgements[accuracy].accuracy);
 }
@@ -179,7 +179,7 @@ void print_silent_misses(const std::vector<JudgedScene>& scenes) {
 
 void print_estimates(const std::vector<JudgedScene>& scenes) {
     std::printf(
-        "\nestimate over truth (what amplifies rounding errors left out; below %.0e counts as that)\n"
+        "\nestimate over truth (without runs that amplify rounding errors; lower values count as %.0e)\n"
         "%-9s %6s %9s %9s %9s %9s %9s %10s\n",
         test::indistinguishable, "asked", "n", "lowest", "5 %", "median", "95 %", "highest", "within 3x");
     std::vector<double> all;

@@ -1,5 +1,5 @@
 #pragma once
-// What bench_accuracy found, as tables.
+// Tables of bench_accuracy's results.
 
 #include <cstdint>
 #include <string>
@@ -10,29 +10,29 @@
 
 namespace hertzline::bench {
 
-/// A scene, and how it fared at each accuracy.
+/// A scene and its results at each accuracy.
 struct JudgedScene {
     std::string name;  ///< "accuracy/random_019", or its index
     test::DesignScene design;
     std::vector<test::Judgement> judgements;
 };
 
-/// A line for each scene: error and estimate at each accuracy.
+/// Prints a line for each scene: error and estimate at each accuracy.
 void print_scenes(const std::vector<JudgedScene>& scenes);
 
-/// Counts for each group of scenes: the accuracy is met, or missed with and without a warning.
+/// Prints for each group of scenes how many meet the accuracy, and how many miss it with and without a warning.
 void print_groups(const std::vector<JudgedScene>& scenes);
 
-/// For how many of them pilots have chosen the step.
+/// Prints the number of scenes whose step was chosen by pilots.
 void print_pilots(const std::vector<JudgedScene>& scenes);
 
-/// Misses far beyond the accuracy and the estimate, without a warning.
+/// Prints the number of misses far beyond accuracy and estimate without a warning.
 void print_silent_misses(const std::vector<JudgedScene>& scenes);
 
-/// Estimated over true errors.
+/// Prints quantiles of the ratio of estimated to true error.
 void print_estimates(const std::vector<JudgedScene>& scenes);
 
-/// Those that miss an accuracy, as print_scenes().
+/// Prints the scenes that miss an accuracy, by print_scenes().
 void print_misses(const std::vector<JudgedScene>& scenes);
 
 }  // namespace hertzline::bench

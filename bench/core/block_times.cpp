@@ -1,9 +1,9 @@
-// How long one block of a stream takes to simulate, and how much longer the worst block takes than the median: series take
-// longer where contacts open and close, a fixed step does not.
+// Measures the time to simulate one block of a stream, and the ratio of the worst block to the median. Series take longer
+// where contacts open and close; a fixed step does not.
 //
 //     bench_block_times [--json FILE] [PERIODS]      of 1 ms, 100 by default
 //
-// Each block is simulated in several runs, and its shortest time counts: what else the machine does is left out.
+// Each block is simulated in several runs, and its shortest time counts, so that other load on the machine is left out.
 
 #include <algorithm>
 #include <array>

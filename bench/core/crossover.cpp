@@ -1,11 +1,10 @@
-// Which integrator is the fastest, by the length of the chain and the accuracy asked for: what the default choice (core/step_choice)
-// stands on.
+// Finds the fastest integrator for each length of the chain and each accuracy. The default choice (core/step_choice) rests on
+// these results.
 //
 //     bench_crossover [MOST_SPHERES]     default 3000
 //
-// The chain of the paper, until the wave of the burst is at its end. Times are of the
-// processor. `setup` is the choice of the step, `run` the integration, the least of three. An accuracy that an integrator does not
-// keep by its own estimate is marked with *.
+// The scene is the paper's chain until the burst's wave has reached its end. Times are processor times, the lowest of three:
+// `setup` is the choice of the step, `run` the integration. * marks an integrator that misses the accuracy by its own estimate.
 
 #include <algorithm>
 #include <array>
@@ -49,7 +48,7 @@ Scene scene_of(std::int64_t spheres, double accuracy) {
 struct Cost {
     double setup_s;
     double run_s;
-    bool kept;  ///< the accuracy, by the estimate
+    bool kept;  ///< the estimate is within the accuracy
 };
 
 Cost cost(Scene scene, Integrator integrator) {

@@ -1,4 +1,4 @@
-// Measuring the solvers of a scene side by side.
+// Measures the solvers of a scene side by side.
 
 #include "bench/core/frontier.hpp"
 
@@ -13,14 +13,14 @@ namespace hertzline::bench {
 
 namespace {
 
-/// Time that this thread has had on a processor [s]: the wall time on an idle machine, and little more on a busy one.
+/// Returns the processor time of this thread [s]: the wall time on an idle machine, and little more on a busy one.
 double processor_time() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// Runs until a few milliseconds are full. The first run of short ones warms caches up and is not counted.
+/// Repeats a run for a few milliseconds. The first of several short runs warms up the caches and is not counted.
 void time_runs(const Contender& contender, Trace& trace, std::vector<double>& times) {
     constexpr double enough_s = 3e-3;
     const double begin = processor_time();

@@ -1,5 +1,5 @@
 #pragma once
-// Error and run time of every solver at every setting on one scene, and who is fastest at which error.
+// Error and run time of every solver at every setting on one scene, and the fastest solver for each error.
 
 #include <optional>
 #include <string>
@@ -16,11 +16,11 @@ struct Result {
     Kind kind;
     std::string solver;
     std::string setting;
-    // relative L2 errors against the reference; those that the scene lacks are 0
+    // relative L2 errors against the reference; 0 for an output that the scene lacks
     double error_v_last = 0;
     double error_v_plate = 0;
     double error_v_out = 0;
-    std::string failure;  ///< empty, or why there is no answer
+    std::string failure;  ///< reason for a missing result; empty after success
     // processor time of one run [s]
     double median_s = 0;
     double fastest_s = 0;
@@ -35,11 +35,11 @@ public:
     Field(const Field&) = delete;  // the solvers refer to the problem in here
     Field& operator=(const Field&) = delete;
 
-    /// All solvers' results. Each round runs every solver in turn, so that what else the machine does meets all alike.
+    /// Measures all solvers. Each round runs every solver in turn, so that other load on the machine affects all alike.
     std::vector<Result> measure(int rounds) const;
 
-    /// The solver of that name at the last, tightest, of its settings, run once for its errors; empty if
-    /// there is none.
+    /// Runs the solver of that name once at its last and tightest setting, for its errors. Returns nullopt for an
+    /// unknown name.
     std::optional<Result> tightest(const std::string& solver) const;
 
     double simulated_s() const;
@@ -52,10 +52,10 @@ private:
     std::vector<Contender> contenders_;
 };
 
-/// Which errors count.
+/// The errors that count.
 enum class Judged { by_v_last, by_all };
 
-/// The fastest result of these kinds among those with an error of at most `bound`; nullptr if there is none.
+/// Returns the fastest result of these kinds with an error of at most `bound`, or nullptr.
 const Result* fastest(const std::vector<Result>& results, const std::vector<Kind>& kinds, double bound,
                       Judged judged);
 

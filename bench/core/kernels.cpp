@@ -1,4 +1,4 @@
-// One step of each integrator for chains of many lengths, all of them moving. "items" are sphere-steps.
+// Measures one step of each integrator for chains of many lengths, with all spheres moving. "items" are sphere-steps.
 
 #include <benchmark/benchmark.h>
 
@@ -8,8 +8,8 @@ namespace {
 
 using namespace hertzline;
 
-/// A chain in motion from end to end: the horn works on it for as long as a wave takes to cross a short one;
-/// a long one is set ringing by an end that starts out of balance.
+/// Makes a chain in motion from end to end. The horn drives a short one until a wave has crossed it; in a long one an
+/// end that starts out of balance excites the motion.
 Scene moving(std::int64_t spheres, Integrator integrator) {
     Scene scene;
     scene.chain.spheres = spheres;

@@ -1,4 +1,4 @@
-// Long chains on one core: what a sphere-step costs when all spheres move, and what those cost that do not.
+// Measures long chains on one core: the time of a sphere-step when all spheres move, and the time of spheres at rest.
 //
 //     bench_long_chain              the table
 //     bench_long_chain SPHERES      SPHERES and ns per sphere-step, all moving
@@ -6,8 +6,7 @@
 //                                   number and velocity [m/s] of each sphere after the first was kicked,
 //                                   touching ones without preload; for lammps/compare.py
 //
-// Times are of the processor, not of the clock on the wall, so that other work on the machine matters less;
-// each is the least of many.
+// Times are processor times, so that other load on the machine matters less; each is the lowest of many.
 
 #include <algorithm>
 #include <cstdio>
@@ -42,7 +41,7 @@ Scene long_scene(std::int64_t spheres) {
     return scene;
 }
 
-/// Seconds per step with every sphere flying about at up to 0.1 m/s: contacts open and close all along the chain.
+/// Returns seconds per step with spheres at random velocities up to 0.1 m/s: contacts open and close all along the chain.
 double all_moving(std::int64_t spheres) {
     const Scene scene = long_scene(spheres);
     const Chain chain(scene);
@@ -81,7 +80,7 @@ double all_moving(std::int64_t spheres) {
     return least / (batches * ToneBurst::batch_steps);
 }
 
-/// Seconds per step of a simulation while the horn's wave is on its first 1000 spheres, and how many of them move then.
+/// Returns seconds per step while the horn's wave is on the first 1000 spheres, and the number of moving spheres.
 struct Wave {
     double step_s;
     std::int64_t moving;

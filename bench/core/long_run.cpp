@@ -1,11 +1,10 @@
-// What becomes of the energy of an undamped chain in the long run.
+// Measures how the energy of an undamped chain drifts in a long run.
 //
 //     bench_long_run [--json FILE] [STEPS]        1e8 by default; 1e9 take some minutes
 //
-// Nine spheres between horn and wall, thrown about: gently, so that all contacts stay closed, and hard, so
-// that they open and close all the time. Prints the largest energy error so far after 1e4, 1e5, ... steps,
-// and how it grows: with steps^0 where the method keeps the energy, steps^(1/2) where errors add up at
-// random, steps^1 where it drifts.
+// Nine spheres between horn and wall start at random velocities: at low ones all contacts stay closed, at high ones
+// they open and close all the time. Prints the largest energy error after 1e4, 1e5, ... steps, and the exponent of its
+// growth: 0 where the method keeps the energy, 1/2 where errors add up at random, 1 where the energy drifts.
 
 #include <cmath>
 #include <cstdio>
@@ -22,7 +21,7 @@ namespace {
 using namespace hertzline;
 
 constexpr double step_s = 20e-9;
-constexpr double gently = 3e-3;  // [m/s], of the spheres at first
+constexpr double gently = 3e-3;  // [m/s], scale of the initial velocities
 constexpr double hard = 0.3;
 
 Json measure(Integrator integrator, double speed, double max_steps) {

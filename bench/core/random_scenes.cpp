@@ -1,8 +1,8 @@
-// Scenes drawn at random: does any give NaN, stop without saying why, chatter, or lose energy unseen?
+// Runs scenes drawn at random, and reports NaN, a stop without a reason, chattering contacts and unnoticed energy loss.
 //
 //     bench_random_scenes [--json FILE] [COUNT [SEED]]
 //
-// Scene number i has the seed SEED + i: one that is found is run again by bench_random_scenes 1 SEED, which prints it.
+// Scene number i has the seed SEED + i. `bench_random_scenes 1 SEED` prints and repeats a reported one.
 
 #include <algorithm>
 #include <cstdio>
@@ -29,7 +29,7 @@ struct Tally {
     int broken = 0;
     double steps = 0;
     double max_crowded = 0;
-    std::vector<double> residuals;  ///< of those that ran
+    std::vector<double> residuals;  ///< of the scenes that ran
 
     void add(const Trial& trial) {
         ++outcomes[trial.outcome];

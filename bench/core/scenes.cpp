@@ -1,4 +1,4 @@
-// Each shipped scene at its default settings on one core: time per step and per sphere-step, real-time
+// Measures each shipped scene at its default settings on one core: time per step and per sphere-step, real-time
 // factor, and the error where a reference exists.
 //
 //     bench_scenes [--json FILE]
@@ -23,7 +23,7 @@ namespace {
 
 using namespace hertzline;
 
-/// The reference of a shipped scene. The first burst of the streams is the vitreous-carbon scene's.
+/// Returns the reference of a shipped scene. The first burst of the streams is the vitreous-carbon scene's.
 const std::map<std::string, std::string, std::less<>> references{
     {"paper-vitreous-carbon", "paper_vitreous_carbon"},
     {"paper-aluminium", "paper_aluminium"},

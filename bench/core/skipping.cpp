@@ -1,4 +1,4 @@
-// What a scene does not need is skipped: run time with and without, side by side.
+// Measures the time saved by skipping work that a scene does not need: run times with and without, side by side.
 //
 //     bench_skipping [--json FILE]
 
@@ -21,7 +21,7 @@ namespace {
 
 using namespace hertzline;
 
-/// Something to be run over and over: a scene, what is asked for, and how long.
+/// A run to be repeated: a scene, the requested outputs, and a duration.
 struct Job {
     Scene scene;
     SimulationOptions options;
@@ -30,7 +30,7 @@ struct Job {
 
 struct Comparison {
     std::string what;
-    Job without;  ///< what is not needed is left out
+    Job without;  ///< skips the work
     Job with;
 };
 
@@ -58,7 +58,7 @@ std::vector<Comparison> comparisons() {
     const auto wall = [](Scene& s) { s.end.kind = EndKind::wall; };
     const auto closed = [](Scene& s) { s.drive.amplitude_m = 2e-9; };
     return {
-        {"samples nobody wants", {burst, nothing, 5e-4}, {burst, outputs, 5e-4}},
+        {"samples of the outputs", {burst, nothing, 5e-4}, {burst, outputs, 5e-4}},
         {"velocities and displacements of all spheres", {burst, outputs, 5e-4}, {burst, all, 5e-4}},
         {"the energy's ledger", {burst, outputs, 5e-4}, {burst, {}, 5e-4}},
         {"a chain at rest between bursts (1e-3)",
@@ -102,14 +102,14 @@ private:
 int main(int argc, char** argv) {
     const bench::Arguments arguments(argc, argv);
     Json rows = Json::array();
-    std::printf("%-46s %10s %10s %8s %9s %9s\n", "what is skipped", "off/us", "on/us", "ratio", "pieces",
+    std::printf("%-46s %10s %10s %8s %9s %9s\n", "skipped work", "off/us", "on/us", "ratio", "pieces",
                 "pieces");
     for (const Comparison& comparison : comparisons()) {
         Run without(comparison.without);
         Run with(comparison.with);
         double min_without = 1e9;
         double min_with = 1e9;
-        for (int round = 0; round < 25; ++round) {  // in turn, so that both meet the same machine
+        for (int round = 0; round < 25; ++round) {  // in turn, so that load on the machine affects both alike
             min_without = std::min(min_without, without());
             min_with = std::min(min_with, with());
         }

@@ -1,14 +1,14 @@
-// How long a step may be: measured on runs, beside what `hertzline check` says. Drawn by plot_stability.py.
+// Measures the longest stable step, beside the limit that `hertzline check` prints. plot_stability.py draws the results.
 //
 //     bench_stability [--json FILE]
 //
-// The paper's device, changed along one axis at a time, and a few combinations. A step is stable when the
-// energy that the chain holds stays below a hundred times the largest of a finely resolved run: close to the
-// limit it swings, beyond it grows without end. The grid's kernels are driven here without the check that
-// ends a run beyond the limit. Steps are lengthened by 2 % until one is not stable.
+// The scenes are the paper's device, changed along one axis at a time, and a few combinations. A step is stable when
+// the energy held in the chain stays below a hundred times the largest of a finely resolved run: close to the limit
+// it swings, beyond it grows without bound. The grid's kernels run here without the check that ends a run beyond the
+// limit. Steps are lengthened by 2 % until one is unstable.
 //
-// Series shorten their pieces themselves: the step is the longest piece and sets the tolerance. For them the
-// same is asked up to 100 times the advised limit, and besides how well the ledger closes at ten times it.
+// Series shorten their pieces themselves: the step is the longest piece and sets the tolerance. Their steps are tried
+// up to 100 times the advised limit; the residual of the ledger is measured at ten times that limit.
 
 #include <algorithm>
 #include <array>
@@ -35,11 +35,11 @@
 namespace {
 
 using namespace hertzline;
-constexpr double factor = 1.02;          // from one step tried to the next
-constexpr double series_searched = 100;  // times the advised limit
-constexpr double blown_up = 100;         // times the largest energy of a finely resolved run
-constexpr double beyond = 10;            // times the advised limit, where the ledger of series is looked at
-constexpr std::int64_t min_steps = 10'000;  // in which an instability grows
+constexpr double factor = 1.02;             // from one step tried to the next
+constexpr double series_searched = 100;     // times the advised limit
+constexpr double blown_up = 100;            // times the largest energy of a finely resolved run
+constexpr double beyond = 10;               // times the advised limit, where the ledger of series is checked
+constexpr std::int64_t min_steps = 10'000;  // enough for an instability to grow
 
 struct Axis {
     std::string name;
@@ -52,14 +52,14 @@ double sphere_mass(const Chain& chain) {
     return 1 / chain.inv_mass[0];
 }
 
-/// Damping [kg/s] at which two spheres of the paper's chain at rest no longer swing against each other.
+/// Returns the damping [kg/s] at which two spheres of the paper's chain at rest no longer swing against each other.
 double critical_damping() {
     const Chain chain{Scene{}};
     const double tangent = 1.5 * chain.stiffness[1] * std::sqrt(chain.static_overlap[1]);
     return 2 * std::sqrt(tangent * sphere_mass(chain) / 2);
 }
 
-/// A plate that moves with so many times a sphere's mass, as stiff as the paper's.
+/// Sets a plate as stiff as the paper's, whose moving mass is `ratio` times a sphere's.
 void set_mass_ratio(Scene& scene, double ratio) {
     const Chain chain(scene);
     scene.end.stiffness_n_per_m = chain.spring[chain.spheres()];
@@ -94,10 +94,10 @@ std::vector<Axis> axes() {
              } else if (number == 2) {  // a light plate on a hard spring
                  set_mass_ratio(s, 0.1);
                  s.end.stiffness_n_per_m = 1e8;
-             } else if (number == 3) {  // nothing holds it together, and it loses much
+             } else if (number == 3) {  // no preload, strong damping
                  s.chain.preload_n = 0;
                  s.chain.damping_kg_per_s = critical;
-             } else {  // driven hard, nothing lost
+             } else {  // driven hard, no damping
                  s.drive.amplitude_m *= 30;
                  s.chain.damping_kg_per_s = 0;
              }
@@ -114,7 +114,7 @@ double simulated_s(const Scene& scene, double step) {
                     static_cast<double>(min_steps) * step);
 }
 
-/// Largest energy held [J] in a run on a grid; infinite beyond all bounds.
+/// Returns the largest energy held [J] in a run on a grid; infinity when the motion diverges.
 double largest_held_on_grid(const Scene& scene, Integrator integrator, double step, double bound) {
     const Chain chain(scene);
     ChainState state(chain);
@@ -160,7 +160,7 @@ SeriesRun run_series(Scene scene, Integrator integrator, double step) {
         if (simulation.skip(1) != Status::running) {
             return {};
         }
-        // where the horn is matters little here
+        // the horn's position matters little here
         run.largest_held = std::max(run.largest_held, held(simulation.chain(), simulation.state(), 0));
     }
     run.residual = simulation.energy_residual();
@@ -168,7 +168,7 @@ SeriesRun run_series(Scene scene, Integrator integrator, double step) {
     return run;
 }
 
-/// Largest energy [J] in a run that is as good as exact.
+/// Returns the largest energy [J] held in a finely resolved run.
 double energy_of(const Scene& scene) {
     Scene fine = scene;
     fine.numerics.accuracy = 1e-6;
@@ -228,7 +228,7 @@ void print(const Json& row) {
     std::fflush(stdout);
 }
 
-/// Of the rows of one integrator: how often the advice lies below what was measured, and how far.
+/// Prints for one integrator how often, and how far, the advised limit lies below the measured one.
 void summarize(const Json& rows, Integrator integrator) {
     int count = 0;
     int below = 0;

@@ -1,5 +1,5 @@
-// Error against run time: hertzline's integrators and the solvers that one would otherwise take, in one
-// process on the same scenes. Drawn by plot_work_precision.py.
+// Measures error against run time of hertzline's integrators and of general-purpose solvers, in one process on the
+// same scenes. plot_work_precision.py draws the results.
 //
 //     bench_work_precision [--json FILE] [--scene REFERENCE]... [--repetitions N] [--check]
 
@@ -69,7 +69,7 @@ Json table(const std::string& scene, const std::vector<Result>& results, double 
     return rows;
 }
 
-/// Who is fastest at an error of at most so much: hertzline, the peers as they come, all peers.
+/// Prints the fastest solver for each bound of the error: of hertzline, of the peers as they come, of all peers.
 Json summary(const std::vector<Result>& results, double simulated_s, Judged judged) {
     Json rows = Json::array();
     std::printf("\n%-9s  %-32s  %-42s  %-42s %7s\n",
@@ -97,7 +97,8 @@ Json summary(const std::vector<Result>& results, double simulated_s, Judged judg
     return rows;
 }
 
-/// Whether the peers solve the model's equations: at their tightest settings they must meet the references.
+/// Checks that the peers solve the model's equations: at their tightest settings they must meet the references.
+/// Returns the exit status.
 int check(const std::vector<std::string>& scenes) {
     constexpr double bound = 1e-6;
     int faults = 0;
@@ -126,7 +127,7 @@ int main(int argc, char** argv) {
     std::string json;
     int repetitions = 5;
     bool only_check = false;
-    CLI::App app("Error against run time of hertzline and of the solvers that one would otherwise take");
+    CLI::App app("Error against run time of hertzline and of general-purpose solvers");
     app.add_option("--json", json, "file for all results");
     app.add_option("--scene", scenes, "scenes, by the names of tests/reference")->capture_default_str();
     app.add_option("--repetitions", repetitions, "rounds of all solvers")->capture_default_str();

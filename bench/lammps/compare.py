@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""A long granular chain in LAMMPS and in hertzline, one core each: the same wave, and what a sphere-step costs.
+"""Compares a long granular chain in LAMMPS and in hertzline, one core each: the wave, and the time of a sphere-step.
 
     bench/lammps/compare.py [--build build/release] [--spheres 10000] [--steps 300] [--rounds 5]
 
-Needs LAMMPS (Debian: apt-get install lammps) and a built bench_long_chain. Times are of the processor, in turn, the least of
-some rounds.
+Needs LAMMPS (Debian: apt-get install lammps) and a built bench_long_chain. Times are processor times, the lowest of several
+rounds in turn.
 """
 
 import argparse
@@ -23,7 +23,7 @@ pressed_m = 1e-3 - 2.4668e-7  # by the default preload, 0.1 N
 
 
 def lammps(folder, spheres, gap, damping, steps, kick):
-    """Seconds of processor time of the steps, and the spheres' velocities after them."""
+    """Returns the processor time of the steps [s], and the spheres' velocities after them."""
     variables = {"N": spheres, "gap": gap, "damping": damping, "steps": steps, "kick": kick, "out": folder + "/dump"}
     command = ["lmp", "-in", str(here / "chain.in"), "-log", "none"]
     for name, value in variables.items():
@@ -57,7 +57,7 @@ def main():
         theirs = lammps(folder, 200, touching_m, 0.01, steps, "first")[1]
         ours = hertzline(arguments.build, "pulse", 200, steps, 0.01)
         peak_at = lambda velocities: max(range(len(velocities)), key=velocities.__getitem__) + 1
-        ahead = slice(40, None)  # behind, what has bounced back off hertzline's horn follows
+        ahead = slice(40, None)  # behind follow the waves that hertzline's horn has reflected
         difference = max(abs(a - b) for a, b in zip(ours[ahead], theirs[ahead])) / max(theirs)
         print(f"first of 200 touching spheres kicked, {steps * 25e-3:.0f} us later: pulse at sphere {peak_at(ours)}, "
               f"{max(ours):.4f} m/s; LAMMPS {peak_at(theirs)}, {max(theirs):.4f} m/s; largest difference of a velocity "

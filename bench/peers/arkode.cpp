@@ -15,7 +15,7 @@ public:
         checked(ERKStepSetUserData(memory_, run), "ERKStepSetUserData");
         checked(ERKStepSStolerances(memory_, tolerance, tolerance), "ERKStepSStolerances");
         checked(ERKStepSetTableNum(memory_, table), "ERKStepSetTableNum");
-        // higher degrees, and steps that stop at the samples, cost more than they gain
+        // higher degrees, or steps that stop at the samples, take more time
         checked(ERKStepSetInterpolantDegree(memory_, 3), "ERKStepSetInterpolantDegree");
         checked(ERKStepSetErrFile(memory_, nullptr), "ERKStepSetErrFile");
         checked(ERKStepSetMaxErrTestFails(memory_, 100),

@@ -1,7 +1,7 @@
 #pragma once
-// The right-hand side that all peers share, in the form that was found fastest: bodies are lanes of one
-// vector of GCC's vector extension, a power of two of them, so that neither the contact law nor the solvers'
-// own sums need scalar remainders, and neighbours are reached by shuffles instead of through memory.
+// The right-hand side that all peers share, in the fastest form that was found: bodies are lanes of one vector of
+// GCC's vector extension. The number of lanes is a power of two, so that neither the contact law nor the solvers'
+// own sums need scalar remainders. Shuffles reach the neighbours without a way through memory.
 
 #include <array>
 #include <cmath>
@@ -29,10 +29,10 @@ struct Vectors<16> {
     typedef long Mask __attribute__((vector_size(128)));
 };
 
-/// How the dashpots know whether their contact is closed.
+/// The criterion by which a dashpot takes its contact for closed.
 enum class Contacts {
-    by_overlap,  ///< each evaluation looks at the overlap: the right-hand side jumps
-    located      ///< as last told by switch_contact(): smooth from one opening or closing to the next
+    by_overlap,  ///< the overlap at each evaluation: the right-hand side jumps
+    located      ///< the last switch_contact(): smooth from one opening or closing to the next
 };
 
 template <std::size_t Lanes, Contacts Way>
@@ -74,8 +74,8 @@ public:
         std::memcpy(result, &a, sizeof a);
     }
 
-    /// What changes sign where a contact opens or closes, [Lanes]: its overlap, off by a hair so that one
-    /// that has just switched, or rests at zero overlap, does not switch back and forth by rounding.
+    /// Computes the functions, [Lanes], that change sign where a contact opens or closes: overlaps, shifted by a slack
+    /// so that a contact that has just switched, or rests at zero overlap, does not switch back by rounding.
     void switching(const double* displacement, double* result, double t) const {
         const Vector x = load(displacement);
         const Vector hair = closed_ ? Vector{} + slack : Vector{} - slack;
@@ -93,7 +93,7 @@ private:
     struct HornMotion {
         double x, v;
     };
-    /// A hann burst, x_h = A (1 - cos(2 pi t/T))/2 sin(2 pi f t) (docs/model.md, section 5), and its derivative.
+    /// Returns a Hann burst, x_h = A (1 - cos(2 pi t/T))/2 sin(2 pi f t) (docs/model.md, section 5), and its derivative.
     HornMotion horn_at(double t) const {
         if (t <= 0 || t >= burst_) {
             return {0, 0};
@@ -131,7 +131,7 @@ private:
         shifted[0] = first;
         return shifted;
     }
-    /// The last lane has no body, so that whatever it gets does not matter.
+    /// Returns the value of the lane to the right. The last lane has no body; its value is arbitrary.
     static Vector right_neighbour(Vector v) {
         Mask from{};
         for (std::size_t i = 0; i < Lanes; ++i) {

@@ -1,4 +1,4 @@
-// Our own integrators behind the peers' interface: every one of them over a ladder of steps.
+// hertzline's integrators behind the peers' interface, each over a ladder of steps.
 
 #include <algorithm>
 #include <cstdio>
@@ -45,7 +45,7 @@ std::string setting_text(const Numerics& numerics) {
 class Run {
 public:
     explicit Run(const Scene& scene)
-        : simulation_(scene, {.ledger = LedgerKeeping::off}),  // the peers keep none, either
+        : simulation_(scene, {.ledger = LedgerKeeping::off}),  // the peers keep no ledger, either
           block_(simulation_.make_samples(block)) {}
 
     void operator()(Trace& trace) {
@@ -83,7 +83,7 @@ std::vector<Contender> hertzline_contenders(const Scene& scene) {
             Scene asked = scene;
             asked.numerics = numerics;
             const Resolution settled = resolve(asked);
-            if (settled.faults.empty()) {  // else the step is beyond the stability limit
+            if (settled.faults.empty()) {  // faults: the step is beyond the stability limit
                 list.push_back(hertzline_contender(settled.scene));
                 list.back().setting = setting_text(numerics);
             }

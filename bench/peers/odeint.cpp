@@ -1,4 +1,4 @@
-// Boost.odeint as it comes: adaptive methods with dense output, and fixed steps that divide the sample period.
+// Unmodified Boost.odeint: adaptive methods with dense output, and fixed steps that divide the sample period.
 
 #include "bench/peers/sampling.hpp"
 #include <boost/numeric/odeint.hpp>
@@ -36,7 +36,7 @@ Contender dense(const Problem& problem, const char* name, double tolerance, Step
             }};
 }
 
-/// Without dense output: steps end at the samples.
+/// Runs a method without dense output; steps end at the samples.
 template <std::size_t Lanes, class Stepper>
 Contender controlled(const Problem& problem, const char* name, double tolerance, Stepper fresh) {
     return {Kind::as_it_comes, name, tolerance_text(tolerance),

@@ -1,6 +1,6 @@
-// Boost.odeint's dopri5 taught to locate contacts: what a careful user builds around its dense output.
-// Dashpots are held over a step; a step at whose end a contact has opened or closed is cut at the
-// crossing, found in the dense output, and the integration begins anew there.
+// Boost.odeint's dopri5 with located contacts, as a careful user would build it around the dense output. The set of
+// closed contacts stays fixed over a step. If a contact has opened or closed at the end of the step, the crossing is
+// found in the dense output, and the integration restarts there.
 
 #include "bench/peers/sampling.hpp"
 #include <boost/numeric/odeint.hpp>
@@ -80,7 +80,7 @@ private:
         return distance[contact];
     }
 
-    /// The Illinois variant of the false position.
+    /// Finds the crossing by the Illinois variant of the false-position method.
     double crossing_time(std::size_t contact) {
         double a = stepper_.previous_time();
         double b = stepper_.current_time();

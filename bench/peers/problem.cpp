@@ -1,4 +1,4 @@
-// From a scene to the plain numbers that the peers get.
+// Converts a scene to the plain numbers of the peers.
 
 #include "bench/peers/problem.hpp"
 

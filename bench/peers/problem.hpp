@@ -1,10 +1,9 @@
 #pragma once
-// What every solver of bench_work_precision is given, and what it gives back.
+// Input and output of every solver of bench_work_precision.
 //
-// The peers see plain numbers only, in units that suit an adaptive solver: lengths in drive amplitudes and
-// times in microseconds, so that displacements and velocities are both of the order of one and a tolerance
-// means the same for both. No Eigen here: the peers are compiled for the machine at hand, and Eigen's
-// alignment depends on that.
+// The peers see plain numbers only, in units that suit an adaptive solver: lengths in drive amplitudes and times in
+// microseconds. Displacements and velocities are then of the order of one, and one tolerance serves both. Eigen is
+// not used here: the peers are compiled for this machine, and Eigen's alignment depends on that.
 
 #include <cstddef>
 #include <functional>
@@ -17,11 +16,11 @@ namespace hertzline::bench {
 
 /// Constants of the equations of motion (core/model/chain.hpp) in units of the drive's amplitude, 1 us and 1 kg.
 struct Problem {
-    std::size_t bodies;       ///< that move: spheres, and the plate if there is one
-    std::size_t last_sphere;  ///< its index
+    std::size_t bodies;       ///< moving bodies: spheres, and the plate if there is one
+    std::size_t last_sphere;  ///< index of the last sphere
     bool plate;               ///< the last body is a plate
-    std::size_t contacts;     ///< that can open and close
-    // per contact, bodies + 1; contact c is on the left of body c. The one on the right of a plate or of a
+    std::size_t contacts;     ///< contacts that can open and close
+    // per contact, bodies + 1; contact c is on the left of body c. The contact on the right of a plate or of a
     // free end never pushes
     std::vector<double> stiffness, static_overlap, damping;
     // per body; load is a constant force toward the horn
@@ -34,8 +33,8 @@ struct Problem {
     double transmission;       ///< sqrt(T_m T_w), from the last sphere into the medium
 };
 
-/// @throws std::invalid_argument for what the peers have not been taught: repeated or other than hann
-/// bursts, clamped tension.
+/// Converts a scene. @throws std::invalid_argument for features that the peers lack: repeated bursts, envelopes other
+/// than Hann, clamped tension.
 Problem problem(const Scene& scene, std::size_t samples);
 
 /// The sampled outputs [m/s]; without a plate only v_last.
@@ -55,14 +54,14 @@ struct Contender {
     Kind kind;
     std::string name;
     std::string setting;
-    /// From the state at rest at t = 0 through all samples. @throws std::runtime_error when the method fails.
+    /// Runs from the state at rest at t = 0 through all samples. @throws std::runtime_error when the method fails.
     std::function<void(Trace&)> run;
 };
 
 std::vector<Contender> hertzline_contenders(const Scene& scene);
-/// hertzline at one setting. @param scene resolved
+/// Makes hertzline at one setting. @param scene resolved
 Contender hertzline_contender(const Scene& scene);
-/// dopri5 at one setting, either as it comes or located.
+/// Makes dopri5 at one setting, either as it comes or located.
 Contender odeint_dopri5(const Problem& problem, double tolerance);
 Contender odeint_dopri5_located(const Problem& problem, double tolerance);
 std::vector<Contender> odeint_contenders(const Problem& problem);

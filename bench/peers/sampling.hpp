@@ -1,5 +1,5 @@
 #pragma once
-// What the peers share around the right-hand side: the chain's size made known to the compiler, and the samples.
+// Code that the peers share around the right-hand side: the chain's size as a compile-time constant, and the samples.
 
 #include <cmath>
 #include <cstdio>
@@ -25,14 +25,14 @@ auto with_lanes(const Problem& problem, Use use) {
     throw std::invalid_argument("the peers simulate chains of at most 15 bodies");
 }
 
-/// Puts states down as samples.
+/// Records states as samples.
 template <std::size_t Lanes>
 class SampleRecorder {
 public:
     SampleRecorder(const Problem& problem, Trace& trace) : problem_(problem), trace_(trace) {}
 
     bool done() const { return next_ == problem_.samples; }
-    /// Time of the next sample [us]; counted, not added up.
+    /// Returns the time of the next sample [us], computed from its index.
     double next_time() const { return static_cast<double>(next_) * problem_.sample_period; }
 
     void put(const double* state) {
@@ -54,7 +54,7 @@ private:
     std::size_t next_ = 0;
 };
 
-/// The settings of all adaptive peers, from `loosest` on.
+/// Returns the tolerances of all adaptive peers, from `loosest` on.
 inline std::vector<double> tolerances(double loosest) {
     std::vector<double> list;
     for (double tolerance = loosest; tolerance > 0.9e-12; tolerance /= std::sqrt(10.0)) {
@@ -69,7 +69,7 @@ inline std::string tolerance_text(double tolerance) {
     return text;
 }
 
-/// A run that starts anew at contacts more often than this has got stuck at one.
+/// A run with more restarts at contacts than this is stuck at one.
 inline constexpr int max_restarts = 100'000;
 
 /// First step that adaptive solvers try [us].

@@ -1,5 +1,5 @@
 #pragma once
-// Sine and cosine to rounding, for the horn: the library's would take longer than all contact forces.
+// Sine and cosine to rounding, for the horn: the library's functions would take longer than all contact forces.
 
 #include <array>
 #include <cmath>
@@ -20,7 +20,7 @@ public:
     struct Pair {
         double sin, cos;
     };
-    /// Of the entry below the angle, rotated by what is left. @param angle >= 0 [rad], within 2^31 entries
+    /// Rotates the entry below the angle by the rest. @param angle >= 0 [rad], within 2^31 entries
     Pair operator()(double angle) const {
         const auto n = static_cast<int>(angle * per_radian);
         const auto [s, c] = table_[static_cast<std::size_t>(n) % size];

@@ -1,5 +1,5 @@
 #pragma once
-// What CVODE and ARKODE share: the right-hand side behind SUNDIALS' callbacks, and a run through all samples
+// Code that CVODE and ARKODE share: the right-hand side behind SUNDIALS' callbacks, and a run through all samples
 // with or without root finding on the contacts' overlaps.
 
 #include <memory>
@@ -17,7 +17,7 @@ struct Freed {
     void operator()(N_Vector vector) const { N_VDestroy(vector); }
 };
 
-/// @throws std::runtime_error when a SUNDIALS function failed.
+/// Returns the flag. @throws std::runtime_error when a SUNDIALS function failed.
 inline int checked(int flag, const char* what) {
     if (flag < 0) {
         throw std::runtime_error(std::string(what) + " returned " + std::to_string(flag));
@@ -102,7 +102,7 @@ private:
     std::unique_ptr<Method> method_;
 };
 
-/// A solver of that method, with contacts looked at or located.
+/// Makes a solver of that method, with contacts by overlap or located.
 template <class Method, class... Settings>
 Contender sundials_contender(const Problem& problem, const std::string& name, double tolerance,
                              Contacts contacts, Settings... settings) {

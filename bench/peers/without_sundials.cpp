@@ -1,4 +1,4 @@
-// Takes the place of cvode.cpp and arkode.cpp where SUNDIALS is not installed.
+// Replaces cvode.cpp and arkode.cpp where SUNDIALS is not installed.
 
 #include "bench/peers/problem.hpp"
 

@@ -25,7 +25,7 @@ STEPS_NS = (0.4, 2e4)
 
 
 def draw_panel(axes, rows):
-    """One method along one axis. A value of zero stands a decade left of the smallest other one."""
+    """Draws one method along one axis. A value of zero is drawn a decade left of the smallest other one."""
     values = [row["value"] for row in rows]
     least = min(value for value in values if value > 0)
     places = [value if value > 0 else least / 10 for value in values]

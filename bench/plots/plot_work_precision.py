@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Draws error against run time of hertzline and of the solvers that one would otherwise take.
+"""Draws error against run time of hertzline and of general-purpose solvers.
 
     build/release/bench_work_precision --json build/work_precision.json
     bench/plots/plot_work_precision.py build/work_precision.json --out docs/work-precision.png
@@ -14,8 +14,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import pictures  # noqa: E402  (the path comes first; sets the backend)
 import matplotlib.pyplot as plt  # noqa: E402
 
-# Colours of Okabe and Ito, which colour-blind readers tell apart; a marker for each, too. Ours are drawn heavy, peers
-# as they come dashed, peers with located contacts solid.
+# Colours of Okabe and Ito, which colour-blind readers tell apart; a marker for each, too. hertzline is drawn heavy,
+# unmodified peers dashed, peers with located contacts solid.
 OURS = [("#0072b2", "o"), ("#003f63", "s"), ("#7a5fa8", "D"), ("#3d8fc4", "^")]
 LEAPFROG = ("#56b4e9", "v")
 PEERS = {
@@ -39,7 +39,7 @@ ERRORS = (1e-11, 1e-1)
 
 
 def look(solver, ours):
-    """Line and marker of a solver."""
+    """Returns the line and marker of a solver."""
     if solver in ours:
         colour, marker = LEAPFROG if "leapfrog" in solver else OURS[ours.index(solver) % len(OURS)]
         return {"color": colour, "marker": marker, "lw": 2.4, "ms": 4.5, "zorder": 3}
@@ -51,7 +51,7 @@ def look(solver, ours):
 
 
 def frontier(rows, simulated_s):
-    """(seconds a simulated second, error) from loose to tight settings; the error is the largest of the outputs'."""
+    """Returns (seconds a simulated second, error) from loose to tight settings. The error is the largest of the outputs."""
     points = []
     for row in rows:
         error = max(row["error_v_last"], row["error_v_plate"], row["error_v_out"])

@@ -1,10 +1,10 @@
-// How long after a frame's last sample does the frame reach a subscriber?
+// Measures how long after a frame's last sample the frame reaches a subscriber.
 //
 //     bench_latency [--json FILE] [SECONDS]        10 s by default
 //
-// paper-stream in real time, 10 million samples a second, to a subscriber in another process of this machine.
-// Sample k is over (k + 1) / fs after the start; both processes read the same monotonic clock. Frames are let
-// go every half millisecond, so a quarter of a millisecond is waited for on purpose.
+// paper-stream runs in real time, 10 million samples a second, to a subscriber in another process of this machine.
+// Sample k ends (k + 1) / fs after the start; both processes read the same monotonic clock. Frames are released every
+// half millisecond, which adds a quarter of a millisecond on average.
 
 #include <algorithm>
 #include <atomic>
@@ -42,7 +42,7 @@ struct Arrival {
     Nanoseconds time;
 };
 
-/// Notes when each frame arrives, until the end of the run.
+/// Records the arrival time of each frame until the end of the run.
 std::vector<Arrival> note_arrivals(const std::string& endpoint, Tap tap) {
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
     subscriber.subscribe(end_topic);
@@ -62,7 +62,7 @@ std::vector<Arrival> note_arrivals(const std::string& endpoint, Tap tap) {
     return arrivals;
 }
 
-/// Sends everything down a pipe.
+/// Writes all arrivals to a pipe.
 void write_all(int pipe_end, const std::vector<Arrival>& arrivals) {
     const auto* bytes = reinterpret_cast<const char*>(arrivals.data());
     std::size_t left = arrivals.size() * sizeof(Arrival);

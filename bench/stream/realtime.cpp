@@ -1,14 +1,13 @@
-// Does a real-time stream keep pace, and does a listener that keeps up get every sample?
+// Measures whether a real-time stream keeps pace, and whether a listener that keeps up receives every sample.
 //
-//     bench_realtime [SECONDS [CASE...]]        60 s of the cases 1, 4 and 4x3 by default, and of 1 and 4 of the
+//     bench_realtime [SECONDS [CASE...]]        60 s of the cases 1, 4 and 4x3 by default, and of 1 and 4 by the
 //                                               symplectic method
 //
-// A case is a number of streams, or STREAMSxLISTENERS: that many listeners in processes of their own, each
-// subscribed to all of them. The name of a shipped scene is that of the cases behind it (paper-stream before
-// the first). A single listener has a core of its own. A
-// listener keeps a fingerprint of every frame; when the stream has ended it simulates the same scene itself
-// and compares: every float32 must be what `hertzline run` writes. Each frame that the program sent must have
-// been received, or be known as missing to the listener from what it received: else it is unaccounted for.
+// A case is a number of streams, or STREAMSxLISTENERS: listeners in processes of their own, each subscribed to all
+// streams. The name of a shipped scene applies to the cases after it; the first cases use paper-stream. A single
+// listener has a core of its own. A listener keeps a fingerprint of every frame. When the stream has ended it
+// simulates the same scene and compares: every float32 must equal that of `hertzline run`. The listener must have
+// received each sent frame, or have counted it as missing; other frames are unaccounted for.
 
 #include <algorithm>
 #include <array>
@@ -55,7 +54,7 @@ void stay_on_core(int core) {
     }
 }
 
-/// A process and what it writes to its pipe.
+/// A child process and the pipe that it writes to.
 class Child {
 public:
     /// @param work gets the descriptor to write to, in the child @param core unset: any
@@ -76,7 +75,7 @@ public:
         output_ = ends[0];
     }
 
-    /// All that it writes until its end.
+    /// Returns all that the child writes until it ends.
     std::string result() const {
         std::string text;
         char buffer[4096];
@@ -93,7 +92,7 @@ private:
     int output_ = -1;
 };
 
-/// `hertzline stream`; its summary is the result.
+/// Runs `hertzline stream` in a child, which writes its summary to the pipe.
 void stream_for(const std::string& seconds, const std::string& scene, int summary) {
     dup2(summary, STDOUT_FILENO);
     dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
@@ -106,10 +105,10 @@ Scene resolved_scene(const ShippedScene& shipped) {
     return resolve(parse_scene(shipped.text, shipped.name)->scene).scene;
 }
 
-/// What is subscribed to, in this order.
+/// The streams, in the order of subscription.
 constexpr std::array offered{Tap::v_out, Tap::v_last, Tap::v_plate, Tap::v_chain};
 
-/// 64 bits of a frame's bytes; four lanes of multiply and shift, so that listening stays cheap.
+/// Returns a 64-bit fingerprint of a frame's bytes: four lanes of multiply and shift, so that listening stays cheap.
 std::uint64_t fingerprint(std::span<const std::byte> bytes) {
     std::array<std::uint64_t, 4> lanes{1, 2, 3, 4};
     const auto mix = [](std::uint64_t lane, std::uint64_t word) {
@@ -141,10 +140,10 @@ struct Heard {
     std::vector<ReceivedFrame> frames;
     std::map<Tap, ContinuityCheck> checks;
     bool ended = false;
-    std::uint64_t end_frames = 0;  // of each stream, as the end told
+    std::uint64_t end_frames = 0;  // of each stream, by the end message
 };
 
-/// Listens until the end of the run, or until nothing has come for a while (the end itself may have been lost).
+/// Listens until the end of the run, or until no message has arrived for 10 s (the end message may be lost).
 Heard hear(Subscriber& subscriber, std::size_t streams) {
     std::map<std::string, Tap, std::less<>> taps;
     for (std::size_t i = 0; i < streams; ++i) {
@@ -174,7 +173,7 @@ Heard hear(Subscriber& subscriber, std::size_t streams) {
     return heard;
 }
 
-/// Frames that are not what the simulation gives here.
+/// Returns the frames that differ from a simulation here.
 std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<ReceivedFrame>& frames) {
     Simulation simulation(scene, {.taps = streamed_taps_of(scene.end)});
     Samples samples = simulation.make_samples(static_cast<std::size_t>(scene.output.frame_samples));
@@ -195,17 +194,17 @@ std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<Recei
     return wrong;
 }
 
-/// What a listener tells of one stream.
+/// A listener's account of one stream.
 struct Account {
     std::uint64_t samples = 0;
     std::uint64_t frames = 0;
-    std::uint64_t missing = 0;  ///< frames that the numbers of later ones, or the end, told of
+    std::uint64_t missing = 0;  ///< frames missing by the numbers of later ones, or by the end message
     std::uint64_t differing = 0;
     bool ended = false;
 };
 using Accounts = std::array<Account, offered.size()>;
 
-/// The program's count of frames for a stream's topic, those that it discarded included.
+/// Returns the program's count of frames for a stream's topic, dropped ones included.
 std::uint64_t sent(const nlohmann::json& summary, Tap tap) {
     const std::string name(row_of(tap).name);
     return summary.at(name + "_np_sent").get<std::uint64_t>() +
@@ -232,7 +231,7 @@ Accounts listen(const ShippedScene& scene, std::size_t streams) {
     return accounts;
 }
 
-/// A listener; its accounts are the result.
+/// Runs a listener in a child, which writes its accounts to the pipe.
 void tell_accounts(const ShippedScene& scene, std::size_t streams, int result) {
     const Accounts accounts = listen(scene, streams);
     _exit(write(result, &accounts, sizeof accounts) == sizeof accounts ? 0 : 1);
@@ -264,7 +263,7 @@ Json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t
             {"frames_that_differ", wrong}, {"end_heard", ended},        {"frames_unaccounted", unaccounted}};
 }
 
-/// @param words "4" or "4x3"
+/// Runs and prints a case. @param words "4" or "4x3"
 void measure(const std::string& seconds, const ShippedScene& scene, const std::string& words) {
     const std::size_t streams = std::stoul(words);
     const std::size_t x = words.find('x');

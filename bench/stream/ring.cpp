@@ -1,12 +1,12 @@
-// The ring between the two threads of a stream, beside boost::lockfree::spsc_queue.
+// Measures the ring between the two threads of a stream, beside boost::lockfree::spsc_queue.
 //
 //     bench_ring [--json FILE]
 //
-// One thread writes blocks, another reads them and adds them up, each kept on a processor of its own. Both queues get the
-// same work: the writer makes a block, number by number; the reader looks at every number. Our ring is filled in place;
-// Boost's takes a copy of what was made and is read in place (consume_one). Rounds alternate; medians. What a round takes
-// hangs on how near the two processors are to each other at that time. So beside each round a cache line goes to and fro
-// between them, and the spread is printed.
+// One thread writes blocks, another reads and sums them, each on a processor of its own. Both queues do the same work: the
+// writer makes a block, number by number; the reader reads every number. Our ring is filled in place; Boost's queue copies
+// the finished block and is read in place (consume_one). Rounds alternate; results are medians. The time of a round depends
+// on the distance of the two processors. So the round trip of a cache line between them is measured beside each round, and
+// its spread is printed.
 
 #include <algorithm>
 #include <array>
@@ -95,7 +95,7 @@ struct Boost {
     std::uint64_t made = ~std::uint64_t{0};
 
     bool write(std::uint64_t i) {
-        if (made != i) {  // once, although the queue may be full for a while
+        if (made != i) {  // once, even if the queue is full for a while
             make(block, i);
             made = i;
         }
@@ -106,7 +106,7 @@ struct Boost {
     }
 };
 
-/// Nanoseconds per block. @throws std::runtime_error when the reader did not get what was written.
+/// Returns nanoseconds per block. @throws std::runtime_error when the reader received wrong numbers.
 template <std::size_t N, class Queue>
 double time_blocks(std::uint64_t blocks) {
     const auto queue = std::make_unique<Queue>();
@@ -128,12 +128,12 @@ double time_blocks(std::uint64_t blocks) {
     reader.join();
     const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - begin;
     if (total != N * (blocks * (blocks - 1) / 2) + blocks * (N * (N - 1) / 2)) {
-        throw std::runtime_error("the reader got something else than was written");
+        throw std::runtime_error("the sum of the numbers read is wrong");
     }
     return time.count() / static_cast<double>(blocks);
 }
 
-/// Nanoseconds in which a cache line goes to the other processor and comes back.
+/// Returns the round-trip time of a cache line to the other processor [ns].
 double time_line() {
     constexpr int turns = 2000;
     std::atomic<int> line{0};

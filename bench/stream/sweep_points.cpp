@@ -1,10 +1,10 @@
-// The points of a sweep beside the same points with Boost.odeint's dopri5, each in threads that take one point after another: what does a
-// point cost at the same error?
+// Measures the time of a sweep's points beside the same points with Boost.odeint's dopri5 at the same error. Threads take one point
+// after another.
 //
 //     bench_sweep_points [--json FILE] [POINTS [THREADS]]
 //
-// The points are the paper's device of vitreous carbon at other preloads. Errors are those of v_last over 500 us, relative L2 norm,
-// against taylor12 with short pieces. A peer gets the loosest tolerance whose median error is at most the sweep's.
+// The points are the paper's device of vitreous carbon at other preloads. An error is the relative L2 norm of the difference of v_last
+// from taylor12 with short pieces, over 500 us. A peer has the loosest tolerance whose median error is at most the sweep's.
 
 #include <algorithm>
 #include <atomic>
@@ -39,7 +39,7 @@ constexpr int rounds = 5;
 constexpr std::int64_t judged_points = 50;
 constexpr double finer_steps = 0.75;  // as in core/step_choice/finer_run.cpp
 
-/// Runs the points of a part, one after another.
+/// Runs a point.
 using RunPoint = std::function<void(std::int64_t point)>;
 
 double processor_s() {
@@ -73,7 +73,7 @@ void in_threads(std::int64_t points, int threads, const RunPoint& run) {
     }
 }
 
-/// The sweep, and what is known of its points.
+/// The sweep and its points.
 class Subject {
 public:
     explicit Subject(std::int64_t points) : sweep_{plan_of(points), {}, {}} {
@@ -100,7 +100,7 @@ public:
         studies::run_points(sweep_, journal, all, threads, never, [](const studies::PointCounts&) {});
     }
 
-    /// The point's scene with the integrator and the step that the sweep takes.
+    /// Returns the point's scene with the integrator and the step that the sweep chooses.
     Scene settled(std::int64_t point) const {
         static const std::atomic<bool> never{false};
         studies::PointOptions options;
@@ -137,7 +137,7 @@ double quantile(std::vector<double> values, double share) {
     return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-/// Points with their truth, by which contenders are judged.
+/// Points with reference solutions, by which contenders are judged.
 class Bench {
 public:
     explicit Bench(const Subject& subject) : subject_(subject) {
@@ -149,7 +149,7 @@ public:
         }
     }
 
-    /// What a contender that is made of a scene and its problem misses, point by point.
+    /// Returns the error at each point of the contender that `make` makes.
     std::vector<double> errors(const std::function<Contender(const Scene&, const Problem&)>& make,
                                bool settled) const {
         std::vector<double> errors;
@@ -183,7 +183,7 @@ struct Row {
 
 using MakePeer = Contender (*)(const Problem&, double tolerance);
 
-/// A peer at the loosest tolerance with that median error.
+/// Makes a peer at the loosest tolerance with at most that median error.
 Row peer(const Subject& subject, const Bench& bench, const char* name, MakePeer make, double median) {
     for (double tolerance = 1e-2; tolerance > 1e-12; tolerance /= std::sqrt(10.0)) {
         const std::vector<double> errors = bench.errors(
@@ -247,7 +247,7 @@ int main(int argc, char** argv) {
         Trace trace(bench::problem(scene, Subject::samples(scene)));
         bench::hertzline_contender(scene).run(trace);
     };
-    // all that batches of scenes could make faster: the motion of the run and of the finer run beside it
+    // the only part that batches of scenes could speed up: the motion of the run and of the finer run beside it
     const auto move_on = [&](std::int64_t point) {
         Scene scene = settled[static_cast<std::size_t>(point)];
         const auto samples = static_cast<std::int64_t>(Subject::samples(scene));

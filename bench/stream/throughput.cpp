@@ -1,13 +1,13 @@
-// How many bytes a second a stream brings to a subscriber, flat out, beside plain ZeroMQ.
+// Measures how many bytes a second a stream delivers to a subscriber, flat out, beside plain ZeroMQ.
 //
 //     bench_throughput [--json FILE] [SECONDS]        2 s for each by default
 //
-// Ours is the whole stream without the physics: a source that costs nothing, ring, float32, header, topic.
-// Plain is zmq_send() of one and the same buffer, of a frame's size, on a PUB socket with the same queue. Parts is the same with a
-// topic and a header in front, as a frame of NAME/np has them: what ZeroMQ itself takes for a message of three parts.
-// Both publish over tcp on loopback to a subscriber in another process, which counts the bytes of samples
-// that arrive; what the queue of a subscriber that does not keep up discards is not counted, for neither.
-// Rounds alternate; medians.
+// `raw` and `np` are the whole stream without the physics: a source that costs nothing, ring, float32, header, topic.
+// `plain` is zmq_send() of one buffer of a frame's size on a PUB socket with the same queue. `parts` sends a topic and a header
+// before it, as a frame of NAME/np has them: ZeroMQ's own time for a message of three parts.
+// All publish over tcp on loopback to a subscriber in another process, which counts the received bytes of samples. Messages
+// that the queue of a slow subscriber discards are not counted.
+// Rounds alternate; results are medians.
 
 #include <algorithm>
 #include <atomic>
@@ -40,7 +40,7 @@ using Clock = std::chrono::steady_clock;
 constexpr int rounds = 5;
 constexpr const char* any_port = "tcp://127.0.0.1:*";
 
-/// Samples that are there already.
+/// A source that leaves the block's samples as they are.
 class StillSource : public test::CountingSource {
 public:
     using CountingSource::CountingSource;
@@ -55,7 +55,7 @@ struct Received {
     double rate() const { return bytes / seconds; }
 };
 
-/// Counts the bytes of the last part of every message for that long, from the first one on.
+/// Counts the bytes of the last part of every message for `seconds`, from the first message on.
 Received count_bytes(const std::string& endpoint, std::string_view topic, double seconds) {
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 65536});
     subscriber.subscribe(topic);
@@ -76,7 +76,7 @@ Received count_bytes(const std::string& endpoint, std::string_view topic, double
     throw std::runtime_error("nothing arrived");
 }
 
-/// Publishes here, by `publish(stop)`, while a child process counts what arrives from the endpoint.
+/// Publishes here, by `publish(stop)`, while a child process counts the bytes that arrive from the endpoint.
 Received measure(const std::string& endpoint, std::string_view topic, double seconds,
                  const std::function<void(std::atomic<bool>&)>& publish) {
     int ends[2];
@@ -103,7 +103,7 @@ Received measure(const std::string& endpoint, std::string_view topic, double sec
     close(ends[0]);
     waitpid(listener, nullptr, 0);
     if (!told || received.seconds == 0) {
-        throw std::runtime_error("the listener heard nothing");
+        throw std::runtime_error("the listener received nothing");
     }
     return received;
 }
@@ -130,7 +130,7 @@ double ours(std::int64_t frame_samples, std::string_view topic, double seconds) 
         .rate();
 }
 
-/// The parts that stand before the samples of a frame of NAME/np.
+/// Returns the parts before the samples of a frame of NAME/np.
 std::vector<std::string> parts_of_np(std::int64_t frame_samples) {
     FrameHeader header{.stream = "v_out", .fs = 1e7, .run = "00000000-0000-4000-8000-000000000000"};
     header.n = static_cast<std::size_t>(frame_samples);
@@ -139,7 +139,7 @@ std::vector<std::string> parts_of_np(std::int64_t frame_samples) {
     return {std::string(topics_of(Tap::v_out).np), std::move(json)};
 }
 
-/// @param before parts in front of the samples
+/// Returns the rate of plain ZeroMQ [bytes/s]. @param before parts before the samples
 double plain(std::int64_t frame_samples, const std::vector<std::string>& before, double seconds) {
     const StreamFormat format{
         .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples};

@@ -10,8 +10,8 @@
 namespace hertzline::bench {
 
 struct Arguments {
-    std::vector<std::string> words;  ///< without --json
-    std::string json_file;           ///< empty: none is wanted
+    std::vector<std::string> words;  ///< arguments except --json
+    std::string json_file;           ///< empty without --json
 
     Arguments(int argc, char** argv) : words(argv + 1, argv + argc) {
         if (words.size() >= 2 && words[0] == "--json") {
@@ -20,7 +20,7 @@ struct Arguments {
         }
     }
 
-    /// Writes the results to the file that was asked for, if any.
+    /// Writes the results to the file of --json, if any.
     void save(const Json& results) const {
         if (!json_file.empty()) {
             std::ofstream(json_file) << results.dump(2) << '\n';

@@ -1,5 +1,5 @@
 #pragma once
-// Timing a run: warmed up, repeated from the same state, median and spread.
+// Times a run: one warm-up, repetitions from the same state, median and spread.
 
 #include <algorithm>
 #include <chrono>

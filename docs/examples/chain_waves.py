@@ -23,7 +23,7 @@ figure.colorbar(colours, ax=axes, label="velocity [m/s]")
 plt.show()
 
 # %% [markdown]
-# What follows from the scene alone: small waves of a higher frequency than the cut-off do not travel.
+# `check` computes numbers from the scene alone. Small waves above the cut-off frequency do not travel.
 
 # %%
 about = scene.check()

@@ -20,8 +20,8 @@ table.plot()
 plt.show()
 
 # %% [markdown]
-# The widest band among the points with at least 0.3 m/s. A row's numbers are as good as its `status` says. They mean what
-# they seem to where the burst has rung down, and where nothing below the band is louder than all in it.
+# This is the widest band among the points with at least 0.3 m/s. `status` tells whether a row's numbers are accurate. They describe
+# the device only where the burst has rung down, and where no line below the band is louder than the band.
 
 # %%
 sound = (table["status"] == "ok") & (table["ringing_ratio"] <= 0.05) & (table["below_db"] <= 0)
@@ -45,7 +45,7 @@ print(f"within 1 % of each key at least {found.summary['around']['worst_within_1
 assert found.best["occupied_20db_hz"] > best["occupied_20db_hz"]
 
 # %% [markdown]
-# The device of the grid, with the step of its row, has the numbers of its row, bit for bit.
+# A run of the device of the grid with the step of its row gives the numbers of the row, bit for bit.
 
 # %%
 device = hertzline.scene(

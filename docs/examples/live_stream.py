@@ -1,8 +1,8 @@
 # %% [markdown]
 # # A running stream
 #
-# `hertzline stream` publishes samples in step with the clock. Here it runs beside this script, for some milliseconds of simulated
-# time, and goes as fast as it is listened to.
+# `hertzline stream` publishes samples in real time. Here it runs beside this script for some milliseconds of simulated time, as fast
+# as the script reads.
 
 # %%
 import os
@@ -22,8 +22,8 @@ stream = subprocess.Popen(
 )
 
 # %% [markdown]
-# A block says where its samples lie. Missing samples raise a `GapError`; `gaps="mark"` lets them pass, and `block.missing` counts
-# them.
+# A block has the indices of its samples. Missing samples raise a `GapError`. With `gaps="mark"` the loop continues, and
+# `block.missing` counts them.
 
 # %%
 peaks, samples = [], []

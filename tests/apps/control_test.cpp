@@ -145,7 +145,7 @@ private:
     }};
 };
 
-/// Makes so many random changes, ends the stream when the last has taken effect, and waits for it.
+/// Makes `wanted` random changes, ends the stream when the last has taken effect, and waits for it.
 Outcome session_of_random_changes(LiveStream& stream, int wanted) {
     {
         const Load load;
@@ -160,7 +160,7 @@ Outcome session_of_random_changes(LiveStream& stream, int wanted) {
     return stream.program.wait();
 }
 
-/// What `run` makes of the session in a recording.
+/// Repeats the session of a recording by `run`.
 std::vector<double> simulated_again(const std::string& file, const std::string& as) {
     const Outcome run = hertzline({"run", file, "--columns", "v_out", "-o", as});
     EXPECT_EQ(run.status, 0) << run.err;

@@ -61,7 +61,7 @@ Words short_stream(const Words& more) {
                   more);
 }
 
-/// A listener with these words hears the whole stream, with the samples that `run` makes.
+/// Expects that a listener with these words receives the whole stream, with the samples of `run`.
 void expect_whole(Program& stream, const Words& listener_words) {
     const TemporaryFolder folder;
     const Outcome listener =
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Stranger{"NoEncryption", [](const Keys&) { return Words{}; }, "encrypts", 0}),
     [](const auto& stranger) { return std::string(stranger.param.name); });
 
-/// What another program may try that has the server's public key but none of its own.
+/// Another program has the server's public key, but none of its own.
 TEST(Security, NoKeyOfItsOwnIsNoWayIn) {
     const Keys keys;
     Program stream(short_stream(keys.of_server()));

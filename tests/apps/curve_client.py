@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A Python client of an encrypted stream: with a listed key it gets every sample that `run` makes.
+"""Checks a Python client of an encrypted stream: with a listed key it receives every sample of `run`.
 
     curve_client.py PROGRAM NUMPY_CLIENT
 """
@@ -15,7 +15,7 @@ PATIENCE_S = 60
 
 
 def make_keys(program, folder):
-    """Of a server and of alice by the program, of bob by pyzmq."""
+    """Makes keys: of a server and of alice by the program, of bob by pyzmq."""
     (folder / "clients").mkdir()
     for name in ("server", "clients/alice"):
         subprocess.run([program, "keys", folder / name], check=True, stdout=subprocess.DEVNULL)
@@ -23,7 +23,7 @@ def make_keys(program, folder):
 
 
 def start_stream(program, folder):
-    """2 ms that begin with the first subscriber; the process and its endpoint."""
+    """Starts a stream of 2 ms that begins with the first subscriber. Returns the process and its endpoint."""
     stream = subprocess.Popen(
         [program, "stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3", "--wait-for-subscriber",
          "--bind", "tcp://127.0.0.1:*", "--curve-key", folder / "server.key_secret", "--allow-clients",
@@ -37,7 +37,7 @@ def start_stream(program, folder):
 
 
 def received(client, endpoint, file, certificate, server_certificate):
-    """What the client of apps/clients saves of v_out, as float32."""
+    """Returns the samples of v_out that the client of apps/clients saves, as float32."""
     subprocess.run(["/usr/bin/python3", "-B", client, endpoint, "v_out", "20000", file, certificate, server_certificate],
                    check=True, stdout=subprocess.DEVNULL, timeout=PATIENCE_S)
     return np.fromfile(file, "<f4")

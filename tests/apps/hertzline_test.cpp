@@ -134,7 +134,7 @@ const Mistake mistakes[] = {
     {"EndlessFile", {"run", "/dev/zero"}, 2, {"/dev/zero", "65536 bytes"}},
     {"NotAscii", {"check", "FOLDER/accent.toml"}, 2, {"FOLDER/accent.toml:1"}},
 
-    // scenes that say what cannot be
+    // impossible scenes
     {"EveryFaultAtOnce",
      {"check", "FOLDER/scene.toml", "--set", "drive.cycle=3", "--set", "end.kind=wal"},
      2,
@@ -160,7 +160,7 @@ const Mistake mistakes[] = {
      2,
      {"step.toml:4: numerics.step_s: found 0.001"}},
 
-    // what the machine has not got
+    // more resources than the machine has
     {"MoreRowsThanMemory",
      {"run", "paper-wall", "--set", "output.duration_s=1e6", "--set", "output.sample_rate_hz=1e12"},
      1,

@@ -21,7 +21,7 @@ inline std::int64_t rows_of_journal(const std::string& journal) {
     }
 }
 
-/// Waits until the journal has so many rows, or a while.
+/// Waits until the journal has `rows` rows, but not longer than some ten seconds.
 inline void wait_for_rows(const std::string& journal, std::int64_t rows = 50) {
     for (int tries = 0; rows_of_journal(journal) < rows && tries < 6000; ++tries) {
         std::this_thread::sleep_for(std::chrono::milliseconds(2));

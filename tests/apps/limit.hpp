@@ -4,7 +4,7 @@
 
 namespace hertzline::test {
 
-/// A limit of the system for what is started meanwhile.
+/// A limit of the system, for programs started during its lifetime.
 class Limit {
 public:
     Limit(__rlimit_resource resource, rlim_t limit) : resource_(resource) {

@@ -30,7 +30,7 @@ using testing::HasSubstr;
 
 const std::string any_port = "tcp://127.0.0.1:*";
 
-/// A stream that sends a test's frames to one listener.
+/// A stream that sends messages made by a test to one listener.
 class FakeStream {
 public:
     /// @param timeout_s empty: the program's own
@@ -47,7 +47,7 @@ public:
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(10));
         }
-        EXPECT_TRUE(publisher_.wanted(topic)) << "there is no listener";
+        EXPECT_TRUE(publisher_.wanted(topic)) << "no listener";
     }
 
     /// A frame of ten samples.

@@ -1,4 +1,4 @@
-// hertzline optimise: its answer, its file, its journal, and what it refuses.
+// hertzline optimise: its answer, its file, its journal, and refused requests.
 
 #include <csignal>
 #include <filesystem>

@@ -28,7 +28,7 @@ std::size_t files_in(const fs::path& folder) {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
 }
 
-/// A variable of the environment, for what is started meanwhile.
+/// A variable of the environment, for programs started during its lifetime.
 class Variable {
 public:
     Variable(const char* name, const std::string& value) : name_(name) { setenv(name, value.c_str(), 1); }

@@ -39,7 +39,7 @@ public:
 
     void send(int signal) const;
 
-    /// What it has written to stderr, as soon as that contains `text`. Fails the test when it never does.
+    /// Waits until stderr contains `text`, and returns stderr so far. Fails the test when it never does.
     std::string messages_with(const std::string& text) const;
     std::string messages_with(const std::regex& pattern) const;
 

@@ -1,5 +1,5 @@
 #pragma once
-// What stands in a column of a recording.
+// The numbers in a column of a recording.
 
 #include <algorithm>
 #include <string>

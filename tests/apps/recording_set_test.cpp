@@ -1,4 +1,4 @@
-// Recordings as users make them: several at once, what goes wrong with them, and what is left then.
+// Recordings as users make them: several at once, their failures, and the remains of failed ones.
 
 #include <csignal>
 #include <thread>
@@ -174,7 +174,7 @@ TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
     EXPECT_EQ(recordings[2]["status"], "complete");
     EXPECT_EQ(recordings[2]["samples"], 300'000);
     EXPECT_FALSE(fs::exists(folder.file("a.csv")));
-    // what the disk had room for is there
+    // the samples that fitted on the disk are there
     EXPECT_GT(recordings[1]["samples"], 5000);
     EXPECT_EQ(rows_of(kept_file(recordings[1])), recordings[1]["samples"]);
     EXPECT_EQ(recordings[0]["samples"], limit / 12);
@@ -257,7 +257,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
 }
 
 /// A scene whose step turns out to be too long after some milliseconds. The motion is chaotic, so the moment depends on the instruction
-/// set: the scene lasts much longer.
+/// set, and the scene lasts much longer.
 const Words unstable{"--set", "numerics.integrator=leapfrog", "--set", "numerics.step_s=2.3e-7",
                      "--set", "drive.amplitude_m=1.05e-3",    "--set", "output.duration_s=0.5"};
 

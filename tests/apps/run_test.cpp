@@ -80,7 +80,7 @@ TEST(Run, EstimatesTheErrorOfAnyStepThatAPilotCanAfford) {
     };
     EXPECT_LE(estimate({}).get<double>(), 1e-4);
     EXPECT_LE(estimate({"accuracy=1e-8"}).get<double>(), 1e-8);
-    // 3.4e-5 is what this step differs by from the reference of tests/reference in v_out
+    // 3.4e-5 is the error of v_out with this step, against the reference of tests/reference
     const double given = estimate({"integrator=chin4a", "step_s=200e-9"}).get<double>();
     EXPECT_GT(given, 3.4e-5 / 3);
     EXPECT_LT(

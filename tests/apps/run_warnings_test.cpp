@@ -1,4 +1,4 @@
-// What hertzline run warns of, and check and stream with it.
+// Warnings of hertzline run, check and stream.
 
 #include <string>
 #include <vector>

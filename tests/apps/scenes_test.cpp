@@ -41,7 +41,7 @@ TEST(Scenes, PrintsAFileThatRunsTheSame) {
 TEST(Scenes, PrintsAFileThatGivesTheSameBits) {
     using Words = std::vector<std::string>;
     const TemporaryFolder folder;
-    // steps that no short decimal number holds, and what the program finds
+    // steps that no short decimal number holds, and steps that the program chooses
     for (const Words& numerics : {Words{"integrator=taylor8", "step_s=0.4567890123456789e-6"},
                                   Words{"integrator=taylor12", "step_s=0.2718281828459045e-6"},
                                   Words{"integrator=taylor8", "accuracy=3e-5"},

@@ -61,7 +61,7 @@ std::vector<float> as_floats(const std::vector<double>& numbers, std::size_t cou
     return {numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// What `hertzline run` writes of the same 2 ms.
+/// Returns the samples of `hertzline run` for the same 2 ms.
 std::map<std::string, std::vector<double>> run_of_the_same(const TemporaryFolder& folder,
                                                            const std::string& scene = "paper-stream") {
     const Outcome run =

@@ -1,4 +1,4 @@
-// The files of hertzline sweep: journals, shards, and what is left when a sweep is ended before its time.
+// The files of hertzline sweep: journals, shards, and the remains of a sweep that was stopped early.
 
 #include <csignal>
 #include <cstdlib>

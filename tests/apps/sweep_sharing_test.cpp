@@ -1,4 +1,4 @@
-// What sweeps need that several machines share: an instruction set that is pinned, parts that Slurm names, several tables at once.
+// Sweeps on several machines: a pinned instruction set, parts named by Slurm, several tables at once.
 
 #include <cstdlib>
 #include <filesystem>

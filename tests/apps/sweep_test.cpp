@@ -1,4 +1,4 @@
-// hertzline sweep: its rows, and what it refuses.
+// hertzline sweep: its rows, and refused requests.
 
 #include <algorithm>
 #include <filesystem>
@@ -51,7 +51,7 @@ void flatten(const json& summary, const std::string& before, json& flat) {
     }
 }
 
-/// What differs from run to run, or is said elsewhere.
+/// Returns whether a number differs from run to run, or stands elsewhere.
 bool is_of_the_run_alone(const std::string& name) {
     static const Words names{"setup_s", "wall_s", "real_time_factor", "recordings", "version"};
     return std::ranges::find(names, name) != names.end() || name.starts_with("warnings");
@@ -139,7 +139,7 @@ TEST(Sweep, PointsThatFailAreRowsWithTheirReason) {
 
 TEST(Sweep, UnstablePointsAreRows) {
     const TemporaryFolder folder;
-    // The motion of the second is chaotic: when it fails hangs on the instruction set, so it lasts long.
+    // The motion of the second point is chaotic. The moment of its failure depends on the instruction set, so it lasts long.
     write_text(folder.file("p.csv"), "drive.amplitude_m,output.duration_s\n1e-6,1e-3\n1.05e-3,0.5\n");
     const Outcome outcome = hertzline({"sweep", "paper-stream", "--points", folder.file("p.csv"), "--set",
                                        "output.sample_rate_hz=2e6", "--set", "numerics.integrator=leapfrog",

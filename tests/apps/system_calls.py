@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The simulating thread makes no system call but to sleep and to wake: watched by strace while two streams are sent.
+"""Checks by strace that the simulating thread makes no system call but to sleep and to wake, while two streams are sent.
 
     system_calls.py PROGRAM
 
@@ -19,7 +19,7 @@ SLEEP = {"futex", "restart_syscall"}  # a semaphore
 
 
 def trace(program, log):
-    """Streams a second under strace, slowly enough for that, to a subscriber; the summary and the trace's lines."""
+    """Streams a second to a subscriber under strace, slowly enough for that. Returns the summary and the trace's lines."""
     stream = subprocess.Popen(
         ["strace", "--follow-forks", "--output", log, "--string-limit=32", program, "stream", "paper-stream", "--json",
          "--bind", "tcp://127.0.0.1:*", "--duration", "0.02", "--pace", "0.02", "--wait-for-subscriber"],
@@ -45,7 +45,7 @@ def trace(program, log):
 
 
 def calls_of_the_simulating_thread(lines):
-    """How often it called what, from its naming to its last sleep; what follows is the C library ending the thread."""
+    """Counts the thread's system calls from its naming to its last sleep; the C library makes the later ones to end the thread."""
     named = re.compile(r'(\d+) +prctl\(PR_SET_NAME, "simulating"')
     thread = next((match[1] for match in map(named.match, lines) if match), None)
     if thread is None:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A client hears every sample that `hertzline run` gives: every_sample_arrives.py HERTZLINE STREAM CLIENT..."""
+"""Checks that a client receives every sample of `hertzline run`: every_sample_arrives.py HERTZLINE STREAM CLIENT..."""
 import subprocess, sys, tempfile
 import numpy as np
 from streaming import LONG_ENOUGH_S, Stream, samples_of_run

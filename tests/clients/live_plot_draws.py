@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""live_plot.py draws a picture of a running stream: live_plot_draws.py HERTZLINE LIVE_PLOT..."""
+"""Checks that live_plot.py draws a picture of a running stream: live_plot_draws.py HERTZLINE LIVE_PLOT..."""
 import subprocess, sys, tempfile
 from streaming import LONG_ENOUGH_S, Stream
 

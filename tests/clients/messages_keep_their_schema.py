@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""meta, meters, end and the headers of frames of real streams are what their schema says: messages_keep_their_schema.py HERTZLINE SCHEMA"""
+"""Checks meta, meters, end and headers of frames of real streams against their schema: messages_keep_their_schema.py HERTZLINE SCHEMA"""
 import json, subprocess, sys, tempfile
 import jsonschema, zmq
 from streaming import LONG_ENOUGH_S, Stream
@@ -16,7 +16,7 @@ header = jsonschema.Draft202012Validator({"$ref": "#/$defs/header", "$defs": sch
 
 
 def messages_of(scene, duration_s, *words, command="stream"):
-    """Everything that a stream says in JSON, as [(topic, object)]."""
+    """Returns all JSON messages of a stream, as [(topic, object)]."""
     with Stream(program, scene, "--pace", "flat-out", "--duration", str(duration_s), "--wait-for-subscriber",
                 *words, command=command) as stream, zmq.Context() as context, context.socket(zmq.SUB) as socket:
         socket.rcvtimeo = LONG_ENOUGH_S * 1000
@@ -31,12 +31,12 @@ def messages_of(scene, duration_s, *words, command="stream"):
                 said.append((topic.decode(), json.loads(parts[0])))
             elif topic == b"v_last/np":
                 header.validate(json.loads(parts[0]))
-        assert said[-1][1] == json.loads(stream.summary()), "end is not what --json prints"
+        assert said[-1][1] == json.loads(stream.summary()), "end differs from the output of --json"
         return said
 
 
 def require_closed(topic, message):
-    """The schema sees a key that it does not list, one that is missing, and a value of the wrong type."""
+    """Checks that the schema refuses an unknown key, a missing one, and a value of the wrong type."""
     for change in ({"not_documented": 1}, {"v_out_sent": 1}, {"run": 7}, {"run": None}):
         assert not topics[topic].is_valid(message | change), f"{topic} may have {change}"
     for key in message:
@@ -45,7 +45,7 @@ def require_closed(topic, message):
 
 
 def replayed(folder):
-    """What a replay of a short recording says."""
+    """Returns the messages of a replay of a short recording."""
     file = folder + "/recording.sigmf-meta"
     with Stream(program, "paper-wall", "--pace", "flat-out", "--duration", "2e-4", "--record", file) as stream:
         stream.summary()
@@ -53,7 +53,7 @@ def replayed(folder):
 
 
 def replayed_with_changes(folder):
-    """The same of a recording whose scene changes."""
+    """Returns the messages of a replay of a recording whose scene changes."""
     changes, file = folder + "/changes.json", folder + "/changed.sigmf-meta"
     with open(changes, "w") as text:
         json.dump([{"sample": 10000, "set": {"drive.cycles": 5}}, {"sample": 15000, "set": {"chain.preload_n": 0.2}}], text)
@@ -76,7 +76,7 @@ with tempfile.TemporaryDirectory() as folder:
     others.append(replayed(folder))
     others.append(replayed_with_changes(folder))
 for said in (plate, *others):
-    assert {topic for topic, _ in said} == set(topics), "a topic said nothing"
+    assert {topic for topic, _ in said} == set(topics), "a topic has no message"
     assert said[0][0] == "meta"
     for topic, message in said:
         topics[topic].validate(message)
@@ -84,6 +84,6 @@ for said in (plate, *others):
             assert all(isinstance(value, (int, float)) for key, value in message.items() if key != "run")
     for stream in said[0][1]["streams"]:
         for counted in (f"{topic.replace('/', '_')}_{what}" for topic in stream["topics"] for what in ("sent", "dropped")):
-            assert counted in said[-1][1], f"end does not say {counted}"
+            assert counted in said[-1][1], f"end lacks {counted}"
 for topic, message in plate:
     require_closed(topic, message)

@@ -5,12 +5,12 @@ import zmq
 from streaming import LONG_ENOUGH_S, Stream
 
 JOINS = 100
-# Of a hundred. Four were seen on a machine loaded eightfold; a sanitizer makes the sending of a block ten times as long.
+# Of a hundred joins. A machine loaded eightfold had four.
 MOST_EARLY = 20
 
 
 class Listener:
-    """One subscriber. Every frame that it hears is looked at."""
+    """A subscriber that checks every received frame."""
 
     def __init__(self, context, endpoint, *prefixes):
         self.socket = context.socket(zmq.SUB)
@@ -29,7 +29,7 @@ class Listener:
             self.socket.unsubscribe(prefix)
 
     def hear(self):
-        """The next message: its topic and, of a frame with a header, the first sample."""
+        """Returns the next message's topic and, of a frame with a header, the first sample."""
         topic, *parts = self.socket.recv_multipart()
         topic = topic.decode()
         if topic.endswith("/raw"):
@@ -53,7 +53,7 @@ class Listener:
                 heard[topic] += 1
 
     def early_frames(self):
-        """Frames that come before meta; they are of one block."""
+        """Returns the frames before meta, which belong to one block."""
         early = []
         while (said := self.hear())[0] != "meta":
             early.append(said)
@@ -84,7 +84,7 @@ def subscribe_at_once(context, endpoint, *prefixes):
 
 
 with Stream(sys.argv[1], "paper-stream", "--pace", "0.05") as stream, zmq.Context() as context:
-    another = Listener(context, stream.endpoint, "v_out/raw")  # so that frames are on their way when somebody joins
+    another = Listener(context, stream.endpoint, "v_out/raw")  # so that frames are on their way when another subscriber joins
     another.hear_frames("v_out/raw")
     for _ in range(JOINS // 4):
         wait_for_meta_then_subscribe(context, stream.endpoint)

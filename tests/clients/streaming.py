@@ -1,4 +1,4 @@
-"""The program as the tests of clients run it: a stream on a free port, and a run of the same scene."""
+"""Runs the program for the tests of clients: a stream on a free port, and a run of the same scene."""
 import subprocess
 import numpy as np
 
@@ -6,7 +6,7 @@ LONG_ENOUGH_S = 100  # for a loaded machine with sanitizers
 
 
 class Stream:
-    """hertzline stream (or replay), ended with the block at the latest. `endpoint` is the bound one."""
+    """hertzline stream (or replay), which ends with the block at the latest. `endpoint` is the bound one."""
 
     def __init__(self, program, scene, *words, command="stream"):
         self.process = subprocess.Popen([program, command, scene, "--bind", "tcp://127.0.0.1:*", "--json", *words],
@@ -28,14 +28,14 @@ class Stream:
         self.process.communicate()
 
     def summary(self):
-        """Waits for the end; the text that --json printed."""
+        """Waits for the end. Returns the text of --json."""
         out, errors = self.process.communicate(timeout=LONG_ENOUGH_S)
         assert self.process.returncode == 0, errors
         return out
 
 
 def samples_of_run(program, folder, scene, stream, samples, rate_hz):
-    """What `hertzline run` gives of the stream as float32, [sample][channel]."""
+    """Returns the stream's samples from `hertzline run` as float32, [sample][channel]."""
     file = f"{folder}/run.csv"
     subprocess.run([program, "run", scene, "--all", "--tap", "f_chain", "--set", f"output.duration_s={samples / rate_hz}", "-o", file],
                    check=True, timeout=LONG_ENOUGH_S, stdout=subprocess.DEVNULL)

@@ -1,5 +1,5 @@
 #!/bin/sh
-# with_node_client.sh FOLDER COMMAND...: the command, unless install_node_client.sh could not reach npm's registry.
+# with_node_client.sh FOLDER COMMAND...: runs the command, unless install_node_client.sh could not reach npm's registry.
 set -eu
 folder=$1
 shift

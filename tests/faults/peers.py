@@ -1,4 +1,4 @@
-"""What peers do to a stream: strangers on its port, and subscribers that misbehave or die."""
+"""Disturbances of a stream by peers: strangers on its port, and subscribers that misbehave or die."""
 import contextlib
 import itertools
 import json
@@ -20,11 +20,11 @@ from stand import check, wait_until
 # ZMTP 3.1 (rfc.zeromq.org/spec/37): signature, version, mechanism NULL, no server; then a READY command of a SUB socket.
 GREETING = b"\xff" + bytes(8) + b"\x7f" + b"\x03\x01" + b"NULL".ljust(20, b"\0") + bytes(32)
 READY = b"\x04\x19\x05READY\x0bSocket-Type\x00\x00\x00\x03SUB"
-LENGTH_OF_READY = 27  # what the stream answers at least
+LENGTH_OF_READY = 27  # least length of the stream's answer
 
 
 def _connected(stream, receives=None):
-    """receives: bytes that the system takes for it before it reads."""
+    """receives: bytes that the system buffers for it before it reads."""
     peer = socket.socket()
     peer.settimeout(stands.LONG_ENOUGH_S)
     if receives:
@@ -34,7 +34,7 @@ def _connected(stream, receives=None):
 
 
 def _subscriber(stream, **how):
-    """A connection with its handshake done, for what no library would send."""
+    """Opens a connection with a completed handshake, for messages that no library would send."""
     peer = _connected(stream, **how)
     peer.sendall(GREETING + READY)
     received = 0
@@ -44,7 +44,7 @@ def _subscriber(stream, **how):
 
 
 def _introduced(stream):
-    """A connection that has introduced itself, as far as the stream goes along: it may stay, however silent it is."""
+    """Opens a connection with as much of the handshake as the stream accepts. It may stay, however silent it is."""
     peer = _connected(stream)
     with contextlib.suppress(ConnectionError):
         peer.sendall(GREETING + READY)
@@ -52,7 +52,7 @@ def _introduced(stream):
 
 
 def _subscription(prefix):
-    """A message of ZMTP 3.0: flags, length, 1, prefix."""
+    """Returns a subscription in ZMTP 3.0: flags, length, 1, prefix."""
     body = b"\x01" + prefix
     length = bytes([0, len(body)]) if len(body) < 256 else b"\x02" + struct.pack(">Q", len(body))
     return length + body
@@ -84,11 +84,11 @@ def plain_garbage(stand):
 
 def half_open_connections(stand):
     with stand.stream() as stream:
-        for _ in range(8):  # what the allocator keeps of one round serves the next; what leaks is lost each time
+        for _ in range(8):  # memory kept by the allocator serves the next round; a leak grows with each
             with contextlib.ExitStack() as connections:
                 for begun in 30 * [b"", GREETING[:1], GREETING[:10], GREETING, GREETING + READY[:5]]:
                     connections.enter_context(_connected(stream)).sendall(begun)
-                stream.first_frame()  # among them there is room for one who means it
+                stream.first_frame()  # a real subscriber finds room among them
 
 
 def connections_beyond_the_descriptors(stand):
@@ -98,7 +98,7 @@ def connections_beyond_the_descriptors(stand):
             for _ in range(few + 50):
                 connections.enter_context(_introduced(stream))
             wait_until(lambda: stream.footprint()[0] < few, "left any for others")
-            stream.first_frame()  # a newcomer is served while they are still there
+            stream.first_frame()  # a new subscriber is served while they are still there
 
 
 def very_many_strangers(stand):
@@ -111,7 +111,7 @@ def very_many_strangers(stand):
 
 
 def subscribers_that_read_nothing(stand):
-    # Over a Unix socket; one after the other, so that each one's queue holds what the others' do not.
+    # Over a Unix socket; one after the other, so that their queues hold different messages.
     budget = 32 << 20
     with _on_a_unix_socket(stand, "--queue-memory", str(budget), scene=stands.BUSY) as stream:
         stopped, most = [], 0
@@ -126,7 +126,7 @@ def subscribers_that_read_nothing(stand):
 
 
 def subscribers_that_trickle(stand):
-    """They read a few bytes at a time and never stop, so nobody can take them for dead."""
+    """Subscribers read a few bytes at a time and never stop, so they cannot be taken for dead."""
     budget = 32 << 20
     peers, over = [], threading.Event()
 
@@ -140,7 +140,7 @@ def subscribers_that_trickle(stand):
         reader.start()
         try:
             most = 0
-            for _ in range(9):  # one after the other: each one's queue holds what the others' do not
+            for _ in range(9):  # one after the other, so that their queues hold different messages
                 peer = connections.enter_context(_subscriber(stream, receives=4096))
                 peer.sendall(_subscription(b"v_chain/raw"))
                 peer.setblocking(False)
@@ -154,7 +154,7 @@ def subscribers_that_trickle(stand):
 
 
 def clients_beyond_the_limit(stand):
-    """All subscribe to something. A newcomer gets a message that says so, and comes in when one leaves."""
+    """All clients subscribe. A further one receives a message with the limit, and is admitted when another leaves."""
     most = 64
     with stand.stream() as stream, contextlib.ExitStack() as leaving:
         context = leaving.enter_context(zmq.Context())
@@ -180,7 +180,7 @@ def clients_beyond_the_limit(stand):
         clients.pop().close()
         out, messages = newcomer.communicate(timeout=stands.LONG_ENOUGH_S)
         check(newcomer.returncode == 0 and json.loads(out)["samples"] == 1000, f"{newcomer.returncode}: {out} {messages}")
-        check("as many clients as it serves (--max-clients)" in messages, f"it was told: {messages}")
+        check("as many clients as it serves (--max-clients)" in messages, f"it printed: {messages}")
     check(stream.messages.read_text().count("(--max-clients)") == 1, f"{stream.messages.read_text()}")
 
 
@@ -196,7 +196,7 @@ def port_scan(stand):
 
 
 def _flood(stream, subscriptions):
-    """Sends them for as long as the stream listens, at most five seconds; how much memory that has cost it [bytes]."""
+    """Sends them while the stream reads, for at most five seconds. Returns the stream's growth of memory [bytes]."""
     with _subscriber(stream) as peer, contextlib.suppress(ConnectionError):
         end = time.monotonic() + 5
         for subscription in subscriptions:
@@ -209,7 +209,7 @@ def _flood(stream, subscriptions):
 
 
 def very_many_subscriptions(stand):
-    # Each as long as may be and different from the first byte on: that takes most of a table of prefixes.
+    # Each has the largest allowed length and differs from the first byte on: the worst case for a table of prefixes.
     different = (_subscription(struct.pack("<Q", i * 0x9E3779B97F4A7C15 % 2**64) * 31) for i in range(200_000))
     with stand.stream(scene=stands.LARGE_FRAMES, recorded=False) as stream:
         memory = _flood(stream, different)
@@ -245,7 +245,7 @@ def two_publishers_on_one_path(stand):
 
 def _hearing_peer(stream, *words):
     peer = stream.peer(*words)
-    check(peer.stdout.readline() == "hears\n", "a peer hears nothing")
+    check(peer.stdout.readline() == "hears\n", "a peer receives nothing")
     return peer
 
 
@@ -253,8 +253,8 @@ def _account(peer):
     return json.loads(peer.communicate(timeout=stands.LONG_ENOUGH_S)[0])
 
 
-# Over a Unix socket, in which the system keeps little: what a peer does not read waits in the stream's own queue for it,
-# 3.6 MB in each second for one who subscribes to everything.
+# Over a Unix socket, which has a small buffer: unread messages wait in the stream's own queue for the peer, 3.6 MB a second for a
+# subscriber of all streams.
 def _on_a_unix_socket(stand, *words, **how):
     return stand.stream(*words, endpoint=f"ipc://{stand.folder}/socket", **how)
 
@@ -267,7 +267,7 @@ def subscriber_stopped_for_a_while(stand):
         check(stand.sanitized or stream.footprint()[1] - stream.before[1] > 2 << 20, "there is no queue: this tests nothing")
         peer.send_signal(signal.SIGCONT)
         stream.interrupt()
-        # a sender that a busy machine makes late may drop frames; none is lost on its way
+        # a sender that is late on a busy machine may drop frames; none is lost on the way
         check(_account(peer)["frames_lost_on_the_way"] == 0, "the queue has room for more than that")
 
 
@@ -275,7 +275,7 @@ def subscriber_stopped_for_good(stand):
     with _on_a_unix_socket(stand) as stream:
         _hearing_peer(stream, "--everything").send_signal(signal.SIGSTOP)
         time.sleep(1)
-        stream.interrupt()  # somebody is there who will never take what was sent to him
+        stream.interrupt()  # a subscriber that will never read its messages is still connected
 
 
 def subscriber_killed(stand):
@@ -288,8 +288,8 @@ def subscriber_killed(stand):
 
 
 def slow_subscriber(stand):
-    # A thousand spheres. Half of the memory for queues holds few frames of them: short for one who listens to v_out alone,
-    # so it loses some.
+    # A thousand spheres. Half of the memory for queues holds few of their frames, too few for a listener to v_out alone, which loses
+    # some.
     with _on_a_unix_socket(stand, scene=stands.LONG_CHAIN, listener="pyzmq") as stream:
         peer = _hearing_peer(stream, "--slow", 2.5, "--queue", 1)
         time.sleep(3)

@@ -1,4 +1,4 @@
-"""What files do that take samples: pipes that nobody reads, and work that takes long when somebody wants to end."""
+"""Disturbances by files that take samples: pipes without a reader, and long work when the user wants to end."""
 import json
 import os
 import re
@@ -14,19 +14,19 @@ from stand import check, wait_until
 
 
 def _fifo(stand):
-    """A FIFO that somebody opened and does not read, and who that is."""
+    """Makes a FIFO whose open reader never reads. Returns its path and the reader's descriptor."""
     path = stand.folder / "fifo.csv"
     os.mkfifo(path)
     return path, os.open(path, os.O_RDONLY | os.O_NONBLOCK)
 
 
 def recording_that_nobody_takes(stand):
-    """Until more is due than may wait for it: the stream goes on, and what the recording lacks is counted."""
+    """More rows are due than may wait for the file. The stream continues, and the missing samples are counted."""
     path, _reader = _fifo(stand)
     waiting = 16 << 20  # bytes of rows, each of three numbers
     rows = waiting / 24
     with stand.stream("--record", path, exit_status=1, scene=stands.MANY_SAMPLES, may_hold=waiting) as stream:
-        most = 0.1 if stand.sanitized else 1.5  # there so many rows take minutes
+        most = 0.1 if stand.sanitized else 1.5  # under sanitizers all rows would take minutes
         samples = stream.first_frame()["sample"] + most * rows
         wait_until(lambda: stream.first_frame()["sample"] > samples, "went on")
     summary = json.loads(stream.summary.read_text())
@@ -95,7 +95,7 @@ def summary_that_nobody_reads(stand):
     os.close(reader)
 
 
-# Samples so far apart that a frame of the usual length takes ten seconds to compute, or a single one.
+# Samples so far apart that a frame of the usual length, or a single sample, takes ten seconds to compute.
 def frames_that_take_long(stand):
     for rate, integrator in ((30, "taylor8"), (30, "leapfrog"), (0.1, "taylor8")):
         socket = stand.folder / f"{rate}-{integrator}"
@@ -116,7 +116,7 @@ def rows_that_take_long(stand):
 
 
 def replay_of_a_pipe_that_nobody_writes(stand):
-    """With and without a writer, and with one that is silent after some rows. What is written later is for others."""
+    """The pipe has a writer, none, or one that is silent after some rows. Later data is left to other readers."""
     file, fifo = stand.folder / "a.csv", stand.folder / "fifo.csv"
     check(stand.run("run", "paper-wall", "-o", file).returncode == 0, "no recording")
     rows = file.read_bytes()[:select.PIPE_BUF]  # fit into the pipe
@@ -142,12 +142,12 @@ def replay_of_a_pipe_that_nobody_writes(stand):
                 time.sleep(0.05)
                 os.write(writer, b"for the next one")
                 time.sleep(0.05)
-                check(select.select([writer], [], [], 0)[0], "somebody still takes what is written")
+                check(select.select([writer], [], [], 0)[0], "a process still reads the pipe")
                 os.close(writer)
 
 
 def _run_that_loses(stand, file, *words, **how):
-    """To that file, whose samples cannot be closed."""
+    """Runs into that file, whose closing fails."""
     loses = stand.with_shim(loses=str(file).replace("-meta", "-data") + ".partial-")
     done = stand.run("run", "paper-wall", "--json", "-o", file, *words, env={**os.environ, **loses}, **how)
     print(done.stderr)
@@ -156,7 +156,7 @@ def _run_that_loses(stand, file, *words, **how):
 
 
 def files_whose_closing_fails(stand):
-    """Nobody knows what is in them, and nothing is claimed. What was there before stays."""
+    """Their contents are unknown, and no samples are claimed. The old files stay."""
     for ending in ("csv", "npy", "h5", "wav", "sigmf-meta"):
         file = stand.folder / f"a.{ending}"
         check(stand.run("run", "paper-wall", "-o", file).returncode == 0, "no recording")
@@ -166,7 +166,7 @@ def files_whose_closing_fails(stand):
         told = re.fullmatch(r"cannot write .*: Input/output error; it is unknown how much of it is in (\S+)",
                             recording["status"])
         check(told and ".partial-" in told[1] and os.path.exists(told[1]), f"{recording}")
-        check({path: path.read_bytes() for path in before} == before, f"{file}: what was there before is gone")
+        check({path: path.read_bytes() for path in before} == before, f"{file}: the old file is gone")
         for path in stand.folder.glob("a.*"):
             path.unlink()
 
@@ -189,7 +189,7 @@ def files_whose_closing_fails_on_a_full_disk(stand):
 
 
 def recording_whose_closing_fails(stand):
-    """SigMF has its name already."""
+    """A SigMF recording already has its final name."""
     file = stand.folder / "a.sigmf-meta"
     with stand.stream("--record", file, env=stand.with_shim(loses=stand.folder / "a.sigmf-data"), exit_status=1) as stream:
         time.sleep(1)
@@ -206,7 +206,7 @@ def _children(process):
 
 
 def replay_whose_reader_is_stuck(stand):
-    """HDF5 files are read by a process of their own."""
+    """A process of its own reads HDF5 files."""
     file, socket = stand.folder / "a.h5", stand.folder / "socket"
     check(stand.run("run", "paper-stream", "-o", file, "--set", "output.duration_s=0.1").returncode == 0, "no recording")
     replay = _popen(stand, "replay", file, "--bind", f"ipc://{socket}", "--pace", "0.02")

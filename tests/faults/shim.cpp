@@ -1,9 +1,8 @@
-// Loaded into the program (LD_PRELOAD) by the tests of faults, it lets them do from outside what they
-// otherwise could not without touching the whole machine:
-//     SIGUSR1   interrupts whatever system call waits, as the signals of profilers and debuggers do
+// Disturbs the program from outside without touching the whole machine. The tests of faults load it by LD_PRELOAD:
+//     SIGUSR1   interrupts waiting system calls, as the signals of profilers and debuggers do
 //     SIGUSR2   sets the program's wall clock back by an hour
-//     HERTZLINE_LOSES=PATH   closing a file that was written to and whose path begins so fails, and half of it
-//                            is lost: as over a network (NFS), where a full disk may show only then
+//     HERTZLINE_LOSES=PATH   closing a written file whose path begins with PATH fails, and half of it is lost, as
+//                            over a network (NFS), where a full disk may show only then
 // The wall clock is read through the kernel itself, not through another library or a sanitizer.
 
 #include <array>
@@ -34,13 +33,13 @@ void set_back(int /*signal*/) {
 
 void on(int signal, void (*handler)(int)) {
     struct sigaction action {};
-    action.sa_handler = handler;  // without SA_RESTART: what waits returns with EINTR
+    action.sa_handler = handler;  // without SA_RESTART: waiting calls return with EINTR
     sigaction(signal, &action, nullptr);
 }
 
 std::atomic<ino_t> last_lost{0};
 
-/// A file that was written to and whose path begins as the user of this says. The system reports an error once.
+/// Returns whether this is a written file whose path begins with HERTZLINE_LOSES. The system reports an error once.
 bool is_to_be_lost(int descriptor) {
     const char* const begin = std::getenv("HERTZLINE_LOSES");
     struct stat now {};

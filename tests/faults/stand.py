@@ -1,12 +1,11 @@
-"""The stand on which faults are tried: a running stream, a well-behaved listener beside it from sample 0 on, and what
-must hold after the fault.
+"""The stand for tests of faults: a running stream, a well-behaved listener from sample 0 on, and the checks after the fault.
 
-    with stand.stream() as stream:     # runs, the listener hears it
+    with stand.stream() as stream:     # runs, and the listener receives it
         ...                            # the fault
                                        # here every promise is checked
 
-Beside it runs the same stream with nobody on its port, the control: how late its frames are is the machine's doing, and
-what the stream is late beyond that is the fault's.
+The control runs beside it: the same stream without peers. The machine causes the lateness of the control's frames; the fault causes
+any further lateness.
 """
 import argparse
 import inspect
@@ -35,7 +34,7 @@ class Scene:
 
 # 50 000 samples a second in 400 frames, which any machine can follow.
 PAPER = Scene("paper-stream", 1e6, 0.05)
-# 16 MB in each second for those who subscribe to everything, in as few frames.
+# 16 MB a second for a subscriber of all streams, in as few frames.
 BUSY = Scene("paper-stream", 1e6, 0.05, **{"chain.spheres": 40})
 # In 12 frames: with four blocks in its ring the sending thread may be held up for 0.3 s before a frame is dropped.
 LARGE_FRAMES = Scene("paper-stream", 1e6, 0.05, **{"output.frame_samples": 4096})
@@ -45,17 +44,15 @@ LONG_CHAIN = Scene("long-chain", 1e8, 0.001, **{"chain.spheres": 1000})  # the w
 
 LONG_ENOUGH_S = 60  # for a loaded machine with sanitizers
 ENDS_WITHIN_S = 1  # as is promised
-# What an allocator may keep of the memory that was given back to it, for the next who ask: several sizes of blocks for
-# each thread.
+# Freed memory that an allocator may keep for later requests: several sizes of blocks for each thread.
 KEPT_BY_ALLOCATOR = 4 << 20
-# A fault may hold the sending thread up for this long, and for this many times the lateness of the control, a stream without
-# the fault beside it. (Seen with 16 processes on two cores: 0.06 s, and 1.2 of the busy scene; beside a build both are late by
-# more than 2 s.)
+# A fault may delay the sending thread by this time, and by this multiple of the control's lateness. (Measured with 16 processes on
+# two cores: 0.06 s, and 1.2 of the busy scene; beside a build both are late by more than 2 s.)
 LATENESS_S, LATENESS_OF_CONTROL = 0.5, 5
 
 
 def wait_until(condition, what, limit_s=LONG_ENOUGH_S):
-    """The first value of condition() that is true."""
+    """Waits for a true value of condition(), and returns it."""
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         if value := condition():
@@ -78,13 +75,13 @@ class Stand:
         return Stream(self, *words, **how)
 
     def run(self, *words, **how):
-        """The program from start to end."""
+        """Runs the program to its end."""
         return subprocess.run([self.program, *words], text=True, timeout=LONG_ENOUGH_S, **{
             "stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **how})
 
     def with_shim(self, loses=None):
-        """The environment in which the program hears SIGUSR1 and SIGUSR2 as shim.cpp says. loses: the begin of the paths of
-        files that cannot be closed."""
+        """Returns an environment that loads shim.cpp, for SIGUSR1 and SIGUSR2. loses: beginning of the paths of files whose closing
+        fails."""
         order = "verify_asan_link_order=0:" + os.environ.get("ASAN_OPTIONS", "")
         return {"LD_PRELOAD": self.shim, "ASAN_OPTIONS": order, **({"HERTZLINE_LOSES": str(loses)} if loses else {})}
 
@@ -94,10 +91,10 @@ class Stream:
 
     def __init__(self, stand, *words, endpoint="tcp://127.0.0.1:*", scene=PAPER, recorded=True, listener="hertzline",
                  before_exec=None, env=None, exit_status=0, may_hold=0, **stdio):
-        """recorded: then the stream falls behind where it would drop a frame. A stand that drops records nothing.
-        listener: who the well-behaved one is, the project's own or one that knows pyzmq only.
+        """recorded: the stream records, and falls behind where it would drop a frame. A stand that drops records nothing.
+        listener: the well-behaved listener: the project's own, or one made of pyzmq only.
         may_hold: memory that may be left in use [bytes].
-        stdio: instead of stdout=a file, stderr=a file."""
+        stdio: replaces stdout=a file, stderr=a file."""
         self.stand, self.scene, self.exit_status, self.interrupted = stand, scene, exit_status, None
         self.may_hold = may_hold
         self.messages, self.summary = stand.folder / "messages", stand.folder / "summary"
@@ -141,12 +138,12 @@ class Stream:
         return host, int(port)
 
     def peer(self, *words):
-        """Another subscriber, that needs not behave: subscriber.py with these words."""
+        """Starts another subscriber, which may misbehave: subscriber.py with these words."""
         script = pathlib.Path(__file__).with_name("subscriber.py")
         return self._start([sys.executable, script, self.endpoint, *map(str, words)], stdout=subprocess.PIPE, text=True)
 
     def first_of(self, topic):
-        """A newcomer's first message of the topic: its JSON."""
+        """Returns the JSON of a new subscriber's first message of the topic."""
         with zmq.Context() as context, context.socket(zmq.SUB) as socket:
             socket.linger = 0
             socket.connect(self.endpoint)
@@ -158,7 +155,7 @@ class Stream:
         return self.first_of("v_out/np")
 
     def footprint(self):
-        """Descriptors, and memory of its own [bytes]."""
+        """Returns the number of file descriptors and the private memory [bytes]."""
         proc = pathlib.Path(f"/proc/{self.process.pid}")
         memory = next((line for line in (proc / "status").read_text().splitlines() if line.startswith("RssAnon:")), None)
         if memory is None:  # it is ending right now
@@ -173,8 +170,8 @@ class Stream:
                                              "-o", self.heard], stdout=subprocess.PIPE, text=True)
             else:
                 self.listener = self.peer("--save", self.heard)
-            # By the meters, which do not start the stream: that is left to the listener. Then peers have come and gone and
-            # buffers have filled: what that costs for good is no fault's.
+            # Waits by the meters, which do not start the stream: the listener does. By then peers have come and gone and buffers
+            # have filled, so that their permanent memory is not counted as the fault's.
             wait_until(lambda: self.first_of("meters")["wall_s"] > 0.3, "began")
             self.first_frame()
             self.before = wait_until(self._settled_footprint, "settled")
@@ -230,7 +227,7 @@ class Stream:
         check(took <= (10 if self.stand.sanitized else ENDS_WITHIN_S), f"{took:.2f} s from Ctrl-C to the end")
 
     def _check_the_pace(self):
-        """Not under sanitizers: they hold up whom they like."""
+        """Checks lateness, except under sanitizers, which delay any thread."""
         if self.stand.sanitized or self.summary.stat().st_size == 0:
             return
         self.control.send_signal(signal.SIGINT)
@@ -248,7 +245,7 @@ class Stream:
         expected = {"first_sample": 0, "frames_lost_on_the_way": 0, "ended_by": "end of run"}
         if self.recording:
             expected["missing_samples"] = 0
-        check({key: account[key] for key in expected} == expected, f"the listener heard {account}")
+        check({key: account[key] for key in expected} == expected, f"the listener received {account}")
         if self.summary.stat().st_size > 0:
             self._check_every_frame_is_accounted_for(json.loads(self.summary.read_text()), account)
         own = self.stand.folder / "run.csv"
@@ -260,14 +257,14 @@ class Stream:
         check(self.recording is None or self.recording.read_text().splitlines() == own.read_text().splitlines()[:-1],
               "the recording is not that of run")
         indices, heard = self._heard_samples()
-        check(len(heard) == account["samples"] and (numpy.diff(indices) > 0).all(), "the listener saved something else")
+        check(len(heard) == account["samples"] and (numpy.diff(indices) > 0).all(), "the listener saved other samples")
         check(numpy.array_equal(heard, samples_of(own)[1][indices]), "the samples are not those of run")
 
     def _check_every_frame_is_accounted_for(self, summary, account):
         check(summary["samples"] == account["samples"] + account["missing_samples"], "listener and summary differ")
         sent, dropped = summary["v_out_np_sent"], summary["v_out_np_dropped"]
         check((account["frames"], account["frames_dropped_by_sender"]) == (sent, dropped),
-              f"sent {sent} frames and dropped {dropped}; heard {account}")
+              f"sent {sent} frames and dropped {dropped}; received {account}")
         check(sent + dropped == -(-summary["samples"] // self.scene.frame_samples), f"frames without account: {summary}")
 
     def _heard_samples(self):
@@ -280,13 +277,13 @@ class Stream:
 
 
 def samples_of(csv):
-    """Times, and v_out as float32, in which it is streamed."""
+    """Returns times, and v_out as float32, the type of the stream."""
     times, values = numpy.loadtxt(csv, delimiter=",", skiprows=1, usecols=(0, -1), unpack=True)
     return times, values.astype(numpy.float32)
 
 
 def timed_wait(process, begin):
-    """Waits for its end. @returns exit status, seconds since `begin` that this process could have run in.
+    """Waits for the end. Returns the exit status and the seconds since `begin` in which this process could run.
 
     Each rest of a few milliseconds counts as twice as long at most, however late the machine wakes us up."""
     elapsed = time.monotonic() - begin
@@ -299,7 +296,7 @@ def timed_wait(process, begin):
 
 
 def main(module):
-    """Tries the fault named on the command line: one of the module's public functions."""
+    """Runs the fault named on the command line: one of the module's public functions."""
     faults = {name: function for name, function in vars(module).items()
               if inspect.isfunction(function) and function.__module__ == module.__name__ and not name.startswith("_")}
     parser = argparse.ArgumentParser()

@@ -1,4 +1,4 @@
-"""A subscriber made of pyzmq alone. Receives frames of v_out until the stream's end and prints as JSON what it got."""
+"""A subscriber made of pyzmq alone. Receives frames of v_out until the stream's end and prints its counts as JSON."""
 import argparse
 import json
 import time

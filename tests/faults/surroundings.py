@@ -1,4 +1,4 @@
-"""What users and the system do to a stream: signals, closed and broken files, another clock or language."""
+"""Disturbances of a stream by users and the system: signals, closed and broken files, another clock or language."""
 import contextlib
 import ctypes
 import json
@@ -21,7 +21,7 @@ def stopped_and_continued_again_and_again(stand):
 
 
 def signals_again_and_again(stand):
-    """To each thread that hears signals, about ten thousand times in all, whatever it waits for."""
+    """Sends signals to each thread that does not block them, about ten thousand in all."""
     syscall, tgkill = ctypes.CDLL(None).syscall, 234
     with stand.stream(env=stand.with_shim()) as stream:
         pid = stream.process.pid
@@ -93,7 +93,7 @@ def decimal_comma(stand):
     locales = stand.folder / "locales"
     locales.mkdir()
     subprocess.run(["localedef", "-i", "de_DE", "-f", "ISO-8859-1", locales / "de_DE"], check=True)
-    # glibc keeps the path for locales that it took apart: no leak of ours.
+    # glibc keeps the parsed path of locales: not a leak of the program.
     german = {"LOCPATH": str(locales), "LC_ALL": "de_DE", "ASAN_OPTIONS": "detect_leaks=0"}
     number = subprocess.run(["/usr/bin/printf", "%.1f", "1"], env=german, capture_output=True, text=True, check=True)
     check(number.stdout == "1,0", f"the locale is not in force: {number.stdout}")

@@ -1,4 +1,4 @@
-"""What terminals do to the program: they differ, pause, and go away."""
+"""Disturbances of the program by terminals: they differ, pause, and go away."""
 import contextlib
 import fcntl
 import json
@@ -24,7 +24,7 @@ def nobody_listens_to_messages(stand):
 
 
 def terminal_paused(stand):
-    """As by Ctrl-S, until after the end."""
+    """The terminal is paused, as by Ctrl-S, until after the end."""
     ours, terminal = pty.openpty()
     with stand.stream(endpoint=f"ipc://{stand.folder}/socket", stderr=terminal, env={"TERM": "xterm-256color"}):
         termios.tcflow(terminal, termios.TCOOFF)
@@ -34,7 +34,7 @@ def terminal_paused(stand):
 
 
 def terminal_vanishes(stand):
-    """As for a job in the background of a session that ends."""
+    """The terminal is gone, as for a background job of a session that has ended."""
     ours, terminal = pty.openpty()
     with stand.stream(endpoint=f"ipc://{stand.folder}/socket", stderr=terminal, env={"TERM": "xterm-256color"}):
         os.close(terminal)
@@ -44,7 +44,7 @@ def terminal_vanishes(stand):
 
 
 def _with_terminal(stand, *words, controls=True):
-    """The program on a terminal of its own; what it writes to stdout goes to a pipe."""
+    """Starts the program on a terminal of its own, with a pipe as stdout."""
     ours, terminal = pty.openpty()
     take_control = (lambda: fcntl.ioctl(2, termios.TIOCSCTTY, 0)) if controls else None
     process = subprocess.Popen([stand.program, *map(str, words)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True,
@@ -94,12 +94,12 @@ def terminal_vanishes_during_a_run(stand):
 
 
 def _on_a_terminal(stand, **env):
-    """What a stream writes to its terminal in half a second and until it is interrupted."""
+    """Returns the output of a stream to its terminal in half a second and until it is interrupted."""
     ours, terminal = pty.openpty()
     seen = bytearray()
 
     def read():
-        with contextlib.suppress(OSError):  # nobody has it open any more
+        with contextlib.suppress(OSError):  # the other end is closed
             while piece := os.read(ours, 4096):
                 seen.extend(piece)
     reader = threading.Thread(target=read)

@@ -1,5 +1,5 @@
 #pragma once
-// What a fuzz function demands of the code that it feeds.
+// Claims of fuzz functions on the code under test.
 
 #include <algorithm>
 #include <cstdio>
@@ -17,7 +17,7 @@ inline void claim(bool holds, const char* what, const std::string& evidence = ""
     }
 }
 
-/// What goes to a terminal: lines of printable ASCII, and not a flood of them.
+/// Claims that a message is fit for a terminal: lines of printable ASCII of bounded length.
 inline void claim_message(const std::string& text, std::size_t longest) {
     const auto printable = [](char c) { return (c >= ' ' && c <= '~') || c == '\n'; };
     claim(!text.empty(), "a fault has a message");

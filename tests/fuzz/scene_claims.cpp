@@ -15,7 +15,7 @@ namespace hertzline::fuzz {
 
 namespace {
 
-/// Keys and texts are cut in messages; what is allowed may be a list of names.
+/// Keys and texts are cut in messages; the allowed values may be a list of names.
 constexpr std::size_t longest_message = 2000;
 
 void claim_finite_numbers(const Scene& scene) {
@@ -29,11 +29,11 @@ void claim_finite_numbers(const Scene& scene) {
 void claim_round_trip(const Scene& scene) {
     const std::string text = to_toml(scene);
     const auto again = parse_scene(text, "again.toml");
-    claim(again && again->scene == scene, "what is written reads back", text);
+    claim(again && again->scene == scene, "a written scene reads back", text);
     claim(to_toml(again->scene) == text, "equal scenes have one text", text);
 }
 
-/// What is derived from a scene without simulating it.
+/// Claims that constants derived from a scene without simulation are finite.
 void claim_finite_constants(const Scene& scene) {
     claim(Simulation::memory_bytes(scene, {}) > 0, "a simulation needs memory");
     constexpr std::int64_t short_chain = 100;

@@ -1,5 +1,5 @@
 #pragma once
-// What must hold of any text that was read as a scene.
+// Claims on any text that was read as a scene.
 
 #include "core/scene/scene_toml.hpp"
 

@@ -1,6 +1,6 @@
 #!/bin/sh
-# pkg_config.sh COMPILER PREFIX EXAMPLES OUTPUT: builds an example of each library as pkg-config says, and runs the one that ends by
-# itself.
+# pkg_config.sh COMPILER PREFIX EXAMPLES OUTPUT: builds an example of each library with the flags of pkg-config, and runs the one that
+# ends by itself.
 set -eu
 compiler=$1 prefix=$2 examples=$3 output=$4
 PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name hertzline.pc)")

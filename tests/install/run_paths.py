@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""run_paths.py FOLDER...: no program or library in them may have a run path with an empty entry.
+"""run_paths.py FOLDER...: checks that no program or library in them has a run path with an empty entry.
 
-The loader takes an empty entry for the current directory: it would load what lies there.
+The loader takes an empty entry for the current directory, and would load libraries from there.
 """
 
 import pathlib

@@ -182,7 +182,7 @@ TEST(Disk, RunThatFitsIsNotRefusedAndOneThatDoesNotIs) {
     const auto shortage = disk_shortage(file, 1e300);
     ASSERT_TRUE(shortage);
     EXPECT_THAT(*shortage, testing::HasSubstr("a.csv needs 1.0e+300 bytes of disk"));
-    EXPECT_FALSE(disk_shortage("/dev/null", 1e300));  // a device takes what it is given
+    EXPECT_FALSE(disk_shortage("/dev/null", 1e300));  // a device accepts any size
 }
 
 TEST(Shortage, SaysWhatIsNeededAndWhatThereIs) {

@@ -1,4 +1,4 @@
-"""Samples are not copied, and live as long as somebody looks at them."""
+"""Samples are not copied, and live as long as a view of them."""
 import gc
 import sys
 import unittest
@@ -49,7 +49,7 @@ class Arrays(InAFolder):
 
     def test_leave_the_counts_of_references_alone(self):
         r = short_scene().run(taps=["v_out", "v_chain"])
-        gc.collect()  # what others have left behind holds None, too
+        gc.collect()  # garbage of earlier tests refers to None, too
         before = sys.getrefcount(r._native), sys.getrefcount(None)
         for _ in range(1000):
             r["v_out"], r["v_chain"], r.summary, r.spectrum("v_out") if _ % 100 == 0 else None

@@ -1,4 +1,4 @@
-"""Streams: every sample arrives, and what is missing raises or is marked."""
+"""Streams: every sample arrives, and missing ones raise an exception or are marked."""
 import json
 import os
 import sys
@@ -84,7 +84,7 @@ class Listening(InAFolder):
             with self.assertRaisesRegex(hertzline.GapError, "200 samples are missing before sample 400") as caught:
                 for block in live:
                     heard.append(block.sample)
-            heard += [block.sample for block in live]  # goes on behind the gap
+            heard += [block.sample for block in live]  # continues after the gap
         self.assertEqual((caught.exception.missing, heard), (200, [0, 100, 400, 450]))
 
     def test_gaps_are_marked(self):

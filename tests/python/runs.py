@@ -84,7 +84,7 @@ class Runs(InAFolder):
             _ = short_scene().run()["v_chain"]
 
     def test_a_motion_that_becomes_unstable_is_a_runtime_error(self):
-        # later bursts are stronger than those that the pilots have seen; the instruction set decides when it fails
+        # later bursts are stronger than those of the pilots; the moment of the failure depends on the instruction set
         scene = hertzline.scene(
             "paper-stream",
             drive={"amplitude_m": 1.05e-3},

@@ -1,4 +1,4 @@
-"""Scenes: where they come from, what they say, and every fault at once."""
+"""Scenes: their sources, their contents, and every fault at once."""
 import copy
 import json
 import pickle

@@ -1,4 +1,4 @@
-"""What the tests of the Python package share: the program beside it, and short scenes."""
+"""Shared by the tests of the Python package: the program, and short scenes."""
 import json
 import os
 import pathlib
@@ -13,7 +13,7 @@ LONG_ENOUGH_S = 100  # for a loaded machine
 
 
 def program(*words):
-    """What the program prints."""
+    """Returns the program's output."""
     done = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, timeout=LONG_ENOUGH_S, check=False)
     if done.returncode != 0:
         raise AssertionError(f"exit status {done.returncode}: {done.stderr}")

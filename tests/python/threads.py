@@ -1,4 +1,4 @@
-"""Other threads go on while hertzline computes, and Ctrl-C ends what it does."""
+"""Other threads continue while hertzline computes, and Ctrl-C ends the computation."""
 import signal
 import subprocess
 import sys
@@ -13,7 +13,7 @@ import hertzline
 
 
 def counted_during(work):
-    """How far another thread counts meanwhile."""
+    """Returns how far another thread counts during a call."""
     count, over = 0, threading.Event()
 
     def run():
@@ -75,7 +75,7 @@ class Threads(unittest.TestCase):
         self.assertEqual([v.tobytes() for v in found], [wanted.tobytes()] * 4)
 
     def interrupted(self, work):
-        """Seconds from Ctrl-C to KeyboardInterrupt; and the interpreter goes on."""
+        """Returns the seconds from Ctrl-C to KeyboardInterrupt, and checks that the interpreter continues."""
         text = f"{LONG}\nprint('go', flush=True)\ntry:\n    {work}\nexcept KeyboardInterrupt:\n" \
                "    print('interrupted', len(short.run()['v_out']), flush=True)\n"
         with subprocess.Popen([sys.executable, "-c", text], stdout=subprocess.PIPE, text=True) as process:

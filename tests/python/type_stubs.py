@@ -1,4 +1,4 @@
-"""The package's annotations hold, its stubs say what the module has, and all that users see has a docstring."""
+"""The package's annotations hold, its stubs match the module, and all public names have docstrings."""
 import inspect
 import pathlib
 import subprocess

@@ -1,4 +1,4 @@
-% Reads recordings with what Octave has for them and compares each number: octave-cli read_recordings.m FOLDER
+% Reads recordings with Octave's own functions and compares each number: octave-cli read_recordings.m FOLDER
 % Octave has no reader for .npy.
 folder = argv(){1};
 

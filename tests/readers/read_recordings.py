@@ -1,7 +1,7 @@
-"""Reads recordings with what Python has for them and compares each number.
+"""Reads recordings with Python's usual libraries and compares each number.
 
-read_recordings.py FOLDER [--schema FILE]: SigMF metadata are held against that JSON schema (default: sigmf.schema.json
-beside this file; whoever has SigMF's own sigmf-schema.json can give it), collections against sigmf-collection.schema.json
+read_recordings.py FOLDER [--schema FILE]: validates SigMF metadata against that JSON schema (default: sigmf.schema.json beside
+this file; SigMF's own sigmf-schema.json works, too), and collections against sigmf-collection.schema.json
 """
 
 import argparse

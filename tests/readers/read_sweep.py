@@ -21,7 +21,7 @@ def hertzline(*words):
 
 
 def check_table(table, units, names, rows, metadata):
-    """The same in both files."""
+    """Checks that both files have the same."""
     assert list(table.dtype.names) == names
     described = metadata["tableSchema"]["columns"]
     assert [c["name"] for c in described] == names

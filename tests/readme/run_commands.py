@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Runs every command that a document shows in a block of code: run_commands.py ROOT BUILD DOCUMENT
 
-A command is run as it stands there, by a shell, in a folder that looks like the project's. A stream goes on behind the
-commands after it until another one takes its port or the document ends, and is then ended by Ctrl-C. What is not run is
-named below with the reason; a line of which nobody knows what it is fails the test.
+A shell runs each command as it stands, in a folder that looks like the project's. A stream continues during the commands after it
+until another one takes its port or the document ends; Ctrl-C then ends it. NOT_RUN lists the commands that are not run, with
+reasons. A line that is neither a command nor listed fails the test.
 """
 import os
 import pathlib
@@ -21,7 +21,7 @@ PROGRAMS = re.compile(r"(\./)?(build/\w+|scripts|bench/\w+|apps/clients|tests)/[
                       r"(hertzline|mpirun|sbatch|cmake|ctest|ninja|npm|node|octave-cli|python3?|sh|git|sudo|export|c\+\+|pkg-config)$")
 
 BUILDS = "builds the project"
-MINUTES = "takes minutes, or measures what a loaded machine cannot show"
+MINUTES = "takes minutes, or needs an idle machine"
 INSTALL = "the tests install/ do it"
 CLANG = "needs clang, and minutes"
 SLURM = "needs a Slurm; scripts/cluster.sh starts one"
@@ -55,13 +55,13 @@ NOT_RUN = {
         "./scripts/build.sh release": BUILDS,
         "build/release/bench_scenes": MINUTES,
         "build/release/bench_stability --json build/stability.json": MINUTES,
-        "bench/plots/plot_stability.py build/stability.json --out docs/stability.png": "draws what bench_stability measured",
+        "bench/plots/plot_stability.py build/stability.json --out docs/stability.png": "draws the results of bench_stability",
         "build/release/bench_random_scenes": MINUTES,
         "build/release/bench_work_precision --json build/work_precision.json": MINUTES,
         "build/release/bench_work_precision --scene paper_wall --repetitions 3": MINUTES,
         "build/release/bench_work_precision --check": "is a test of its own, in bench/",
         "bench/plots/plot_work_precision.py build/work_precision.json --out docs/work-precision.png":
-            "draws what bench_work_precision measured",
+            "draws the results of bench_work_precision",
         "build/release/bench_long_chain": MINUTES,
         "bench/lammps/compare.py": "needs LAMMPS",
         "build/release/bench_crossover 10000": MINUTES,
@@ -88,13 +88,13 @@ NOT_RUN = {
     },
 }
 
-# What others have done before.
+# Commands that other people have run before.
 BEFORE = {"apps/clients/README.md": "hertzline keys laboratory"}
 
 # Other words in the blocks of commands.
 NO_COMMANDS = ("GNU Radio ", "PlotJuggler ")
 
-# What stands for something, and what makes a command end.
+# Replacements of placeholders, and of commands that would not end.
 INSTEAD = {
     "hertzline run SCENE [-o FILE]... [--columns NAME,...] [--tap NAME]... [--measure NAME,...] [--spectrum FILE]... [--plot FILE]":
         "hertzline run paper-wall -o a.csv -o a.npy --columns v_last,v_horn --tap f_last --measure f_last --spectrum s.h5 "
@@ -118,7 +118,7 @@ INSTEAD = {
 
 
 def blocks(text):
-    """Blocks of code: language, lines. The language of an indented block is ''."""
+    """Returns language and lines of each block of code. The language of an indented block is ''."""
     fence = re.compile(r"^```(\w*)\n(.*?)^```$", re.M | re.S)
     found = [(block.start(), block[1], block[2].splitlines()) for block in fence.finditer(text)]
     blank = fence.sub(lambda block: re.sub("[^\n]", " ", block[0]), text)  # as long as it was
@@ -128,15 +128,15 @@ def blocks(text):
 
 
 def command_of(line):
-    """What of the line is a command; it is set off by two blanks from what is said about it. None: nothing."""
+    """Returns the command of a line, or None. Two blanks separate a command from its description."""
     cells = re.split(r"\s{2,}", line.removeprefix("$ ").strip())
     return next((cell for cell in cells if PROGRAMS.match(cell.split(" ")[0])), None)
 
 
 def commands(text):
-    """The document's commands, and its programs in Python, in their order: language, name, text.
+    """Yields the document's commands and Python programs in their order: language, name, text.
 
-    An indented block of which no line is a command is a drawing or a formula."""
+    An indented block without a command is a drawing or a formula."""
     for language, lines in blocks(text):
         if language == "python":
             yield "python", lines[0], "\n".join(lines)
@@ -149,7 +149,7 @@ def commands(text):
 
 
 def refuse_other_code(text, root):
-    """C++ that a document shows is that of an example, which the tests build."""
+    """Checks that C++ in a document is part of an example, which the tests build."""
     examples = [file.read_text() for file in (root / "examples").rglob("*.cpp")]
     for language, lines in blocks(text):
         if language == "cpp" and not any("\n".join(lines) in example for example in examples):
@@ -157,7 +157,7 @@ def refuse_other_code(text, root):
 
 
 class Folder:
-    """Looks like the project's, and takes what the commands write."""
+    """A folder that looks like the project's, for the files that the commands write."""
 
     def __init__(self, path, root, build):
         self.path, self.stream = path, None

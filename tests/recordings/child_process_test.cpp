@@ -159,7 +159,7 @@ TEST(ChildProcess, AReadThatWaitsCanBeInterrupted) {
 bool has_ended(std::int64_t process) {
     std::ifstream status("/proc/" + std::to_string(process) + "/stat");
     std::string number, name, state;
-    return !(status >> number >> name >> state) || state == "Z";  // nobody may collect it here
+    return !(status >> number >> name >> state) || state == "Z";  // a zombie, if no process collects it here
 }
 
 TEST(ChildProcess, EndsAfterItsParentWhateverItWaitsFor) {

@@ -1,4 +1,4 @@
-// What is left of a recording that fails, is given up or is removed, in every format.
+// The remains of a recording that fails, is given up or is removed, in every format.
 
 #include <algorithm>
 #include <csignal>
@@ -60,8 +60,8 @@ void expect_same(const std::vector<RecordedRows>& read, const std::vector<Record
     }
 }
 
-/// What happens to a recording under a limit of the file's size, as on a disk that gets full. Reports as an exit
-/// status, for a process of its own.
+/// A recording under a limit of the file's size, as on a full disk. It runs in a process of its own, whose exit status is
+/// the result.
 class FullDisk {
 public:
     enum Status { as_promised, committed, wrong_message, survived, left_behind, wrong_rows, too_few_rows };

@@ -1,4 +1,4 @@
-// What every format promises; what is a format's own is in the test of its name.
+// Promises of every format. The properties of one format are in the test of its name.
 
 #include "recordings/recording_formats.hpp"
 
@@ -216,7 +216,7 @@ TEST_P(SealedFormat, ForeignBytesAreRefused) {
     EXPECT_THAT(refusal(), HasSubstr("not a regular file"));
 }
 
-/// Bytes changed at random: read as something, or refused. What matters is what sanitizers say.
+/// Files with bytes changed at random are read or refused. The sanitizers decide whether that was correct.
 TEST_P(SealedFormat, DamageIsNoCrash) {
     const int files = GetParam().ending == std::string("h5") ? repeated(300) : 3000;  // each in two processes
     const RecordingHead written = head(1);

@@ -28,7 +28,7 @@ using std::chrono::steady_clock;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A FIFO that somebody has opened for reading.
+/// A FIFO with an open reader.
 class Fifo {
 public:
     explicit Fifo(const std::string& path) {
@@ -128,7 +128,7 @@ double seconds_since(steady_clock::time_point start) {
 TEST_F(SlowRecording, GetsACountedGapAndDelaysNobody) {
     const auto recordings = open(RecordingPatience::none(stop));
     constexpr std::int64_t many = 4'000'000;  // twice as many as may wait
-    write(*recordings, 0, many);              // a wait would have no end: nobody reads yet
+    write(*recordings, 0, many);              // no reader yet: waiting would never end
     std::jthread reader([&] { fifo.read_all(); });
     std::this_thread::sleep_for(std::chrono::seconds(5));  // the queue empties
     write(*recordings, many, block);

@@ -11,7 +11,7 @@ export async function browser() {
   return started;
 }
 
-/** A tab with the page, and what went wrong in it. */
+/** Opens a tab with the page, and collects its errors. */
 export async function open(started, url, options = {}) {
   const context = await started.newContext({viewport: {width: 1280, height: 720}, acceptDownloads: true, ...options});
   const page = await context.newPage();

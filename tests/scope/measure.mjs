@@ -1,4 +1,4 @@
-// How the page does beside a stream in real time: measure.mjs PROGRAM SECONDS. Prints one JSON object.
+// Measures the load of the page beside a stream in real time: measure.mjs PROGRAM SECONDS. Prints one JSON object.
 import {mkdtempSync, readFileSync, readdirSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';
@@ -14,7 +14,7 @@ const start = (word, ...words) => startProgram(program, word, ...words);
 
 const fieldsOf = (pid) => { const text = readFileSync(`/proc/${pid}/stat`, 'utf8'); return text.slice(text.lastIndexOf(')') + 2).split(' '); };
 
-/** The process and all that it has started. */
+/** Returns the process and its descendants. */
 function family(pid) {
   const parents = readdirSync('/proc').filter((name) => /^\d+$/.test(name)).flatMap((name) => {
     try {
@@ -42,7 +42,7 @@ function use(pid) {
   return {cpu, MiB: Number((bytes / 2 ** 20).toFixed(1))};
 }
 
-/** How fast memory grows in the last two thirds, with its standard error [MiB an hour]. @param points [hours, MiB] */
+/** Returns the growth of memory in the last two thirds, with its standard error [MiB an hour]. @param points [hours, MiB] */
 function growth(points) {
   const late = points.slice(Math.floor(points.length / 3));
   const mean = (values) => values.reduce((a, b) => a + b, 0) / values.length;

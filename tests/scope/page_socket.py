@@ -72,7 +72,7 @@ class PageSocket:
         self.send_frame(1, json.dumps(request).encode())
 
     def receive(self):
-        """A picture, or the object of a text. Answers updates and pings."""
+        """Returns a picture, or the object of a text. Answers updates and pings."""
         data, kind = b"", None
         while True:
             first, second = self._take(2)
@@ -95,7 +95,7 @@ class PageSocket:
         return text
 
     def until(self, condition, most=4000):
-        """The first message of which the condition holds."""
+        """Returns the first message for which the condition holds."""
         for _ in range(most):
             message = self.receive()
             if condition(message):
@@ -114,4 +114,4 @@ class PageSocket:
             if self.texts and condition(self.texts):
                 return self.texts
             self.receive()
-        raise AssertionError("never received")
+        raise AssertionError("timed out")

@@ -1,4 +1,4 @@
-// The page in a real browser: page_test.mjs PROGRAM FOLDER. Ends with a line for each promise that holds.
+// Tests the page in a real browser: page_test.mjs PROGRAM FOLDER. Prints a line for each promise that holds.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
@@ -22,7 +22,7 @@ function start(word, ...words) {
 const startStream = () => start('endpoint', 'stream', 'paper-stream', '--bind', endpoint, '--pace', '0.05', '--control', control,
   '--on-overrun', 'wait');  // a loaded machine's stream falls behind, and drops nothing
 
-/** What `run` gives, as float32. */
+/** Returns the samples of `run`, as float32. */
 function samplesOfRun(count) {
   const file = `${folder}/run.npy`;
   execFileSync(program, ['run', 'paper-stream', '--columns', 'v_out', '-o', file, '--set', `output.duration_s=${(count - 1) / RATE}`],
@@ -125,7 +125,7 @@ const promises = {
     const said = JSON.parse(execFileSync(program, ['run', 'paper-stream', '--json', '--set', `output.duration_s=${(PERIOD - 1) / RATE}`],
       {stdio: ['ignore', 'pipe', 'ignore']}));
     const measures = await this.page.evaluate(() => window.hertzline.measures);
-    for (const [k, db] of said.harmonics_db.entries()) {  // a later burst begins with what the one before has left
+    for (const [k, db] of said.harmonics_db.entries()) {  // a later burst begins with the motion that the previous one has left
       assert.ok(Math.abs(measures.harmonics_db[k] - db) < 0.3, `harmonic ${k + 1}: ${measures.harmonics_db[k]}, run has ${db}`);
     }
     assert.match(await this.page.textContent('#measures'), /harmonics/);

@@ -1,4 +1,4 @@
-// What pictures are made of: no sample is missed, triggers are exact, gaps show.
+// Pictures: no sample is missed, triggers are exact, gaps show.
 
 #include <algorithm>
 #include <cmath>

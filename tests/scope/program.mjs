@@ -1,7 +1,7 @@
 // The program under test, as the scripts of this folder start it.
 import {spawn} from 'node:child_process';
 
-/** Starts it. `said` is the last word of its first message that has `word`; `over` comes when it has ended; `out` is its stdout. */
+/** Starts the program. `said` is the last word of its first message with `word`, `over` resolves at its end, `out` is its stdout. */
 export function startProgram(program, word, ...words) {
   const process_ = spawn(program, words, {stdio: ['ignore', 'pipe', 'pipe']});
   process_.out = '';

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What hertzline scope promises its pages, without a browser: scope_serves.py PROMISE PROGRAM"""
+"""Checks the promises of hertzline scope to its pages, without a browser: scope_serves.py PROMISE PROGRAM"""
 import json
 import pathlib
 import signal
@@ -24,7 +24,7 @@ LONG_ENOUGH_S = 100
 
 
 def _columns_of(file):
-    """What a recording in NumPy's format holds beside the time, as a stream has it: [sample][column]."""
+    """Returns the columns of a NumPy recording without the time, as a stream has them: [sample][column]."""
     rows = np.load(file)
     return np.column_stack([rows[name] for name in rows.dtype.names if name != "t_s"]).astype("<f4")
 
@@ -72,7 +72,7 @@ class Stand:
         return scope
 
     def samples(self, count, column="v_out", scene="paper-stream", *words):
-        """What `run` gives, as the stream has it."""
+        """Returns the samples of `run`, as the stream has them."""
         file = self.folder / "run.npy"
         subprocess.run([self.program, "run", scene, "--set", f"output.duration_s={(count - 1) / RATE_HZ}", "--columns", column,
                         "-o", file, *words], check=True, stdout=subprocess.DEVNULL, timeout=LONG_ENOUGH_S)
@@ -183,7 +183,7 @@ def the_chain_is_that_of_run(stand):
         for name, rows, flags in (("v_chain", 6, 0), ("f_chain", 7, FORCES)):
             page.say({"view": {"chain": name}})
             picture = page.picture(CHAIN)
-            while picture.flags != flags:  # the last one of what was asked for before
+            while picture.flags != flags:  # the last picture of the previous request
                 picture = page.picture(CHAIN)
             assert (picture.rows, picture.columns, picture.trigger) == (rows, 512, picture.burst * PERIOD)
             end = picture.first + picture.samples
@@ -240,7 +240,7 @@ def strangers_are_refused(stand):
             page.text(lambda m: any("columns" in reply.get("error", "") for reply in m.get("replies", [])))
             page.send_frame(1, b"[" * 10_000)
             page.text(lambda m: any("error" in reply for reply in m.get("replies", [])))
-            page.send_frame(1, b" " * 20_000)  # more than a page says
+            page.send_frame(1, b" " * 20_000)  # longer than any message of a page
             try:
                 page.until(lambda m: False)
             except (EOFError, ConnectionError):
@@ -315,7 +315,7 @@ def the_scene_and_what_is_heard_are_saved(stand):
 
 
 def knobs_ask_the_stream(stand):
-    """With a control of our own in the stream's place: what goes over the line."""
+    """Checks the messages on the wire, with a control server of the test in the stream's place."""
     asked = []
     values = {"drive.amplitude_m": {"value": 3e-6, "unit": "m", "minimum": 0, "maximum": 1, "kind": "number"}}
 

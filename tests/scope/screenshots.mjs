@@ -1,4 +1,4 @@
-// Pictures of the page for the documents: screenshots.mjs PROGRAM FOLDER [--pace X]. See scripts/scope_pictures.sh.
+// Takes screenshots of the page for the documents: screenshots.mjs PROGRAM FOLDER [--pace X]. See scripts/scope_pictures.sh.
 import {mkdtempSync, rmSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join} from 'node:path';

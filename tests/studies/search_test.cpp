@@ -24,7 +24,7 @@ double number(const SceneValue& value) {
     return std::get<double>(value);
 }
 
-/// What a search found, and all that it looked at.
+/// The result of a search, and all its evaluations.
 struct Found {
     SearchResult result;
     Evaluations evaluations;

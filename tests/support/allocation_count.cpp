@@ -47,8 +47,8 @@ std::size_t AllocationsOfThread::so_far() const noexcept {
 
 #if HERTZLINE_ALLOCATIONS_ARE_COUNTED
 
-// operator new, Eigen and the C library all come through here.
-// glibc has its own functions under these names.
+// operator new, Eigen and the C library all call these.
+// glibc has its own functions under the names below.
 extern "C" {
 void* __libc_malloc(std::size_t);                 // NOLINT
 void* __libc_calloc(std::size_t, std::size_t);    // NOLINT

@@ -1,5 +1,5 @@
 #pragma once
-// Counts heap allocations of the calling thread, to test that a loop makes none.
+// Counts heap allocations, to test that a loop makes none.
 
 #include <cstddef>
 
@@ -12,7 +12,7 @@
 
 namespace hertzline::test {
 
-/// Allocations by this thread since it started, by malloc or whatever calls it; always 0 under sanitizers.
+/// Returns the allocations by this thread since it started, direct or indirect calls of malloc; always 0 under sanitizers.
 std::size_t allocations() noexcept;
 
 /// Counts the allocations of any thread of that name (at most 15 characters) while it lives; one at a time.

@@ -1,5 +1,5 @@
 #pragma once
-// A chain on its own, behind a horn that rests: for tests that choose where its bodies start and how fast.
+// A chain behind a horn at rest, for tests that choose initial positions and velocities.
 
 #include <algorithm>
 #include <array>
@@ -27,7 +27,7 @@ public:
         simd_chain_.step_s = step_s_;
     }
 
-    /// Takes steps from `state`, whatever it was set to.
+    /// Takes steps from `state`, which the test may have set.
     void advance(std::int64_t steps) {
         close_where_touching();
         simd_chain_.load(chain, state, chain.bodies());
@@ -46,14 +46,14 @@ public:
     double time_s() const { return static_cast<double>(state.step) * step_s_; }
     std::int64_t contact_events() const { return simd_chain_.contact_events; }
 
-    /// Overlap of contact c [m].
+    /// Returns the overlap of contact c [m].
     double overlap(Eigen::Index c) const {
         return chain.static_overlap[c] + (c > 0 ? state.x[c - 1] : 0) - state.x[c];
     }
 
     Chain chain;
     ChainState state;
-    double lost = 0;  ///< in the dashpots so far [J]
+    double lost = 0;  ///< energy lost in the dashpots so far [J]
 
 private:
     void take_steps(std::int64_t steps) {
@@ -69,10 +69,10 @@ private:
         }
     }
 
-    /// So many steps' time in pieces that are good to rounding.
+    /// Advances by the time of `steps` steps, in pieces that are good to rounding.
     void take_pieces(std::int64_t steps) {
         constexpr double exact =
-            1e-13;  // error of a piece, of the velocity that all energy would give a body
+            1e-13;  // error of a piece, relative to the velocity of a body with all the energy
         kernels::SeriesPiece piece(simd_chain_.slots(), kernels::series_degree(integrator_),
                                    kernels::HornWaves(burst_.frequencies_hz(), step_s_), chain.damping_law);
         piece.unit_s = step_s_;
@@ -82,7 +82,7 @@ private:
         piece.tolerance = error * step_s_;
         piece.negligible =
             std::pow(1e-3 * error / (chain.stiffness.maxCoeff() * mobility * step_s_), 2.0 / 3);
-        // as deep as all energy can press a contact
+        // the overlap of a contact with all the energy
         const double deepest = std::pow(2.5 * energy() / chain.stiffness.maxCoeff(), 0.4);
         const Eigen::ArrayXd overlaps = Eigen::ArrayXd::Constant(chain.bodies(), deepest);
         piece.response = 1 + step_s_ * fastest_decay(chain, overlaps);
@@ -112,7 +112,7 @@ private:
     std::array<HornStep, ToneBurst::batch_steps> horn_{};
 };
 
-/// An undamped chain between horn and wall, its spheres thrown about at up to a speed [m/s].
+/// Makes an undamped chain between horn and wall, whose spheres start at various velocities up to a speed [m/s].
 inline BareChain thrown(Integrator integrator, double step_s, double speed) {
     constexpr std::int64_t spheres = 9;
     Scene scene = with_step(Scene{}, integrator, step_s);
@@ -126,9 +126,9 @@ inline BareChain thrown(Integrator integrator, double step_s, double speed) {
     return chain;
 }
 
-/// Largest change of the energy that was put into a thrown chain, of that energy, over so many steps.
+/// Advances a thrown chain by `steps`. Returns the largest change of its energy above rest, relative to `put_in`.
 inline double largest_energy_change(BareChain& chain, double at_rest, double put_in, std::int64_t steps) {
-    constexpr std::int64_t interval = 1000;  // between looks
+    constexpr std::int64_t interval = 1000;  // steps between comparisons
     double largest = 0;
     for (std::int64_t done = 0; done < steps; done += interval) {
         chain.advance(std::min(interval, steps - done));

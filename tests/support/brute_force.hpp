@@ -1,6 +1,6 @@
 #pragma once
-// A chain with any law of damping, as a textbook would write it, by an adaptive method of order 5 that knows nothing of contacts: it
-// takes tiny steps where they open and close. Something to hold the series against. Takes only constants from Chain.
+// A chain with any law of damping in textbook form, to compare the series with. An adaptive method of order 5 integrates it without
+// regard to contacts: it takes tiny steps where they open and close. Takes only constants from Chain.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ class BruteForce {
 public:
     explicit BruteForce(const Scene& scene) : scene_(scene), chain_(scene), state_(2 * bodies()) {}
 
-    /// Velocities of all bodies, sample after sample from t = 0 on [m/s].
+    /// Returns the velocities of all bodies, sample after sample from t = 0 on [m/s].
     std::vector<double> velocities(std::size_t samples) {
         namespace odeint = boost::numeric::odeint;
         constexpr double absolute = 1e-17;  // [m] and [m/s]
@@ -45,7 +45,7 @@ private:
         double x, v;
     };
 
-    /// A hann burst (docs/model.md, section 5).
+    /// Returns a Hann burst (docs/model.md, section 5).
     Horn horn(double t) const {
         const Drive& drive = scene_.drive;
         const double duration = drive.cycles / drive.frequency_hz;
@@ -60,7 +60,7 @@ private:
                                      envelope * carrier * std::cos(carrier * t))};
     }
 
-    /// docs/model.md, section 3.
+    /// Computes the contact forces (docs/model.md, section 3).
     double force(std::size_t c, double overlap, double approach) const {
         if (overlap <= 0) {
             return 0;
@@ -84,7 +84,7 @@ private:
         return spheres.tension == Tension::clamped ? std::max(f, 0.0) : f;
     }
 
-    /// docs/model.md, section 4.
+    /// Computes the equations of motion (docs/model.md, section 4).
     void differentiate(const std::vector<double>& y, std::vector<double>& slope, double t) const {
         const Horn left = horn(t);
         const std::size_t n = bodies();

@@ -35,7 +35,7 @@ public:
 
     std::int64_t next_sample() const noexcept override { return next_; }
 
-    /// Everything that any read so far was to compute.
+    /// Returns the union of the taps that the reads so far asked for.
     TapSet asked_for() const noexcept { return asked_for_; }
 
 private:

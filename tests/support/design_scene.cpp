@@ -32,14 +32,14 @@ const std::array<std::pair<std::string, Solid>, 9> own_solids{{
 const std::array<std::string, 6> built_in{"aluminium", "pyrex",           "vitreous_carbon",
                                           "acrylic",   "silicone_rubber", "steel"};
 
-constexpr double longest_s = 2e-3;  // that is simulated
+constexpr double longest_s = 2e-3;  // longest duration
 
 double rounded(double value, double digits = 3) {
     if (value == 0) {
         return 0;
     }
     const double unit = std::pow(10, std::floor(std::log10(value)) + 1 - digits);
-    // a power of ten below one is not exact: dividing by its inverse gives the number that its digits give
+    // a power of ten below one is not exact; dividing by its inverse gives the same number as reading the digits
     return unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
 }
 
@@ -76,7 +76,7 @@ void draw_chain(Draw& draw, Scene& scene, Kind kind) {
         const bool is_long = kind == Kind::long_chain;
         chain.spheres = is_long ? draw.whole(60, 200) : draw.whole(1, draw.one_in(3) ? 40 : 16);
         chain.diameter_m = size(draw, 0.3e-3, is_long ? 1.5e-3 : 4.3e-3);
-        // with more than that nothing of the wave arrives at a long chain's end
+        // with more damping the wave does not reach the end of a long chain
         const double damping = is_long ? size(draw, 0.005, 0.01) : size(draw, 0.005, 0.9);
         chain.damping_kg_per_s = undamped ? 0 : damping;
         chain.preload_n = loose ? 0 : size(draw, 1e-4, 5);
@@ -129,7 +129,7 @@ void draw_end(Draw& draw, Scene& scene) {
     }
 }
 
-/// Time that a wave takes to the end, roughly [s]: without preload it is slower than its first impact says.
+/// Returns the rough travel time of a wave to the end [s]. Without preload the wave slows down after its first impact.
 double travel_s(const Scene& scene) {
     const Chain chain(scene);
     const Eigen::ArrayXd overlaps =
@@ -140,7 +140,7 @@ double travel_s(const Scene& scene) {
     return slower * static_cast<double>(chain.spheres()) / std::sqrt(tangent * chain.inv_mass[0]);
 }
 
-/// Long enough for the bursts, for the wave to arrive, and for ringing after it.
+/// Returns a duration that covers the bursts, the wave's arrival and some ringing.
 double duration_s(const Scene& scene, Kind kind) {
     const Drive& drive = scene.drive;
     const double burst = drive.cycles / drive.frequency_hz;
@@ -152,7 +152,7 @@ double duration_s(const Scene& scene, Kind kind) {
     return std::min(longest_s, std::max({500e-6, 2 * burst + travel, periods}));
 }
 
-/// Only the materials that are in use.
+/// Removes unused materials.
 void drop_unused(Scene& scene) {
     std::erase_if(scene.materials, [&](const auto& own) {
         return own.first != scene.drive.material && own.first != scene.chain.material &&
@@ -160,7 +160,7 @@ void drop_unused(Scene& scene) {
     });
 }
 
-/// Nothing if it is not valid, or if no wave would arrive while it lasts.
+/// Draws a scene. Returns nullopt if it is not valid, or if no wave would arrive within its duration.
 std::optional<DesignScene> drawn(Draw draw) {
     const bool near_paper = draw.one_in(7);
     const Kind other = draw.one_in(5) ? Kind::long_chain : Kind::short_chain;

@@ -1,6 +1,6 @@
 #pragma once
-// Devices as somebody might design them, drawn at random: for judging accuracy. Sizes, forces and frequencies are
-// those of devices that could be built; random_scene.hpp goes to the ends of what validate() allows.
+// Plausible devices drawn at random, to judge accuracy. Their sizes, forces and frequencies could be built;
+// random_scene.hpp goes to the bounds of validate().
 
 #include <cstdint>
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace hertzline::test {
 
-/// A scene of the space of designs.
+/// A scene from the space of designs.
 struct DesignScene {
     Scene scene;              ///< valid; integrator, step and accuracy are left open
     bool near_paper = false;  ///< close to the paper's device: few spheres of about a millimetre, tens of kHz
 };
 
-/// The same for the same numbers, on every machine. One scene in five is a chain of 60 to 200 spheres, the others
-/// have up to 40. Numbers are rounded to three digits.
+/// Draws a scene, the same for the same numbers on every machine. One scene in five is a chain of 60 to 200 spheres;
+/// the others have up to 40. Numbers are rounded to three digits.
 DesignScene design_scene(std::uint64_t seed, std::uint64_t index);
 
-/// What tells it from others, in a line: "6 aluminium 1 mm, F0 0.1, l 0.32, 73 kHz x25 hann 3 um, plate pyrex".
+/// Describes a scene in a line: "6 aluminium 1 mm, F0 0.1, l 0.32, 73 kHz x25 hann 3 um, plate pyrex".
 /// Preload in N, damping l in kg/s.
 std::string description(const Scene& scene);
 

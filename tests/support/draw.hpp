@@ -1,5 +1,5 @@
 #pragma once
-// Numbers drawn at random that are the same on every machine; those of the standard's distributions are not.
+// Random numbers that are the same on every machine, as those of the standard's distributions are not.
 
 #include <array>
 #include <cmath>
@@ -15,7 +15,7 @@ public:
     double between(double least, double most) {
         return least + (most - least) * static_cast<double>(bits() >> 11U) * 0x1p-53;
     }
-    /// Evenly spread over the orders of magnitude.
+    /// Draws a number, evenly spread over the orders of magnitude.
     double magnitude(double least, double most) { return std::exp(between(std::log(least), std::log(most))); }
     std::int64_t whole(std::int64_t least, std::int64_t most) {
         return least + static_cast<std::int64_t>(bits() % static_cast<std::uint64_t>(most - least + 1));
@@ -26,7 +26,7 @@ public:
     Value any(const std::array<Value, n>& values) {
         return values[bits() % n];
     }
-    /// Draws of their own for each number, whatever else is drawn from them.
+    /// Returns a generator for this number, independent of those of other numbers.
     Draw branch(std::uint64_t number) const {
         Draw mixed(state_);
         return Draw(mixed.bits() + number);

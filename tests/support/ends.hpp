@@ -5,7 +5,7 @@
 
 namespace hertzline::test {
 
-/// One of that kind, else as by default.
+/// Returns an end of that kind with default values.
 inline End end_of(EndKind kind) {
     End end;
     end.kind = kind;

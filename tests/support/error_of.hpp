@@ -1,12 +1,12 @@
 #pragma once
-// What an action throws, as text.
+// The exception that an action throws, as text.
 
 #include <exception>
 #include <string>
 
 namespace hertzline::test {
 
-/// The message of what the action throws; empty when it throws nothing.
+/// Returns the message of the exception that the action throws, or "".
 template <class Action>
 std::string error_of(Action action) {
     try {

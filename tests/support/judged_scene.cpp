@@ -27,7 +27,7 @@ double mean_square(double sum, std::size_t count) {
     return sum / static_cast<double>(count);
 }
 
-/// Squares of velocities, summed up for each sphere and output.
+/// Sums of squared velocities for each sphere and output.
 class Loudness {
 public:
     void add(const Samples& block) {
@@ -52,7 +52,7 @@ private:
     std::array<std::vector<double>, tap_count> sums_;
 };
 
-/// @param scene resolved @param follow is shown each block; false: the run ends
+/// Runs a scene. @param scene resolved @param follow receives each block, and returns false to end the run
 Outputs outputs_of(const Scene& scene, const std::function<bool(const Samples&)>& follow) {
     constexpr std::size_t block = 512;
     Simulation simulation(scene, {.taps = recorded_taps(scene.end) | Tap::v_chain});

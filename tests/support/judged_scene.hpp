@@ -1,5 +1,5 @@
 #pragma once
-// How far a run is from the truth over all of its duration, and what the program says about that beforehand.
+// The error of a run over its whole duration, beside the program's estimate and warnings before the run.
 
 #include <array>
 #include <optional>
@@ -14,50 +14,50 @@ namespace hertzline::test {
 /// An output whose r.m.s. value is below this part of the loudest velocity's is judged on that scale.
 inline constexpr double quietest_output = 1e-6;
 
-/// Errors below this are not told apart: that is how good references are.
+/// Errors below this are not distinguished: references are not better.
 inline constexpr double indistinguishable = 1e-9;
 
-/// What comes out of a scene.
+/// The outputs of a scene.
 struct Outputs {
     /// v_last, and with a plate v_plate and v_out [m/s]; row r is sample r * samples_per_row
     std::array<std::vector<double>, 3> columns;
     std::size_t samples_per_row = 1;
     double loudest = 0;     ///< r.m.s. of the sphere, plate or output that moves most [m/s]
-    bool complete = false;  ///< false: the run stopped before its end
+    bool complete = false;  ///< the run reached its end
 };
 
-/// The worst output's relative L2 difference. Infinite if one is not complete or not finite.
+/// Returns the worst output's relative L2 difference; infinity if a run is not complete or not finite.
 /// @param run with every sample
 double difference(const Outputs& run, const Outputs& truth);
 
-/// A scene's motion, as good as it can be had.
+/// A reference for a scene's motion.
 struct Truth {
     Outputs outputs;
-    double error = 0;  ///< its own, relative L2
+    double error = 0;  ///< of the reference itself, relative L2
 };
 
-/// taylor12 with pieces as short as is of use, and again with shorter ones, which shows the error.
+/// Runs taylor12 with the shortest useful pieces. Another run with longer ones gives the error.
 Truth truth_of(const Scene& scene);
 
-/// The independent solution of random_references(). Its error is what truth_of() differs from it.
+/// Reads the independent solution of random_references(). Its error is its difference from the run of truth_of().
 Truth independent_truth_of(const Scene& scene, const std::string& file);
 
-/// What a run at an accuracy is worth, and what was said about it.
+/// The true error of a run at an accuracy, and the program's estimate and warning.
 struct Judgement {
-    double accuracy = 0;  ///< that was asked for
+    double accuracy = 0;  ///< requested
     double error = 0;
     double truth_error = 0;
     std::optional<double> estimate;  ///< of the error
     bool warned = false;
     Integrator integrator = Integrator::leapfrog;
-    bool pilots = true;  ///< have chosen the step
+    bool pilots = true;  ///< pilots have chosen the step
 
     bool met() const noexcept { return error <= accuracy; }
-    /// Within three times what was asked for.
+    /// Is the error within three times the requested accuracy?
     bool nearly_met() const noexcept { return error <= 3 * accuracy; }
-    /// The motion amplifies rounding errors so much that not even the truth is good to a tenth of the error.
+    /// Does the motion amplify rounding errors so much that the reference's own error is above a tenth of the run's?
     bool amplifies() const noexcept { return truth_error > indistinguishable && truth_error > 0.1 * error; }
-    /// Far from what was asked for and from what was estimated, without a warning.
+    /// Is the error far above the requested accuracy and the estimate, without a warning?
     bool silent_miss() const noexcept {
         return !warned && !nearly_met() && !(error <= 3 * estimate.value_or(0));
     }
@@ -66,7 +66,8 @@ struct Judgement {
 /// Resolves and runs the scene at that accuracy. @throws std::runtime_error if it is refused
 Judgement judged(const Scene& scene, const Truth& truth, double accuracy);
 
-/// The same, as a sweep does: with a finer run beside it, and pilots only where that does not convince.
+/// Resolves and runs the scene as a sweep does: with a finer run beside it, and with pilots only where that run misses
+/// the accuracy.
 Judgement judged_by_finer_run(const Scene& scene, const Truth& truth, double accuracy);
 
 }  // namespace hertzline::test

@@ -44,7 +44,7 @@ inline std::vector<Wet> wet_scenes() {
             {"dry_vitreous_carbon", dry}};
 }
 
-/// Samples that come in blocks of any size, with stretches left out, are those that come at once.
+/// Expects the samples of blocks of any size, with skipped stretches, to equal those of a single block.
 inline void expect_parts_to_match(Simulation& parts, const Samples& expected, std::size_t rows, TapSet taps) {
     Samples block = parts.make_samples(700);
     std::size_t at = 0;
@@ -66,7 +66,7 @@ inline void expect_parts_to_match(Simulation& parts, const Samples& expected, st
 
 using Columns = std::map<std::string, std::vector<double>>;
 
-/// By the names in the file's head.
+/// Reads a file's columns by the names in its head.
 inline Columns read_columns(const std::string& file) {
     std::ifstream in(std::string(HERTZLINE_SOURCE_DIR "/tests/reference/modal/") + file + ".csv");
     std::string line;

@@ -1,5 +1,5 @@
 #pragma once
-// What the system refuses an ordinary user, also when root runs the tests.
+// Tests of refused permissions, also when root runs the tests.
 
 #include <filesystem>
 #include <vector>
@@ -10,10 +10,10 @@
 
 namespace hertzline::test {
 
-/// Somebody who is not root and owns no files but those that he is given.
+/// A user who is not root and owns only the files that a test gives to them.
 inline constexpr uid_t nobody = 65534;
 
-/// For as long as it lives this process may do what an ordinary user may.
+/// Gives this process the rights of an ordinary user during its lifetime.
 class AsOrdinaryUser {
 public:
     /// @param owned files that root gives to that user

@@ -1,5 +1,5 @@
 #pragma once
-// Pulses in a chain without preload and damping: how they are made, and what is seen of them.
+// Pulses in a chain without preload and damping: making and measuring them.
 
 #include <array>
 #include <cmath>
@@ -15,9 +15,9 @@ namespace hertzline::test {
 
 inline constexpr double diameter = 1e-3;       // [m]
 inline constexpr double pulse_step = 10e-9;    // [s]; a pulse takes some 5 us to pass a contact
-inline constexpr double far_from_horn = 1e-5;  // where the spheres are [m]
+inline constexpr double far_from_horn = 1e-5;  // distance of the spheres [m]
 
-/// Spheres that just touch, in a line, with nothing at either end.
+/// Makes a line of spheres that just touch, with nothing at either end.
 inline BareChain sonic_vacuum(Integrator integrator, std::int64_t spheres) {
     Scene scene = with_step(Scene{}, integrator, pulse_step);
     scene.end.kind = EndKind::free;
@@ -30,7 +30,7 @@ inline BareChain sonic_vacuum(Integrator integrator, std::int64_t spheres) {
     return chain;
 }
 
-/// The same, its first sphere thrown at the others.
+/// Makes the same line, with its first sphere thrown at the others.
 inline BareChain struck(Integrator integrator, std::int64_t spheres, double speed) {
     BareChain chain = sonic_vacuum(integrator, spheres);
     chain.state.v[0] = speed;
@@ -43,8 +43,8 @@ struct Crest {
     double time_s = 0;
 };
 
-/// The vertex of the parabola through the last three overlaps, if the middle one is a crest: what is left of
-/// a launch or a collision does not count.
+/// Returns the vertex of the parabola through the last three overlaps, if the middle one is a crest. Remainders of a
+/// launch or a collision do not count.
 inline std::optional<Crest> crest_of(std::array<double, 3> last, double time_s, double interval_s) {
     constexpr double noticeable = 1e-9;  // [m]
     if (last[1] < noticeable || last[1] < last[0] || last[1] <= last[2]) {
@@ -83,7 +83,7 @@ inline Pulse pulse_between(BareChain& chain, Eigen::Index near, Eigen::Index far
             static_cast<double>(far - near) * diameter / (second.time_s - first.time_s)};
 }
 
-/// Units of the solitary wave in this chain: its speed and particle velocities are in these.
+/// Units of the solitary wave's speed and particle velocities in this chain.
 struct WaveUnits {
     double time_s;
     double speed_m_per_s;     ///< a diameter a unit of time
@@ -97,7 +97,7 @@ inline WaveUnits units_of(const Chain& chain, double peak_overlap) {
 /// Puts a solitary wave into a chain, with its crest at a contact.
 inline void launch(BareChain& chain, Eigen::Index crest, double peak_overlap) {
     const WaveUnits units = units_of(chain.chain, peak_overlap);
-    double ahead = 0;  // the way that the wave has yet to push the sphere on [m]
+    double ahead = 0;  // the distance by which the wave will still push the sphere [m]
     for (Eigen::Index b = chain.chain.spheres() - 1; b >= 0; --b) {
         const auto x = static_cast<double>(b - crest);
         chain.state.x[b] += ahead;

@@ -13,7 +13,7 @@ namespace hertzline::test {
 
 namespace {
 
-/// One of the built-in solids, or one of the scene's own.
+/// Draws one of the built-in solids, or one of the scene's own.
 std::string some_solid(Draw& draw, Scene& scene) {
     static const std::array<std::string, 6> built_in{"aluminium", "pyrex",           "vitreous_carbon",
                                                      "acrylic",   "silicone_rubber", "steel"};
@@ -57,7 +57,7 @@ void draw_chain_and_end(Draw& draw, Scene& scene) {
     end.preload = draw.any(choices<PlatePreload>);
 }
 
-/// Puts some of the numbers of a scene at the ends of what validate() allows.
+/// Sets some of a scene's numbers to the bounds of validate().
 void draw_extremes(Draw& draw, Scene& scene) {
     for (const SceneKey& key : scene_keys()) {
         const bool given = key.kind == ValueKind::number && key.value(scene);
@@ -70,7 +70,7 @@ void draw_extremes(Draw& draw, Scene& scene) {
     scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, max_bursts);
 }
 
-/// Steps from much too short to beyond the stability limit; samples on their grid and off it.
+/// Draws steps from much too short to beyond the stability limit, and samples on their grid and off it.
 void draw_numerics(Draw& draw, Scene& scene) {
     if (!draw.one_in(16)) {
         scene.numerics.integrator = draw.any(choices<Integrator>);

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes drawn at random over what validate() allows. For the tests and for bench_random_scenes.
+// Scenes drawn at random within the bounds of validate(), for the tests and for bench_random_scenes.
 
 #include <cstdint>
 
@@ -7,9 +7,9 @@
 
 namespace hertzline::test {
 
-/// A valid scene: the same one for the same seed, on every machine. Every key is drawn, sizes over decades
-/// around sensible ones, and often exactly zero where that is a case of its own; one scene in eight goes to
-/// the ends of what is allowed. Most have integrator and step set; one in sixteen asks for an accuracy.
+/// Draws a valid scene, the same for the same seed on every machine. Every key is drawn, sizes over decades around
+/// sensible ones, and often exactly zero where that is a special case; one scene in eight has keys at their bounds.
+/// Most have integrator and step set; one in sixteen asks for an accuracy.
 Scene random_scene(std::uint64_t seed);
 
 }  // namespace hertzline::test

@@ -28,7 +28,7 @@ inline recordings::RecordingHead recording_head(recordings::NumberType numbers, 
     return head;
 }
 
-/// Columns of these names.
+/// Makes columns of these names.
 inline recordings::RecordingHead recording_head(
     const std::vector<std::string>& names, double sample_rate_hz,
     recordings::NumberType numbers = recordings::NumberType::float64) {
@@ -42,7 +42,7 @@ inline recordings::RecordingHead recording_head(
     return head;
 }
 
-/// Rows that use all bits of their numbers; each is its sample's, whatever the first of them is.
+/// Makes rows that use all bits of their numbers. A row depends on its sample's index alone.
 inline recordings::RecordedRows recorded_rows(const recordings::RecordingHead& head, std::int64_t first,
                                               std::size_t rows) {
     recordings::RecordedRows made{first, {}};
@@ -64,7 +64,7 @@ inline void write_rows(recordings::RecordingWriter& writer,
     }
 }
 
-/// All rows, joined where nothing is missing between them, whatever the reader's portions were.
+/// Reads all rows, and joins the reader's portions where no rows are missing between them.
 inline std::vector<recordings::RecordedRows> read_rows(recordings::RecordingReader& reader,
                                                        std::size_t most = 1000) {
     const std::size_t columns = reader.head().columns.size();
@@ -82,7 +82,7 @@ inline std::vector<recordings::RecordedRows> read_rows(recordings::RecordingRead
     return all;
 }
 
-/// Bytes of a file.
+/// Reads the bytes of a file.
 inline std::string contents(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
     std::ostringstream text;

@@ -1,5 +1,5 @@
 #pragma once
-// The reference solutions of tests/reference/ and how far a run is from them. For tests and benchmarks.
+// The reference solutions of tests/reference/, and the error of a run against them. For tests and benchmarks.
 
 #include <span>
 #include <string>
@@ -15,10 +15,10 @@ struct ReferenceScene {
     Scene scene;
 };
 
-/// All of them, each the default scene with its change.
+/// Returns all reference scenes, each the default scene with a change.
 const std::vector<ReferenceScene>& reference_scenes();
 
-/// The scene of that file. Throws std::out_of_range.
+/// Returns the scene of that file. @throws std::out_of_range
 const Scene& reference_scene(const std::string& file);
 
 /// A reference's columns, [row]; those that a scene lacks are empty.
@@ -28,16 +28,16 @@ struct Reference {
 };
 Reference read_reference(const std::string& file);
 
-/// Scenes drawn at random that have a reference: their names for read_reference(), "accuracy/random_019" and so on.
+/// Returns the names of random scenes with a reference, for read_reference(): "accuracy/random_019" and so on.
 std::vector<std::string> random_references();
 
-/// The scene of such a name. Throws std::runtime_error.
+/// Reads the scene of such a name. @throws std::runtime_error
 Scene random_reference_scene(const std::string& file);
 
-/// ||a - b|| / ||b||.
+/// Returns ||a - b|| / ||b||.
 double relative_l2(std::span<const double> a, std::span<const double> b);
 
-/// How a run compares.
+/// The errors of a run.
 struct Comparison {
     double v_last = 0;  ///< relative L2 errors over all rows
     double v_plate = 0;
@@ -46,7 +46,7 @@ struct Comparison {
     double step_s = 0;
 };
 
-/// Runs the scene (resolved here) over the reference's rows. Throws std::runtime_error if it does not run.
+/// Runs the scene (resolved here) over the reference's rows. @throws std::runtime_error if it does not run
 Comparison compare_with_reference(const Scene& scene, const Reference& reference);
 
 }  // namespace hertzline::test

@@ -1,5 +1,5 @@
 #pragma once
-// Running scenes in tests, in few words.
+// Short forms to run scenes in tests.
 
 #include <stdexcept>
 #include <vector>
@@ -12,7 +12,7 @@ namespace hertzline::test {
 
 inline constexpr TapSet everything = all_taps;
 
-/// The scene with its step settled. Throws if it cannot be.
+/// Resolves a scene. @throws std::runtime_error when it is refused
 inline Scene settled(const Scene& scene) {
     Resolution result = resolve(scene);
     if (!result.faults.empty()) {

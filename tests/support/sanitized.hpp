@@ -1,5 +1,5 @@
 #pragma once
-// Under a sanitizer a step takes ten times as long: tests that repeat themselves for the sake of chance or range repeat less there.
+// Under a sanitizer a step takes ten times as long, so tests with repetitions over random inputs or ranges repeat less.
 
 namespace hertzline::test {
 
@@ -9,7 +9,7 @@ inline constexpr bool sanitized = true;
 inline constexpr bool sanitized = false;
 #endif
 
-/// How often: a tenth of it under a sanitizer.
+/// Returns the number of repetitions: a tenth under a sanitizer.
 template <class Count>
 constexpr Count repeated(Count count) noexcept {
     return sanitized ? count / 10 : count;

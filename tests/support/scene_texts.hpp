@@ -1,5 +1,5 @@
 #pragma once
-// Scene texts in tests: what is said about them, and what they mean.
+// Scene texts in tests: their faults and their scenes.
 
 #include <string>
 #include <string_view>
@@ -11,8 +11,8 @@
 
 namespace hertzline::test {
 
-/// What is wrong with a text and its --set options, as the user reads it; empty when it is a scene. Fails the
-/// test when there is no scene though nothing is wrong.
+/// Returns the faults of a text and its --set options, as the user reads them; empty for a valid scene. Fails the test
+/// when there is neither a scene nor a fault.
 inline std::vector<std::string> messages(std::string_view text,
                                          const std::vector<std::string>& overrides = {}) {
     const auto parsed = parse_scene(text, "scene.toml", overrides);
@@ -26,7 +26,7 @@ inline std::vector<std::string> messages(std::string_view text,
     return lines;
 }
 
-/// The scene of a text. Fails the test when there is none.
+/// Returns the scene of a text. Fails the test when the text has faults.
 inline Scene scene_of(std::string_view text, const std::vector<std::string>& overrides = {}) {
     EXPECT_EQ(messages(text, overrides), std::vector<std::string>{});
     return parse_scene(text, "scene.toml", overrides).value_or(ParsedScene{}).scene;

@@ -1,5 +1,5 @@
 #pragma once
-// Scenes of repeated bursts: one that goes on as it begins, and one that does not.
+// Scenes of repeated bursts: one whose bursts are alike, and one whose motion grows.
 
 #include "core/scene/scene_toml.hpp"
 #include "core/scene/shipped_scenes.hpp"
@@ -10,13 +10,13 @@ inline Scene shipped(const char* name) {
     return parse_scene(find_shipped_scene(name)->text, name, {})->scene;
 }
 
-/// Each burst finds the chain at rest.
+/// Returns a scene in which each burst finds the chain at rest.
 inline Scene steady_scene() {
     return shipped("paper-stream");
 }
 
-/// A soft plate that still rings when the next burst comes. After two bursts, which pilots watch, the contacts are pressed twice as
-/// hard as in them, and errors grow from 4e-5 to 8e-3.
+/// Returns a scene whose soft plate still rings when the next burst comes. Pilots watch two bursts; after these the contacts are pressed
+/// twice as hard, and errors grow from 4e-5 to 8e-3.
 inline Scene growing_scene() {
     Scene scene = shipped("paper-acrylic");
     scene.drive.repetition_hz = 2000;

@@ -1,5 +1,5 @@
 #pragma once
-// Waiting for what comes over real sockets. It is bounded and generous: it decides only how long a failing test takes.
+// Bounded waiting for messages over real sockets. The bound is generous, because only a failing test takes so long.
 
 #include <chrono>
 #include <cstddef>
@@ -12,10 +12,10 @@
 
 namespace hertzline::test {
 
-/// How long a test waits that fails.
+/// Waiting time of a test that fails.
 inline constexpr std::chrono::seconds patience{120};
 
-/// Tries until the condition holds; false when it does not in good time.
+/// Tries until the condition holds. Returns false when it does not within `patience`.
 template <class Condition>
 bool eventually(Condition condition) {
     const auto end = std::chrono::steady_clock::now() + patience;
@@ -28,7 +28,7 @@ bool eventually(Condition condition) {
     return true;
 }
 
-/// Waits until the topic is wanted; the subscriptions that came.
+/// Waits until the topic is wanted. Returns the number of subscriptions received.
 inline std::size_t subscriptions_until_wanted(stream::Publisher& publisher, std::string_view topic) {
     std::size_t count = 0;
     EXPECT_TRUE(eventually([&] {

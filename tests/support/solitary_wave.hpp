@@ -1,5 +1,5 @@
 #pragma once
-// The solitary wave of an undamped chain without preload, as it is and in Nesterenko's long-wave limit.
+// The solitary wave of an undamped chain without preload, exactly and in Nesterenko's long-wave limit.
 //
 // A wave that runs by c spheres a unit of time without changing has overlaps r(x) with
 //
@@ -23,7 +23,7 @@ inline const double nesterenko_length = 5 * std::numbers::pi / std::sqrt(10.0);
 
 class SolitaryWave {
 public:
-    /// Solves for r by applying the integral again and again, until nothing changes.
+    /// Solves for r by repeated application of the integral, until r no longer changes.
     SolitaryWave() : overlaps_(2 * reach * grid + 1) {
         for (int i = 0; i < size(); ++i) {
             const double phase = (i - reach * grid) * spacing * std::numbers::pi / nesterenko_length;
@@ -40,7 +40,7 @@ public:
     /// Spheres passed in a unit of time sqrt(m/k) A^(-1/4), A the largest overlap.
     double speed() const noexcept { return speed_; }
 
-    /// Of the contact at x diameters from the crest, in units of A.
+    /// Returns the overlap of the contact at x diameters from the crest, in units of A.
     double overlap(double x) const noexcept {
         const double at = (x + reach) * grid;
         if (at < 0 || at >= size() - 1) {
@@ -51,7 +51,7 @@ public:
         return (1 - part) * overlaps_[below] + part * overlaps_[below + 1];
     }
 
-    /// Velocity of the sphere whose left contact is at x, in units of A per unit of time:
+    /// Returns the velocity of the sphere whose left contact is at x, in units of A per unit of time:
     /// c v(x) = integral of r^(3/2) from x to x + 1, since c v' is the difference of the forces on it.
     double velocity(double x) const noexcept {
         double sum = 0;
@@ -61,7 +61,7 @@ public:
         return sum * spacing / speed_;
     }
 
-    /// Length [diameters] over which the overlap exceeds a part of its peak.
+    /// Returns the length [diameters] over which the overlap exceeds a part of its peak.
     double length_above(double part) const noexcept {
         double x = 0;
         while (overlap(x) > part) {
@@ -94,7 +94,7 @@ private:
     double speed_ = 0;
 };
 
-/// The same for all tests.
+/// Returns the wave, computed once for all tests.
 inline const SolitaryWave& solitary_wave() {
     static const SolitaryWave wave;
     return wave;

@@ -8,7 +8,7 @@
 
 namespace hertzline::test {
 
-/// A folder of its own for each test, gone after it. Short, because a socket's path may have only 107 bytes.
+/// A folder of a test, removed after it. Its path is short, because a socket's path may have only 107 bytes.
 class TemporaryFolder {
 public:
     TemporaryFolder() : path_(std::filesystem::temp_directory_path() / unique_name()) {

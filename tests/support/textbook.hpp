@@ -1,6 +1,6 @@
 #pragma once
-// Leapfrog with fractional contact as a textbook would write it, without SIMD, folding or static forces taken out:
-// something to hold the kernels against. Written from the model's equations; takes only constants from Chain.
+// Leapfrog with fractional contact in textbook form, to compare the kernels with: no SIMD, no folding, and static
+// forces included. Written from the model's equations; takes only constants from Chain.
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ private:
     struct Horn {
         double x, v;
     };
-    /// A step of length h, in which the horn's motion is smooth.
+    /// Takes a step of length h, in which the horn's motion is smooth.
     void part(double begin, double h) {
         const Horn middle = horn(begin + h / 2);
         drift(h);
@@ -46,7 +46,7 @@ private:
 
     std::size_t size() const { return static_cast<std::size_t>(chain_.bodies()); }
 
-    /// A hann burst (docs/model.md, section 5).
+    /// Returns a Hann burst (docs/model.md, section 5).
     Horn horn(double t) const {
         const double duration = drive_.cycles / drive_.frequency_hz;
         if (t <= 0 || t >= duration) {
@@ -60,14 +60,15 @@ private:
                                       envelope * carrier * std::cos(carrier * t))};
     }
 
-    /// Half a step.
+    /// Drifts for half of h.
     void drift(double h) {
         for (std::size_t b = 0; b < size(); ++b) {
             x[b] += h / 2 * v[b];
         }
     }
 
-    /// Contact forces f_c (docs/model.md, section 3), the dashpots weighed by the part of the step in contact.
+    /// Computes the contact forces f_c (docs/model.md, section 3), with dashpots weighted by the part of the step in
+    /// contact.
     void contacts(const std::vector<double>& u, const Horn& horn, double h) {
         for (std::size_t c = 0; c < size(); ++c) {
             const auto i = static_cast<Eigen::Index>(c);
@@ -86,7 +87,7 @@ private:
         }
     }
 
-    /// Equations of motion (docs/model.md, section 4).
+    /// Applies the equations of motion (docs/model.md, section 4).
     void kick(std::vector<double>& u, double time) const {
         for (std::size_t b = 0; b < size(); ++b) {
             const auto i = static_cast<Eigen::Index>(b);

@@ -23,7 +23,7 @@ bool finite(const Samples& block) {
     return all;
 }
 
-/// Steps that a run calls for: by the rates of what moves in it, by its contact events, and those asked for.
+/// Returns the number of steps that a run needs, from its rates of change, its contact events and its step.
 double steps_called_for(const Scene& scene, Simulation& simulation) {
     const Chain& chain = simulation.chain();
     const double rates = fastest_frequency(chain, simulation.state().peak_overlap) +
@@ -80,7 +80,7 @@ Trial run(const Scene& scene) {
     const Ledger ledger = simulation.ledger();
     const double pressed =
         elastic_energy(simulation.chain().stiffness[0], simulation.state().peak_overlap[0]);
-    // a sphere that moves with a thousand-millionth of the horn's speed does so by rounding
+    // a billionth of the horn's speed is rounding
     const double horn_speed = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
     const double rounding = 0.5 / simulation.chain().inv_mass[0] * std::pow(1e-9 * horn_speed, 2);
     const double turned_over =
@@ -92,7 +92,7 @@ Trial run(const Scene& scene) {
     return trial;
 }
 
-/// No method on a grid resolves a horn that goes up or down within a step.
+/// Returns whether the method resolves the horn: none on a grid resolves a rise or fall within a step.
 bool is_resolved(const Scene& scene) {
     const Drive& drive = scene.drive;
     if (is_series(*scene.numerics.integrator)) {
@@ -127,7 +127,7 @@ Trial tried(const Scene& asked) {
             return trial;
         }
         if (!(*scene.numerics.step_s > 0)) {
-            trial.findings.emplace_back("no step is found for it");
+            trial.findings.emplace_back("no step was found");
             return trial;
         }
     }
@@ -139,7 +139,7 @@ Trial tried(const Scene& asked) {
     if (trial.outcome != Outcome::ran || trial.residual <= bound || !is_resolved(scene)) {
         return trial;
     }
-    // a step too coarse for this scene, if what is missing falls with the step
+    // if the missing energy falls with the step, the step was only too coarse for this scene
     constexpr int max_refinements = 3;
     Trial fine = trial;
     for (int i = 0; i < max_refinements && !(fine.residual <= bound); ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-// Running a scene to see whether what every run promises is kept.
+// Runs a scene and checks the promises of every run.
 
 #include <cstdint>
 #include <string>
@@ -15,7 +15,7 @@ enum class Outcome {
     refused,  ///< by a fault of resolve()
 };
 
-/// What became of a scene.
+/// The result of a scene's trial.
 struct Trial {
     Outcome outcome = Outcome::ran;
     Integrator integrator = Integrator::leapfrog;
@@ -24,10 +24,10 @@ struct Trial {
     double crowding = 0;     ///< steps over the number that rates of change and contact events call for
     double residual = 0;     ///< of the energy ledger, over all energy that came and went
     std::string message;     ///< of a stop or a refusal
-    std::vector<std::string> findings;  ///< promises that were broken; empty: none
+    std::vector<std::string> findings;  ///< broken promises
 };
 
-/// Runs the scene for a few thousand steps at most, looking at all that it puts out.
+/// Runs the scene for at most a few thousand steps, and checks all its outputs.
 Trial tried(const Scene& scene);
 
 }  // namespace hertzline::test

@@ -13,7 +13,7 @@ namespace {
 
 class ContactEvents : public ::testing::TestWithParam<Integrator> {
 protected:
-    /// What the method's own error may change [1].
+    /// Returns the bound of the method's own error [1].
     double bound(double of_leapfrog, double where_contacts_are_located) const {
         return GetParam() == Integrator::leapfrog ? of_leapfrog : where_contacts_are_located;
     }

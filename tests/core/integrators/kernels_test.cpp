@@ -20,7 +20,7 @@ namespace hertzline::test {
 namespace {
 
 constexpr double step_s = 50e-9;
-constexpr std::size_t steps = 700;  // a burst of 27 us and what rings on
+constexpr std::size_t steps = 700;  // a burst of 27 us and ringing after it
 constexpr std::array<std::int64_t, 18> lengths{1,  2,  5,  6,  7,  13, 14, 15,  16,
                                                29, 30, 31, 61, 62, 63, 64, 100, 300};
 
@@ -250,7 +250,7 @@ TEST(Kernels, SpheresAheadOfTheWaveAreLeftOutWithoutATrace) {
         at_once.skip(200);
         const Eigen::ArrayXd expected = at_once.state().v.head(3000);
         EXPECT_GT((expected != 0).count(), 100);
-        // a series takes what is far below rounding for rest
+        // a series takes motion far below rounding for rest
         const double tolerated = is_series(integrator) ? 1e-18 * expected.abs().maxCoeff() : 0;
         EXPECT_LE((by_and_by.state().v.head(3000) - expected).abs().maxCoeff(), tolerated);
         const auto moving = [](Simulation& simulation) { return (simulation.state().v != 0).count(); };

@@ -1,4 +1,4 @@
-// The order of the Taylor series: pieces of one length, whatever their error, while all contacts stay closed.
+// The order of the Taylor series: pieces of one length with any error, while all contacts stay closed.
 
 #include <cmath>
 #include <limits>

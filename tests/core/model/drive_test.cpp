@@ -113,7 +113,7 @@ TEST(Drive, TheMeanOfTheHornIsZeroSoTheChainComesBack) {
 }
 
 TEST(Repetition, TheChainSettlesIntoTheSameAnswerToEveryBurst) {
-    // what rings on from one burst meets the next (6e-3 of it), but is the same for all later ones
+    // ringing of one burst meets the next (6e-3 of it), but is the same for all later ones
     Scene scene;
     scene.drive.repetition_hz = 1000;
     const Record record = recorded(with_step(scene, Integrator::chin4a, 50e-9), 40000);

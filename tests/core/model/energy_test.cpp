@@ -86,7 +86,7 @@ TEST(ClampedLedger, ClosesWithLeapfrog) {
 }
 
 TEST(ClampedLedger, ClosesWhereContactsAreLocated) {
-    // a clamped contact lets go while it is still pressed; what is stored in it then is lost
+    // a clamped contact lets go while it is still pressed; its stored energy is then lost
     for (const Integrator integrator : locating_integrators()) {
         EXPECT_LE(residual(Scene{}, clamped, integrator, 25e-9), 1e-5) << word(integrator);
     }

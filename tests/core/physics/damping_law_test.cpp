@@ -29,8 +29,8 @@ Scene loose(Integrator integrator, std::int64_t spheres) {
 
 struct Collision {
     double restitution;
-    double momentum;  ///< afterwards, of that before
-    double energy;    ///< what is left and what was lost, of that before
+    double momentum;  ///< after the collision, relative to before
+    double energy;    ///< remaining plus lost energy, relative to before
 };
 
 Collision collision_of_spheres(Scene scene, double speed) {
@@ -132,7 +132,7 @@ TEST_P(DampedCollision, ThatLetsGoBeforeItPullsReboundsFaster) {
         scene.chain.tension = Tension::clamped;
         const Collision clamped = collision_of_spheres(scene, 0.5);
         EXPECT_GT(clamped.restitution, 1.01 * allowed.restitution);
-        EXPECT_NEAR(clamped.energy, 1, 1e-7);  // what is let go of is lost
+        EXPECT_NEAR(clamped.energy, 1, 1e-7);  // energy stored at the opening is lost
     }
 }
 

@@ -1,4 +1,4 @@
-// Collisions of spheres against what Hertz's theory and the conservation laws say.
+// Collisions of spheres against Hertz's theory and the conservation laws.
 
 #include <algorithm>
 #include <cmath>

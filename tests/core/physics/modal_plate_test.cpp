@@ -1,4 +1,4 @@
-// A chain on a modal plate in water, against an independent solver and against what must hold.
+// A chain on a modal plate in water, against an independent solver and physical laws.
 
 #include <array>
 #include <cmath>

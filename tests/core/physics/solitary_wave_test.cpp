@@ -16,7 +16,7 @@ namespace {
 
 class SolitaryPulse : public ::testing::TestWithParam<Integrator> {
 protected:
-    /// What the method's own error may change [1].
+    /// Returns the bound of the method's own error [1].
     double bound() const { return GetParam() == Integrator::leapfrog ? 1e-5 : 1e-6; }
 };
 INSTANTIATE_TEST_SUITE_P(Integrators, SolitaryPulse, every_integrator, integrator_name);
@@ -134,7 +134,7 @@ TEST_P(SolitaryPulse, PassesThroughAnotherAndLosesLittle) {
 TEST_P(SolitaryPulse, RunsBackIntoItsStrikerWhenTimeIsReversed) {
     BareChain chain = struck(GetParam(), 40, 0.1);
     chain.advance(8000);
-    EXPECT_LE(std::abs(chain.state.v[0]), 0.01);  // the striker has given away what it had
+    EXPECT_LE(std::abs(chain.state.v[0]), 0.01);  // the striker has passed on its velocity
     chain.state.v *= -1;
     chain.advance(8000);
     chain.state.v[0] += 0.1;

@@ -1,4 +1,4 @@
-// What a fluid does to a disc, and what it hears: against an independent solver, the literature's limits and plain sums.
+// The fluid's load on a disc and the sound in it, against an independent solver, the literature's limits and plain sums.
 
 #include "core/plate/radiation.hpp"
 

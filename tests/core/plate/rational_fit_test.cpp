@@ -1,4 +1,4 @@
-// Vector fitting: functions that are rational are found, and what must hold exactly does.
+// Vector fitting: rational functions are found, and exact constraints hold.
 
 #include "core/plate/rational_fit.hpp"
 

@@ -1,4 +1,4 @@
-// What every run promises, whatever its physics: rest, determinism, honesty about instability, no allocation.
+// Promises of every run, for any physics: rest, determinism, honesty about instability, no allocation.
 
 #include <algorithm>
 #include <cmath>

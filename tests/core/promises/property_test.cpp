@@ -136,7 +136,7 @@ RC_GTEST_PROP(AnyScene, HasALedgerThatCloses, ()) {
     const double bound = scene.numerics.integrator == Integrator::leapfrog ? 1e-1 : 2e-2;
     const double coarse = missing(scene);
     if (coarse > bound) {
-        // a step too coarse for this scene: then what is missing must fall with the step
+        // the step may be too coarse for this scene: then the missing energy must fall with the step
         Scene finer = scene;
         finer.numerics.step_s = *scene.numerics.step_s / 8;
         RC_ASSERT(missing(finer) <= coarse / 8);

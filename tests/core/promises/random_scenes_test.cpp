@@ -1,5 +1,5 @@
-// Scenes drawn over all that validate() allows: whatever is asked for, a run is finite and its ledger closes,
-// or it is refused or stopped with a reason. bench_random_scenes runs ten thousand of them.
+// Scenes drawn within the bounds of validate(). Each run is finite and its ledger closes, or it is refused or stopped with
+// a reason. bench_random_scenes runs ten thousand of them.
 
 #include <algorithm>
 #include <array>

@@ -15,7 +15,7 @@ using testing::HasSubstr;
 
 namespace {
 
-/// Objects of so many different keys, in an array until the text has that many bytes.
+/// Returns an array of objects with `keys` different keys each, a text of almost `bytes` bytes.
 std::string objects(int keys, std::size_t bytes) {
     std::string object = "{";
     for (int i = 0; i < keys; ++i) {

@@ -1,4 +1,4 @@
-// What must never get as far as the TOML library, --set options, and what a fuzzer would try.
+// Texts that must never reach the TOML library, --set options, and damaged texts as a fuzzer makes them.
 
 #include <random>
 #include <string>
@@ -148,8 +148,8 @@ TEST(SetOption, CannotSmuggleInOtherKeys) {
     EXPECT_EQ(messages("", {"chain.spheres=" + std::string(70'000, '1')}).size(), 1);
 }
 
-// Damages the shipped scenes in the ways that find bugs in parsers. Whatever comes out must be a scene or a
-// list of faults; the sanitizers watch.
+// Damages the shipped scenes in the ways that find bugs in parsers. The result must be a scene or a list of faults; the
+// sanitizers watch.
 TEST(SceneTextFuzz, NoMutationOfAShippedSceneCrashes) {
     const std::string marks = "[]{}=.\"'#\n\r,-_\\\0\xEF"s;
     const std::vector<std::string> words{R"(""")",     "'''",    "1e9", "inf",       "nan",

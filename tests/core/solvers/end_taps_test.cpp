@@ -182,7 +182,7 @@ TEST_P(EndTapsOf, TheLastOfAllContactsIsThatOfTheEnd) {
     }
 }
 
-// Newton's law for the plate: the impulse of the last contact is what the plate, its spring and the preload take up.
+// Newton's law for the plate: plate, spring and preload take up the impulse of the last contact.
 TEST_P(EndTapsOf, TheLastContactsForceMovesThePlate) {
     Scene scene;
     scene.output.sample_rate_hz = 200e6;
@@ -198,7 +198,7 @@ TEST_P(EndTapsOf, TheLastContactsForceMovesThePlate) {
     const auto v = samples[Tap::v_plate];
     const auto f = samples[Tap::f_last];
     double x = 0;
-    double impulse = 0;  // of what pushes the plate, by the trapezoidal rule
+    double impulse = 0;  // of the forces on the plate, by the trapezoidal rule
     double largest_error = 0;
     double largest_momentum = 0;
     for (std::size_t k = 1; k < samples.count; ++k) {

@@ -29,7 +29,7 @@ TEST(Rest, SleepsExactlyStillUntilTheNextBurst) {
         EXPECT_TRUE(std::all_of(last + 6000, last + 10'000, [](double v) { return v == 0; }));
         EXPECT_NE(last[4000], 0);
     }
-    // what is cut off: a motion of 1e-3 of the horn's
+    // a motion of 1e-3 of the horn's is cut off
     EXPECT_LE(relative_l2(asleep.v_last, awake.v_last), 2e-3);
     EXPECT_GT(relative_l2(asleep.v_last, awake.v_last), 1e-5);
 }

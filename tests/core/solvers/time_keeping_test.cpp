@@ -24,7 +24,7 @@ TEST(TimeKeeping, SampleTenThousandMillionLiesWhereItWasMeantToBe) {
         const long double meant = static_cast<long double>(steps) * many;
         EXPECT_EQ(last.whole, static_cast<std::int64_t>(meant)) << steps;
         const auto fraction = static_cast<double>(meant - std::floor(meant));
-        EXPECT_NEAR(last.fraction(), fraction, 1e-8) << steps;  // what long double keeps behind the point
+        EXPECT_NEAR(last.fraction(), fraction, 1e-8) << steps;  // the digits of long double behind the point
     }
 }
 

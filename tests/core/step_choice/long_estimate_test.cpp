@@ -1,4 +1,4 @@
-// What pilots have seen of a motion, when it leaves that, and the estimate over a longer stretch.
+// The range of the pilots' motion, the time at which a motion leaves it, and the estimate over a longer stretch.
 
 #include "core/step_choice/long_estimate.hpp"
 
@@ -12,7 +12,7 @@
 namespace hertzline::test {
 namespace {
 
-/// When the motion leaves what the pilots have seen, looked at every millisecond; or none, until the end [s].
+/// Returns the time at which the motion leaves the range of the pilots [s], checked every millisecond, or nullopt.
 std::optional<double> left_at(const Resolution& resolved, double end_s) {
     Simulation simulation(resolved.scene);
     EventRate rate(resolved.scene.drive);

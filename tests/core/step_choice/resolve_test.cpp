@@ -1,4 +1,4 @@
-// The choice of integrator and step: accuracy asked for is accuracy met, whatever the scene, in bounded time.
+// The choice of integrator and step: the requested accuracy is met for any scene, in bounded time.
 
 #include "core/step_choice/resolve.hpp"
 #include "core/step_choice/step_advice.hpp"
@@ -27,7 +27,7 @@ using Clock = std::chrono::steady_clock;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 constexpr double patience_s = 150;
 #else
-constexpr double patience_s = 15;  // about ten times what the slowest takes on a slow machine
+constexpr double patience_s = 15;  // about ten times the slowest case on a slow machine
 #endif
 
 struct Odd {

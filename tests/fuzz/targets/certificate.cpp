@@ -15,7 +15,7 @@ using namespace stream;
 
 namespace {
 
-constexpr std::size_t longest_message = 200;  // with no room for what stands in the file
+constexpr std::size_t longest_message = 200;  // too short for the file's contents
 
 }  // namespace
 
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     folder.hold("client.key", input);
     const auto listed = read_public_key(folder.file("client.key"));
     const auto own = read_key_pair(folder.file("client.key"));
-    fuzz::claim(!listed || !own, "what holds a secret key lists nobody");
+    fuzz::claim(!listed || !own, "a file with a secret key lists no client");
     if (listed) {
         fuzz::claim(input.find(z85(*listed)) != std::string_view::npos, "a key is the one in the file");
     } else {

@@ -1,4 +1,4 @@
-// What a controller sends to a stream, and the list of changes that a recording or a file holds.
+// Requests of controllers to a stream, and lists of changes in recordings and files.
 
 #include <cstdint>
 #include <stdexcept>
@@ -16,10 +16,10 @@ namespace hertzline::fuzz {
 using namespace stream;
 namespace {
 
-constexpr std::size_t longest_message = 2000;  // what is allowed may be a list of names
+constexpr std::size_t longest_message = 2000;  // the allowed values may be a list of names
 
 void claim_faults(const std::vector<Fault>& faults) {
-    claim(!faults.empty(), "what is refused has a fault");
+    claim(!faults.empty(), "a refused request has a fault");
     for (const Fault& fault : faults) {
         claim_message(fault.message(), longest_message);
     }
@@ -74,7 +74,7 @@ void claim_changes(const Json& list) {
     for (const SceneChange& change : *changes) {
         again.push_back(change_json(change));
     }
-    claim(changes_in(again).has_value(), "what is written reads back", again.dump(-1, ' ', true));
+    claim(changes_in(again).has_value(), "written changes read back", again.dump(-1, ' ', true));
 }
 
 }  // namespace

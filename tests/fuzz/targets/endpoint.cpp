@@ -68,9 +68,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::claim_good_or_fault(endpoint, EndpointUse::connect);
     const bool to_connect = !endpoint_fault(endpoint, EndpointUse::connect);
     const bool to_bind = !endpoint_fault(endpoint, EndpointUse::bind);
-    fuzz::claim(to_bind || !to_connect, "what can be connected to can be bound");
+    fuzz::claim(to_bind || !to_connect, "an endpoint to connect to can be bound");
     if (to_bind) {
-        fuzz::claim(!endpoint_fault(bind_address(endpoint), EndpointUse::bind), "what is bound is good, too");
+        fuzz::claim(!endpoint_fault(bind_address(endpoint), EndpointUse::bind),
+                    "the bound address is valid, too");
         fuzz::claim_local_means_loopback(endpoint);
     }
     fuzz::claim(!is_ipv6(endpoint) || endpoint.starts_with("tcp://"), "IPv6 is of tcp");

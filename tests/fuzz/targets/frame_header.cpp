@@ -29,8 +29,8 @@ void claim_round_trip(const FrameHeader& header, std::size_t payload_bytes) {
     std::string json;
     encode_header(header, json);
     const auto again = decode_header(json, payload_bytes);
-    claim(again.has_value(), "what is written reads back", json);
-    claim(*again == header, "what is written reads back the same", json);
+    claim(again.has_value(), "a written header reads back", json);
+    claim(*again == header, "a written header reads back the same", json);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What a browser says when it asks for the scope's page or socket: method, target, Host, Origin and whether it opens a socket, a line
-// each; and the address in its first line, as --http takes it.
+// Requests of a browser for the scope's page or socket: method, target, Host, Origin and whether it opens a socket, a line each; and the
+// address of the first line as that of --http.
 
 #include <array>
 #include <cstdint>
@@ -33,7 +33,7 @@ void claim_rules(const PageRequest& request, const PageAddress& address) {
         claim_message(name.error().text, longest_message);
         return;
     }
-    claim(request.target.find(token) == 1, "who does not know the token sees nothing");
+    claim(request.target.find(token) == 1, "a request without the token sees nothing");
     claim(request.method == "GET" || request.method == "HEAD", "pages can only be read");
     claim(!request.opens_a_socket || request.origin == "http://" + std::string(request.host),
           "no page of another origin opens a socket", std::string(request.origin));

@@ -1,4 +1,4 @@
-// What a child process says that reads a recording: it may have been taken over by what it reads.
+// Answers of a child process that reads a recording, which may have taken over the process.
 
 #include <cstdint>
 #include <span>

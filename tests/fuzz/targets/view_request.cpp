@@ -1,4 +1,4 @@
-// What a page asks to see, line by line, and the pictures that it gets of a short stretch of samples.
+// Requests of a page for views, line by line, and the pictures of a short stretch of samples for them.
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-// Who may read a file that replaces another one: at every moment, not only in the end.
+// Permissions of a file that replaces another one: at every moment, not only in the end.
 
 #include <filesystem>
 #include <fstream>

@@ -52,7 +52,7 @@ protected:
     }
 };
 
-/// What opening that path says when it fails; empty when it does not.
+/// Returns the message of a failed opening of that path, or "".
 std::string refusal(const fs::path& path) {
     try {
         const OutputFile out(path);

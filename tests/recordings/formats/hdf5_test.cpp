@@ -116,7 +116,7 @@ TEST_F(Hdf5, NothingIsReadThatTheFileDoesNotHoldItself) {
     });
     EXPECT_THAT(refusal(), HasSubstr("dataset v_out: missing, or in another file"));
     record({rows});
-    change([](hid_t id) {  // longer than what was ever written
+    change([](hid_t id) {  // longer than the written rows
         for (const char* name : {"v_out", "v_last", "v_chain", "x_chain"}) {
             const hid_t dataset = H5Dopen2(id, name, H5P_DEFAULT);
             const std::array<hsize_t, 2> size{1'000'000, 1};

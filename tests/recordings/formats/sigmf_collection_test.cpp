@@ -50,7 +50,7 @@ protected:
         }
     }
 
-    /// What opens a collection of recordings that others have made.
+    /// Writes a collection as another program would.
     void write_others(const std::string& name, double rate, const std::string& captures,
                       const std::vector<float>& samples) const {
         write_text(

@@ -376,7 +376,7 @@ TEST_F(Sigmf, MetadataThatAreNoneAreRefusedByName) {
         EXPECT_THAT(error_of([&] { read_rows(*open_sigmf_reader(meta_file)); }), HasSubstr(meta_file))
             << text.substr(0, 200);
     }
-    // captures beyond the data are what a kill may leave
+    // a killed program may leave captures beyond the data
     write_text(meta_file, with(global, "[" + capture("0", "0") + "," + capture("50", "90") + "]"));
     EXPECT_THAT(read_rows(*open_sigmf_reader(meta_file)), SizeIs(1));
 }

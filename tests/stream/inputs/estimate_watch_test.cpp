@@ -1,4 +1,4 @@
-// The error of a stream is estimated again when its motion leaves what the pilots have seen, and only then.
+// The error of a stream is estimated again when its motion leaves the range of the pilots, and only then.
 
 #include "stream/inputs/estimate_watch.hpp"
 
@@ -44,7 +44,7 @@ TEST(EstimateWatch, EstimatesAgainWhenTheMotionGrows) {
     EXPECT_THAT(news.warning, HasSubstr("above the requested accuracy of 0.0001"));
     EXPECT_GE(watch.estimate()->over_s, 2 * 4e-3 * 0.999);
     EXPECT_GT(watch.estimate()->error, 1e-3);
-    // what has been seen now reaches beyond
+    // the range now includes this motion
     EXPECT_EQ(watch.finish(grown).warning, "");
     EXPECT_EQ(watch.estimates(), 1);
 }

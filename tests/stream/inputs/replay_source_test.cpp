@@ -16,7 +16,7 @@ using namespace recordings;
 using namespace stream;
 namespace {
 
-/// Hands out what it was given, in pieces of at most 7 rows, as a format might.
+/// Reads given rows in pieces of at most 7, as a format might.
 class ListReader : public RecordingReader {
 public:
     ListReader(std::vector<Column> columns, std::deque<RecordedRows> pieces, bool damaged = false)

@@ -40,7 +40,7 @@ protected:
         publisher.send("v_out/np", std::string_view(text),
                        std::string_view(reinterpret_cast<const char*>(values.data()), sizeof(values)));
     }
-    /// The runs of the next frames, until so many have come.
+    /// Returns the runs of the next `frames` frames.
     std::vector<std::string> runs_of(Listener& listener, std::size_t frames) {
         std::vector<std::string> runs;
         const auto deadline = std::chrono::steady_clock::now() + patience;

@@ -28,7 +28,7 @@ namespace {
 constexpr std::size_t spheres = 2000;
 constexpr std::size_t frame_samples = 128;  // 1 MB
 
-/// Hears v_chain to the end of the run, in a thread of its own.
+/// Receives v_chain to the end of the run, in a thread of its own.
 class ChainListener {
 public:
     using Take = std::function<void(const FrameHeader&, std::span<const float>)>;

@@ -1,4 +1,4 @@
-// The stream as a whole: what goes in at the simulating end comes out of the socket, counted.
+// The stream as a whole: simulated samples come out of the socket, counted.
 
 #include "stream/pipeline/pipeline.hpp"
 
@@ -281,7 +281,7 @@ TEST(Pipeline, AStalledSenderFallsBehindWhenNothingMayBeDiscarded) {
     EXPECT_GT(meters.late_frames, 0);
 }
 
-/// Hears `frames` frames of v_last as a new subscriber, and leaves.
+/// Receives `frames` frames of v_last as a new subscriber, and leaves.
 std::uint64_t lost_by_a_visitor(const std::string& endpoint, std::uint64_t frames) {
     Subscriber visitor(endpoint);
     visitor.subscribe("v_last/np");

@@ -27,7 +27,7 @@ constexpr RingSize four{.blocks = slots};
 constexpr StreamFormat format{
     .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e6, .frame_samples = 10};
 
-/// A clock that has run for a day: whatever is produced comes too late.
+/// Returns a clock that has run for a day: every block is late.
 Pacer long_ago() {
     Pacer pacer(format.sample_rate_hz, Pace::realtime());
     pacer.start(MonotonicClock::now() - std::chrono::hours(24));
@@ -61,7 +61,7 @@ TEST(Producer, DiscardsAndCountsWhatIsLateWhileTheRingIsFull) {
     producer.want(format.taps);
     producer.start({});
     producer.go();
-    wait_for(producer);  // nobody reads
+    wait_for(producer);  // no reader
     EXPECT_EQ(producer.dropped(), 100 - slots);
     EXPECT_EQ(drained(producer).size(), slots);
     EXPECT_EQ(source.next_sample(), 1000);

@@ -195,7 +195,7 @@ void write_slots(RingBuffer<Slot>& ring, std::uint64_t count) {
     }
 }
 
-/// @returns how many words were not what was written.
+/// Reads slots. Returns the number of words that differ from the written ones.
 std::uint64_t read_slots(RingBuffer<Slot>& ring, std::uint64_t count) {
     std::uint64_t wrong = 0;
     for (std::uint64_t i = 0; i < count;) {

@@ -1,4 +1,4 @@
-// What a stream says of itself, and when.
+// The messages of a stream about itself, and their times.
 
 #include "stream/pipeline/stream_messages.hpp"
 

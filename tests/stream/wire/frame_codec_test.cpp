@@ -200,7 +200,7 @@ TEST(DecodeHeader, SurvivesGarbage) {
             text[random() % text.size()] = static_cast<char>(random());
         }
         const auto header = decode_header(text, 4096);
-        if (header) {  // what is accepted can be written again
+        if (header) {  // an accepted header can be written again
             EXPECT_EQ(*decode_header(encoded(*header), 4096), *header);
         }
     }

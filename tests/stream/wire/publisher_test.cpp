@@ -128,11 +128,11 @@ TEST_P(OverEachTransport, EveryFrameThatASlowSubscriberLosesIsAccountedFor) {
     const Message* first = subscriber.receive(patience);
     ASSERT_NE(first, nullptr);
     take(*first);
-    for (std::uint64_t seq = 1; seq < sent; ++seq) {  // nobody reads: queues fill, frames vanish
+    for (std::uint64_t seq = 1; seq < sent; ++seq) {  // no reader: queues fill, frames vanish
         send(seq);
     }
     std::uint64_t seq = sent;
-    EXPECT_TRUE(eventually([&] {  // reads what is left, and sends on until a later frame has come through
+    EXPECT_TRUE(eventually([&] {  // reads the remaining frames, and sends until a later frame arrives
         send(seq++);
         while (const Message* message = subscriber.receive(0ms)) {
             take(*message);
@@ -157,7 +157,7 @@ TEST(Publisher, TheLastMessageReachesOneWhoseQueueWasFull) {
     subscriptions_until_wanted(*publisher, "v_out/raw");
     subscriptions_until_wanted(*publisher, "end");
     const std::vector<float> samples(4096);
-    for (int i = 0; i < 2000; ++i) {  // nobody reads: the queue fills
+    for (int i = 0; i < 2000; ++i) {  // no reader: the queue fills
         publisher->send("v_out/raw", samples);
     }
     bool came = false;
@@ -171,7 +171,7 @@ TEST(Publisher, TheLastMessageReachesOneWhoseQueueWasFull) {
     });
     const auto begin = std::chrono::steady_clock::now();
     publisher->send_last("end", "{}");
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s) << "waits although nobody is there any more";
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, 15s) << "waits although no subscriber is left";
     publisher.reset();
     reader.join();
     EXPECT_TRUE(came);
@@ -211,7 +211,7 @@ TEST(Publisher, SendingWithoutSubscribersSucceeds) {
     EXPECT_TRUE(publisher.send("end"));
 }
 
-/// A peer that sends what no subscriber would.
+/// A peer that sends messages that no subscriber would send.
 class Rogue {
 public:
     explicit Rogue(const std::string& endpoint) : socket_(context_, zmq::socket_type::xsub) {

@@ -118,7 +118,7 @@ TEST(Connections, ANewcomerBeyondSoManySubscribersIsToldAndComesInWhenOneLeaves)
         publisher.poll_subscriptions();
         publisher.send("end", std::string_view("{}"));
         for (const auto& each : subscribers) {
-            EXPECT_NE(each->receive(patience), nullptr) << "somebody else was disconnected";
+            EXPECT_NE(each->receive(patience), nullptr) << "another peer was disconnected";
         }
         subscribers.pop_back();
         const Message* message = nullptr;
@@ -174,8 +174,8 @@ private:
     std::jthread thread_;
 };
 
-// Each one begins not to read when the queues of the earlier ones are full, so that they hold different messages. Who
-// reads meanwhile hears all of them.
+// Each subscriber stops reading when the queues of the earlier ones are full, so that the queues hold different messages.
+// A subscriber that reads receives all of them.
 TEST(Connections, QueuesOfSubscribersThatDoNotReadTogetherKeepToTheirMemory) {
     if (sanitized) {
         GTEST_SKIP() << "a sanitizer keeps memory that was freed";
@@ -190,7 +190,7 @@ TEST(Connections, QueuesOfSubscribersThatDoNotReadTogetherKeepToTheirMemory) {
     EXPECT_TRUE(eventually([&] { return publisher.poll_subscriptions() > 0; }));
     reader.begin();
     int sent = 0;
-    malloc_trim(0);  // or what earlier tests freed would be used first, and not be seen
+    malloc_trim(0);  // otherwise memory freed by earlier tests would be used first, and not be counted
     const double before = memory();
     for (int i = 0; i < 6; ++i) {
         zmq::socket_t& reads_nothing = idle.emplace_back(context, zmq::socket_type::xsub);
@@ -228,7 +228,7 @@ TEST(Connections, TheOneThatHasTakenNothingForLongestIsCutOff) {
         zmq::message_t subscription;
         EXPECT_TRUE(publisher.recv(subscription));
         const std::string text(1 << 20, topic);
-        for (int i = 0; i < 20; ++i) {  // beyond its queue and what the system takes
+        for (int i = 0; i < 20; ++i) {  // more than its queue and the system's buffers hold
             publisher.send(zmq::buffer(text), zmq::send_flags::none);
         }
         std::this_thread::sleep_for(500ms);

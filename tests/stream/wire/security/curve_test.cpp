@@ -1,4 +1,4 @@
-// Keys, and what encryption does between publishers and subscribers over real sockets.
+// Keys, and encryption between publishers and subscribers over real sockets.
 
 #include "stream/wire/security/curve.hpp"
 

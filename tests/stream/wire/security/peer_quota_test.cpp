@@ -20,7 +20,7 @@ namespace hertzline::test {
 using namespace stream;
 namespace {
 
-/// An XPUB socket and a peer of it that sends what nobody has use for.
+/// An XPUB socket, and a peer that sends useless messages to it.
 struct Nonsense {
     explicit Nonsense(int messages) {
         publisher.set(zmq::sockopt::xpub_verbose, true);

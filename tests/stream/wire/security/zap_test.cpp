@@ -1,4 +1,4 @@
-// Who is let in: the handler by itself, asked as ZeroMQ asks.
+// Access decisions of the handler by itself, with requests in ZeroMQ's form.
 
 #include "stream/wire/security/zap.hpp"
 
