@@ -137,7 +137,7 @@ void PointsReader::refuse_wrong_size() {
     }
 }
 
-tl::expected<PointList, std::vector<Fault>> result_of(PointsReader reader) {
+tl::expected<PointList, std::vector<Fault>> list_of(PointsReader reader) {
     if (!reader.faults.empty()) {
         return tl::unexpected(std::move(reader.faults));
     }
@@ -150,14 +150,14 @@ tl::expected<PointList, std::vector<Fault>> parse_points(const Scene& scene, std
                                                          std::string_view origin) {
     PointsReader reader(scene, origin);
     reader.read(text);
-    return result_of(std::move(reader));
+    return list_of(std::move(reader));
 }
 
 tl::expected<PointList, std::vector<Fault>> points_of(const Scene& scene,
                                                       std::span<const PointColumn> columns) {
     PointsReader reader(scene, "");
     reader.read(columns);
-    return result_of(std::move(reader));
+    return list_of(std::move(reader));
 }
 
 }  // namespace hertzline::studies

@@ -146,7 +146,7 @@ TEST_F(SharedSweep, ATaskThatIsSubmittedAgainLandsInItsPlace) {
     const SlurmTask again("3", "1", "3", "3");
     const Outcome alone = swept(words_of_part);
     EXPECT_EQ(alone.status, 2);
-    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/N takes a task of it that is submitted again"));
+    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/N runs one task of it again"));
     EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm/4", "--resume"}).status, 0);
     EXPECT_EQ(merged("s.csv", 4), whole);
 }

@@ -6,6 +6,7 @@ import threading
 import time
 import unittest
 
+import numpy as np
 from support import LONG_ENOUGH_S
 
 import hertzline

@@ -66,32 +66,27 @@ struct StudyRows {
     std::vector<float> waveforms;  ///< row-major, [point][sample]
 };
 
-template <class Sequence>
-std::vector<SceneValue> scene_values(const Sequence& values) {
-    return {values.begin(), values.end()};
+std::vector<SceneValue> scene_values(const std::string& /*range*/) {
+    return {};
 }
 
+std::vector<SceneValue> scene_values(const std::vector<std::string>& words) {
+    return {words.begin(), words.end()};
+}
+
+/// @param numbers contiguous
 template <class Number>
-std::vector<SceneValue> scene_values(const py::array_t<Number>& values) {
-    return scene_values(std::span(values.data(), static_cast<std::size_t>(values.size())));
+std::vector<SceneValue> scene_values(const py::array_t<Number>& numbers) {
+    return {numbers.data(), numbers.data() + numbers.size()};
 }
 
-/// @param keys with contiguous arrays
 std::vector<VariedKey> varied_keys(const KeysAndValues& keys) {
     std::vector<VariedKey> varied;
+    varied.reserve(keys.size());
     for (const auto& [key, values] : keys) {
-        if (const auto* range = std::get_if<std::string>(&values)) {
-            varied.push_back({key, *range, {}});
-        } else {
-            varied.push_back({key, "", {}});
-            std::visit(
-                [&](const auto& list) {
-                    if constexpr (!std::is_same_v<std::decay_t<decltype(list)>, std::string>) {
-                        varied.back().list = scene_values(list);
-                    }
-                },
-                values);
-        }
+        const auto* range = std::get_if<std::string>(&values);
+        varied.push_back({key, range != nullptr ? *range : "",
+                          std::visit([](const auto& list) { return scene_values(list); }, values)});
     }
     return varied;
 }
@@ -124,6 +119,7 @@ Plan plan_of_axes(const Scene& scene, const std::vector<VariedKey>& keys, std::o
 
 Plan plan_of_points(const Scene& scene, std::vector<VariedKey> keys) {
     std::vector<studies::PointColumn> columns;
+    columns.reserve(keys.size());
     for (VariedKey& key : keys) {
         columns.push_back({std::move(key.key), std::move(key.list)});
     }
@@ -132,8 +128,8 @@ Plan plan_of_points(const Scene& scene, std::vector<VariedKey> keys) {
     });
 }
 
-int jobs_of(const StudyArguments& request, ArgumentFaults& faults) {
-    const int jobs = request.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
+int jobs_of(const StudyArguments& arguments, ArgumentFaults& faults) {
+    const int jobs = arguments.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
     if (jobs < 1 || jobs > max_jobs) {
         faults.add("jobs: found " + number_text(std::int64_t{jobs}) + ", allowed: 1 to " +
                    number_text(std::int64_t{max_jobs}));
@@ -142,23 +138,23 @@ int jobs_of(const StudyArguments& request, ArgumentFaults& faults) {
 }
 
 /// Returns the measurements of each point, and adds their faults.
-studies::PointOptions options_of(const StudyArguments& request, const studies::PlanSummary& summary,
+studies::PointOptions options_of(const StudyArguments& arguments, const studies::PlanSummary& summary,
                                  ArgumentFaults& faults) {
     const TapSet there = summary.measurable();
     studies::PointOptions options;
-    options.measured = taps_named("measure", request.measure, there, faults);
-    options.band_from_hz = request.band_from_hz;
+    options.measured = taps_named("measure", arguments.measure, there, faults);
+    options.band_from_hz = arguments.band_from_hz;
     if (const auto fault = measures::band_from_fault(options.band_from_hz)) {
         faults.add("band_from_hz: " + *fault);
     }
-    if (request.waveforms) {
-        const TapSet tap = taps_named("waveforms", {*request.waveforms}, there, faults);
+    if (arguments.waveforms) {
+        const TapSet tap = taps_named("waveforms", {*arguments.waveforms}, there, faults);
         options.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
         options.waveform_samples = static_cast<std::size_t>(summary.rows);
     }
     auto columns = measures::chosen_columns(
         measures::number_columns((options.measured | measures::measured_unasked) & there, summary.modal),
-        request.quantities);
+        arguments.quantities);
     if (columns) {
         options.columns = *std::move(columns);
     } else {
@@ -215,20 +211,20 @@ py::object python_column(TableColumn& column) {
 }
 
 /// ([(name, unit, values)], waveforms or None, provenance)
-py::tuple python_table(const studies::Study& sweep, StudyRows& rows) {
-    const std::vector<recordings::TableColumn> about = studies::columns_of(sweep);
+py::tuple python_table(const studies::Study& study, StudyRows& rows) {
+    const std::vector<recordings::TableColumn> about = studies::columns_of(study);
     py::list columns;
     for (std::size_t i = 0; i < rows.columns.size(); ++i) {
         columns.append(
             py::make_tuple(about[i].about.name, about[i].about.unit, python_column(rows.columns[i])));
     }
     py::object waveforms = py::none();
-    if (sweep.options.waveform) {
+    if (study.options.waveform) {
         waveforms =
-            array_of(std::move(rows.waveforms), {static_cast<py::ssize_t>(sweep.plan.size()),
-                                                 static_cast<py::ssize_t>(sweep.options.waveform_samples)});
+            array_of(std::move(rows.waveforms), {static_cast<py::ssize_t>(study.plan.size()),
+                                                 static_cast<py::ssize_t>(study.options.waveform_samples)});
     }
-    return py::make_tuple(columns, waveforms, python_object(studies::provenance_of(sweep)));
+    return py::make_tuple(columns, waveforms, python_object(studies::provenance_of(study)));
 }
 
 void require_memory_of_study(const char* study, double points, const studies::Study& rows, int jobs,
