@@ -96,8 +96,7 @@ struct Sensitivity {
 struct SearchResult {
     std::vector<SearchStart> starts;  ///< in their order
     Sensitivity best;                 ///< the centre is `none` when no point is feasible
-    std::vector<Sensitivity>
-        others;  ///< the best of other regions that local searches reached; without `far`
+    std::vector<Sensitivity> others;  ///< the best points of other regions; without `far`
 };
 
 inline constexpr std::int64_t most_evaluations = 1'000'000;

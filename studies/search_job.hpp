@@ -22,9 +22,8 @@ struct SearchRequest {
     Goal goal;
     std::int64_t evaluations = 0;  ///< at least fewest_evaluations()
     std::uint64_t seed = 0;
-    PointOptions options;  ///< its columns have the measures of the goal
-    std::int64_t after =
-        0;  ///< evaluations of an earlier search, which this one continues: the first rows of the journal
+    PointOptions options;    ///< its columns have the measures of the goal
+    std::int64_t after = 0;  ///< evaluations of an earlier search, the first rows of the journal
 };
 
 /// Returns the search as a study without points.
