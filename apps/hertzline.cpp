@@ -10,8 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "measures/provenance.hpp"
-#include "recordings/recording_thread.hpp"
 #include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -25,6 +23,8 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
+#include "recordings/recording_thread.hpp"
 #include "stream/control/scene_control.hpp"
 
 namespace hertzline::app {

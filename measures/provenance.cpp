@@ -12,9 +12,9 @@
 #include "core/model/end.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/taps.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::measures {
 

@@ -8,8 +8,8 @@
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
-#include "core/scene/scene.hpp"
 #include "core/step_choice/reference_pilot.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::measures {
 
@@ -26,7 +26,7 @@ std::string utc_text(std::chrono::system_clock::time_point time);
 
 /// Where samples come from; provenance_json() turns it into JSON.
 struct Provenance {
-    const Scene& scene;                     ///< resolved (core/step_choice/resolve.hpp)
+    const Scene& scene;                     ///< resolved (hertzline/resolve.hpp)
     std::optional<ErrorEstimate> estimate;  ///< error of the velocities; unset: unknown
     std::string start_time;                 ///< when the run was set up (utc_text)
     std::optional<std::string> run = {};    ///< its id; unset: it has none

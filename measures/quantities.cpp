@@ -8,13 +8,13 @@
 #include <type_traits>
 #include <utility>
 
-#include "measures/provenance.hpp"
-#include "measures/record_warnings.hpp"
 #include <fmt/format.h>
 
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/scene_file.hpp"
+#include "measures/provenance.hpp"
+#include "measures/record_warnings.hpp"
 
 namespace hertzline::measures {
 

@@ -10,12 +10,12 @@
 #include <variant>
 #include <vector>
 
-#include "measures/run.hpp"
-#include "measures/spectrum.hpp"
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/spectrum.hpp"
+#include "hertzline/taps.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::measures {
 

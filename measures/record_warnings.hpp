@@ -7,9 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "measures/spectrum.hpp"
-
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/spectrum.hpp"
 
 namespace hertzline::measures {
 

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measures/record_warnings.hpp"
 #include <fmt/format.h>
 
 #include "core/model/chain.hpp"
@@ -16,6 +15,7 @@
 #include "core/model/validity.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
+#include "measures/record_warnings.hpp"
 
 namespace hertzline::measures {
 

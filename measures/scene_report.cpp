@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "core/step_choice/step_advice.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/contact_law.hpp"
@@ -19,7 +18,8 @@
 #include "core/model/validity.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/simulation.hpp"
+#include "core/step_choice/step_advice.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::measures {
 

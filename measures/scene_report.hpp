@@ -11,8 +11,8 @@
 #include <Eigen/Core>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::measures {
 

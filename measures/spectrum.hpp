@@ -3,9 +3,9 @@
 
 namespace hertzline::measures {
 using hertzline::Band;
-using hertzline::SpectrumSummary;
-using hertzline::peak_of;
 using hertzline::level_differences_db;
 using hertzline::MagnitudeSpectrum;
+using hertzline::peak_of;
 using hertzline::SpectrumAnalyser;
+using hertzline::SpectrumSummary;
 }  // namespace hertzline::measures

@@ -42,7 +42,7 @@ def velocity(csv):
 
 def spectrum(t, v):
     """Returns frequency [Hz] and level [dB under the maximum] of the whole record, zero-padded and without a window,
-    because a burst starts and ends at rest. The definition is that of measures/spectrum.hpp."""
+    because a burst starts and ends at rest. The definition is that of include/hertzline/spectrum.hpp."""
     padded = 8 * len(v)
     magnitude = np.abs(np.fft.rfft(v, padded))
     step = (t[-1] - t[0]) / (len(t) - 1)

@@ -5,8 +5,9 @@
 #include <system_error>
 #include <utility>
 
-#include "recordings/files/errors.hpp"
 #include <sqlite3.h>
+
+#include "recordings/files/errors.hpp"
 
 namespace hertzline::studies {
 

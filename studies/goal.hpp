@@ -6,8 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "studies/point.hpp"
 #include <tl/expected.hpp>
+
+#include "studies/point.hpp"
 
 namespace hertzline::studies {
 

@@ -13,11 +13,12 @@
 #include <thread>
 #include <utility>
 
-#include "recordings/files/errors.hpp"
-#include "studies/database.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
+
+#include "recordings/files/errors.hpp"
+#include "studies/database.hpp"
 
 namespace hertzline::studies {
 

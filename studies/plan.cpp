@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::studies {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "studies/axis.hpp"
-#include "studies/point_list.hpp"
 #include <boost/random/sobol.hpp>
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
+#include "studies/axis.hpp"
+#include "studies/point_list.hpp"
 
 namespace hertzline::studies {
 

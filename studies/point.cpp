@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "core/model/validity.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::studies {
 
@@ -86,10 +86,10 @@ std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& sce
     return result;
 }
 
-measures::SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz) {
+SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz) {
     if (!analyser_ || analysed_rows_ != rows || analysed_rate_hz_ != sample_rate_hz) {
         analyser_.reset();  // its memory first
-        analyser_ = std::make_unique<measures::SpectrumAnalyser>(rows, sample_rate_hz);
+        analyser_ = std::make_unique<SpectrumAnalyser>(rows, sample_rate_hz);
         analysed_rows_ = rows;
         analysed_rate_hz_ = sample_rate_hz;
     }
@@ -101,7 +101,7 @@ PointRunner::Candidate PointRunner::make_candidate(Resolution resolved) const {
     const TapSet measured = measures::measured_taps(scene, options_.measured);
     const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, options_));
     Simulation simulation(scene, {.taps = taps, .stop = &stop_});
-    measures::Run run = measures::empty_run(std::move(resolved), measured, simulation.chain().end);
+    Run run = measures::empty_run(std::move(resolved), measured, simulation.chain().end);
     return {std::move(run), std::move(simulation), std::nullopt};
 }
 
@@ -178,13 +178,13 @@ void PointRunner::check(std::int64_t point, Resolution& resolved) const {
 }
 
 void PointRunner::measure(Candidate& candidate, PointResult& result) {
-    measures::Run& run = candidate.run;
+    Run& run = candidate.run;
     const Scene& scene = run.resolved.scene;
     result.status = status_of(run.resolved);
     measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), options_.band_from_hz);
     std::ranges::transform(options_.columns, result.numbers.begin(),
                            [&run](const NumberColumn& column) { return measures::number_of(run, column); });
-    measures::Warnings warnings = validity_warnings(scene, candidate.simulation.chain());
+    Warnings warnings = validity_warnings(scene, candidate.simulation.chain());
     if (auto missed = measures::missed_accuracy(run.resolved)) {
         warnings.insert(warnings.begin(), *std::move(missed));
     }

@@ -11,12 +11,11 @@
 #include <string_view>
 #include <vector>
 
+#include "core/step_choice/finer_run.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/spectrum.hpp"
 #include "measures/quantities.hpp"
 #include "measures/run.hpp"
-#include "measures/spectrum.hpp"
-
-#include "core/scene/scene.hpp"
-#include "core/step_choice/finer_run.hpp"
 
 namespace hertzline::studies {
 
@@ -87,7 +86,7 @@ private:
     PointResult row(std::int64_t point) const;
     /// A simulation with a step that may turn out too long.
     struct Candidate {
-        measures::Run run;
+        Run run;
         Simulation simulation;
         std::optional<FinerRun> finer;  ///< unless pilots have chosen the step
     };
@@ -99,11 +98,11 @@ private:
     Candidate make_candidate(Resolution resolved) const;
     bool simulate(Candidate& candidate, PointResult& result);
     void measure(Candidate& candidate, PointResult& result);
-    measures::SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);
+    SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);
 
     const PointOptions& options_;
     const std::atomic<bool>& stop_;
-    std::unique_ptr<measures::SpectrumAnalyser> analyser_;  // of the last point
+    std::unique_ptr<SpectrumAnalyser> analyser_;  // of the last point
     std::size_t analysed_rows_ = 0;
     double analysed_rate_hz_ = 0;
 };

@@ -4,9 +4,8 @@
 #include <string>
 #include <utility>
 
-#include "studies/axis.hpp"
-
 #include "core/scene/text.hpp"
+#include "studies/axis.hpp"
 
 namespace hertzline::studies {
 

@@ -153,8 +153,8 @@ std::vector<measures::SummaryGroup> search_summary(const SearchJob& job, const J
     return groups;
 }
 
-measures::Warnings search_warnings(const SearchJob& job) {
-    measures::Warnings warnings;
+Warnings search_warnings(const SearchJob& job) {
+    Warnings warnings;
     const Sensitivity& best = job.result().best;
     if (best.centre == Evaluations::none) {
         return warnings;

@@ -4,10 +4,9 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/json.hpp"
 #include "measures/quantities.hpp"
 #include "studies/search_job.hpp"
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::studies {
 
@@ -15,7 +14,7 @@ namespace hertzline::studies {
 std::vector<measures::SummaryGroup> search_summary(const SearchJob& job, const Json& files);
 
 /// Returns warnings: of a best point on an edge, or that only one local search reached.
-measures::Warnings search_warnings(const SearchJob& job);
+Warnings search_warnings(const SearchJob& job);
 
 /// Returns the reason why there is no best point: the distance of the closest one from the constraints.
 std::string no_feasible_text(const SearchJob& job);

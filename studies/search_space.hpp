@@ -7,8 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "studies/axis.hpp"
 #include <boost/random/sobol.hpp>
+
+#include "studies/axis.hpp"
 
 namespace hertzline::studies {
 

@@ -1,18 +1,18 @@
+#include "hertzline/studies.hpp"
+
 #include <algorithm>
 #include <iterator>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
 
-#include "hertzline/studies.hpp"
+#include "core/scene/faults.hpp"
+#include "core/scene/text.hpp"
 #include "measures/resources.hpp"
 #include "studies/search_job.hpp"
 #include "studies/search_report.hpp"
 #include "studies/study.hpp"
 #include "studies/workers.hpp"
-
-#include "core/scene/faults.hpp"
-#include "core/scene/text.hpp"
 
 namespace hertzline {
 
@@ -42,8 +42,9 @@ Axes axes_of(const Scene& scene, const StudyKeys& keys, studies::Sampling sampli
     for (const auto& [key, values] : keys) {
         const std::vector<SceneValue> list = list_of(values);
         const auto* range = std::get_if<std::string>(&values);
-        auto axis = list.empty() ? studies::parse_axis(scene, key + '=' + (range != nullptr ? *range : ""), sampling)
-                                 : studies::axis_of(scene, key, list);
+        auto axis = list.empty()
+                        ? studies::parse_axis(scene, key + '=' + (range != nullptr ? *range : ""), sampling)
+                        : studies::axis_of(scene, key, list);
         if (axis) {
             axes.push_back(*std::move(axis));
         } else {
@@ -92,7 +93,8 @@ int jobs_of(const StudyOptions& options, Faults& faults) {
 }
 
 /// The measurements at each point.
-studies::PointOptions point_options(const StudyOptions& options, const studies::PlanSummary& plan, Faults& faults) {
+studies::PointOptions point_options(const StudyOptions& options, const studies::PlanSummary& plan,
+                                    Faults& faults) {
     const TapSet there = plan.measurable();
     studies::PointOptions point;
     point.measured = measures::taps_named("measure", options.measure, there, faults);
@@ -103,9 +105,10 @@ studies::PointOptions point_options(const StudyOptions& options, const studies::
         point.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
         point.waveform_samples = static_cast<std::size_t>(plan.rows);
     }
-    const auto columns = measures::number_columns((point.measured | measures::measured_unasked) & there, plan.modal);
-    point.columns =
-        faults.value_of("quantities", measures::chosen_columns(columns, options.quantities)).value_or(columns);
+    const auto columns =
+        measures::number_columns((point.measured | measures::measured_unasked) & there, plan.modal);
+    point.columns = faults.value_of("quantities", measures::chosen_columns(columns, options.quantities))
+                        .value_or(columns);
     return point;
 }
 
@@ -140,7 +143,8 @@ StudyTable table_of(const studies::Study& study, const studies::Journal& journal
         for (std::size_t i = 0; i < row.cells.size(); ++i) {
             std::visit(
                 [&](auto& cell) {
-                    std::get<std::vector<std::decay_t<decltype(cell)>>>(table.columns[i].values).push_back(cell);
+                    std::get<std::vector<std::decay_t<decltype(cell)>>>(table.columns[i].values)
+                        .push_back(cell);
                 },
                 row.cells[i]);
         }
@@ -230,7 +234,8 @@ SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGo
     studies::SearchRequest request{scene, {}, goal_of(goal, faults), goal.evaluations, goal.seed, {}};
     // points all over the ranges show the memory of a search, and its taps
     const studies::SweepPlan sample = required(
-        plan_of_axes(scene, vary, std::clamp<std::int64_t>(goal.evaluations, 1, studies::most_evaluations)), faults);
+        plan_of_axes(scene, vary, std::clamp<std::int64_t>(goal.evaluations, 1, studies::most_evaluations)),
+        faults);
     const studies::PlanSummary summary =
         studies::summary_of(sample, measures::measurable_among(options.measure));
     request.axes = sample.axes();

@@ -6,13 +6,13 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measures/provenance.hpp"
 #include <fmt/format.h>
 
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
 
 namespace hertzline::studies {
 

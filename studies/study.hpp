@@ -11,14 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/scene/json.hpp"
+#include "hertzline/taps.hpp"
 #include "measures/run.hpp"
 #include "recordings/formats/table.hpp"
 #include "studies/journal.hpp"
 #include "studies/plan.hpp"
 #include "studies/point.hpp"
-
-#include "core/scene/json.hpp"
-#include "core/taps.hpp"
 
 namespace hertzline::studies {
 

@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <set>
 
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/command.hpp"
 #include "core/integrators/simd/target_choice.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "measures/run.hpp"
 #include <CLI/CLI.hpp>
 
 #include "core/scene/faults.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::app {
 

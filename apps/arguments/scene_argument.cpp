@@ -3,15 +3,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measures/resources.hpp"
-#include "measures/run.hpp"
-#include "measures/scene_file.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
+#include "measures/resources.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::app {
 
@@ -24,7 +24,7 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
 }
 
 tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
-    return measures::parse_scene_file(request.scene, request.settings);
+    return parse_scene_file(request.scene, request.settings);
 }
 
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request, Lasting lasting) {

@@ -7,9 +7,9 @@
 #include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
-#include "core/scene/fault.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::app {
 

@@ -6,8 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include "measures/resources.hpp"
-#include "measures/scene_report.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -17,8 +15,10 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/output.hpp"
 #include "core/model/validity.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/scene_file.hpp"
+#include "measures/resources.hpp"
+#include "measures/scene_report.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/pipeline.hpp"
 

@@ -10,10 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "measures/run.hpp"
-#include "recordings/columns.hpp"
-#include "recordings/recording_formats.hpp"
-#include "recordings/recording_set.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -24,6 +20,10 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/run.hpp"
+#include "recordings/columns.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
 #include "stream/listening/listener.hpp"
 #include "stream/listening/run_receiver.hpp"
 #include "stream/wire/endpoint.hpp"

@@ -1,6 +1,6 @@
 // hertzline materials: the built-in materials, with their numbers and sources.
 
-#include "core/scene/materials.hpp"
+#include "hertzline/materials.hpp"
 
 #include <memory>
 #include <optional>

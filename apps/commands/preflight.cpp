@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "measures/resources.hpp"
-#include "measures/spectrum.hpp"
-#include "recordings/formats/table.hpp"
-#include "recordings/recording_formats.hpp"
-#include "recordings/recording_set.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/text.hpp"
+#include "hertzline/spectrum.hpp"
+#include "measures/resources.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
 
 namespace hertzline::app {
 

@@ -5,10 +5,9 @@
 #include <span>
 #include <string>
 
+#include "hertzline/scene.hpp"
+#include "hertzline/simulation.hpp"
 #include "measures/run.hpp"
-
-#include "core/scene/scene.hpp"
-#include "core/simulation.hpp"
 
 namespace hertzline::app {
 

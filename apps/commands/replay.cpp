@@ -4,9 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "measures/provenance.hpp"
-#include "measures/resources.hpp"
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
@@ -14,6 +11,9 @@
 #include "apps/commands/publish_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
+#include "measures/resources.hpp"
+#include "recordings/recording_formats.hpp"
 #include "stream/inputs/replay_source.hpp"
 #include "stream/wire/topics.hpp"
 

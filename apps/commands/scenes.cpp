@@ -12,10 +12,9 @@
 #include "apps/console/output.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::app {
 

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "scope/server/scope_session.hpp"
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/curve_arguments.hpp"
@@ -14,6 +13,7 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "scope/server/scope_session.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::app {

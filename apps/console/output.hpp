@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
-#include "measures/quantities.hpp"
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "core/scene/json.hpp"
+#include "measures/quantities.hpp"
 
 namespace hertzline::app {
 

@@ -23,12 +23,12 @@
 #include <thread>
 #include <vector>
 
-#include "bench/core/accuracy_tables.hpp"
 #include <CLI/CLI.hpp>
 
+#include "bench/core/accuracy_tables.hpp"
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/design_scene.hpp"
 #include "tests/support/judged_scene.hpp"
 #include "tests/support/reference.hpp"

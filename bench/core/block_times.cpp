@@ -15,13 +15,11 @@
 #include <vector>
 
 #include "bench/support/arguments.hpp"
-
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace {
 

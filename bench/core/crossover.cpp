@@ -16,9 +16,9 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
 #include "core/step_choice/step_advice.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "bench/peers/problem.hpp"
-
 #include "tests/support/reference.hpp"
 
 namespace hertzline::bench {

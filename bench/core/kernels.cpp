@@ -2,7 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace {
 

@@ -16,7 +16,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/bare_chain.hpp"
 
 namespace {

@@ -11,7 +11,6 @@
 #include <string>
 
 #include "bench/support/arguments.hpp"
-
 #include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/bare_chain.hpp"

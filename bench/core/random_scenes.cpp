@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "bench/support/arguments.hpp"
-
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/random_scene.hpp"
 #include "tests/support/trial.hpp"
 

@@ -10,13 +10,11 @@
 
 #include "bench/support/arguments.hpp"
 #include "bench/support/timing.hpp"
-
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/reference.hpp"
 
 namespace {

@@ -21,16 +21,15 @@
 #include <vector>
 
 #include "bench/support/arguments.hpp"
-
-#include "core/step_choice/step_advice.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
 #include "core/model/end.hpp"
 #include "core/model/energy.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "core/step_choice/step_advice.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace {
 

@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "bench/core/frontier.hpp"
 #include <CLI/CLI.hpp>
 
+#include "bench/core/frontier.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
 

@@ -1,7 +1,8 @@
 // SUNDIALS ARKODE, ERKStep: explicit Runge-Kutta methods of Dormand and Prince, 5(4), and Verner, 6(5).
 
-#include "bench/peers/sundials_run.hpp"
 #include <arkode/arkode_erkstep.h>
+
+#include "bench/peers/sundials_run.hpp"
 
 namespace hertzline::bench {
 

@@ -1,8 +1,9 @@
 // SUNDIALS CVODE: Adams methods of variable order with a fixed-point iteration, since the chain is not stiff.
 
-#include "bench/peers/sundials_run.hpp"
 #include <cvode/cvode.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include "bench/peers/sundials_run.hpp"
 
 namespace hertzline::bench {
 

@@ -6,12 +6,11 @@
 #include <stdexcept>
 
 #include "bench/peers/problem.hpp"
-
-#include "core/scene/scene_words.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "core/scene/scene_words.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::bench {
 

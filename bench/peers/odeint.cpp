@@ -1,7 +1,8 @@
 // Unmodified Boost.odeint: adaptive methods with dense output, and fixed steps that divide the sample period.
 
-#include "bench/peers/sampling.hpp"
 #include <boost/numeric/odeint.hpp>
+
+#include "bench/peers/sampling.hpp"
 
 namespace hertzline::bench {
 

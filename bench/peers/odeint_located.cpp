@@ -2,8 +2,9 @@
 // closed contacts stays fixed over a step. If a contact has opened or closed at the end of the step, the crossing is
 // found in the dense output, and the integration restarts there.
 
-#include "bench/peers/sampling.hpp"
 #include <boost/numeric/odeint.hpp>
+
+#include "bench/peers/sampling.hpp"
 
 namespace hertzline::bench {
 

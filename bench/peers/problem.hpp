@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::bench {
 

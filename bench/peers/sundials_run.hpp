@@ -6,9 +6,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "bench/peers/sampling.hpp"
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
+
+#include "bench/peers/sampling.hpp"
 
 namespace hertzline::bench {
 

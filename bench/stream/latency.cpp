@@ -14,14 +14,13 @@
 #include <thread>
 #include <vector>
 
-#include "bench/support/arguments.hpp"
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bench/support/arguments.hpp"
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"

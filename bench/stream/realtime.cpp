@@ -28,11 +28,10 @@
 #include <unistd.h>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
-#include "core/taps.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
+#include "hertzline/taps.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"

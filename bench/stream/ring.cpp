@@ -19,10 +19,10 @@
 #include <thread>
 #include <vector>
 
-#include "bench/support/arguments.hpp"
 #include <boost/lockfree/spsc_queue.hpp>
 #include <sched.h>
 
+#include "bench/support/arguments.hpp"
 #include "core/scene/json.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
 

@@ -20,14 +20,12 @@
 
 #include "bench/peers/problem.hpp"
 #include "bench/support/arguments.hpp"
+#include "core/scene/json.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
 #include "studies/study.hpp"
 #include "studies/workers.hpp"
-
-#include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
 
 namespace {
 

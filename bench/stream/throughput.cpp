@@ -19,10 +19,10 @@
 #include <thread>
 #include <vector>
 
-#include "bench/support/arguments.hpp"
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bench/support/arguments.hpp"
 #include "core/scene/json.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"

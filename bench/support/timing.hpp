@@ -5,7 +5,7 @@
 #include <chrono>
 #include <vector>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::bench {
 

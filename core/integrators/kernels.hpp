@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "core/scene/integrator.hpp"
+#include "hertzline/integrator.hpp"
 
 namespace hertzline {
 class ToneBurst;

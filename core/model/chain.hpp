@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 
 #include "core/model/end.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

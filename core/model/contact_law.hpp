@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "core/scene/materials.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/materials.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/plate/plate_response.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -7,7 +7,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/model/validity.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

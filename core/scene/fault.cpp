@@ -1,6 +1,5 @@
-#include "core/scene/fault.hpp"
-
 #include "core/scene/text.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -9,7 +9,7 @@
 
 #include <tl/expected.hpp>
 
-#include "core/scene/fault.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -1,4 +1,4 @@
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 #include <algorithm>
 #include <optional>

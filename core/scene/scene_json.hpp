@@ -8,9 +8,9 @@
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
-#include "core/scene/materials.hpp"
-#include "core/scene/scene.hpp"
 #include "core/scene/scene_key.hpp"
+#include "hertzline/materials.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -13,7 +13,7 @@
 
 #include <tl/expected.hpp>
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/scene/fault.hpp"
 #include "core/scene/toml_entries.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -7,8 +7,8 @@
 // The bounds are generous. They are there so that no product of allowed numbers overflows, and so that sample and step counts
 // (duration times 1e12 at most) fit 63 bits; a device within them need not make sense.
 
-#include "core/scene/scene.hpp"
 #include "core/scene/scene_key.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::table {
 

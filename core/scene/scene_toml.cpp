@@ -1,5 +1,3 @@
-#include "core/scene/scene_toml.hpp"
-
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -8,6 +6,7 @@
 #include "core/scene/scene_key.hpp"
 #include "core/scene/scene_settings.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline {
 

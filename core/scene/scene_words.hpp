@@ -6,7 +6,7 @@
 #include <array>
 #include <string_view>
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -1,8 +1,8 @@
 // shipped_scenes() itself is written by cmake/EmbedScenes.cmake.
 
-#include "core/scene/shipped_scenes.hpp"
-
 #include <algorithm>
+
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline {
 

@@ -8,8 +8,8 @@
 
 #include <tl/expected.hpp>
 
-#include "core/scene/fault.hpp"
 #include "core/scene/scene_key.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

@@ -8,10 +8,10 @@
 #include <Eigen/Core>
 
 #include "core/model/chain.hpp"
-#include "core/samples.hpp"
-#include "core/scene/scene.hpp"
 #include "core/step_choice/output_errors.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 

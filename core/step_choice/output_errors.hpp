@@ -8,9 +8,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/samples.hpp"
-#include "core/simulation.hpp"
 #include "core/step_choice/pilot.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
 

@@ -8,11 +8,11 @@
 
 #include <Eigen/Core>
 
-#include "core/samples.hpp"
-#include "core/scene/scene.hpp"
 #include "core/model/chain.hpp"
-#include "core/simulation.hpp"
 #include "core/step_choice/seen_motion.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
 

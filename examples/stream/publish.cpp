@@ -29,7 +29,8 @@ int main(int argc, char** argv) {
              .duration_s = 0.1,
              .wait_for_subscriber = true,
              .stop = &stop,
-             .bound = [](const std::string& endpoint) { std::cout << "publishing at " << endpoint << std::endl; },
+             .bound =
+                 [](const std::string& endpoint) { std::cout << "publishing at " << endpoint << std::endl; },
              .warn = [](const std::string& text) { std::cerr << text << '\n'; }});
         std::cout << summary["frames"] << " frames, " << summary["late_frames"] << " of them late\n";
     } catch (const std::exception& error) {

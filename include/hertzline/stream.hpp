@@ -25,10 +25,12 @@ struct PublishOptions {
     std::string endpoint = "tcp://127.0.0.1:5573";
     std::optional<double> duration_s{};  ///< simulated time; unset: until stopped
     bool wait_for_subscriber = false;    ///< sample 0 waits for the first subscriber
-    double pace = 1;                     ///< simulated seconds in a second, 1e-6 to 1e6; 0: as fast as possible
-    const std::atomic<bool>* stop = nullptr;             ///< true: publish() returns within a fraction of a second
-    std::function<void(const std::string&)> bound = {};  ///< takes the endpoint with its real port, before the first sample
-    std::function<void(const std::string&)> warn = {};   ///< takes warnings, in the thread that called publish()
+    double pace = 1;  ///< simulated seconds in a second, 1e-6 to 1e6; 0: as fast as possible
+    const std::atomic<bool>* stop = nullptr;  ///< true: publish() returns within a fraction of a second
+    std::function<void(const std::string&)> bound =
+        {};  ///< takes the endpoint with its real port, before the first sample
+    std::function<void(const std::string&)> warn =
+        {};  ///< takes warnings, in the thread that called publish()
 };
 
 /// Simulates a scene and publishes its taps, as `hertzline stream` does. Taps without a subscriber are not computed. A frame whose time

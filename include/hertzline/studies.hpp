@@ -28,12 +28,14 @@ using StudyKeys = std::vector<std::pair<std::string, StudyValues>>;
 
 /// Options of sweeps and searches.
 struct StudyOptions {
-    std::vector<std::string> measure = {};     ///< names of taps that are measured beside v_out
-    std::vector<std::string> quantities = {};  ///< numbers of a run that are kept (docs/measures.md); empty: all
-    std::optional<double> band_from_hz = {};   ///< where bands begin [Hz]; unset: half the drive's frequency
+    std::vector<std::string> measure = {};  ///< names of taps that are measured beside v_out
+    std::vector<std::string> quantities =
+        {};  ///< numbers of a run that are kept (docs/measures.md); empty: all
+    std::optional<double> band_from_hz = {};    ///< where bands begin [Hz]; unset: half the drive's frequency
     std::optional<std::string> waveforms = {};  ///< name of a tap whose samples are kept, as float32
-    std::optional<int> jobs = {};               ///< threads; unset: one for each processor that this process may use
-    const std::atomic<bool>* stop = nullptr;    ///< true: the study ends within a few steps, and its table is empty
+    std::optional<int> jobs = {};  ///< threads; unset: one for each processor that this process may use
+    const std::atomic<bool>* stop =
+        nullptr;  ///< true: the study ends within a few steps, and its table is empty
 };
 
 /// The points of a sweep.
@@ -52,7 +54,8 @@ struct StudyColumn {
 
 /// The table of a study, a row for each point, in their order.
 struct StudyTable {
-    std::vector<StudyColumn> columns;  ///< point, the keys that vary, status, the numbers, integrator, scene_hash, message
+    std::vector<StudyColumn>
+        columns;  ///< point, the keys that vary, status, the numbers, integrator, scene_hash, message
     std::vector<float> waveforms;      ///< row-major [point][sample]; empty without StudyOptions::waveforms
     std::size_t waveform_samples = 0;  ///< of each point; NaN after a point's last one
     nlohmann::ordered_json provenance;
@@ -88,12 +91,14 @@ struct SearchGoal {
 
 /// The outcome of a search.
 struct SearchOutcome {
-    StudyTable evaluations;          ///< in their order
-    nlohmann::ordered_json summary;  ///< the best point and its neighbourhood, as `hertzline optimise --json` prints it
+    StudyTable evaluations;  ///< in their order
+    nlohmann::ordered_json
+        summary;  ///< the best point and its neighbourhood, as `hertzline optimise --json` prints it
     std::vector<std::string> warnings;
 };
 
 /// Searches for the best point. @throws as sweep()
-SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGoal& goal, const StudyOptions& options = {});
+SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGoal& goal,
+                       const StudyOptions& options = {});
 
 }  // namespace hertzline

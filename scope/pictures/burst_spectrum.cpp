@@ -76,10 +76,10 @@ void BurstSpectra::analyse(const Record& record, const StreamHistory& history, d
         record.values.size() + 2 * fewest_samples < longest_record_) {
         longest_record_ = record.values.size() + fewest_samples;
         fs_ = history.fs;
-        analyser_ = std::make_unique<measures::SpectrumAnalyser>(longest_record_, fs_);
+        analyser_ = std::make_unique<SpectrumAnalyser>(longest_record_, fs_);
     }
     auto spectrum = std::make_shared<BurstSpectrum>();
-    measures::MagnitudeSpectrum lines = analyser_->magnitudes(record.values);
+    MagnitudeSpectrum lines = analyser_->magnitudes(record.values);
     spectrum->number = ++next_number_;
     spectrum->burst = record.burst;
     spectrum->samples = record.values.size();
@@ -88,7 +88,7 @@ void BurstSpectra::analyse(const Record& record, const StreamHistory& history, d
     spectrum->received_at_s = history.received_at_s;
     spectrum->bin_hz = lines.frequencies_hz.size() > 1 ? lines.frequencies_hz[1] : 0;
     spectrum->amplitudes = std::move(lines.amplitudes);
-    spectrum->measures["peak"] = measures::peak_of(record.values);
+    spectrum->measures["peak"] = peak_of(record.values);
     spectrum->measures.update(measures::spectrum_json(analyser_->analyse(record.values, fundamental_hz)));
     latest_ = std::move(spectrum);
 }

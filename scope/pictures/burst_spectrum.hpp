@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "measures/spectrum.hpp"
-#include "scope/pictures/stream_history.hpp"
-
 #include "core/scene/json.hpp"
+#include "hertzline/spectrum.hpp"
+#include "scope/pictures/stream_history.hpp"
 
 namespace hertzline::scope {
 
@@ -47,7 +46,7 @@ private:
     std::optional<Record> next_record(const StreamHistory& history) const;
     void analyse(const Record& record, const StreamHistory& history, double fundamental_hz);
 
-    std::unique_ptr<measures::SpectrumAnalyser> analyser_;
+    std::unique_ptr<SpectrumAnalyser> analyser_;
     std::size_t longest_record_ = 0;
     double fs_ = 0;
     std::uint64_t next_number_ = 0;

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/model/bursts.hpp"
 #include "scope/pictures/picture.hpp"
 #include "scope/pictures/stream_history.hpp"
-
-#include "core/model/bursts.hpp"
 
 namespace hertzline::scope {
 

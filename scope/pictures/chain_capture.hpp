@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 #include "stream/listening/run_receiver.hpp"
 
 namespace hertzline::scope {

@@ -3,10 +3,9 @@
 
 #include <map>
 
+#include "hertzline/taps.hpp"
 #include "scope/pictures/burst_spectrum.hpp"
 #include "scope/pictures/stream_history.hpp"
-
-#include "core/taps.hpp"
 #include "stream/listening/run_receiver.hpp"
 
 namespace hertzline::scope {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 #include "stream/listening/listener.hpp"
 
 namespace hertzline::scope {

@@ -5,11 +5,11 @@
 #include <cstddef>
 #include <type_traits>
 
-#include "scope/pictures/stream_history.hpp"
-#include "scope/pictures/view_request.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/view_request.hpp"
 
 namespace hertzline::scope {
 

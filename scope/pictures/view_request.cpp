@@ -6,12 +6,12 @@
 #include <string_view>
 #include <utility>
 
-#include "measures/run.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::scope {
 

@@ -6,11 +6,11 @@
 #include <optional>
 #include <string>
 
-#include "scope/pictures/level_trigger.hpp"
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
+#include "scope/pictures/level_trigger.hpp"
 
 namespace hertzline::scope {
 

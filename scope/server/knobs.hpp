@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "scope/server/page_server.hpp"
 #include <zmq.hpp>
 
 #include "core/scene/json.hpp"
+#include "scope/server/page_server.hpp"
 #include "stream/wire/security/curve.hpp"
 
 namespace hertzline::scope {

@@ -13,12 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "scope/server/page_server.hpp"
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+
+#include "scope/server/page_server.hpp"
 
 namespace hertzline::scope {
 

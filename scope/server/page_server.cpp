@@ -6,9 +6,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include <fmt/format.h>
+
 #include "scope/pictures/picture.hpp"
 #include "scope/server/page_connection.hpp"
-#include <fmt/format.h>
 
 namespace hertzline::scope {
 

@@ -7,10 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "measures/provenance.hpp"
-#include "recordings/columns.hpp"
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+
+#include "measures/provenance.hpp"
+#include "recordings/columns.hpp"
 
 namespace hertzline::scope {
 

@@ -7,10 +7,9 @@
 #include <optional>
 #include <string>
 
-#include "recordings/recording_set.hpp"
-
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
+#include "recordings/recording_set.hpp"
 #include "stream/listening/run_receiver.hpp"
 
 namespace hertzline::scope {

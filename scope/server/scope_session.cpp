@@ -4,11 +4,10 @@
 #include <chrono>
 #include <utility>
 
-#include "measures/run.hpp"
-
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
-#include "core/scene/scene_toml.hpp"
+#include "hertzline/scene_file.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::scope {
 

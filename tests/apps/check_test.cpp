@@ -1,10 +1,10 @@
 // hertzline check: derived values, the integrator and its step, and the reasons for them.
 
-#include "measures/resources.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/shipped_scenes.hpp"
+#include "hertzline/scene_file.hpp"
+#include "measures/resources.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {

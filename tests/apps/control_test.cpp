@@ -7,12 +7,12 @@
 #include <regex>
 #include <thread>
 
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
+#include "recordings/recording_formats.hpp"
 #include "stream/control/control_client.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/sanitized.hpp"

@@ -7,11 +7,11 @@
 #include <regex>
 #include <thread>
 
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "recordings/recording_formats.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/publisher.hpp"
 #include "tests/apps/program.hpp"

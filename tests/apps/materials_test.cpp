@@ -1,4 +1,4 @@
-#include "core/scene/materials.hpp"
+#include "hertzline/materials.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -2,11 +2,11 @@
 
 #include <cstdlib>
 
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
 

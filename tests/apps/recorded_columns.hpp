@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "recordings/recording_formats.hpp"
 #include <gtest/gtest.h>
 
+#include "recordings/recording_formats.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace hertzline::test {

@@ -3,11 +3,11 @@
 #include <csignal>
 #include <thread>
 
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "recordings/recording_formats.hpp"
 #include "tests/apps/limit.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/apps/recorded_columns.hpp"

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "recordings/recording_formats.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "recordings/recording_formats.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/shipped_scenes.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/apps/program.hpp"
 
 namespace hertzline::test {

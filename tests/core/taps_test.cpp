@@ -1,4 +1,4 @@
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 
 #include <atomic>
 #include <set>

@@ -7,7 +7,6 @@
 #include <string>
 
 #include "measures/provenance.hpp"
-
 #include "stream/inputs/replay_source.hpp"
 #include "tests/fuzz/claim.hpp"
 

@@ -8,7 +8,7 @@
 #include "core/model/chain.hpp"
 #include "core/model/tone_burst.hpp"
 #include "core/scene/scene_key.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {

@@ -1,7 +1,7 @@
 #pragma once
 // Claims on any text that was read as a scene.
 
-#include "core/scene/scene_toml.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::fuzz {
 

@@ -1,4 +1,4 @@
-#include "measures/spectrum.hpp"
+#include "hertzline/spectrum.hpp"
 
 #include <cmath>
 #include <limits>

@@ -12,7 +12,6 @@
 #include "recordings/formats/sigmf/sigmf.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/formats/wav/wav.hpp"
-
 #include "tests/support/recordings.hpp"
 
 namespace {

@@ -8,16 +8,16 @@
 #include <string>
 #include <vector>
 
-#include "scope/pictures/level_trigger.hpp"
-#include "scope/pictures/picture.hpp"
-#include "scope/pictures/stream_history.hpp"
-#include "scope/pictures/view.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
+#include "scope/pictures/level_trigger.hpp"
+#include "scope/pictures/picture.hpp"
+#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/view.hpp"
 
 namespace hertzline::scope {
 namespace {

@@ -7,11 +7,11 @@
 #include <limits>
 #include <random>
 
-#include "studies/database.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "studies/database.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/temporary_folder.hpp"
 

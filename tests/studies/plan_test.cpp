@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace hertzline::test {

@@ -3,10 +3,11 @@
 #include <atomic>
 #include <cmath>
 
-#include "studies/plan.hpp"
-#include "studies/point.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "studies/plan.hpp"
+#include "studies/point.hpp"
 
 namespace hertzline::test {
 

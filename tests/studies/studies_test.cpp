@@ -42,13 +42,15 @@ TEST(StudyVerbs, AListOfPointsTakesTheValuesTogether) {
 }
 
 TEST(StudyVerbs, EveryFaultIsThrownAtOnce) {
-    const std::string faults =
-        error_of([] { sweep(Scene{}, {{"chain.preload", "1..2:3"}}, {.measure = {"v_nothing"}, .jobs = 0}); });
+    const std::string faults = error_of([] {
+        sweep(Scene{}, {{"chain.preload", "1..2:3"}}, {.measure = {"v_nothing"}, .jobs = 0});
+    });
     EXPECT_THAT(faults, HasSubstr("jobs: found 0, allowed: 1 to 1024"));
     EXPECT_THAT(faults, HasSubstr("chain.preload"));
     EXPECT_THROW(sweep(Scene{}, {{"chain.preload_n", std::vector<double>{}}}), std::invalid_argument);
     EXPECT_THAT(error_of([] {
-                    optimise(Scene{}, {{"chain.preload_n", "0.1..1"}}, {.subject_to = {"nonsense"}, .evaluations = 0});
+                    optimise(Scene{}, {{"chain.preload_n", "0.1..1"}},
+                             {.subject_to = {"nonsense"}, .evaluations = 0});
                 }),
                 testing::AllOf(HasSubstr("maximise or minimise is missing"), HasSubstr("subject_to: "),
                                HasSubstr("evaluations: found 0")));

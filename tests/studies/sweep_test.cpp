@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "studies/study.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
+#include "studies/study.hpp"
 #include "tests/support/error_of.hpp"
 
 namespace hertzline::test {

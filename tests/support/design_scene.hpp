@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::test {
 

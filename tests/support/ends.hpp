@@ -1,7 +1,7 @@
 #pragma once
 // Ends of a chain.
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::test {
 

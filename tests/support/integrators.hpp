@@ -1,5 +1,5 @@
 #pragma once
-// Claims that hold for every integrator: a new one is tested as soon as it has a row in core/scene/integrator.hpp.
+// Claims that hold for every integrator: a new one is tested as soon as it has a row in include/hertzline/integrator.hpp.
 
 #include <string>
 #include <vector>

@@ -6,10 +6,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/step_choice/reference_pilot.hpp"
 #include "core/model/chain.hpp"
-#include "core/simulation.hpp"
 #include "core/step_choice/finer_run.hpp"
+#include "core/step_choice/reference_pilot.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/reference.hpp"
 
 namespace hertzline::test {

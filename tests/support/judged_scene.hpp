@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::test {
 

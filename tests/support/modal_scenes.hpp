@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "core/samples.hpp"
-#include "core/scene/scene.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::test {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline::test {
 

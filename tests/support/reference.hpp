@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::test {
 

@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/simulation.hpp"
 #include "core/step_choice/pilot.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::test {
 

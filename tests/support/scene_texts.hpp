@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::test {
 

@@ -1,8 +1,7 @@
 #pragma once
 // Scenes of repeated bursts: one whose bursts are alike, and one whose motion grows.
 
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::test {
 

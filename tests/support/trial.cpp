@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/model/energy.hpp"
-#include "core/step_choice/step_advice.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/contact_law.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "core/model/energy.hpp"
+#include "core/step_choice/step_advice.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::test {
 

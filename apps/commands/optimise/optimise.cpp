@@ -9,11 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "measures/resources.hpp"
-#include "recordings/formats/table.hpp"
-#include "recordings/recording_formats.hpp"
-#include "studies/search_report.hpp"
-#include "studies/study.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -23,6 +18,11 @@
 #include "apps/console/output.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/json.hpp"
+#include "measures/resources.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include "studies/search_report.hpp"
+#include "studies/study.hpp"
 
 namespace hertzline::app {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "studies/search_job.hpp"
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/sweep/sweep_options.hpp"
+#include "studies/search_job.hpp"
 
 namespace hertzline::app {
 

@@ -13,8 +13,6 @@
 #include <thread>
 #include <vector>
 
-#include "recordings/files/errors.hpp"
-#include "recordings/recording_formats.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
@@ -23,6 +21,8 @@
 
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/files/errors.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 

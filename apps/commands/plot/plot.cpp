@@ -10,7 +10,6 @@
 #include <string_view>
 #include <vector>
 
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -19,6 +18,7 @@
 #include "apps/commands/plot/picture.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 

@@ -8,11 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "measures/provenance.hpp"
-#include "measures/quantities.hpp"
-#include "recordings/formats/table.hpp"
-#include "recordings/recording_formats.hpp"
-#include "recordings/row_builder.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -27,6 +22,11 @@
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
+#include "measures/quantities.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/row_builder.hpp"
 #include "stream/pipeline/pacer.hpp"
 
 namespace hertzline::app {
@@ -100,8 +100,8 @@ private:
     std::size_t rows_ = 0;
 };
 
-measures::Run simulate(const Session& session, TapSet recorded, TapSet measured,
-                       recordings::RecordingSet& recordings) {
+hertzline::Run simulate(const Session& session, TapSet recorded, TapSet measured,
+                        recordings::RecordingSet& recordings) {
     recordings::RowBuilder row_builder(recordings, recorded);
     const bool wants_files = recordings.any_left();
     Progress progress(session.resolved.scene);
@@ -124,8 +124,8 @@ measures::Run simulate(const Session& session, TapSet recorded, TapSet measured,
              [&](std::size_t step) { recordings.note_change(stream::change_json(session.changes[step])); }});
 }
 
-void measure(measures::Run& run, std::optional<double> band_from_hz) {
-    measures::SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
+void measure(hertzline::Run& run, std::optional<double> band_from_hz) {
+    SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
     measures::measure(run, analyser, band_from_hz);
     for (const std::string& text : run.warnings) {
         spdlog::warn(text);
@@ -133,10 +133,10 @@ void measure(measures::Run& run, std::optional<double> band_from_hz) {
 }
 
 /// Prints the numbers of a run, and as JSON its warnings, which text has on stderr.
-void print_run(const measures::Run& run, Format format) {
+void print_run(const hertzline::Run& run, Format format) {
     std::vector<SummaryGroup> summary = measures::summary_of(run);
     if (format == Format::json) {
-        measures::Warnings warnings = measures::scene_warnings(run.resolved);
+        Warnings warnings = measures::scene_warnings(run.resolved);
         warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
         summary.push_back({"", {{"warnings", warnings}}, ""});
     }
@@ -206,7 +206,7 @@ Exit run(const RunOptions& options) {
         options.files, head, recordings::RecordingPatience::endless(stop_asked()),
         [](const std::string& text) { spdlog::error(text); }, recordings::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
-    measures::Run run = simulate(session, recorded, measured, recordings);
+    hertzline::Run run = simulate(session, recorded, measured, recordings);
     run.setup_s += setup_s;
     if (run.stopped) {
         recordings.discard();

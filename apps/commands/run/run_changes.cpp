@@ -6,9 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "measures/provenance.hpp"
-#include "recordings/files/input_file.hpp"
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -16,7 +13,10 @@
 #include "core/scene/faults.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
+#include "measures/provenance.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 

@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "measures/run.hpp"
-
 #include "apps/arguments/scene_argument.hpp"
 #include "core/scene/faults.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "measures/run.hpp"
 #include "stream/control/scene_change.hpp"
 
 namespace hertzline::app {
@@ -18,7 +17,7 @@ namespace hertzline::app {
 struct Session {
     Resolution resolved;  ///< the first scene
     std::vector<stream::SceneChange> changes;
-    std::vector<measures::SceneStep> steps;  ///< the scenes of the changes
+    std::vector<SceneStep> steps;  ///< the scenes of the changes
 };
 
 /// Whether SCENE names a recording: an ending of one, and a file that is there.

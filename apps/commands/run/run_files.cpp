@@ -8,29 +8,29 @@
 #include <utility>
 #include <vector>
 
-#include "measures/run.hpp"
-#include "measures/spectrum.hpp"
-#include "recordings/formats/table.hpp"
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "apps/commands/plot/picture.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "core/taps.hpp"
+#include "hertzline/spectrum.hpp"
+#include "hertzline/taps.hpp"
+#include "measures/run.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
 namespace {
 
-recordings::Table spectra_of(const measures::Run& run, const Json& provenance) {
-    measures::SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
+recordings::Table spectra_of(const hertzline::Run& run, const Json& provenance) {
+    SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
     std::vector<recordings::Column> columns{{"frequency_hz", "frequency", "Hz"}};
     std::vector<std::vector<double>> values(1);
-    for (const measures::TapRecord& tap : run.taps) {
+    for (const TapRecord& tap : run.taps) {
         const TapRow& row = row_of(tap.tap);
-        measures::MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
+        MagnitudeSpectrum spectrum = analyser.magnitudes(tap.values);
         columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
         values.front() = std::move(spectrum.frequencies_hz);
         values.push_back(std::move(spectrum.amplitudes));
@@ -38,9 +38,9 @@ recordings::Table spectra_of(const measures::Run& run, const Json& provenance) {
     return recordings::number_table(columns, std::move(values), provenance);
 }
 
-recordings::RecordingHead head_of(const measures::Run& run, const Json& provenance) {
+recordings::RecordingHead head_of(const hertzline::Run& run, const Json& provenance) {
     recordings::RecordingHead head;
-    for (const measures::TapRecord& tap : run.taps) {
+    for (const TapRecord& tap : run.taps) {
         const TapRow& row = row_of(tap.tap);
         head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
     }
@@ -51,7 +51,7 @@ recordings::RecordingHead head_of(const measures::Run& run, const Json& provenan
 }
 
 /// @returns false when stopped meanwhile
-bool draw(const std::string& file, const measures::Run& run, const recordings::RecordingHead& head,
+bool draw(const std::string& file, const hertzline::Run& run, const recordings::RecordingHead& head,
           const std::string& title) {
     Picture picture(file, head);
     const std::size_t rows = std::min(run.rows(), static_cast<std::size_t>(max_picture_samples));
@@ -86,7 +86,7 @@ void check_spectra(std::span<const std::string> spectra, std::span<const std::st
     }
 }
 
-bool save_spectra(std::span<const std::string> files, const measures::Run& run, const Json& provenance) {
+bool save_spectra(std::span<const std::string> files, const hertzline::Run& run, const Json& provenance) {
     if (files.empty()) {
         return true;
     }
@@ -105,7 +105,7 @@ bool save_spectra(std::span<const std::string> files, const measures::Run& run, 
     return all;
 }
 
-bool save_picture(const std::string& file, const measures::Run& run, const Json& provenance,
+bool save_picture(const std::string& file, const hertzline::Run& run, const Json& provenance,
                   const std::string& title) {
     if (file.empty()) {
         return true;

@@ -4,10 +4,9 @@
 #include <span>
 #include <string>
 
-#include "measures/run.hpp"
-
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::app {
 
@@ -15,13 +14,13 @@ namespace hertzline::app {
 void check_spectra(std::span<const std::string> spectra, std::span<const std::string> recordings,
                    Faults& faults);
 
-/// Saves frequency and amplitude of each tap of the record (measures/spectrum.hpp has the definition). Reports files that
+/// Saves frequency and amplitude of each tap of the record (include/hertzline/spectrum.hpp has the definition). Reports files that
 /// cannot be written. @returns whether all of them were
-bool save_spectra(std::span<const std::string> files, const measures::Run& run, const Json& provenance);
+bool save_spectra(std::span<const std::string> files, const hertzline::Run& run, const Json& provenance);
 
 /// Draws the taps of the record; nothing where no file is named. Reports a picture that cannot be drawn.
 /// @param title stands above @returns whether it was drawn
-bool save_picture(const std::string& file, const measures::Run& run, const Json& provenance,
+bool save_picture(const std::string& file, const hertzline::Run& run, const Json& provenance,
                   const std::string& title);
 
 }  // namespace hertzline::app

@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "apps/commands/publish_session.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 #include "stream/control/control_server.hpp"
 #include "stream/control/scene_control.hpp"
 

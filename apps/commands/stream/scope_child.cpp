@@ -7,11 +7,12 @@
 #include <system_error>
 #include <utility>
 
-#include "scope/server/page_rules.hpp"
 #include <fcntl.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "scope/server/page_rules.hpp"
 
 namespace hertzline::app {
 

@@ -6,11 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "measures/resources.hpp"
-#include "measures/run.hpp"
-#include "measures/scene_report.hpp"
-#include "recordings/recording_formats.hpp"
-#include "recordings/row_builder.hpp"
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/options.hpp"
@@ -23,6 +18,11 @@
 #include "apps/commands/stream/stream_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "measures/resources.hpp"
+#include "measures/run.hpp"
+#include "measures/scene_report.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/row_builder.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 

@@ -3,12 +3,12 @@
 #include <chrono>
 #include <utility>
 
-#include "measures/provenance.hpp"
 #include <spdlog/spdlog.h>
 
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/scene_file.hpp"
+#include "measures/provenance.hpp"
 
 namespace hertzline::app {
 

@@ -4,12 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "recordings/recording_set.hpp"
-
 #include "apps/commands/publish_session.hpp"
 #include "apps/commands/stream/live_control.hpp"
 #include "apps/console/progress.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "recordings/recording_set.hpp"
 #include "stream/inputs/estimate_watch.hpp"
 
 namespace hertzline::app {

@@ -3,8 +3,9 @@
 
 #include <string>
 
-#include "studies/study.hpp"
 #include <tl/expected.hpp>
+
+#include "studies/study.hpp"
 
 namespace hertzline::app {
 

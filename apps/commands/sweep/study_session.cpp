@@ -7,8 +7,6 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "measures/resources.hpp"
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -19,6 +17,8 @@
 #include "core/integrators/kernels.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "measures/resources.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 

@@ -11,14 +11,13 @@
 #include <string_view>
 #include <vector>
 
+#include "apps/command.hpp"
+#include "apps/commands/sweep/sweep_options.hpp"
+#include "apps/console/progress.hpp"
 #include "recordings/formats/table.hpp"
 #include "studies/journal.hpp"
 #include "studies/study.hpp"
 #include "studies/workers.hpp"
-
-#include "apps/command.hpp"
-#include "apps/commands/sweep/sweep_options.hpp"
-#include "apps/console/progress.hpp"
 
 namespace hertzline::app {
 

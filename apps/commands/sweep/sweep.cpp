@@ -7,10 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "measures/resources.hpp"
-#include "recordings/recording_formats.hpp"
-#include "studies/study.hpp"
-#include "studies/workers.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -20,6 +16,10 @@
 #include "apps/commands/sweep/sweep_merge.hpp"
 #include "apps/commands/sweep/sweep_options.hpp"
 #include "apps/console/signals.hpp"
+#include "measures/resources.hpp"
+#include "recordings/recording_formats.hpp"
+#include "studies/study.hpp"
+#include "studies/workers.hpp"
 
 namespace hertzline::app {
 

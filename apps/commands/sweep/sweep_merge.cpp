@@ -9,9 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "recordings/recording_formats.hpp"
-#include "studies/journal.hpp"
-#include "studies/study.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -19,6 +16,9 @@
 #include "apps/commands/sweep/study_session.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/recording_formats.hpp"
+#include "studies/journal.hpp"
+#include "studies/study.hpp"
 
 namespace hertzline::app {
 

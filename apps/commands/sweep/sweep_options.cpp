@@ -7,15 +7,15 @@
 #include <system_error>
 #include <utility>
 
-#include "measures/resources.hpp"
-#include "recordings/files/input_file.hpp"
-#include "recordings/formats/table.hpp"
-#include "recordings/recording_formats.hpp"
 #include <fmt/format.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
 #include "core/scene/text.hpp"
+#include "measures/resources.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 

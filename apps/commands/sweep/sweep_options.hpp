@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "studies/study.hpp"
 #include <CLI/CLI.hpp>
 
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/console/output.hpp"
 #include "core/scene/faults.hpp"
+#include "studies/study.hpp"
 
 namespace hertzline::app {
 

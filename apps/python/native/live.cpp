@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "measures/run.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
@@ -15,7 +14,8 @@
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
+#include "measures/run.hpp"
 #include "stream/control/control_client.hpp"
 #include "stream/listening/listener.hpp"
 #include "stream/wire/endpoint.hpp"

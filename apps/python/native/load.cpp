@@ -6,15 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include "recordings/recording.hpp"
-#include "recordings/recording_formats.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
+#include "recordings/recording.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::python {
 

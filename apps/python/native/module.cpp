@@ -2,8 +2,9 @@
 
 #include "apps/python/native/module.hpp"
 
-#include "measures/provenance.hpp"
 #include <pybind11/pybind11.h>
+
+#include "measures/provenance.hpp"
 
 PYBIND11_MODULE(_native, module) {
     module.doc() = "The native part of the package hertzline: use the package.";

@@ -1,8 +1,7 @@
 #include "apps/python/native/python_values.hpp"
 
-#include "measures/resources.hpp"
-
 #include "core/scene/json.hpp"
+#include "measures/resources.hpp"
 
 namespace hertzline::python {
 

@@ -13,9 +13,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include "core/scene/fault.hpp"
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::python {
 

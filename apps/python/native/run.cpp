@@ -8,8 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "measures/provenance.hpp"
-#include "measures/quantities.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
@@ -19,6 +17,8 @@
 #include "apps/python/native/scene_object.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
+#include "measures/provenance.hpp"
+#include "measures/quantities.hpp"
 
 namespace hertzline::python {
 
@@ -61,25 +61,25 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
     for (const Tap tap : beside) {
         result.column(tap).reserve(result.rows * channels_of(tap, result.spheres));
     }
-    measures::Run run =
-        measures::run(resolved, {.recorded = beside,
-                                 .measured = request.measured,
-                                 .band_from_hz = request.band_from_hz,
-                                 .stop = &stop,
-                                 .take = [&](const Samples& block) {
-                                     for (const Tap tap : beside) {
-                                         result.column(tap).insert(result.column(tap).end(),
-                                                                   block[tap].begin(), block[tap].end());
-                                     }
-                                     return true;
-                                 }});
+    hertzline::Run run =
+        hertzline::run(resolved, {.recorded = beside,
+                                  .measured = request.measured,
+                                  .band_from_hz = request.band_from_hz,
+                                  .stop = &stop,
+                                  .take = [&](const Samples& block) {
+                                      for (const Tap tap : beside) {
+                                          result.column(tap).insert(result.column(tap).end(),
+                                                                    block[tap].begin(), block[tap].end());
+                                      }
+                                      return true;
+                                  }});
     if (run.stopped) {
         return;
     }
     result.warnings = measures::scene_warnings(resolved);
     result.warnings.insert(result.warnings.end(), run.warnings.begin(), run.warnings.end());
     result.summary = measures::summary_json(measures::summary_of(run));
-    for (measures::TapRecord& tap : run.taps) {
+    for (TapRecord& tap : run.taps) {
         result.column(tap.tap) = std::move(tap.values);
     }
     result.held = beside | request.measured | Tap::v_out;

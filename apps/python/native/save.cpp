@@ -4,16 +4,15 @@
 #include <atomic>
 #include <stdexcept>
 
+#include "apps/python/native/interruptible.hpp"
+#include "apps/python/native/python_values.hpp"
+#include "core/scene/faults.hpp"
+#include "hertzline/samples.hpp"
 #include "measures/run.hpp"
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"
 #include "recordings/row_builder.hpp"
-
-#include "apps/python/native/interruptible.hpp"
-#include "apps/python/native/python_values.hpp"
-#include "core/samples.hpp"
-#include "core/scene/faults.hpp"
 
 namespace hertzline::python {
 

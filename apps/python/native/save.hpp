@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::python {
 

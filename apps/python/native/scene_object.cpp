@@ -5,9 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "measures/run.hpp"
-#include "measures/scene_file.hpp"
-#include "measures/scene_report.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
@@ -15,9 +12,11 @@
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
-#include "core/scene/shipped_scenes.hpp"
 #include "core/scene/text.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
+#include "measures/run.hpp"
+#include "measures/scene_report.hpp"
 
 namespace hertzline::python {
 
@@ -81,7 +80,7 @@ void add_scene(py::module_& module) {
         .def("check", &check);
     module.def("parse", &parse, py::arg("text"), py::arg("origin"), py::arg("settings"));
     module.def(
-        "unknown_scene", [](const std::string& name) { return measures::unknown_scene(name).message(); },
+        "unknown_scene", [](const std::string& name) { return unknown_scene(name).message(); },
         py::arg("name"));
     module.def("materials", [] {
         py::list materials;

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "core/scene/scene_toml.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline::python {
 

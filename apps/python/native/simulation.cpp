@@ -1,4 +1,4 @@
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "measures/run.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "apps/python/native/scene_object.hpp"
 #include "core/scene/faults.hpp"
+#include "measures/run.hpp"
 
 namespace hertzline::python {
 

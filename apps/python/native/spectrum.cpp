@@ -1,15 +1,15 @@
-#include "measures/spectrum.hpp"
+#include "hertzline/spectrum.hpp"
 
 #include <optional>
 #include <span>
 #include <utility>
 
-#include "measures/quantities.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
+#include "measures/quantities.hpp"
 
 namespace hertzline::python {
 
@@ -26,12 +26,11 @@ py::tuple spectrum(const Record& samples, double sample_rate_hz, std::optional<d
                               " dimensions, allowed: one channel, which has one");
     }
     const std::span<const double> record(samples.data(), static_cast<std::size_t>(samples.size()));
-    require_memory("a spectrum",
-                   measures::SpectrumAnalyser::bytes_needed(static_cast<double>(record.size())));
-    measures::MagnitudeSpectrum lines;
-    std::optional<measures::SpectrumSummary> summary;
+    require_memory("a spectrum", SpectrumAnalyser::bytes_needed(static_cast<double>(record.size())));
+    MagnitudeSpectrum lines;
+    std::optional<SpectrumSummary> summary;
     interruptible([&](const std::atomic<bool>&) {
-        measures::SpectrumAnalyser analyser(record.size(), sample_rate_hz);
+        SpectrumAnalyser analyser(record.size(), sample_rate_hz);
         lines = analyser.magnitudes(record);
         if (fundamental_hz) {
             summary = analyser.analyse(record, *fundamental_hz, band_from_hz);

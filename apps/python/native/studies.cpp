@@ -1,3 +1,5 @@
+#include "hertzline/studies.hpp"
+
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -8,7 +10,6 @@
 #include <variant>
 #include <vector>
 
-#include "hertzline/studies.hpp"
 #include <pybind11/stl.h>
 
 #include "apps/python/native/interruptible.hpp"
@@ -97,7 +98,9 @@ void add_studies(py::module_& module) {
             const SweepPoints kind = points ? SweepPoints::list : SweepPoints::grid;
             return python_table(run_study<StudyTable>(
                 {std::move(measure), std::move(quantities), band_from_hz, std::move(waveforms), jobs},
-                [&](const StudyOptions& options) { return sweep(scene.scene(), keys, options, kind, sobol); }));
+                [&](const StudyOptions& options) {
+                    return sweep(scene.scene(), keys, options, kind, sobol);
+                }));
         },
         py::arg("scene"), py::arg("vary"), py::arg("points"), py::arg("sobol"), py::arg("measure"),
         py::arg("quantities"), py::arg("band_from_hz"), py::arg("waveforms"), py::arg("jobs"));
@@ -107,8 +110,8 @@ void add_studies(py::module_& module) {
            std::vector<std::string> subject_to, std::int64_t evaluations, std::uint64_t seed,
            std::vector<std::string> measure, std::optional<double> band_from_hz, std::optional<int> jobs) {
             const StudyKeys keys = study_keys(vary);
-            const SearchGoal goal{std::move(maximise), std::move(minimise), std::move(subject_to), evaluations,
-                                  seed};
+            const SearchGoal goal{std::move(maximise), std::move(minimise), std::move(subject_to),
+                                  evaluations, seed};
             SearchOutcome found = run_study<SearchOutcome>(
                 {std::move(measure), {}, band_from_hz, std::nullopt, jobs},
                 [&](const StudyOptions& options) { return optimise(scene.scene(), keys, goal, options); });

@@ -7,7 +7,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/model/tone_burst.hpp"
-#include "core/samples.hpp"
+#include "hertzline/samples.hpp"
 
 namespace hertzline {
 

@@ -16,7 +16,7 @@
 #include "core/model/chain.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline {
 

@@ -8,10 +8,10 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/model/chain.hpp"
-#include "core/samples.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/contact_forces.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
+#include "hertzline/samples.hpp"
 
 namespace hertzline {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/design_scene.hpp"
 
 namespace hertzline::test {

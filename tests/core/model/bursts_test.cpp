@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/samples.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
 namespace {

@@ -6,8 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_words.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
-#include "core/simulation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "core/scene/scene_words.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/modal_scenes.hpp"
 #include "tests/support/reference.hpp"
 

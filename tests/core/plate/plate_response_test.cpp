@@ -11,7 +11,7 @@
 #include "core/model/end.hpp"
 #include "core/plate/exact_plate.hpp"
 #include "core/plate/radiation.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 
 namespace hertzline {
 namespace {

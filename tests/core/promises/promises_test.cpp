@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/model/energy.hpp"
 #include "core/integrators/stability.hpp"
+#include "core/model/energy.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/step_choice/step_advice.hpp"
 #include "tests/support/allocation_count.hpp"

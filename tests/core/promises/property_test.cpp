@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "core/model/energy.hpp"
 #include "core/integrators/stability.hpp"
-#include "core/scene/scene_toml.hpp"
+#include "core/model/energy.hpp"
 #include "core/scene/scene_words.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 

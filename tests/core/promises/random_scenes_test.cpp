@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/draw.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/random_scene.hpp"

@@ -1,4 +1,4 @@
-#include "core/scene/materials.hpp"
+#include "hertzline/materials.hpp"
 
 #include <map>
 #include <set>
@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 namespace hertzline {
 namespace {

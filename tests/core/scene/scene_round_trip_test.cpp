@@ -8,8 +8,8 @@
 #include <rapidcheck/gtest.h>
 
 #include "core/scene/scene_key.hpp"
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/toml_entries.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline {
 namespace {

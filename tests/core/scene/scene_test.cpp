@@ -1,4 +1,4 @@
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 
 #include <cmath>
 #include <functional>

@@ -1,11 +1,10 @@
-#include "core/scene/scene_toml.hpp"
-
 #include <string>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "hertzline/scene_file.hpp"
 #include "tests/support/scene_texts.hpp"
 
 namespace hertzline::test {

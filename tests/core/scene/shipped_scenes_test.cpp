@@ -1,5 +1,3 @@
-#include "core/scene/shipped_scenes.hpp"
-
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,7 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
+#include "hertzline/scene_file.hpp"
 
 namespace hertzline {
 namespace {

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/scene/shipped_scenes.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/scene_texts.hpp"
 
 namespace hertzline::test {

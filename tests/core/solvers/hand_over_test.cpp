@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/model/bursts.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/seen_scenes.hpp"

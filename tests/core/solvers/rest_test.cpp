@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
 

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "core/model/tone_burst.hpp"
-#include "core/simulation.hpp"
 #include "core/step_choice/finer_run.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"
 

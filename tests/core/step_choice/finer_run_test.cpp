@@ -5,9 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/simulation.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/seen_scenes.hpp"

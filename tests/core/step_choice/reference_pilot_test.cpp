@@ -7,11 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/scene/scene_toml.hpp"
 #include "core/scene/scene_words.hpp"
-#include "core/scene/shipped_scenes.hpp"
-#include "core/step_choice/resolve.hpp"
 #include "core/step_choice/step_advice.hpp"
+#include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"
 

@@ -1,7 +1,6 @@
 // The choice of integrator and step: the requested accuracy is met for any scene, in bounded time.
 
-#include "core/step_choice/resolve.hpp"
-#include "core/step_choice/step_advice.hpp"
+#include "hertzline/resolve.hpp"
 
 #include <chrono>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/step_choice/step_advice.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/reference.hpp"
 #include "tests/support/runs.hpp"

@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "scope/server/page_rules.hpp"
-
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {

@@ -4,7 +4,6 @@
 #include <span>
 
 #include "recordings/isolated_reader.hpp"
-
 #include "tests/fuzz/recording_claims.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "recordings/formats/hdf5/hdf5.hpp"
 #include <pthread.h>
 
+#include "recordings/formats/hdf5/hdf5.hpp"
 #include "tests/fuzz/memory_folder.hpp"
 #include "tests/fuzz/recording_claims.hpp"
 

@@ -7,11 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "scope/pictures/picture.hpp"
-#include "scope/pictures/view.hpp"
-
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
+#include "scope/pictures/picture.hpp"
+#include "scope/pictures/view.hpp"
 #include "stream/wire/frame.hpp"
 #include "tests/fuzz/claim.hpp"
 
