@@ -31,7 +31,7 @@ constexpr int runs = 15;
 /// Upper ends of the histogram's classes, in medians.
 constexpr std::array classes{0.5, 0.8, 1.0, 1.25, 1.5, 2.0, 3.0, 5.0};
 
-/// The shortest time of each block [s].
+/// Returns the shortest time of each block [s].
 std::vector<double> block_times(const Scene& scene, std::size_t blocks) {
     using Clock = std::chrono::steady_clock;
     Simulation simulation(scene);

@@ -93,7 +93,7 @@ Contender fixed(const Problem& problem, const char* name, int steps_per_sample, 
             }};
 }
 
-/// The scheme of discrete-element codes: one force evaluation a step, dashpots lag by half a step.
+/// Makes the scheme of discrete-element codes: one force evaluation a step, dashpots lag by half a step.
 template <std::size_t Lanes>
 Contender verlet(const Problem& problem, int steps_per_sample) {
     using Half = std::array<double, Lanes>;

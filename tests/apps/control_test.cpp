@@ -1,4 +1,4 @@
-// hertzline set and hertzline get against a running stream, and its session again.
+// hertzline set and hertzline get against a running stream, and its session repeated.
 
 #include <atomic>
 #include <chrono>
@@ -50,7 +50,7 @@ public:
     std::atomic<bool> never{false};
 };
 
-/// All numbers of a recording, in order.
+/// Returns all numbers of a recording, in order.
 std::vector<double> numbers_in(const std::string& file) {
     const auto reader = open_reader(file);
     std::vector<double> all;
@@ -64,7 +64,7 @@ Json changes_in_file(const std::string& file) {
     return open_reader(file)->head().provenance.value("changes", Json::array());
 }
 
-/// Any change, as a controller may want it.
+/// Returns a random change, as a controller may request it.
 Json random_change(std::mt19937& random) {
     const auto from_to = [&](double from, double to) {
         return std::uniform_real_distribution(from, to)(random);
@@ -252,7 +252,7 @@ TEST(Control, AHornThatIsSwitchedOffLetsTheChainRingDown) {
         write_text(folder.file("changes.json"),
                    fmt::format(R"([{{"sample": 1000, "set": {{"drive.amplitude_m": {}}}}}])", amplitude));
         const std::string file = folder.file("off.csv");
-        // the burst begins anew at the change, so the first one is cut off while the chain moves
+        // the burst restarts at the change, so the first one is cut off while the chain moves
         const Outcome run = hertzline({"run", "paper-stream", "--set", "drive.repetition_hz=2500", "--set",
                                        "output.sample_rate_hz=2.5e6", "--set", "output.duration_s=2e-3",
                                        "--changes", folder.file("changes.json"), "-o", file});
@@ -281,7 +281,7 @@ TEST(Control, TheSummaryOfAChangedRunIsOfAllOfIt) {
     const Words words{"run", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json"};
     const auto summary = [&](const Words& more) { return hertzline(with(words, more)).json(); };
     const Json loud = summary({"--set", "output.duration_s=1e-3"});
-    // the motion goes on, or begins anew; all that is loud is over by then
+    // the motion continues or restarts; the loud part is over by then
     for (const char* change :
          {R"("drive.amplitude_m": 1e-11)", R"("drive.amplitude_m": 0, "chain.preload_n": 0.2)"}) {
         write_text(folder.file("changes.json"),

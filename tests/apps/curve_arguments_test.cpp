@@ -32,7 +32,7 @@ Words joined(Words words, const Words& more) {
     return words;
 }
 
-/// Keys of a server, of alice whom it lets in, and of eve whom it does not know.
+/// Keys of a server, of alice, who is listed, and of eve, who is not.
 class Keys {
 public:
     Keys() {
@@ -54,7 +54,7 @@ private:
     TemporaryFolder folder_;
 };
 
-/// 2 ms, from sample 0 on when the first subscriber is there.
+/// Returns the words for a stream of 2 ms that begins at sample 0 with the first subscriber.
 Words short_stream(const Words& more) {
     return joined({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
                    "--wait-for-subscriber", "--json", "--bind", any_port},
@@ -170,7 +170,7 @@ TEST(Security, MetaSaysWhetherTheStreamIsEncrypted) {
     }
 }
 
-/// The two ways to be reached from other machines.
+/// The two kinds of addresses that other machines can reach.
 TEST(Security, EveryInterfaceIsBoundEncryptedOrInsecure) {
     const Keys keys;
     for (const Words& words : {keys.of_server(), Words{"--insecure"}}) {

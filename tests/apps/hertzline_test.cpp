@@ -263,7 +263,7 @@ const Mistake mistakes[] = {
 INSTANTIATE_TEST_SUITE_P(Each, WrongUse, testing::ValuesIn(mistakes),
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
-/// The messages name each of these.
+/// Expects that the messages name each of these.
 void expect_all_named(const Words& words, const Words& wrong) {
     const Outcome outcome = hertzline(words);
     EXPECT_EQ(outcome.status, 2);

@@ -10,7 +10,7 @@
 
 namespace hertzline::test {
 
-/// Rows that the journal has now; 0 also where it is not there yet.
+/// Returns the number of rows in the journal; 0 when it does not exist yet.
 inline std::int64_t rows_of_journal(const std::string& journal) {
     try {
         const studies::Database database(journal, studies::Database::Use::read);

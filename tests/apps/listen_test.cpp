@@ -50,7 +50,7 @@ public:
         EXPECT_TRUE(publisher_.wanted(topic)) << "no listener";
     }
 
-    /// A frame of ten samples.
+    /// Sends a frame of ten samples.
     void send(std::uint64_t seq, std::uint64_t sample, std::uint64_t dropped = 0, float value = 0) {
         frame_.seq = seq;
         frame_.sample = sample;
@@ -98,7 +98,7 @@ public:
     const std::string topic;
 };
 
-/// The listener ended with this status and this account.
+/// Expects that the listener ended with this status and this account.
 void expect_account(const Outcome& outcome, int status, const json& expected) {
     EXPECT_EQ(outcome.status, status) << outcome.err;
     const json account = outcome.json();
@@ -204,7 +204,7 @@ TEST(Listen, FramesOfOtherWidthsAreMalformed) {
     EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 10U);
 }
 
-/// The largest that it was [bytes].
+/// Returns the program's peak memory [bytes].
 std::size_t peak_memory(const Program& program) {
     std::ifstream status(fmt::format("/proc/{}/status", program.process()));
     for (std::string line; std::getline(status, line);) {
@@ -280,7 +280,7 @@ TEST(Listen, CtrlCSavesWhatCame) {
               outcome.json()["samples"].get<std::size_t>());
 }
 
-/// Frames that a stream has sent, as its meters tell.
+/// Returns the number of frames that a stream has sent, by its meters.
 std::int64_t frames_sent(Subscriber& meters) {
     return object_of(meters, "meters").value("frames", std::int64_t{0});
 }

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The names in backticks in docs/measures.md.
+/// Returns the names in backticks in docs/measures.md.
 std::string explained() {
     return file_text(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "docs/measures.md");
 }

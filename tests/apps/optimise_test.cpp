@@ -24,7 +24,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A search that is over soon: a short chain on a wall, and few samples.
+/// A quick search: a short chain on a wall, and few samples.
 const Words scene = with({"optimise"}, quick_points);
 const Words vary{"--vary", "chain.preload_n=0.01..1:log", "--vary", "chain.spheres=3..8"};
 const Words quick = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s", "--evaluations", "120"});
@@ -119,7 +119,7 @@ TEST_F(Optimise, IsDrawn) {
                       HasSubstr("<!-- peak_v_out_m_per_s [m/s] -->"), HasSubstr("<!-- evaluation -->")));
 }
 
-/// A search that lasts, to be interrupted.
+/// A long search, to be interrupted.
 class LongSearch : public Optimise {
 protected:
     Outcome interrupt(int signal) {
@@ -177,7 +177,7 @@ TEST_F(LongSearch, AFileInUseByAnotherSearchIsRefused) {
     EXPECT_THAT(outcome.err, HasSubstr(journal + " is in use by another sweep or search"));
 }
 
-/// The lines of a table, without their provenance.
+/// Returns the lines of a table, without their provenance.
 std::vector<std::string> lines_of(const std::string& name) {
     std::istringstream text(contents(name));
     std::vector<std::string> lines;

@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::steady_clock;
 
-/// Asks again and again until it is so or the time is up.
+/// Repeats the check until it holds or the time is up.
 template <class Condition>
 bool wait_until(Condition condition, Program::Seconds limit) {
     const auto end = steady_clock::now() + limit;

@@ -25,13 +25,13 @@ struct Outcome {
     nlohmann::json json() const { return nlohmann::json::parse(out); }
 };
 
-/// The program, running. Ended with the object at the latest.
+/// The running program, which ends with the object at the latest.
 class Program {
 public:
     using Seconds = std::chrono::duration<double>;
     static constexpr Seconds long_enough{120};  // for a loaded machine with sanitizers
 
-    /// @param standard_output where it goes; empty: kept for Outcome
+    /// @param standard_output file for stdout; empty: stdout is kept for Outcome
     explicit Program(const std::vector<std::string>& arguments, const std::string& standard_output = "");
     ~Program();
     Program(const Program&) = delete;
@@ -45,7 +45,7 @@ public:
 
     pid_t process() const { return process_; }
 
-    /// The endpoint that a stream has bound.
+    /// Returns the endpoint that a stream has bound.
     std::string endpoint() const;
 
     Outcome wait(Seconds limit = long_enough);
@@ -60,10 +60,10 @@ private:
 };
 
 using Words = std::vector<std::string>;
-/// The words, and more behind them.
+/// Returns the words followed by more.
 Words with(Words words, const Words& more);
 
-/// The program from start to end.
+/// Runs the program to its end.
 Outcome hertzline(const std::vector<std::string>& arguments);
 
 /// Waits for a message of the topic, passing over others. Fails the test when none comes.
@@ -72,7 +72,7 @@ nlohmann::json object_of(stream::Subscriber& subscriber, std::string_view topic)
 std::string file_text(const std::filesystem::path& file);
 void write_text(const std::filesystem::path& file, const std::string& text);
 
-/// A CSV: its columns by name.
+/// Reads a CSV. Returns its columns by name.
 std::map<std::string, std::vector<double>> csv_of(const std::filesystem::path& file);
 
 }  // namespace hertzline::test

@@ -12,7 +12,7 @@
 
 namespace hertzline::test {
 
-/// All samples of a recording without gaps, and the column of that name.
+/// Returns the column of that name of a recording without gaps.
 inline std::vector<double> column(const std::string& file, const std::string& name) {
     const auto reader = recordings::open_reader(file);
     const auto& columns = reader->head().columns;

@@ -28,7 +28,7 @@ using testing::HasSubstr;
 const std::string any_port = "tcp://127.0.0.1:*";
 using Words = std::vector<std::string>;
 
-/// v_out of `count` samples of paper-stream, as `run` has it.
+/// Returns v_out of `count` samples of paper-stream, by `run`.
 std::vector<double> v_out_of_run(std::size_t count, const TemporaryFolder& folder) {
     const std::string duration = fmt::format("{}", static_cast<double>(count) / 10e6);
     const Outcome run = hertzline({"run", "paper-stream", "--set", "output.duration_s=" + duration, "-o",
@@ -110,7 +110,7 @@ TEST(RecordingSet, AFullDiskEndsOneOfARunsFilesAndNotTheOthers) {
     EXPECT_EQ(csv_of(folder.file("a.csv")).at("t_s").size(), 5001U);
 }
 
-/// The file that a failed recording's status names.
+/// Returns the file that a failed recording's status names.
 std::string kept_file(const json& recording) {
     const std::string status = recording["status"];
     const std::string before = fmt::format("{} samples are in ", recording["samples"].get<int>());
@@ -118,7 +118,7 @@ std::string kept_file(const json& recording) {
     return at == std::string::npos ? "" : status.substr(at + before.size());
 }
 
-/// Lines of a CSV without its first.
+/// Returns the number of lines of a CSV, without its first.
 std::int64_t rows_of(const std::string& csv) {
     const std::string text = file_text(csv);
     return std::count(text.begin(), text.end(), '\n') - 1;

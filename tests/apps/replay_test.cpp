@@ -44,7 +44,7 @@ Replayed replay(const std::string& file, const Words& listener_words, const Word
     return replayed;
 }
 
-/// A run of 20 001 samples.
+/// Records a run of 20 001 samples.
 Outcome record(const Words& files) {
     Words words{"run", "paper-stream", "--json", "--set", "output.duration_s=2e-3", "--all"};
     for (const std::string& file : files) {

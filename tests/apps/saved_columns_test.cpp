@@ -1,4 +1,4 @@
-// Which outputs recordings hold, and how large they are in them.
+// The outputs in recordings, and their scales.
 
 #include <algorithm>
 
@@ -30,7 +30,7 @@ std::vector<std::string> column_names(const std::string& file) {
     return names;
 }
 
-/// Runs the paper's device, and saves it in all these files.
+/// Runs the paper's device, and saves the outputs in all these files.
 void run_to(const Words& files, const TemporaryFolder& folder, const Words& more) {
     Words words = with({"run", "paper-vitreous-carbon"}, more);
     for (const std::string& file : files) {

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::Key;
 using testing::StartsWith;
 
-/// The level of a line at f in dB, the largest within a tenth of `fundamental_hz`, as docs/measures.md defines it.
+/// Returns the level of a line at f in dB, the largest within a tenth of `fundamental_hz`, as docs/measures.md defines it.
 double level_at(const std::vector<double>& frequency, const std::vector<double>& amplitude, double at_hz,
                 double fundamental_hz) {
     double largest = 0;

@@ -42,7 +42,7 @@ Words joined(Words words, const Words& more) {
     return words;
 }
 
-/// Streams 2 ms to a listener that is there from sample 0 on.
+/// Streams 2 ms to a listener that receives from sample 0 on.
 Heard hear(const std::string& endpoint, const Words& stream_words, const Words& listener_words,
            const std::string& scene = "paper-stream") {
     Program stream(joined({"stream", scene, "--pace", "flat-out", "--duration", "2e-3",

@@ -30,7 +30,7 @@ const Words quick = with({"sweep"}, quick_points);
 
 class SweepFiles : public testing::Test {
 protected:
-    /// The sweep with a file of that name, as it stands when all is over.
+    /// Runs the sweep into a file of that name. Returns the finished file.
     std::string file_of(const std::string& name, const Words& more = {}) {
         const Outcome outcome = hertzline(with(words, with(more, {"-o", folder.file(name)})));
         EXPECT_EQ(outcome.status, 0) << outcome.err;
@@ -95,7 +95,7 @@ TEST_F(SweepFiles, OfPartsThatAreNotAllThereAreRefused) {
 class LongSweep : public testing::Test {
 protected:
     static constexpr int points = repeated(3000);
-    /// A journal with some rows, left behind by a program that was ended by a signal.
+    /// Leaves a journal with some rows, of a program that was ended by a signal.
     Outcome interrupt(int signal) {
         Program program(with(words, {"-o", file}));
         wait_for_rows(journal);
@@ -103,7 +103,7 @@ protected:
         return program.wait();
     }
 
-    /// The file as it is when nothing happens.
+    /// Returns the file of an undisturbed sweep.
     std::string undisturbed() {
         const Outcome outcome = hertzline(with(words, {"-o", folder.file("u.csv")}));
         EXPECT_EQ(outcome.status, 0) << outcome.err;

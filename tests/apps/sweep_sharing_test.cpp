@@ -32,7 +32,7 @@ protected:
         EXPECT_EQ(outcome.status, 0) << outcome.err;
         return contents(folder.file(name));
     }
-    /// The table of all parts.
+    /// Merges all parts. Returns the table.
     std::string merged(const std::string& name, int parts) const {
         Words merge{"sweep", "--merge"};
         for (int part = 1; part <= parts; ++part) {
@@ -95,7 +95,7 @@ TEST_F(SharedSweep, ARunGivesTheNumbersOfTheNamedInstructionSet) {
     EXPECT_EQ(samples("c.csv", {}) == narrow, kernels::kernel_targets().size() == 1);
 }
 
-/// Variables for the programs that are started meanwhile.
+/// Variables of the environment, for programs started during their lifetime.
 class Environment {
 public:
     using Values = std::vector<std::pair<std::string, std::string>>;

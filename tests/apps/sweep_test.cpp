@@ -26,7 +26,7 @@ using testing::SizeIs;
 
 const Words quick = with({"sweep"}, quick_points);
 
-/// The rows that --json prints.
+/// Returns the rows that --json prints.
 std::vector<json> rows_of(const Outcome& outcome) {
     std::vector<json> rows;
     std::istringstream lines(outcome.out);
@@ -36,7 +36,7 @@ std::vector<json> rows_of(const Outcome& outcome) {
     return rows;
 }
 
-/// The numbers of a summary as a sweep calls them.
+/// Returns the numbers of a summary under a sweep's names.
 void flatten(const json& summary, const std::string& before, json& flat) {
     for (const auto& [name, value] : summary.items()) {
         if (value.is_object()) {
@@ -57,12 +57,12 @@ bool is_of_the_run_alone(const std::string& name) {
     return std::ranges::find(names, name) != names.end() || name.starts_with("warnings");
 }
 
-/// The estimate is another one, of the same error.
+/// Returns whether a number is an estimate: a sweep and a run estimate the same error by different ways.
 bool is_an_estimate(const std::string& name) {
     return name == "estimated_error" || name == "estimated_over_s";
 }
 
-/// A run with the row's step.
+/// Expects that a row equals a run with the row's step.
 void expect_row_of_run(const json& row, const Words& run) {
     const std::string step = fmt::format("numerics.step_s={}", row["step_s"].get<double>());
     const Outcome outcome = hertzline(with({"run"}, with(run, {"--set", step, "--json"})));
@@ -73,7 +73,7 @@ void expect_row_of_run(const json& row, const Words& run) {
         if (is_of_the_run_alone(name)) {
             continue;
         }
-        // an array that there is not is null in a summary, and its columns are
+        // a missing array is null in a summary, and so are its columns
         const std::string column = row.contains(name) ? name : name + "_1";
         ASSERT_TRUE(row.contains(column)) << name;
         if (is_an_estimate(name)) {

@@ -31,7 +31,7 @@ void claim_head(const RecordingHead& head) {
     claim(std::isfinite(head.sample_rate_hz) && head.sample_rate_hz >= 0, "a rate is a number");
 }
 
-/// How many rows there are.
+/// Returns the number of rows.
 std::int64_t claim_rows(RecordingReader& reader) {
     const std::size_t columns = reader.head().columns.size();
     std::int64_t count = 0;

@@ -29,7 +29,7 @@ Run run_of(const Scene& scene, const RunOptions& options = {}) {
     return run(resolve(scene), options);
 }
 
-/// The row of docs/measures.md.
+/// Returns the row of docs/measures.md.
 std::string row_in_document(const Quantity& quantity) {
     const bool of_tap = quantity.unit == "tap";
     const std::string name = of_tap ? "peak_v_out_m_per_s" : std::string(quantity.name);

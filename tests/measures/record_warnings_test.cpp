@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A burst of 10 cycles at 100 kHz, so of 100 us, in 500 us at 10 MS/s.
+/// Returns a scene with a burst of 10 cycles at 100 kHz (100 us) in 500 us at 10 MS/s.
 Scene short_burst() {
     Scene scene;
     scene.drive.frequency_hz = 100e3;
@@ -25,7 +25,7 @@ Scene short_burst() {
     return scene;
 }
 
-/// A tone while the burst lasts, then one that falls by e in tau_s.
+/// Returns a tone while the burst lasts, then one that falls by e in tau_s.
 std::vector<double> ringing_record(const Scene& scene, double tau_s, double duration_s) {
     const auto samples = static_cast<std::size_t>(duration_s * scene.output.sample_rate_hz) + 1;
     const double burst_s = scene.drive.cycles / scene.drive.frequency_hz;

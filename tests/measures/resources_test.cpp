@@ -104,7 +104,7 @@ TEST(Memory, ThisMachineHasMoreThanAMegabyteAndLessThanAnExbibyte) {
     EXPECT_LT(*available, std::uint64_t{1} << 60);
 }
 
-/// This process kept to some processors, for a while.
+/// Restricts this process to some processors during its lifetime.
 class Affinity {
 public:
     Affinity() { sched_getaffinity(0, sizeof before_, &before_); }
@@ -112,7 +112,7 @@ public:
     Affinity(const Affinity&) = delete;
     Affinity& operator=(const Affinity&) = delete;
 
-    /// Keeps to the first one of them.
+    /// Restricts the process to the first one.
     void keep_to_one() const {
         cpu_set_t one;
         CPU_ZERO(&one);

@@ -33,7 +33,7 @@ std::vector<double> sum_of(const std::vector<Tone>& tones, std::size_t samples) 
     return record;
 }
 
-/// A record that starts and ends at rest, as a burst does.
+/// Returns a record that starts and ends at rest, as a burst does.
 std::vector<double> faded(std::vector<double> record) {
     const double step = 2 * std::numbers::pi / static_cast<double>(record.size());
     for (std::size_t i = 0; i < record.size(); ++i) {

@@ -26,7 +26,7 @@ void write_raw(const fs::path& file, const std::vector<Number>& numbers) {
                static_cast<std::streamsize>(numbers.size() * sizeof(Number)));
 }
 
-/// NAME.values (float64), NAME.samples (int64) and the recording in each format.
+/// Writes NAME.values (float64), NAME.samples (int64) and the recording in each format.
 void write_all(const fs::path& folder, const std::string& name, const RecordingHead& head) {
     std::vector<double> values;
     std::vector<std::int64_t> samples;
@@ -61,7 +61,7 @@ void write_all(const fs::path& folder, const std::string& name, const RecordingH
     write_raw(folder / (name + ".samples"), samples);
 }
 
-/// spectrum.csv, .npy and .h5, as read_recordings.py expects them.
+/// Writes spectrum.csv, .npy and .h5, as read_recordings.py expects them.
 void write_tables(const fs::path& folder) {
     std::vector<std::vector<double>> values(2);
     for (int i = 0; i < 300'000; ++i) {

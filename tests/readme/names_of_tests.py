@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The tests that a document names exist: names_of_tests.py BUILD DOCUMENT...
 
-A name is the last cell's of a row of a table whose head says "test"; * stands for anything.
+Names stand in the last cell of a row of a table whose head has "test"; * matches anything.
 """
 import fnmatch
 import pathlib
@@ -11,7 +11,7 @@ import sys
 
 
 def named(document):
-    """Of each table with a column of tests."""
+    """Returns the names in each table with a column of tests."""
     names, in_table = [], False
     for line in pathlib.Path(document).read_text().splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")] if line.startswith("|") else []
@@ -25,7 +25,7 @@ def named(document):
 
 
 def there(build):
-    """As ctest lists them, and those of GoogleTest without folder, instance and parameter."""
+    """Returns the names that ctest lists, and those of GoogleTest without folder, instance and parameter."""
     listed = subprocess.run(["ctest", "--test-dir", build, "-N"], check=True, capture_output=True, text=True).stdout
     names = [match[1].split("  #")[0] for match in re.finditer(r"Test +#\d+: (.*)", listed)]
     return set(names) | {part for name in names for part in name.split("/") if re.fullmatch(r"\w+\.\w+", part)}

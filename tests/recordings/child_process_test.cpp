@@ -34,7 +34,7 @@ void answer(Answers& answers, std::int64_t number) {
     answers.write(std::as_bytes(std::span(&number, 1)));
 }
 
-/// -1: it was interrupted.
+/// Reads the next answer; -1 when the read was interrupted.
 std::int64_t next_answer(ChildProcess& child) {
     std::int64_t number = 0;
     return child.read(std::as_writable_bytes(std::span(&number, 1))) ? number : -1;

@@ -24,7 +24,7 @@ using testing::HasSubstr;
 
 constexpr const char* file = "folder/x.h5";
 
-/// A recording that a reader in the child makes up.
+/// A recording invented by a reader in the child.
 class MadeUp : public RecordingReader {
 public:
     using Rows = std::function<bool(int time, RecordedRows& rows)>;

@@ -1,4 +1,4 @@
-// Recordings of a stream whose scene changes: each format keeps the changes, and no row is missing where they are.
+// Recordings of a stream whose scene changes: each format keeps the changes, and no row is missing beside them.
 
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"
@@ -87,7 +87,7 @@ TEST(RecordedChanges, SigmfMarksThem) {
         labels.push_back(one["core:label"]);
         starts.push_back(one["core:sample_start"]);
     }
-    // bursts of 100 samples begin anew with the epoch
+    // bursts of 100 samples restart with the epoch
     EXPECT_THAT(labels,
                 testing::ElementsAre("burst 0", "burst 1", "epoch 1", "burst 2", "burst 3", "burst 4"));
     EXPECT_THAT(starts, testing::ElementsAre(0, 100, 150, 150, 250, 350));

@@ -49,7 +49,7 @@ protected:
     }
 };
 
-/// Of formats with one file, which gets its name at commit.
+/// Tests of formats with one file, which gets its name at commit.
 class FailedStagedRecording : public FailedRecording {};
 
 void expect_same(const std::vector<RecordedRows>& read, const std::vector<RecordedRows>& written) {
@@ -114,7 +114,7 @@ private:
         }
     }
 
-    /// The rows that were saved are those that were written, and nothing else is left.
+    /// Checks that the saved rows are those that were written, and that no other file is left.
     Status judge(const KeptRows& kept, const RecordedRows& rows, std::size_t columns,
                  std::int64_t least) const {
         if (kept.rows > 0) {

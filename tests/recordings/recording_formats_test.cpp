@@ -54,7 +54,7 @@ protected:
         return names;
     }
 
-    /// Why the file cannot be read; empty when it can, to its end.
+    /// Returns the reason why the file cannot be read to its end, or "".
     std::string refusal() const {
         return error_of([&] { read_rows(*open_reader(file)); });
     }
@@ -63,10 +63,10 @@ protected:
 /// Formats with one file, which gets its name at commit.
 class StagedFormat : public RecordingFormat {};
 
-/// Of formats whose description may be that long.
+/// Tests of formats whose description may be that long.
 class LongDescription : public RecordingFormat {};
 
-/// Formats of which a reader notices that a part is missing or damaged.
+/// Formats whose reader notices missing or damaged parts.
 class SealedFormat : public RecordingFormat {};
 
 void expect_same(const std::vector<RecordedRows>& read, const std::vector<RecordedRows>& written) {
@@ -262,12 +262,12 @@ INSTANTIATE_TEST_SUITE_P(All, RecordingFormat,
                          testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav, csv_f8, csv_f4, sigmf,
                                          sigmf_collection),
                          name_of);
-// A WAV has no room for it.
+// A WAV has no field for it.
 INSTANTIATE_TEST_SUITE_P(All, LongDescription,
                          testing::Values(npy_f8, h5_f8, csv_f8, sigmf, sigmf_collection), name_of);
 // SigMF has its name from the first sample on, and CSV has a second file.
 INSTANTIATE_TEST_SUITE_P(All, StagedFormat, testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav), name_of);
-// Neither CSV nor SigMF says how long it is.
+// CSV and SigMF do not store their length.
 INSTANTIATE_TEST_SUITE_P(All, SealedFormat, testing::Values(npy_f8, npy_f4, h5_f8, h5_f4, wav), name_of);
 
 }  // namespace

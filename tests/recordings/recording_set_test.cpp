@@ -1,4 +1,4 @@
-// Recordings side by side, of which one is slow or stuck: a FIFO whose reader does as the test likes.
+// Recordings side by side, one of which is slow or stuck: a FIFO whose reader is controlled by the test.
 
 #include "recordings/recording_set.hpp"
 
@@ -39,7 +39,7 @@ public:
     Fifo(const Fifo&) = delete;
     Fifo& operator=(const Fifo&) = delete;
 
-    /// Reads for that long. @returns whether the writer has closed it
+    /// Reads for that time. Returns whether the writer has closed the FIFO.
     bool read(std::chrono::milliseconds time) {
         std::array<char, 1 << 16> part{};
         for (const auto end = steady_clock::now() + time; steady_clock::now() < end;) {

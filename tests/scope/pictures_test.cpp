@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 
 constexpr float missing = std::numeric_limits<float>::quiet_NaN();
 
-/// v of sample i is i, so that a sample out of place shows.
+/// Makes samples whose value is their index, so that a misplaced one is noticed.
 std::vector<float> counted(std::uint64_t first, std::size_t count) {
     std::vector<float> values(count);
     std::ranges::generate(values, [&, next = first]() mutable { return static_cast<float>(next++); });
@@ -167,7 +167,7 @@ std::int64_t trigger_of(const std::string& bytes) {
     return head.trigger;
 }
 
-/// A member of a picture's head, as a page reads it.
+/// Returns a member of a picture's head, as a page reads it.
 double member_of(const std::string& bytes, const std::string& type, std::size_t place) {
     const auto as = [&]<class Number>(Number number) {
         std::memcpy(&number, bytes.data() + place, sizeof(number));

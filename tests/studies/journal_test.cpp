@@ -45,7 +45,7 @@ TableRow row_of(std::int64_t point, double number, PointStatus status = PointSta
 
 class JournalOfAStudy : public testing::Test {
 protected:
-    /// One with rows of these points.
+    /// Makes a journal with rows of these points.
     Journal begun(const std::vector<std::int64_t>& rows) const {
         Journal journal(path, Journal::Use::begin);
         journal.begin("what is studied", columns);

@@ -28,7 +28,7 @@ Scene base() {
         ->scene;
 }
 
-/// Everything that is wrong with a request, a line each.
+/// Returns the faults of a request, a line each.
 std::string faults_of(const PlanRequest& request) {
     const auto plan = SweepPlan::make(base(), request);
     std::string text;

@@ -54,7 +54,7 @@ Score feasible(double value) {
 
 const std::vector<std::string> two_ranges{"end.thickness_m=0.1e-3..2e-3:log", "chain.preload_n=0.01..2:log"};
 
-/// A hill whose top is at 0.5 mm and 0.2 N, and a lower one.
+/// Returns the score of two hills: the higher one has its top at 0.5 mm and 0.2 N.
 Score hills(const std::vector<SceneValue>& values) {
     const auto hill = [&](double thickness, double preload) {
         const double x = std::log(number(values[0]) / thickness);
@@ -181,7 +181,7 @@ TEST(Search, StopsWhenItIsStopped) {
     EXPECT_EQ(batches, 4);
 }
 
-/// The paper's device, short.
+/// The paper's device in a short run, scored by a goal.
 class Device {
 public:
     explicit Device(const Goal& goal)

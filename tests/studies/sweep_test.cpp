@@ -34,7 +34,7 @@ Study sweep_of(const std::string& vary = "chain.preload_n=0.1..1:5") {
     return {*std::move(plan), options, {2, 3}};
 }
 
-/// The journal's text of a sweep with a member changed.
+/// Returns the journal's text of a sweep with a member changed.
 std::string changed(const char* key, const Json& value) {
     auto json = Json::parse(journal_text(sweep_of()));
     json[key] = value;

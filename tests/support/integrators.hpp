@@ -31,7 +31,7 @@ inline std::vector<Integrator> grid_integrators() {
 inline std::vector<Integrator> series_integrators() {
     return integrators_that([](const Method& row) { return row.family == Family::series; });
 }
-/// The integrators that split a step where a contact opens or closes, and so keep a high order.
+/// Returns the integrators that split a step where a contact opens or closes, and so keep a high order.
 inline std::vector<Integrator> locating_integrators() {
     return integrators_that([](const Method& row) { return row.locates_contacts; });
 }

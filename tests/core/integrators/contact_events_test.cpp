@@ -1,4 +1,4 @@
-// Contacts that open and close in awkward ways: together, barely, on and on. Nothing may go wrong silently.
+// Contacts that open and close in awkward ways: together, barely, repeatedly. Every failure must be reported.
 
 #include <cmath>
 
@@ -138,7 +138,7 @@ TEST_P(ContactEvents, ABouncingSphereComesToRestAndTheLedgerHasAllThatItLost) {
     }
 }
 
-/// Contacts that are not as they were at rest.
+/// Returns the number of contacts that differ from their state at rest.
 std::int64_t switched(Simulation& simulation) {
     const ChainState at_rest(simulation.chain());
     return (simulation.state().closed != at_rest.closed).count();

@@ -24,7 +24,7 @@ constexpr std::size_t steps = 700;  // a burst of 27 us and ringing after it
 constexpr std::array<std::int64_t, 18> lengths{1,  2,  5,  6,  7,  13, 14, 15,  16,
                                                29, 30, 31, 61, 62, 63, 64, 100, 300};
 
-/// While it lives, only this target's kernels are used.
+/// Selects the kernels of one target during its lifetime.
 class OnlyTarget {
 public:
     explicit OnlyTarget(const std::string& target) { kernels::pin_kernel_target(target); }
@@ -58,7 +58,7 @@ std::vector<Variant> variants(Integrator integrator, std::int64_t spheres) {
     return variants;
 }
 
-/// Largest difference of any velocity, of the largest velocity.
+/// Returns the largest difference of a velocity, relative to the largest velocity.
 double difference(const std::vector<double>& a, const std::vector<double>& b) {
     double largest = 0;
     double scale = 0;
@@ -70,7 +70,7 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
     return largest / scale;
 }
 
-/// Velocities of all spheres, [sample][sphere].
+/// Returns the velocities of all spheres, [sample][sphere].
 std::vector<double> textbook_velocities(const Scene& scene) {
     Textbook textbook(scene, step_s);
     const auto spheres = static_cast<std::ptrdiff_t>(scene.chain.spheres);

@@ -1,5 +1,5 @@
-// How well the energy ledger closes: better than the accuracy that was asked for, and with shorter steps ever
-// better by the method's order, until rounding is all that is left.
+// The residual of the energy ledger is below the requested accuracy, and falls with shorter steps by the method's order,
+// down to rounding.
 
 #include <cmath>
 #include <string>
@@ -27,7 +27,7 @@ double residual(const Scene& scene) {
     return simulation.energy_residual();
 }
 
-/// Residuals at steps that shrink by a factor.
+/// Returns the residuals at steps that shrink by a factor.
 std::vector<double> residuals(const std::string& file, Integrator integrator, double longest, double factor,
                               int count) {
     std::vector<double> all;

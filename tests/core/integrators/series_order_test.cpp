@@ -17,7 +17,7 @@ namespace {
 
 constexpr double duration_s = 24e-6;
 
-/// Velocities of a damped, driven chain of a few spheres after `pieces` pieces of equal length [m/s].
+/// Returns the velocities of a damped, driven chain of a few spheres after `pieces` pieces of equal length [m/s].
 Eigen::ArrayXd velocities(DampingLaw law, Integrator integrator, int pieces) {
     Scene scene;
     scene.chain.damping_law = law;
@@ -52,7 +52,7 @@ Eigen::ArrayXd velocities(DampingLaw law, Integrator integrator, int pieces) {
     return state.v;
 }
 
-/// Observed orders between successive numbers of pieces.
+/// Returns the observed orders between successive numbers of pieces.
 std::vector<double> orders(DampingLaw law, Integrator integrator, const std::vector<int>& pieces) {
     const Eigen::ArrayXd exact = velocities(law, Integrator::taylor12, 200);
     std::vector<double> result;

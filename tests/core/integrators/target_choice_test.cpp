@@ -36,7 +36,7 @@ TEST(TargetChoice, IsTheWidestUntilAnotherIsPinned) {
 }
 
 #if HWY_ARCH_X86
-// The program does without Highway's library, which finds out the same.
+// The program does not use Highway's library, which detects the same.
 TEST(TargetChoice, IsAmongThoseThatHighwayFindsHere) {
     void* const library = ::dlopen("libhwy.so.1", RTLD_NOW | RTLD_LOCAL);
     ASSERT_NE(library, nullptr);

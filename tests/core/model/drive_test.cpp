@@ -35,7 +35,7 @@ protected:
         return scene;
     }
 
-    /// Errors at 100, 50, 25, 12.5 ns; none of the breaks lies on a step.
+    /// Returns the errors at 100, 50, 25, 12.5 ns; none of the breaks lies on a step.
     std::vector<double> errors(Integrator integrator) const {
         const Record fine = recorded(with_step(scene(), Integrator::taylor12, 200e-9), samples);
         std::vector<double> all;
@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(Shapes, EveryShape,
                                            Shape{"tukey_repeated", Envelope::tukey, 4.2, 0.5, 13.7e3}),
                          [](const auto& instance) { return instance.param.name; });
 
-/// Mean order over all halvings.
+/// Returns the mean order over all halvings.
 double order(const std::vector<double>& errors) {
     return std::log2(errors.front() / errors.back()) / static_cast<double>(errors.size() - 1);
 }

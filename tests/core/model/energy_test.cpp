@@ -155,7 +155,7 @@ TEST(Undamped, TheErrorOfSymplecticMethodsStaysWhereItIsWhileContactsStayClosed)
     }
 }
 
-/// Largest distance [m] from the start after going on and, velocities turned round, back.
+/// Advances, reverses the velocities and advances again. Returns the largest distance from the start [m].
 double distance_from_start(BareChain chain, std::int64_t steps) {
     const Eigen::ArrayXd start = chain.state.x;
     chain.advance(steps);

@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// A wall of a material with these strengths under spheres and a horn that bear anything.
+/// Returns a scene with a wall of a material with these strengths. Spheres and horn have no limit.
 Scene scene_with(const std::optional<double>& yield_pa, const std::optional<double>& flexural_pa) {
     Scene scene;
     scene.end.kind = EndKind::wall;

@@ -34,7 +34,7 @@ std::vector<Drive> drives() {
     return all;
 }
 
-/// x_h(t) = A e(t) sin(2 pi f t) (docs/model.md, section 5), t since the burst's start, in extended precision.
+/// Returns x_h(t) = A e(t) sin(2 pi f t) (docs/model.md, section 5), t since the burst's start, in extended precision.
 long double displacement(const Drive& drive, long double t) {
     const long double pi = std::numbers::pi_v<long double>;
     const long double duration = static_cast<long double>(drive.cycles) / drive.frequency_hz;

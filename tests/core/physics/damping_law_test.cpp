@@ -1,4 +1,4 @@
-// Laws of damping: collisions against theory, chains against a method that is good because its steps are tiny.
+// Laws of damping: collisions against theory, chains against a method of tiny steps.
 
 #include <cmath>
 #include <numbers>
@@ -77,7 +77,7 @@ Scene tsuji(Scene scene, double alpha) {
     return scene;
 }
 
-/// 1 - e of two spheres by the first two terms of Ramirez et al., Phys. Rev. E 60 (1999) 4465, equation (25).
+/// Returns 1 - e of two spheres by the first two terms of Ramirez et al., Phys. Rev. E 60 (1999) 4465, equation (25).
 double loss_by_series(const Scene& scene, double speed) {
     const Chain chain(scene);
     const double reduced_mass = 0.5 / chain.inv_mass[0];
@@ -230,7 +230,7 @@ protected:
                1;
     }
 
-    /// By brute force, all spheres' velocities [m/s].
+    /// Returns all spheres' velocities by brute force [m/s].
     std::vector<double> reference() const {
         BruteForce brute(GetParam().scene);
         const std::vector<double> all = brute.velocities(rows());

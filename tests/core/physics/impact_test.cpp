@@ -40,12 +40,12 @@ Scene struck_by_a_wall(Integrator integrator) {
     return scene;
 }
 
-/// Largest overlap [m] when a mass [kg] hits a contact of stiffness k [N/m^(3/2)] (Johnson 1985, eq. 11.2).
+/// Returns the largest overlap [m] when a mass [kg] hits a contact of stiffness k [N/m^(3/2)] (Johnson 1985, eq. 11.2).
 double largest_overlap(double mass, double k, double speed) {
     return std::pow(5 * mass * speed * speed / (4 * k), 0.4);
 }
 
-/// Duration [s] of such an impact: 2 delta/u times the integral of 1/sqrt(1 - z^(5/2)), 0 to 1 (eq. 11.4).
+/// Returns the duration [s] of such an impact: 2 delta/u times the integral of 1/sqrt(1 - z^(5/2)), 0 to 1 (eq. 11.4).
 double impact_duration(double mass, double k, double speed) {
     const double integral = std::sqrt(std::numbers::pi) * std::tgamma(0.4) / (2.5 * std::tgamma(0.9));
     return 2 * largest_overlap(mass, k, speed) / speed * integral;
@@ -124,7 +124,7 @@ TEST_P(Impact, AChainOfCollisionsKeepsMomentumAndEnergy) {
     EXPECT_GT(chain.state.v[7], 0.95 * impact_speed);  // nearly all arrives at the far end
 }
 
-/// Velocities of a single sphere while a wall strikes it.
+/// Returns the velocities of a single sphere while a wall strikes it.
 std::vector<double> struck(Integrator integrator, Tension tension) {
     Scene scene = struck_by_a_wall(integrator);
     scene.chain.damping_kg_per_s = 0.3;

@@ -20,7 +20,7 @@ namespace {
 
 constexpr TapSet outputs = TapSet(Tap::v_last) | Tap::v_centre | Tap::v_face | Tap::p_axis | Tap::f_last;
 
-/// The whole run of a scene that is resolved here.
+/// Returns all samples of a run.
 Samples whole_run(Simulation& simulation, std::size_t rows) {
     Samples samples = simulation.make_samples(rows);
     EXPECT_EQ(simulation.advance(samples, rows), Status::running) << simulation.failure();
@@ -29,7 +29,7 @@ Samples whole_run(Simulation& simulation, std::size_t rows) {
 
 class EveryWetReference : public ::testing::TestWithParam<Wet> {
 protected:
-    /// The largest relative L2 error of the four columns.
+    /// Returns the largest relative L2 error of the four columns.
     static double error_of(const Scene& scene, const Columns& reference) {
         const Resolution settled = resolve(scene);
         EXPECT_TRUE(settled.faults.empty());
@@ -118,7 +118,7 @@ TEST(ModalPlate, BlocksOfAnySizeAndSkippedStretchesGiveTheSameSamples) {
     }
 }
 
-/// The Fourier sum of a record at a frequency.
+/// Returns the Fourier sum of a record at a frequency.
 std::complex<double> line(std::span<const double> values, double frequency_hz, double rate_hz) {
     std::complex<double> sum = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {

@@ -1,4 +1,4 @@
-// hertzline against an independent solver: the accuracy that is promised, scene by scene.
+// hertzline against an independent solver: the promised accuracy, scene by scene.
 
 #include "tests/support/reference.hpp"
 
@@ -96,7 +96,7 @@ TEST_P(EveryReference, TheEstimatedErrorIsTheTrueOneWithinAFactorOfThree) {
     }
 }
 
-/// log2 of the ratio of errors at steps h and h/2, over four steps.
+/// Returns log2 of the ratio of errors at steps h and h/2, over four steps.
 std::vector<double> orders(const std::string& file, Integrator integrator, double coarsest) {
     const Reference reference = read_reference(file);
     std::vector<double> slopes;

@@ -21,7 +21,7 @@ protected:
 };
 INSTANTIATE_TEST_SUITE_P(Integrators, SolitaryPulse, every_integrator, integrator_name);
 
-/// Slope of the straight line nearest to the points.
+/// Returns the slope of the straight line nearest to the points.
 double fitted_slope(const std::vector<double>& x, const std::vector<double>& y) {
     const auto n = static_cast<double>(x.size());
     const double mean_x = std::accumulate(x.begin(), x.end(), 0.0) / n;

@@ -17,7 +17,7 @@ constexpr std::size_t spheres = 400;
 constexpr std::size_t near = 60;  // sphere from which a wave is watched ...
 constexpr std::size_t far = 120;  // ... to this one, long before the far end answers
 
-/// A long undamped chain, pressed so hard and driven so little that it is linear.
+/// Returns a long undamped chain, pressed so hard and driven so little that it is linear.
 Scene linear_chain(Integrator integrator, double frequency_hz) {
     Scene scene = with_step(Scene{}, integrator, 25e-9);
     scene.end.kind = EndKind::wall;
@@ -30,7 +30,7 @@ Scene linear_chain(Integrator integrator, double frequency_hz) {
     return scene;
 }
 
-/// A sphere's velocity at one frequency: the Fourier sum over the whole record.
+/// Returns a sphere's velocity at one frequency: the Fourier sum over the whole record.
 std::complex<double> component(const Record& record, std::size_t sphere, double frequency_hz) {
     const std::size_t samples = record.chain_v.size() / spheres;
     std::complex<double> sum = 0;
@@ -41,14 +41,14 @@ std::complex<double> component(const Record& record, std::size_t sphere, double 
     return sum;
 }
 
-/// Phase [rad] by which the motion of a frequency lags from sphere `near` to sphere `far`, up to whole turns.
+/// Returns the phase [rad] by which the motion of a frequency lags from sphere `near` to sphere `far`, up to whole turns.
 double phase_lag(const Scene& scene) {
     const double frequency = scene.drive.frequency_hz;
     const Record record = recorded(scene, static_cast<std::size_t>((200e-6 + 5 / frequency) * 1e7));
     return std::arg(component(record, near, frequency) / component(record, far, frequency));
 }
 
-/// sqrt(k_t/m) [rad/s] between the spheres at static overlap.
+/// Returns sqrt(k_t/m) [rad/s] of the spheres' contacts at static overlap.
 double chain_frequency(const Scene& scene) {
     const Chain chain(scene);
     return std::sqrt(tangent_stiffness(chain.stiffness[1], chain.static_overlap[1]) * chain.inv_mass[0]);

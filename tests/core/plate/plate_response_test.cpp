@@ -25,7 +25,7 @@ Scene modal_scene() {
     return scene;
 }
 
-/// Without tables or fits.
+/// Computes the modes' mobilities without tables or fits.
 Eigen::VectorXcd exact_mobilities(const PlateResponse& plate, double frequency_hz) {
     const PlateParameters& p = plate.parameters;
     const auto discs = disc_modes(p.modes);

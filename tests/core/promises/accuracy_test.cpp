@@ -1,4 +1,4 @@
-// The accuracy asked for is kept over the whole run, or the program says that it may not be.
+// The requested accuracy is kept over the whole run, or the program warns.
 
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ constexpr std::array accuracies{1e-3, 1e-4, 1e-6};
 #endif
 
 void expect_kept_or_warned(const Judgement& judgement) {
-    // An error is known to that of the truth.
+    // A run's error is known only to within the error of its reference.
     const bool may_be_met = judgement.error <= judgement.accuracy + judgement.truth_error;
     EXPECT_TRUE(may_be_met || judgement.warned)
         << "asked " << judgement.accuracy << ", error " << judgement.error << ", estimate "

@@ -22,12 +22,12 @@ double between(double least, double most) {
     return least + (most - least) * *rc::gen::inRange(0, grains + 1) / grains;
 }
 
-/// Evenly spread over the orders of magnitude.
+/// Draws a number, evenly spread over the orders of magnitude.
 double magnitude_between(double least, double most) {
     return std::exp(between(std::log(least), std::log(most)));
 }
 
-/// Often exactly zero, which is where special cases are.
+/// Draws a number that is often exactly zero, where special cases are.
 double zero_or(double value) {
     return *rc::gen::weightedElement<bool>({{1, true}, {3, false}}) ? 0 : value;
 }
@@ -65,7 +65,7 @@ Scene any_scene() {
     return scene;
 }
 
-/// A step that any motion of the scene allows and that resolves the drive, on the sample grid or off it.
+/// Sets a step that any motion of the scene allows and that resolves the drive, on the sample grid or off it.
 Scene with_some_step(Scene scene) {
     const Chain chain(scene);
     const double u = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
@@ -118,7 +118,7 @@ RC_GTEST_PROP(AnyScene, GivesTheSameBitsForEveryBlockSize, ()) {
     RC_ASSERT(cut.ledger().work == whole.ledger().work && cut.ledger().lost == whole.ledger().lost);
 }
 
-/// Energy that no entry of the ledger accounts for, of all that came and went [1].
+/// Returns the energy missing in the ledger, relative to the energy that came and went [1].
 double missing(const Scene& scene) {
     Simulation simulation(scene);
     Samples part = simulation.make_samples(500);

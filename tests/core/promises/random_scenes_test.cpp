@@ -18,7 +18,7 @@
 namespace hertzline::test {
 namespace {
 
-/// Hundreds of scenes, drawn with these seeds, keep every promise; most of them run.
+/// Expects that hundreds of scenes, drawn with these seeds, keep every promise, and that most of them run.
 template <class Drawn>
 void expect_reasons(std::uint64_t first, Drawn drawn) {
     int ran = 0;
@@ -39,7 +39,7 @@ TEST(RandomScenes, RunOrAreStoppedWithAReason) {
     expect_reasons(1'000'000, random_scene);  // others than those of the benchmark
 }
 
-/// The same scene with a law of damping that only series know.
+/// Returns the scene with a law of damping that only series support.
 Scene with_damping_law(Scene scene, std::uint64_t seed) {
     Draw draw(~seed);
     scene.chain.damping_law = draw.any(std::array{DampingLaw::kuwabara_kono, DampingLaw::tsuji});

@@ -17,7 +17,7 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// Random values that are allowed.
+/// Random allowed values.
 class Randomise {
 public:
     explicit Randomise(std::uint64_t seed) : bits_(seed) {}

@@ -30,7 +30,7 @@ std::vector<std::string> faulty_keys(const Scene& scene) {
     return keys;
 }
 
-// The faults of the default scene with one change.
+// Returns the faults of the default scene with one change.
 std::vector<Fault> faults_after(const std::function<void(Scene&)>& change) {
     Scene scene;
     change(scene);

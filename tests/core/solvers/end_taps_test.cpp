@@ -58,7 +58,7 @@ TEST_P(EndTapsOf, TheLastSphereIsTheLastOfTheChain) {
     }
 }
 
-/// Derivative of A e(t) sin(2 pi f t) (docs/model.md, section 5), t since the burst's start.
+/// Returns the derivative of A e(t) sin(2 pi f t) (docs/model.md, section 5), t since the burst's start.
 double burst_velocity(const Drive& drive, double t) {
     const double duration = drive.cycles / drive.frequency_hz;
     if (t < 0 || t >= duration) {

@@ -1,4 +1,4 @@
-// A chain whose drive changes: its motion goes on.
+// A chain whose drive changes: its motion continues.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 constexpr std::int64_t change = 20000;  // a burst's start, 2 ms
 constexpr std::int64_t end = 26000;
 
-/// Bursts that find the chain still ringing.
+/// Returns a scene whose bursts find the chain still ringing.
 Scene ringing() {
     Scene scene = growing_scene();
     scene.output.hydrophone_m = 3e-3;

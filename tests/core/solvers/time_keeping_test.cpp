@@ -1,4 +1,4 @@
-// Time is counted, not added up: after 1e10 steps of the clock a sample is where it was meant to be.
+// Time is computed from counters, not summed: after 1e10 steps of the clock a sample is at its exact time.
 
 #include <cmath>
 
@@ -37,7 +37,7 @@ TEST(TimeKeeping, AddingThePeriodAgainAndAgainIsExact) {
     }
     EXPECT_EQ(at.whole, period.times(count).whole);
     EXPECT_EQ(at.part, period.times(count).part);
-    // and so is going on from there in strides: 1e10 periods in a hundred of them
+    // strides from there are exact, too: 1e10 periods in a hundred of them
     FixedTime far;
     for (int i = 0; i < 100; ++i) {
         far.advance(at);

@@ -15,7 +15,7 @@ Scene shipped(std::string_view name) {
     return parse_scene(find_shipped_scene(name)->text, std::string(name))->scene;
 }
 
-/// Of a whole run with that step.
+/// Runs to the end with that step and a finer run beside it. Returns the estimated error.
 ErrorEstimate estimate_with(Resolution resolved, double step_s) {
     resolved.scene.numerics.step_s = step_s;
     Simulation simulation(resolved.scene, {.taps = judged_outputs & taps_of(resolved.scene.end)});

@@ -1,5 +1,5 @@
-// The estimated error of the step in use, chosen or given. Against the
-// references of tests/reference: reference_test.cpp.
+// The estimated error of the step in use, chosen or given. reference_test.cpp compares it with the references of
+// tests/reference.
 
 #include "core/step_choice/reference_pilot.hpp"
 
@@ -32,7 +32,7 @@ TEST(Estimate, HoldsForChainsThatRegistersDoNotHold) {
     }
 }
 
-/// A chain without losses: errors grow as long as it runs.
+/// Returns a chain without losses: errors grow as long as it runs.
 Scene undamped() {
     Scene scene;
     scene.chain.spheres = 3;
@@ -61,7 +61,7 @@ TEST(Estimate, IsMadeOverTheRun) {
     }
 }
 
-/// Bursts that come before the last one has died away: the error grows from one to the next.
+/// Returns a scene whose bursts begin before the last one has died away: the error grows from one to the next.
 Scene growing(double duration_s) {
     Scene scene = parse_scene(find_shipped_scene("paper-acrylic")->text, "paper-acrylic")->scene;
     scene.drive.repetition_hz = 1400;

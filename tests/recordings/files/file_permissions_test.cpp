@@ -16,7 +16,7 @@
 
 namespace {
 
-// Of files, just before their owner or mode was changed: by this thread, as other tests of this program write files from several.
+// Permissions of files just before this thread changed their owner or mode; other tests of this program write files from several threads.
 thread_local std::vector<mode_t> modes;
 
 void note_mode(int descriptor) {
@@ -28,7 +28,7 @@ void note_mode(int descriptor) {
 
 }  // namespace
 
-// In place of the system library's, for this program.
+// Replaces the system library's function in this program.
 extern "C" {
 
 int fchown(int descriptor, uid_t owner, gid_t group) noexcept {
@@ -52,7 +52,7 @@ namespace fs = std::filesystem;
 
 constexpr mode_t of_others = 077;  // group and everybody
 
-/// A file with that mode.
+/// Makes a file with that mode.
 fs::path file_with(const TemporaryFolder& folder, mode_t mode) {
     fs::path file = folder.file("a.csv");
     fs::remove(file);

@@ -264,7 +264,7 @@ TEST_F(OutputFileTest, FifoIsWrittenStraight) {
 }
 
 TEST_F(OutputFileTest, OpenDescriptorIsWrittenWhereItStands) {
-    // As /dev/stdout is, when the shell redirected it to a file that already holds something.
+    // /dev/stdout is such a file when the shell has redirected it to a file with contents.
     const fs::path file = directory / "log";
     const int descriptor = ::open(file.c_str(), O_WRONLY | O_CREAT, 0600);
     ASSERT_GE(descriptor, 0);

@@ -130,7 +130,7 @@ TEST(Csv, MetadataThatCannotBeWrittenAreToldOfBeforeAnythingIsReplaced) {
     EXPECT_EQ(contents(writer->kept().file), "t_s,v\n0,1\n");
 }
 
-/// In a process of its own: the limit on the size of files cannot be raised again.
+/// Runs in a process of its own, because the limit on the size of files cannot be raised again.
 TEST(Csv, AFullDiskLeavesWholeLines) {
     const TemporaryFolder folder;
     const pid_t child = fork();

@@ -42,7 +42,7 @@ protected:
             std::distance(fs::directory_iterator(fs::path(file).parent_path()), {}));
     }
 
-    /// Each hash is that of the metadata beside it: others refuse a collection where one is not.
+    /// Checks that each hash is that of the metadata beside it: other programs refuse a collection with a wrong hash.
     void expect_hashes_to_hold() const {
         for (const json& one : listed()) {
             const std::string meta = folder.file(one["name"].get<std::string>() + ".sigmf-meta");
@@ -136,7 +136,7 @@ TEST_F(SigmfCollection, EndsWithTheShortestOfItsFiles) {
     EXPECT_THAT(error_of([&] { open_sigmf_collection_reader(file); }), HasSubstr(data("x1_m")));
 }
 
-/// In a process of its own: the limit on the size of files cannot be raised again.
+/// Runs in a process of its own, because the limit on the size of files cannot be raised again.
 TEST_F(SigmfCollection, AFullDiskLeavesTheRowsThatAllFilesHave) {
     constexpr std::size_t limit = 100'001;  // bytes; no whole number of samples
     const pid_t child = fork();

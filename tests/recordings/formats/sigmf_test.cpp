@@ -30,7 +30,7 @@ using testing::SizeIs;
 
 const std::vector<std::string> two{"v_last_m_per_s", "x1_m"};
 
-/// Rows of two columns as SigMF holds them.
+/// Returns rows of two columns as SigMF stores them.
 std::vector<double> numbered_rows(std::int64_t first, std::int64_t count) {
     const RecordingHead head = recording_head(two, 1000, NumberType::float32);
     return recorded_rows(head, first, static_cast<std::size_t>(count)).values;
@@ -135,7 +135,7 @@ TEST_F(Sigmf, ACaptureIsKnownBeforeItsSamplesAreThere) {
     }
 }
 
-/// Of a scene with bursts 2.5 times a second.
+/// Returns the head of a scene with 2.5 bursts a second.
 RecordingHead head_with_bursts(double sample_rate_hz) {
     RecordingHead head = recording_head(two, sample_rate_hz);
     head.provenance["scene"]["drive"]["repetition_hz"] = 2.5;
@@ -261,7 +261,7 @@ TEST_F(Sigmf, AfterAFailureWhatWasWrittenStays) {
     EXPECT_EQ(read[0].values, numbered_rows(0, 300));
 }
 
-/// In a process of its own: the limit on the size of files cannot be raised again.
+/// Runs in a process of its own, because the limit on the size of files cannot be raised again.
 TEST_F(Sigmf, AFullDiskLeavesWholeSamples) {
     constexpr std::size_t limit = 100'001;  // bytes; no whole number of samples
     const pid_t child = fork();

@@ -27,7 +27,7 @@ protected:
     test::TemporaryFolder folder;
     std::string file = folder.file("a.wav");
 
-    /// Why no writer opens with that head; empty when one does.
+    /// Returns the reason why no writer opens with that head, or "".
     std::string refusal(const RecordingHead& head) const {
         try {
             open_wav_writer(file, head);
@@ -188,7 +188,7 @@ protected:
     const std::int64_t hole = (std::int64_t{1} << 32) / row_bytes;  // rows
     const std::vector<double> values = test::recorded_rows(head, 0, part).values;
 
-    // On a file system in memory, where reading a hole costs least.
+    // A file system in memory, where reading a hole is fastest.
     const fs::path memory = "/dev/shm/hertzline-rf64-" + std::to_string(::getpid());
 
     void SetUp() override {

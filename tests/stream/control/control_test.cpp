@@ -35,7 +35,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A burst each 2000 samples.
+/// Returns a scene with a burst each 2000 samples.
 Scene small_scene() {
     Scene scene = steady_scene();
     scene.output.sample_rate_hz = 2e6;
@@ -48,7 +48,7 @@ struct Controlled {
     SimulationSource source{resolved, TapSet()};
     SceneControl control{requested, resolved, source};
 
-    /// Asks, and goes on with the stream until there is a reply.
+    /// Sends a request, and continues the stream until there is a reply.
     Json ask(const Json& request) {
         std::optional<Json> reply;
         control.take(request, [&](const Json& json) { reply = json; });

@@ -23,7 +23,7 @@ MotionExtremes extent_after(const Scene& scene, double time_s) {
     return simulation.extremes();
 }
 
-/// Looks until the estimate that is being made is there.
+/// Waits until the estimate is ready.
 EstimateWatch::News news_of(EstimateWatch& watch, const MotionExtremes& now) {
     EstimateWatch::News news;
     while (watch.estimating()) {

@@ -53,7 +53,7 @@ private:
     bool damaged_;
 };
 
-/// Rows whose numbers are the sample's index, plus a tenth for each column further on.
+/// Returns rows whose numbers are the sample's index, plus a tenth for each further column.
 RecordedRows counted(std::int64_t first, std::int64_t count, std::size_t columns) {
     RecordedRows rows{.first = first, .values = {}};
     for (std::int64_t i = first; i < first + count; ++i) {

@@ -51,7 +51,7 @@ protected:
         }
         return runs;
     }
-    /// The listener learns of the run, and subscribes to its frames.
+    /// Sends meta to the waiting listener, and waits until it subscribes to the run's frames.
     void introduce(Listener& listener, std::string_view run) {
         subscriptions_until_wanted(publisher, "meta");
         EXPECT_FALSE(publisher.wanted("v_out/np")) << "not before meta";

@@ -1,4 +1,4 @@
-// The end of a stream, for a subscriber that was behind.
+// The end of a stream, for a slow subscriber.
 
 #include <atomic>
 #include <chrono>

@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 
 constexpr auto always = [] { return true; };
 
-/// Time passes only by sleeping.
+/// A clock on which time passes only by sleeping.
 struct FakeClock {
     Nanoseconds time{0};
     std::vector<Nanoseconds> naps;

@@ -103,7 +103,7 @@ struct Stream {
     std::atomic<bool> stop{false};
 };
 
-/// A stream of that source from start to end.
+/// Streams that source from start to end.
 StreamMeters run(StreamOptions with, SampleSource& source, Publisher& publisher) {
     Pipeline pipeline(std::move(with), source, publisher, nullptr);
     const std::atomic<bool> stop{false};
@@ -217,7 +217,7 @@ TEST(Pipeline, AStalledSenderDiscardsFramesAndCountsThem) {
     EXPECT_GT(totals.dropped_by_sender, 0U);
     EXPECT_LE(totals.dropped_by_sender, static_cast<std::uint64_t>(meters.dropped_frames));
     EXPECT_EQ(totals.inconsistent, 0U);
-    // each frame of the topic is accounted for
+    // each frame of the topic is counted
     const TopicCount& count = meters.np(Tap::v_out);
     EXPECT_EQ(count.sent, static_cast<std::int64_t>(totals.frames));
     EXPECT_EQ(count.dropped, meters.dropped_frames);
@@ -338,7 +338,7 @@ TEST(Pipeline, DiscardsNothingOfALongChainWhoseSpheresNobodyWants) {
     Publisher publisher("tcp://127.0.0.1:*");
     const StreamMeters meters =
         run(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher);
-    // None on a machine that is not loaded. It was every second one.
+    // An idle machine has none. Earlier it was every second one.
     EXPECT_LT(meters.dropped_frames, meters.frames / 10);
 }
 

@@ -40,7 +40,7 @@ void wait_for(const Producer& producer) {
     }
 }
 
-/// Takes all blocks there will be.
+/// Takes all blocks until the end.
 std::vector<Block> drained(Producer& producer) {
     std::vector<Block> blocks;
     while (true) {
@@ -129,7 +129,7 @@ TEST(Producer, StopsWhileItWaitsForASlotAndBeforeItBegan) {
     EXPECT_TRUE(full.finished());
 }
 
-/// A number that the system's status of a thread has under that key.
+/// Returns the number of that key in the system's status of a thread.
 long status_of(pid_t thread, const std::string& wanted) {
     std::ifstream status("/proc/self/task/" + std::to_string(thread) + "/status");
     for (std::string key; status >> key;) {
@@ -141,7 +141,7 @@ long status_of(pid_t thread, const std::string& wanted) {
     return 0;
 }
 
-/// The simulating thread of this process, once it has its name.
+/// Returns the simulating thread of this process, once it has its name.
 pid_t simulating_thread() {
     pid_t found = 0;
     EXPECT_TRUE(eventually([&] {
@@ -223,7 +223,7 @@ TEST(Producer, HasRoomOfItsOwnForBlocksWithEverySphere) {
     EXPECT_EQ(next, 1000);
 }
 
-/// The last processor that this process may use.
+/// Returns the last processor that this process may use.
 int last_processor() {
     cpu_set_t allowed;
     EXPECT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);

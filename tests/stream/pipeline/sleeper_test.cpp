@@ -16,7 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Processor time of this thread so far.
+/// Returns the processor time of this thread so far.
 Nanoseconds worked() {
     rusage usage{};
     getrusage(RUSAGE_THREAD, &usage);

@@ -58,14 +58,14 @@ TEST(StreamMessages, MetaComesOnceASecondAndMetersTenTimesThoughNobodyNewComes) 
                                         .start = StreamStart::with_first_subscriber,
                                         .on_overrun = OnOverrun::wait});
     listening.join();
-    // One for the subscription, and those of whole seconds. A loaded machine may be late, and never early.
+    // One for the subscription, and one for each whole second. A loaded machine may be late, but never early.
     EXPECT_GE(meta, 3);
     EXPECT_LE(meta, 2 + static_cast<int>(std::ceil(said.wall_s + 1)));
     EXPECT_GE(meters, 15);
     EXPECT_LE(meters, 1 + static_cast<int>(std::ceil(10 * (said.wall_s + 1))));
 }
 
-/// From sample 5000 on v_out is more than float32 can hold.
+/// A source whose v_out exceeds float32 from sample 5000 on.
 class TooLarge final : public CountingSource {
 public:
     using CountingSource::CountingSource;

@@ -43,7 +43,7 @@ std::string encoded(const FrameHeader& header) {
     return json;
 }
 
-/// The example's JSON with one member replaced (or, for a discarded value, removed).
+/// Returns the example's JSON with one member replaced (or, for a discarded value, removed).
 std::string with(const char* key, const nlohmann::json& value) {
     nlohmann::json object = nlohmann::json::parse(encoded(example()));
     object[key] = value;

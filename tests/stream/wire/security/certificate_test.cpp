@@ -37,7 +37,7 @@ std::string text_of(const std::filesystem::path& file) {
 
 class Certificates : public testing::Test {
 protected:
-    /// A file that only we may read.
+    /// Writes a file that only this user may read.
     std::string written(const std::string& name, const std::string& text) const {
         std::ofstream(folder_.file(name), std::ios::binary) << text;
         std::filesystem::permissions(folder_.file(name), std::filesystem::perms(0600));
@@ -116,7 +116,7 @@ TEST_F(Certificates, ASecretThatOthersMayTouchIsRefusedWithTheRemedy) {
 
 TEST_F(Certificates, AnotherUsersSecretIsRefused) {
     const KeyFiles files = write_key_files(folder_.file("alice"), pair_);
-    // Only root can give a file away. For others there is one of root's.
+    // Only root can give a file away. Other users take one of root's.
     const bool given_away = ::chown(files.secret_file.c_str(), test::nobody, test::nobody) == 0;
     EXPECT_THAT(fault_of_pair(given_away ? files.secret_file : "/etc/passwd"), HasSubstr("another user"));
     const test::AsOrdinaryUser user({});

@@ -34,7 +34,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Connects and says nothing.
+/// Connects and sends nothing.
 class Stranger {
 public:
     explicit Stranger(const std::string& path)
@@ -130,7 +130,7 @@ TEST(Connections, ANewcomerBeyondSoManySubscribersIsToldAndComesInWhenOneLeaves)
     }
 }
 
-/// Memory of this process's own [bytes].
+/// Returns the private memory of this process [bytes].
 double memory() {
     std::ifstream status("/proc/self/status");
     for (std::string key; status >> key;) {
@@ -141,7 +141,7 @@ double memory() {
     return 0;
 }
 
-/// Takes all that comes, in a thread of its own, and does not connect again once it is cut off.
+/// Receives all messages in a thread of its own, and does not reconnect after a disconnection.
 class Reader {
 public:
     Reader(zmq::context_t& context, const std::string& endpoint) : socket_(context, zmq::socket_type::xsub) {
@@ -251,7 +251,7 @@ TEST(Connections, TheOneThatHasTakenNothingForLongestIsCutOff) {
     EXPECT_TRUE(eventually([&] { return has_left('b'); }));
 }
 
-// Both connections are full at every look.
+// Both connections are full at every check.
 TEST(Connections, WhoReadsSlowlyIsNotCutOffBeforeWhoReadsNothing) {
     zmq::context_t context;
     zmq::socket_t publisher(context, zmq::socket_type::xpub);

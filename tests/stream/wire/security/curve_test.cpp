@@ -69,7 +69,7 @@ protected:
     PublisherOptions lets_in(std::vector<CurveKey> clients) const {
         return {.curve = CurveServer{.own = server_, .clients = std::move(clients)}};
     }
-    /// Subscribes, and receives a message whole.
+    /// Expects that a subscriber receives a whole message.
     static void expect_served(Publisher& publisher, const SubscriberOptions& options) {
         Subscriber subscriber(publisher.endpoint(), options);
         subscriber.subscribe(topic);
@@ -81,7 +81,7 @@ protected:
         EXPECT_EQ(message->text(0), text);
         EXPECT_FALSE(subscriber.refusal());
     }
-    /// Subscribes, gets the reason for the refusal, and is not among the peers.
+    /// Expects that a subscriber is refused with this reason, and is not among the peers.
     static Refusal refusal_of(Publisher& publisher, const SubscriberOptions& options) {
         Subscriber subscriber(publisher.endpoint(), options);
         subscriber.subscribe(topic);
@@ -129,7 +129,7 @@ TEST_F(EncryptedStream, DoesNotTalkToWhoWantsAnotherServer) {
     expect_served(publisher, with_key(alice_, server_.public_key));
 }
 
-/// The last word on a connection that only one side encrypts. ZeroMQ may try a few times before it sees why.
+/// Returns the final reason for the refusal of a connection that only one side encrypts. ZeroMQ may retry a few times first.
 Refusal last_refusal(Publisher& publisher, const SubscriberOptions& options) {
     Subscriber subscriber(publisher.endpoint(), options);
     subscriber.subscribe("");
@@ -153,7 +153,7 @@ TEST_F(EncryptedStream, IsNotSoughtAtAPlainPublisher) {
     expect_served(publisher, {});
 }
 
-/// A publisher's socket by itself, so that its handler can be taken away.
+/// A publisher's socket alone, so that a test can remove its handler.
 TEST_F(EncryptedStream, WithoutItsHandlerLetsNobodyIn) {
     zmq::context_t context;
     std::optional<ZapHandler> handler(std::in_place, context, std::vector{alice_.public_key});

@@ -17,7 +17,7 @@ namespace {
 
 using testing::ElementsAre;
 
-/// Asks a handler as ZeroMQ does.
+/// Sends requests to a handler as ZeroMQ does.
 class Questions {
 public:
     explicit Questions(zmq::context_t& context) : socket_(context, zmq::socket_type::req) {
@@ -25,7 +25,7 @@ public:
         socket_.set(zmq::sockopt::rcvtimeo, 20'000);
         socket_.connect("inproc://zeromq.zap.01");
     }
-    /// The answer's parts.
+    /// Sends a request. Returns the answer's parts.
     std::vector<std::string> ask(const std::vector<std::string>& parts) {
         for (std::size_t i = 0; i < parts.size(); ++i) {
             socket_.send(zmq::buffer(parts[i]),
