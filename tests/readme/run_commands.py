@@ -45,7 +45,7 @@ NOT_RUN = {
         "hertzline sweep --merge s.h5.*-of-8.journal -o s.h5": SLURM,
     },
     "apps/clients/README.md": {
-        "node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 10000 heard.f32": "the tests clients/node do it",
+        "node apps/clients/node_client.js tcp://127.0.0.1:5573 v_out 10000 received.f32": "the tests clients/node do it",
         "from zmq.auth import load_certificate": "a part; apps/python_client_of_an_encrypted_stream has them",
     },
     "apps/python/README.md": {
