@@ -91,8 +91,8 @@ Json request_of(const ControlOptions& arguments) {
     for (const std::string& word : arguments.words) {
         const std::size_t equals = word.find('=');
         if (equals == std::string::npos || equals == 0) {
-            throw WrongUse(fmt::format("found {}, allowed: KEY=VALUE, such as drive.amplitude_m=2e-6",
-                                       quoted_briefly(word)));
+            throw WrongUse(
+                fmt::format("found {}, allowed: KEY=VALUE, as drive.amplitude_m=2e-6", quoted_briefly(word)));
         }
         set[word.substr(0, equals)] = value_of(word.substr(equals + 1));
     }

@@ -168,7 +168,7 @@ def _restored(toml: str, name: str) -> Scene:
 def names_in(argument: str, names: Iterable[str]) -> list[str]:
     """A list of names; one by itself, which would be taken letter by letter, is refused."""
     if isinstance(names, str):
-        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, such as ["{names}"]')
+        raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
     return list(names)
 
 

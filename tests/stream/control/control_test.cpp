@@ -315,8 +315,8 @@ TEST(ControlServer, LetsInListedControllersOnly) {
     ControlServer server("tcp://127.0.0.1:*", CurveServer{server_keys, {controller.public_key}},
                          stream.control);
     const std::atomic<bool> never{false};
-    const auto ask = [&](const KeyPair& own, std::chrono::milliseconds timeout) {
-        return ask_control({server.endpoint(), CurveClient{own, server_keys.public_key}, timeout},
+    const auto ask = [&](const KeyPair& own, std::chrono::duration<double> timeout) {
+        return ask_control({server.endpoint(), CurveClient{own, server_keys.public_key}, timeout.count()},
                            {{"get", Json::array()}}, never);
     };
     EXPECT_EQ(ask(controller, patience)["epoch"], 0);
