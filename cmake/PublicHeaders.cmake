@@ -35,7 +35,6 @@ set(core_headers
 set(stream_headers
   # what one uses
   stream/pipeline/pipeline.hpp
-  stream/pipeline/stream_options.hpp
   recordings/recording.hpp
   recordings/recording_formats.hpp
   recordings/recording_set.hpp
@@ -51,7 +50,6 @@ set(stream_headers
   stream/listening/listener.hpp
   stream/listening/run_receiver.hpp
   stream/wire/continuity.hpp
-  stream/wire/frame.hpp
   stream/wire/frame_codec.hpp
   stream/wire/publisher.hpp
   stream/wire/subscriber.hpp
@@ -63,16 +61,11 @@ set(stream_headers
   stream/pipeline/ring_buffer.hpp
   stream/pipeline/sleeper.hpp
   stream/pipeline/stream_monitor.hpp
-  stream/pipeline/thread_options.hpp
-  stream/pipeline/topic_demand.hpp
+  stream/threads.hpp
   recordings/columns.hpp
-  recordings/row_builder.hpp
-  stream/inputs/run_id.hpp
-  stream/wire/multipart.hpp
+  stream/wire/sockets.hpp
   stream/wire/security/connections.hpp
   stream/wire/security/curve.hpp
-  stream/wire/socket_monitor.hpp
-  stream/wire/security/peer_quota.hpp
   stream/wire/security/zap.hpp
   stream/wire/subscriptions.hpp
   stream/wire/topics.hpp)

@@ -54,10 +54,10 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 /// that any request can be judged.
 double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept;
 
-/// The fault of a run whose record is too long for its spectrum: what was found and what is allowed.
+/// Returns the fault of a run whose record is too long for its spectrum.
 std::optional<std::string> longest_run_fault(const Scene& scene);
 
-/// The fault of a lower edge of bands that is no frequency: what was found and what is allowed.
+/// Returns the fault of a lower edge of bands that is no frequency.
 std::optional<std::string> band_from_fault(std::optional<double> from_hz);
 
 /// Warnings, a sentence each.
@@ -165,7 +165,7 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved);
 /// The names of the taps, in the order of the set.
 std::vector<std::string> names_of(TapSet taps);
 
-/// The tap of that name, or what was found and what is allowed.
+/// Returns the tap of that name, or a fault.
 tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
 
 /// The measurable taps among the names; other names are passed over.

@@ -49,10 +49,10 @@ struct SpectrumSummary {
     std::optional<Band> band_20db;  ///< the same with 10^(-20/20)
 };
 
-/// Largest absolute value, 0 of nothing.
+/// Returns the largest absolute value; 0 without values.
 double peak_of(std::span<const double> values);
 
-/// How much larger each line of a record is than the same line of another one [dB]; as many as both have.
+/// Returns the level of each line of a record over the same line of another one [dB]; as many as both have.
 std::vector<double> level_differences_db(std::span<const double> harmonics, std::span<const double> others);
 
 /// Magnitudes over frequency, ready to be plotted.

@@ -7,8 +7,6 @@
 
 namespace hertzline::stream {
 
-namespace {}  // namespace
-
 std::string meta_json(const StreamOptions& options, const StreamFormat& format) {
     Json streams = Json::array();
     for (const Tap tap : format.taps) {

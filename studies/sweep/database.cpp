@@ -5,7 +5,8 @@
 #include <system_error>
 #include <utility>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/files/staged_file.hpp"
 #include <sqlite3.h>
 
 namespace hertzline::studies {

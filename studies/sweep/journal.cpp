@@ -13,7 +13,8 @@
 #include <thread>
 #include <utility>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "studies/sweep/database.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -262,7 +263,7 @@ void Journal::read(std::int64_t point, TableRow& row) const {
         const std::span<const std::byte> bytes = select.bytes(static_cast<int>(kinds_.size()));
         sound = bytes.size() == samples_ * sizeof(float);
         row.samples.resize(samples_);
-        if (sound && samples_ > 0) { // SQLite has no address for an empty blob
+        if (sound && samples_ > 0) {  // SQLite has no address for an empty blob
             std::memcpy(row.samples.data(), bytes.data(), bytes.size());
         }
     }

@@ -34,7 +34,7 @@ public:
     void save();
 
     /// No recording has failed.
-    bool saved() const noexcept { return !recordings_ || recordings_->sound(); }
+    bool saved() const noexcept { return !recordings_ || recordings_->complete(); }
 
     double simulated_s() const noexcept {
         return run_.has_samples() ? static_cast<double>(samples_) / run_.fs() : 0;

@@ -14,7 +14,7 @@
 #include <thread>
 #include <vector>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "recordings/recording_formats.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>

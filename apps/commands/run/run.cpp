@@ -10,9 +10,9 @@
 
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
+#include "recordings/columns.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
-#include "recordings/row_builder.hpp"
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -231,7 +231,7 @@ Exit run(const RunArguments& options) {
     run.recordings = recordings::recordings_json(recordings);
     measure(run, options.band_from_hz);
     print_run(run, options.format);
-    return recordings.sound() && saved ? Exit::done : Exit::failed;
+    return recordings.complete() && saved ? Exit::done : Exit::failed;
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 #include "measures/resources.hpp"
 #include "measures/scene_report.hpp"
+#include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
-#include "recordings/row_builder.hpp"
 #include <spdlog/spdlog.h>
 
 #include "apps/arguments/options.hpp"
@@ -174,7 +174,7 @@ Exit stream(const StreamArguments& arguments) {
         recordings.commit();  // the samples up to here are complete
         throw;
     }
-    return recordings.sound() ? Exit::done : Exit::failed;
+    return recordings.complete() ? Exit::done : Exit::failed;
 }
 
 }  // namespace

@@ -8,7 +8,6 @@
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"
-#include "recordings/row_builder.hpp"
 
 #include "apps/python/native/interruptible.hpp"
 #include "apps/python/native/python_values.hpp"

@@ -12,7 +12,7 @@
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
-#include "stream/wire/frame.hpp"
+#include "stream/wire/frame_codec.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {
