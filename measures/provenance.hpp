@@ -24,7 +24,7 @@ const char* compiler() noexcept;
 /// UTC as ISO 8601 with milliseconds: "2026-01-31T12:00:00.123Z".
 std::string utc_text(std::chrono::system_clock::time_point time);
 
-/// Where samples come from; provenance_json() turns it into JSON.
+/// The origin of samples; provenance_json() turns it into JSON.
 struct Provenance {
     const Scene& scene;                     ///< resolved (hertzline/resolve.hpp)
     std::optional<ErrorEstimate> estimate;  ///< error of the velocities; unset: unknown

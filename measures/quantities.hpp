@@ -81,7 +81,7 @@ struct NumberColumn {
 /// @param measured beside v_out @param modal whether there is a modal plate
 std::vector<NumberColumn> number_columns(TapSet measured, bool modal);
 
-/// The column of that name among all possible ones, or its fault.
+/// Returns the column of that name among all possible ones, or a fault.
 tl::expected<NumberColumn, std::string> find_column(std::string_view name);
 
 /// The columns that the names name, one by one or all of an array, in the order of the columns; estimated_error and estimated_over_s

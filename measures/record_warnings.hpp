@@ -32,8 +32,8 @@ std::vector<std::string> record_warnings(const Scene& scene, std::span<const dou
 /// Returns warnings of strong lines below the lower edge of the search for bands and harmonics. Empty: none.
 std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum);
 
-/// Which harmonics of v_out are there because the paper's formula jumps when the last contact opens or closes. Empty:
-/// none. @param switching_db how much larger each of them is with the jumps than without
+/// Returns a warning of harmonics of v_out that exist because the paper's formula jumps when the last contact opens or closes.
+/// Empty: none. @param switching_db level of each with the jumps over that without
 std::vector<std::string> switching_warnings(std::span<const double> switching_db);
 
 }  // namespace hertzline::measures

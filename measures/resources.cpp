@@ -65,7 +65,7 @@ void look_up_the_tree(const fs::path& hierarchy, std::string_view group, const L
     }
 }
 
-/// Looks at the folders of the control groups of this process that have the controller, and tells whether they are of the second version.
+/// Looks at the folders of this process's control groups that have the controller. Returns whether they are of the second version.
 /// Lines of /proc/self/cgroup: "0::/path" (v2) or "7:memory,other:/path" (v1), cgroups(7).
 template <class Look>
 void look_at_control_groups(const fs::path& root, const std::string& controller, const Look& look) {

@@ -26,7 +26,7 @@ std::optional<std::uint64_t> free_disk_bytes(const std::filesystem::path& path);
 /// "512 bytes", "1.5 GiB", "8.0e+300 bytes".
 std::string human_bytes(double bytes);
 
-/// Why `purpose` ("recording v_out") cannot have `needed_bytes` of memory: "recording v_out needs 7.5 TiB of
+/// Returns the shortage when `purpose` ("recording v_out") needs more memory than is available: "recording v_out needs 7.5 TiB of
 /// memory, 22.3 GiB is available". Absent when it fits, or when the available memory is unknown; a need that
 /// is not a number or is infinite never fits.
 std::optional<std::string> memory_shortage(std::string_view purpose, double needed_bytes,

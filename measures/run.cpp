@@ -174,7 +174,7 @@ Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples
     return Status::running;
 }
 
-/// How much larger the harmonics of v_out are for the jumps of its formula [dB]; empty without a plate.
+/// Returns the levels of v_out's harmonics with the jumps of its formula over those without [dB]; empty without a plate.
 std::vector<double> switching_of(SpectrumAnalyser& analyser, const Run& run) {
     if (run.v_out_smooth.empty()) {
         return {};

@@ -47,10 +47,10 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept;
 /// that any request can be judged.
 double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept;
 
-/// The fault of a run whose record is too long for its spectrum.
+/// Returns the fault of a run whose record is too long for its spectrum.
 std::optional<std::string> longest_run_fault(const Scene& scene);
 
-/// The fault of a lower edge of bands that is no frequency.
+/// Returns the fault of a lower edge of bands that is no frequency.
 std::optional<std::string> band_from_fault(std::optional<double> from_hz);
 
 /// Simulates a scene: all of run() but measure(). @throws as run()
@@ -78,7 +78,7 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved);
 /// The names of the taps, in the order of the set.
 std::vector<std::string> names_of(TapSet taps);
 
-/// The tap of that name, or its fault.
+/// Returns the tap of that name, or a fault.
 tl::expected<Tap, std::string> find_tap(std::string_view name, TapSet allowed);
 
 /// The taps of those names; the faults of other names are added. @param subject of the faults, as "--columns"
@@ -88,14 +88,4 @@ TapSet taps_named(std::string_view subject, const std::vector<std::string>& name
 /// The measurable taps among the names; other names are passed over.
 TapSet measurable_among(std::span<const std::string> names) noexcept;
 
-}  // namespace hertzline::measures
-
-namespace hertzline::measures {  // until all callers follow
-using hertzline::PlateEnergy;
-using hertzline::run;
-using hertzline::Run;
-using hertzline::RunOptions;
-using hertzline::SceneStep;
-using hertzline::TapRecord;
-using hertzline::Warnings;
 }  // namespace hertzline::measures

@@ -219,7 +219,7 @@ double SpectrumAnalyser::line(double frequency_hz, double half_width_hz) const n
     return parabola_top(magnitude(top - 1), magnitude(top), magnitude(top + 1));
 }
 
-/// Where the magnitudes, with straight lines between the bins, reach the threshold.
+/// Returns the band in which the magnitudes, with straight lines between the bins, reach the threshold.
 std::optional<Band> SpectrumAnalyser::band_above(double threshold, double lowest_hz) const noexcept {
     std::optional<Band> band;
     const double power = threshold * threshold;

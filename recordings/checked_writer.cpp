@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "recordings/recording_head.hpp"
 #include <fmt/format.h>
 
@@ -50,7 +50,7 @@ void CheckedWriter::note_change(const Json& change) {
     }
 }
 
-/// Where the rows were wrong and not the file, it can be completed.
+/// Completes the file when the rows were wrong and not the file; else saves it.
 void CheckedWriter::complete_or_save() noexcept {
     try {
         if (rows_ > 0) {

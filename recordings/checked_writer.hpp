@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "recordings/captures.hpp"
 #include "recordings/recording.hpp"
+#include "recordings/recording_head.hpp"
 
 #include "core/scene/json.hpp"
 

@@ -1,13 +1,15 @@
 #pragma once
-// The columns of recordings: which there are, and their names. They are the same in every format: those of the CSV.
+// The columns of recordings, the same in every format, and the rows of a block of samples.
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
 #include "recordings/recording.hpp"
+#include "recordings/recording_set.hpp"
 
-#include "core/taps.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::recordings {
 
@@ -17,5 +19,25 @@ std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres);
 
 /// The column of that name; one that is no tap's is a quantity of its own, its unit taken from the name.
 Column column_named(const std::string& name);
+
+/// Turns blocks of samples into the rows of recordings.
+class RowBuilder {
+public:
+    /// @param recordings outlives the builder; its columns are recorded_columns() of the same taps
+    RowBuilder(RecordingSet& recordings, TapSet taps);
+
+    TapSet taps() const noexcept { return taps_; }
+
+    /// Appends a block that holds the taps. Does not throw when a recording cannot be written: `recordings` reports
+    /// that.
+    void write(const Samples& block);
+
+private:
+    RecordingSet& recordings_;
+    TapSet taps_;
+    std::vector<Tap> single_;       ///< of one channel
+    std::vector<Tap> per_sphere_;   ///< a channel each
+    std::vector<Tap> per_contact_;  ///< a channel each
+};
 
 }  // namespace hertzline::recordings

@@ -11,7 +11,7 @@
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/npy.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
-#include "recordings/formats/wav/wav.hpp"
+#include "recordings/formats/wav.hpp"
 
 #include "core/scene/text.hpp"
 
@@ -42,8 +42,7 @@ constexpr std::array formats{
     Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_collection_ending, 4, open_sigmf_collection_writer, open_sigmf_collection_reader},
-    Format{".h5", 8, when_complete<open_hdf5_writer>,
-           [](const fs::path& path) { return open_hdf5_reader(path); }},
+    Format{".h5", 8, when_complete<open_hdf5_writer>, open_hdf5_reader},
     Format{".wav", 4, when_complete<open_wav_writer>, open_wav_reader},
     Format{".npy", 8, when_complete<open_npy_writer>, open_npy_reader},
 };

@@ -10,23 +10,22 @@
 
 namespace hertzline::recordings {
 
-/// Every ending that a recording can have: ".csv, .sigmf-meta, .sigmf-data".
+/// Returns all endings of recordings: ".csv, .sigmf-meta, .sigmf-data".
 std::string recording_endings();
 
-/// The ending that picks a file's format, in small letters: ".csv".
+/// Returns the ending that picks a file's format, in small letters: ".csv".
 std::string recording_ending(const std::filesystem::path& path);
 
-/// Why a file of that name cannot be recorded to (unknown ending); nothing when it can. A device or FIFO
-/// without an ending gets a CSV.
+/// Returns the fault of a name that has no known ending. A device or FIFO without an ending gets a CSV.
 std::optional<std::string> recording_fault(const std::filesystem::path& path);
 
-/// The name that all names of one recording share: x.sigmf-meta for x.sigmf-data.
+/// Returns the name that all names of one recording share: x.sigmf-meta for x.sigmf-data.
 std::filesystem::path recording_name(const std::filesystem::path& path);
 
-/// Bytes of a recording, from above: so that a full disk is noticed before the run.
+/// Returns an upper bound of a recording's bytes, so that a full disk is noticed before the run.
 double recording_bytes(const std::filesystem::path& path, double columns, double samples) noexcept;
 
-/// @throws std::runtime_error when no file could be written there, without beginning one. Devices are not checked:
+/// Checks that a file could be written there, without beginning one. @throws std::runtime_error when not. Devices are not checked:
 /// opening a FIFO and closing it again would end it.
 void require_writable(const std::filesystem::path& path);
 

@@ -31,9 +31,12 @@ double RecordingSet::queue_bytes(double columns, double sample_rate_hz) noexcept
 }
 
 RecordingSet::RecordingSet(std::span<const std::string> paths, const RecordingHead& head,
-                           RecordingPatience patience, std::function<void(const std::string&)> tell,
+                           RecordingPatience patience, std::function<void(const std::string&)> report,
                            Appearance appearance)
-    : behind_(paths.size(), 0), columns_(head.columns.size()), patience_(patience), tell_(std::move(tell)) {
+    : behind_(paths.size(), 0),
+      columns_(head.columns.size()),
+      patience_(patience),
+      report_(std::move(report)) {
     std::vector<std::unique_ptr<RecordingWriter>> writers;
     for (const std::string& path : paths) {
         writers.push_back(open_recording(path, head, appearance));
@@ -71,7 +74,7 @@ void RecordingSet::write(std::int64_t first, std::vector<double> values) {
             continue;
         }
         if (status_[i].missing == 0) {
-            tell_(fmt::format("recording {} is too slow: samples are left out of it", status_[i].file));
+            report_(fmt::format("recording {} is too slow: samples are left out of it", status_[i].file));
         }
         status_[i].missing += static_cast<std::int64_t>(rows->values.size() / columns_);
         behind_[i] = 1;
@@ -187,12 +190,12 @@ void RecordingSet::conclude(std::size_t recording) {
     }
     threads_[recording].reset();
     if (!status.failure.empty()) {
-        tell_(fmt::format("recording {} ended after {} samples: {}", status.file, status.samples,
-                          status.failure));
+        report_(fmt::format("recording {} ended after {} samples: {}", status.file, status.samples,
+                            status.failure));
     }
 }
 
-bool RecordingSet::sound() const noexcept {
+bool RecordingSet::complete() const noexcept {
     return std::ranges::all_of(status_, [](const Status& status) { return status.failure.empty(); });
 }
 

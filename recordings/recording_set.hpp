@@ -51,9 +51,9 @@ public:
     };
 
     /// Begins all of them. @throws std::runtime_error that names the path and the reason when one cannot be.
-    /// @param tell takes a message when a recording fails or is too slow, in the thread that calls write()
+    /// @param report takes a message when a recording fails or is too slow, in the thread that calls write()
     RecordingSet(std::span<const std::string> paths, const RecordingHead& head, RecordingPatience patience,
-                 std::function<void(const std::string&)> tell, Appearance appearance = Appearance::early);
+                 std::function<void(const std::string&)> report, Appearance appearance = Appearance::early);
     /// Keeps the written rows of recordings that have not ended.
     ~RecordingSet();
     RecordingSet(const RecordingSet&) = delete;
@@ -75,7 +75,7 @@ public:
     void discard();
 
     /// Whether no recording has failed or lost samples.
-    bool sound() const noexcept;
+    bool complete() const noexcept;
     /// Whether a recording is still being written.
     bool any_left() const noexcept;
     /// Returns warnings about ended recordings, a sentence each.
@@ -99,7 +99,7 @@ private:
     std::vector<char> behind_;                               // rows are being left out
     std::size_t columns_;
     RecordingPatience patience_;
-    std::function<void(const std::string&)> tell_;
+    std::function<void(const std::string&)> report_;
 };
 
 /// An object for each recording: file, samples, missing_samples, status ("complete", or why it is not).

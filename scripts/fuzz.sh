@@ -30,8 +30,6 @@ for target in "$@"; do
         echo "$target: $(ls "$kept" | wc -l) inputs kept"
         continue
     fi
-    # A child that dies on a damaged file is no finding, and its report would take a fifth of a second.
-    case "$target" in recording_hdf5 | recording_child) export ASAN_OPTIONS=symbolize=0 UBSAN_OPTIONS=symbolize=0 ;; esac
     dictionary=tests/fuzz/dictionaries/$target.dict
     case "$target" in scene_text | set_options)
         { cat "$dictionary" && build/fuzz/scene_words; } >build/fuzz/"$target".dict

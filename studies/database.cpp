@@ -7,7 +7,8 @@
 
 #include <sqlite3.h>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/files/staged_file.hpp"
 
 namespace hertzline::studies {
 

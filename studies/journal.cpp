@@ -17,7 +17,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "recordings/files/errors.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "studies/database.hpp"
 
 namespace hertzline::studies {

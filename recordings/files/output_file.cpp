@@ -5,20 +5,17 @@
 #include <cerrno>
 #include <utility>
 
-#include "recordings/files/write_all.hpp"
+#include "recordings/files/staged_file.hpp"
 #include <sys/stat.h>
 #include <unistd.h>
 
 namespace hertzline::recordings {
-namespace {
 
-constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
-
-}  // namespace
-
-OutputFile::OutputFile(std::filesystem::path path, StagedFile::Devices devices)
-    : file_(std::move(path), devices) {
-    buffer_.reserve(buffer_bytes);
+OutputFile::OutputFile(std::filesystem::path path, StagedFile::Devices devices, std::size_t record_bytes)
+    : file_(std::move(path), devices), record_bytes_(record_bytes) {
+    constexpr std::size_t about = std::size_t{1} << 20;
+    buffer_bytes_ = std::max(std::size_t{1}, about / record_bytes) * record_bytes;
+    buffer_.reserve(buffer_bytes_);
 }
 
 void OutputFile::write(std::string_view text) {
@@ -29,10 +26,10 @@ void OutputFile::write(std::span<const std::byte> bytes) {
     file_.require_open();
     bytes_ += bytes.size();
     while (!bytes.empty()) {
-        const auto part = bytes.first(std::min(bytes.size(), buffer_bytes - buffer_.size()));
+        const auto part = bytes.first(std::min(bytes.size(), buffer_bytes_ - buffer_.size()));
         buffer_.insert(buffer_.end(), part.begin(), part.end());
         bytes = bytes.subspan(part.size());
-        if (buffer_.size() == buffer_bytes) {
+        if (buffer_.size() == buffer_bytes_) {
             flush();
         }
     }
@@ -49,18 +46,24 @@ void OutputFile::rewrite(std::uint64_t offset, std::string_view text) {
 
 void OutputFile::flush() {
     if (const int error = write_all(file_.descriptor(), buffer_)) {
+        if (const std::uint64_t odd = size() % record_bytes_; odd > 0) {
+            // Where even this fails readers pass over the odd bytes.
+            [[maybe_unused]] const int cut =
+                ::ftruncate(file_.descriptor(), static_cast<off_t>(size() - odd));
+        }
         file_.fail(error);
     }
     buffer_.clear();
 }
 
 bool OutputFile::fits(std::size_t bytes) const noexcept {
-    return buffer_.size() + bytes < buffer_bytes;
+    return buffer_.size() + bytes < buffer_bytes_;
 }
 
 std::uint64_t OutputFile::size() const noexcept {
     struct stat status {};
-    return ::fstat(file_.descriptor(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+    const bool is_there = ::fstat(file_.descriptor(), &status) == 0 && status.st_nlink > 0;
+    return is_there ? static_cast<std::uint64_t>(status.st_size) : 0;
 }
 
 std::string OutputFile::text_from(std::uint64_t offset) const {
@@ -83,6 +86,14 @@ void OutputFile::resume_at(std::uint64_t size) {
 std::filesystem::path OutputFile::keep() noexcept {
     file_.keep();
     return file_.temporary();
+}
+
+void OutputFile::require_present() {
+    file_.require_open();
+    struct stat status {};
+    if (::fstat(file_.descriptor(), &status) == 0 && status.st_nlink == 0) {
+        file_.fail(ENOENT);
+    }
 }
 
 void OutputFile::close() {

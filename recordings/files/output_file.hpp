@@ -1,5 +1,5 @@
 #pragma once
-// A file that exists under its name only when it is complete (staged_file), written through a buffer.
+// A file that exists under its name only when it is complete (staged_file), or once it appear()s, written through a buffer.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,8 +19,10 @@ namespace hertzline::recordings {
 class OutputFile {
 public:
     /// Opens the temporary or the device, as StagedFile does.
+    /// @param record_bytes the file consists of records of that size: it holds whole ones after each flush, and after a failed one
     explicit OutputFile(std::filesystem::path path,
-                        StagedFile::Devices devices = StagedFile::Devices::allowed);
+                        StagedFile::Devices devices = StagedFile::Devices::allowed,
+                        std::size_t record_bytes = 1);
 
     // Without commit() or keep() the temporary is removed; bytes still in the buffer are dropped.
 
@@ -42,7 +44,14 @@ public:
     /// Closes, unless it is closed, and gives the file its name.
     void commit();
 
-    /// Bytes in the file; after a failed flush a part of its buffer.
+    /// Gives the file its name now, while it keeps growing, and replaces an older one. Flushed bytes then survive the sudden end
+    /// of the program.
+    void appear() { file_.appear(); }
+
+    /// Fails when the file is gone: removed, or replaced by another of its name. Its bytes would go nowhere.
+    void require_present();
+
+    /// Returns the bytes in the file, after a failed flush with a part of its buffer; 0 once the file is gone.
     std::uint64_t size() const noexcept;
 
     /// Returns the bytes of the file from there on.
@@ -72,6 +81,8 @@ public:
 
 private:
     StagedFile file_;
+    std::size_t record_bytes_;
+    std::size_t buffer_bytes_;  // whole records
     std::vector<std::byte> buffer_;
     std::uint64_t bytes_ = 0;
 };

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -50,7 +51,7 @@ bool is_a_strangers(const fs::path& link, const fs::path& directory) {
            of_link.st_uid != of_directory.st_uid;
 }
 
-/// Where a file of that name really lives. Links are followed one by one and not by realpath(), which knows
+/// Returns the place of a file of that name, without links. Links are followed one by one and not by realpath(), which knows
 /// nothing of a link to a file that does not exist yet, and would follow /dev/stdout into the file behind it.
 fs::path without_links(const fs::path& named_by_user) {
     fs::path path = named_by_user;
@@ -102,6 +103,21 @@ std::string random_ending() {
     std::array<char, 24> text{};
     const int length = std::snprintf(text.data(), text.size(), ".partial-%08x", random());
     return {text.data(), static_cast<std::size_t>(length)};
+}
+
+/// Calls write(bytes that are left, how many were written) until none is left.
+template <class Write>
+int repeat(std::span<const std::byte> bytes, Write write) noexcept {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+        const ssize_t written = write(bytes.subspan(done), done);
+        if (written >= 0) {
+            done += static_cast<std::size_t>(written);
+        } else if (errno != EINTR) {
+            return errno;
+        }
+    }
+    return 0;
 }
 
 }  // namespace
@@ -240,6 +256,22 @@ void StagedFile::commit() {
         fail(errno);
     }
     settled_ = true;
+}
+
+int write_all(int descriptor, std::span<const std::byte> bytes) noexcept {
+    return repeat(bytes, [&](std::span<const std::byte> left, std::size_t) {
+        return ::write(descriptor, left.data(), left.size());
+    });
+}
+
+int write_all_at(int descriptor, std::span<const std::byte> bytes, std::uint64_t offset) noexcept {
+    return repeat(bytes, [&](std::span<const std::byte> left, std::size_t done) {
+        return ::pwrite(descriptor, left.data(), left.size(), static_cast<off_t>(offset + done));
+    });
+}
+
+void cannot_write(const std::filesystem::path& path, std::string_view reason) {
+    throw std::runtime_error(fmt::format("cannot write {}: {}", path.string(), reason));
 }
 
 }  // namespace hertzline::recordings

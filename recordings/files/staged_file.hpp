@@ -5,7 +5,11 @@
 // the temporary is removed and the target is as it was. A target that is not a regular file (/dev/null, a FIFO, the
 // program's own /dev/stdout) cannot be replaced by renaming: it is written directly, or refused.
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <span>
+#include <string_view>
 
 namespace hertzline::recordings {
 
@@ -30,7 +34,7 @@ public:
     /// The path as the user gave it.
     const std::filesystem::path& path() const noexcept { return path_; }
 
-    /// Where the bytes go: for libraries that open files by name. Empty for a device.
+    /// Returns the file that takes the bytes: for libraries that open files by name. Empty for a device.
     const std::filesystem::path& temporary() const noexcept { return temporary_; }
 
     /// Open for reading and writing (a device: for writing), or -1 once it is over.
@@ -81,5 +85,15 @@ private:
     bool settled_ = false;  // the temporary is there no more, or shall stay
     int failure_ = 0;       // errno of the first error
 };
+
+/// Writes all bytes to a descriptor, of which a system call may take a part only, where the file stands. @returns 0, or the errno of the call that failed.
+[[nodiscard]] int write_all(int descriptor, std::span<const std::byte> bytes) noexcept;
+
+/// Writes all bytes from `offset` [bytes] on; where the file stands does not change. @returns the same.
+[[nodiscard]] int write_all_at(int descriptor, std::span<const std::byte> bytes,
+                               std::uint64_t offset) noexcept;
+
+/// @throws std::runtime_error "cannot write x.npy: reason"
+[[noreturn]] void cannot_write(const std::filesystem::path& path, std::string_view reason);
 
 }  // namespace hertzline::recordings

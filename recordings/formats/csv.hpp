@@ -8,9 +8,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 
 #include "recordings/recording.hpp"
+
+#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 
@@ -21,6 +25,19 @@ inline constexpr const char* csv_time_column = "t_s";
 
 /// Appends the shortest text of `number` that reads back the same bits; independent of the locale.
 void append_csv_number(std::string& text, double number);
+
+/// A column of a CSV.
+struct CsvColumn {
+    Column about;
+    const char* datatype;  ///< "double", "float", "integer" or "string"
+};
+
+/// Returns the path of a CSV's metadata.
+std::filesystem::path csv_metadata_path(const std::filesystem::path& csv);
+
+/// Returns the metadata of a CSV as text. @param columns at least one; the first is the abscissa
+std::string csv_metadata(const std::filesystem::path& csv, std::span<const CsvColumn> columns,
+                         const Json& provenance, std::optional<double> sample_rate_hz = std::nullopt);
 
 /// Gives a CSV that is whole, and its metadata, their names.
 void commit_csv(OutputFile& csv, OutputFile& metadata, const std::filesystem::path& path);

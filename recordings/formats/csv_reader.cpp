@@ -1,19 +1,23 @@
 #include <algorithm>
+#include <atomic>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "recordings/columns.hpp"
-#include "recordings/files/errors.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/csv.hpp"
-#include "recordings/formats/csv_metadata.hpp"
-#include "recordings/isolated_reader.hpp"
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
@@ -66,12 +70,139 @@ double rate_of(std::vector<double> times) {
     return rounded(rate, 9);
 }
 
+/// The lines of a file, device or pipe. A wait for a pipe whose writer pauses can be interrupted.
+class Lines {
+public:
+    explicit Lines(const fs::path& path)
+        : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)) {
+        struct stat status {};
+        if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || S_ISDIR(status.st_mode)) {
+            close();
+            cannot_read(path, "not a file");
+        }
+        is_pipe_ = !S_ISREG(status.st_mode);
+    }
+    ~Lines() { close(); }
+    Lines(const Lines&) = delete;
+    Lines& operator=(const Lines&) = delete;
+
+    /// Whether the file can be read only once.
+    bool is_pipe() const noexcept { return is_pipe_; }
+
+    /// Goes to the next line. Returns false at the end and once interrupted.
+    bool next() {
+        begin_ = line_end_;
+        for (std::size_t searched = begin_;;) {
+            const std::size_t found = std::string_view(buffer_.data() + searched, end_ - searched).find('\n');
+            if (found != std::string_view::npos) {
+                return take(searched + found, 1);
+            }
+            searched = end_ - begin_;
+            std::memmove(buffer_.data(), buffer_.data() + begin_, searched);
+            begin_ = line_size_ = line_end_ = 0;
+            end_ = searched;
+            if (!fill()) {
+                return !interrupted_ && end_ > 0 && take(end_, 0);
+            }
+        }
+    }
+
+    /// The present line, without its end.
+    std::string_view line() const noexcept { return {buffer_.data() + begin_, line_size_}; }
+
+    /// Throws the fault, with path and the present line's number.
+    [[noreturn]] void fail(const std::string& fault) const {
+        throw std::runtime_error(
+            fmt::format("{}:{}: {}", path_.string(), std::max<std::int64_t>(1, number_), fault));
+    }
+
+    /// The end of a line.
+    struct Place {
+        std::int64_t byte;
+        std::int64_t number;
+    };
+    Place place() const noexcept { return {read_ - static_cast<std::int64_t>(end_ - line_end_), number_}; }
+    /// Goes back there. Not in pipes.
+    void go_back(const Place& place) {
+        if (::lseek(descriptor_, place.byte, SEEK_SET) != place.byte) {
+            cannot_read(path_, std::generic_category().message(errno));
+        }
+        read_ = place.byte;
+        number_ = place.number;
+        begin_ = line_end_ = line_size_ = end_ = 0;
+    }
+
+    void interrupt() noexcept { interrupted_ = true; }
+    bool interrupted() const noexcept { return interrupted_; }
+
+private:
+    bool take(std::size_t end, std::size_t ending) {
+        line_size_ = end - begin_;
+        line_end_ = end + ending;
+        line_size_ -= line().ends_with('\r') ? 1 : 0;
+        ++number_;
+        return true;
+    }
+
+    /// Reads more behind the bytes that are there. Returns false at the end and once interrupted.
+    bool fill() {
+        if (end_ == buffer_.size()) {
+            const bool too_long = end_ >= longest_line;
+            if (too_long || std::memchr(buffer_.data(), 0, end_) != nullptr) {
+                ++number_;
+                fail(too_long ? "the line is too long" : "found a byte 0, allowed: text");
+            }
+            buffer_.resize(2 * end_);
+        }
+        while (!is_pipe_ || wait_for_writer()) {
+            const ssize_t got = ::read(descriptor_, buffer_.data() + end_, buffer_.size() - end_);
+            if (got < 0 && errno == EINTR) {
+                continue;
+            }
+            if (got < 0) {
+                cannot_read(path_, std::generic_category().message(errno));
+            }
+            end_ += static_cast<std::size_t>(got);
+            read_ += got;
+            return got > 0;
+        }
+        return false;
+    }
+
+    /// Returns false once interrupted.
+    bool wait_for_writer() const {
+        while (!interrupted_) {
+            constexpr int glance_ms = 50;  // between looks at the flag
+            pollfd pipe{.fd = descriptor_, .events = POLLIN, .revents = 0};
+            if (::poll(&pipe, 1, glance_ms) > 0) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    void close() noexcept {
+        if (descriptor_ >= 0) {
+            ::close(std::exchange(descriptor_, -1));
+        }
+    }
+
+    fs::path path_;
+    int descriptor_;
+    bool is_pipe_ = false;
+    std::vector<char> buffer_ = std::vector<char>(std::size_t{1} << 16);
+    std::size_t begin_ = 0;  // of the line, in the buffer
+    std::size_t line_size_ = 0;
+    std::size_t line_end_ = 0;  // where the next line begins
+    std::size_t end_ = 0;       // of the bytes that were read
+    std::int64_t read_ = 0;     // bytes of the file
+    std::int64_t number_ = 0;   // of the line
+    std::atomic<bool> interrupted_{false};
+};
+
 class CsvReader final : public RecordingReader {
 public:
-    explicit CsvReader(fs::path path) : path_(std::move(path)), in_(path_, std::ios::binary) {
-        if (!in_ || fs::is_directory(path_)) {
-            cannot_read(path_, "not a file");
-        }
+    explicit CsvReader(fs::path path) : path_(std::move(path)), lines_(path_) {
         read_names();
         read_metadata();
         if (head_.sample_rate_hz == 0) {
@@ -84,16 +215,17 @@ public:
 
     bool read(RecordedRows& rows, std::size_t most) override {
         rows.values.clear();
+        most = std::min(most, lines_.is_pipe() ? rows_of_a_pipe : most);
         for (std::size_t count = 0; count < most && ahead_; ++count) {
             const std::int64_t sample = sample_of(time_);
             if (count == 0) {
                 rows.first = sample;
                 if (sample < due_) {
-                    fail("the time does not increase");
+                    lines_.fail("the time does not increase");
                 }
             } else if (sample != due_) {
                 if (sample < due_) {
-                    fail("the time does not increase");
+                    lines_.fail("the time does not increase");
                 }
                 break;  // a gap
             }
@@ -101,52 +233,17 @@ public:
             due_ = sample + 1;
             ahead_ = read_row();
         }
-        return !rows.values.empty();
+        return !rows.values.empty() && !lines_.interrupted();
     }
+
+    void interrupt() noexcept override { lines_.interrupt(); }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const {
-        throw std::runtime_error(fmt::format("{}:{}: {}", path_.string(), line_number_, what));
-    }
-
-    /// Into a buffer that grows with the line, and no further than a line may be long.
-    bool read_line() {
-        std::size_t length = 0;
-        for (;;) {
-            if (buffer_.size() - length < 2) {
-                buffer_.resize(2 * buffer_.size());
-            }
-            in_.getline(buffer_.data() + length, static_cast<std::streamsize>(buffer_.size() - length));
-            const auto got = static_cast<std::size_t>(in_.gcount());
-            length += got;
-            if (in_.eof() || !in_.fail()) {
-                break;
-            }
-            in_.clear();  // the buffer is full
-            const bool too_long = buffer_.size() >= longest_line;
-            if (too_long || std::memchr(buffer_.data(), 0, length) != nullptr) {
-                ++line_number_;
-                fail(too_long ? "the line is too long" : "found a byte 0, allowed: text");
-            }
-        }
-        if (in_.eof() && length == 0) {
-            return false;
-        }
-        length -= in_.eof() ? 0 : 1;  // the end of the line was taken, too
-        ++line_number_;
-        line_.assign(buffer_.data(), length);
-        if (!line_.empty() && line_.back() == '\r') {
-            line_.pop_back();
-        }
-        return true;
-    }
-
     void read_names() {
-        const auto names = read_line() ? split(line_, ',') : std::vector<std::string_view>();
+        const auto names = lines_.next() ? split(lines_.line(), ',') : std::vector<std::string_view>();
         if (names.size() < 2 || names.front() != csv_time_column) {
-            line_number_ = 1;
-            fail(fmt::format("found the column names {}, allowed: {} and others after it",
-                             quoted_briefly(line_), csv_time_column));
+            lines_.fail(fmt::format("found the column names {}, allowed: {} and others after it",
+                                    quoted_briefly(lines_.line()), csv_time_column));
         }
         for (std::size_t i = 1; i < names.size(); ++i) {
             head_.columns.push_back(column_named(printable(names[i])));
@@ -183,20 +280,20 @@ private:
 
     /// The next line's numbers to time_ and row_; false at the end.
     bool read_row() {
-        if (!read_line()) {
+        if (!lines_.next()) {
             return false;
         }
-        const char* at = line_.data();
-        const char* const end = at + line_.size();
+        const char* at = lines_.line().data();
+        const char* const end = at + lines_.line().size();
         for (std::size_t i = 0; i <= row_.size(); ++i) {
             double& number = i == 0 ? time_ : row_[i - 1];
             const auto [rest, error] = std::from_chars(at, end, number);
             const bool last = i == row_.size();
             if (error != std::errc() || (last ? rest != end : rest == end || *rest != ',')) {
-                fail(fmt::format("expected {} numbers separated by commas", row_.size() + 1));
+                lines_.fail(fmt::format("expected {} numbers separated by commas", row_.size() + 1));
             }
             if (!std::isfinite(number)) {
-                fail("found a number that is not finite");
+                lines_.fail("found a number that is not finite");
             }
             at = rest + 1;
         }
@@ -207,48 +304,42 @@ private:
     void take_rate_from_times() {
         constexpr std::size_t enough_rows = 1000;
         constexpr std::int64_t enough_bytes = 1 << 20;
-        const auto place = in_.tellg();
-        if (place < 0) {
+        if (lines_.is_pipe()) {
             cannot_read(path_, "it has no metadata, and the first times of a pipe cannot be read twice");
         }
-        const std::int64_t line = line_number_;
+        const Lines::Place place = lines_.place();
         std::vector<double> times;
-        while (times.size() < enough_rows && (times.size() < 2 || in_.tellg() - place < enough_bytes) &&
-               read_row()) {
+        while (times.size() < enough_rows &&
+               (times.size() < 2 || lines_.place().byte - place.byte < enough_bytes) && read_row()) {
             if (!times.empty() && time_ <= times.back()) {
-                fail("the time does not increase");
+                lines_.fail("the time does not increase");
             }
             times.push_back(time_);
         }
         head_.sample_rate_hz = rate_of(times);
         if (!(head_.sample_rate_hz > 0) || !std::isfinite(head_.sample_rate_hz)) {
-            fail("the time does not increase");
+            lines_.fail("the time does not increase");
         }
-        in_.clear();
-        in_.seekg(place);
-        line_number_ = line;
+        lines_.go_back(place);
     }
 
     std::int64_t sample_of(double time) const {
         const double sample = time * head_.sample_rate_hz;
         const double whole = std::round(sample);
         if (!(whole >= 0) || whole > max_samples) {
-            fail(
+            lines_.fail(
                 fmt::format("found the time {}, allowed: 0 to {:g} samples", number_text(time), max_samples));
         }
         if (std::abs(sample - whole) > max_rounding) {
-            fail(fmt::format("found the time {}, which is not a sample's at {} Hz", number_text(time),
-                             number_text(head_.sample_rate_hz)));
+            lines_.fail(fmt::format("found the time {}, which is not a sample's at {} Hz", number_text(time),
+                                    number_text(head_.sample_rate_hz)));
         }
         return static_cast<std::int64_t>(whole);
     }
 
     fs::path path_;
-    std::ifstream in_;
+    Lines lines_;
     RecordingHead head_;
-    std::vector<char> buffer_ = std::vector<char>(std::size_t{1} << 16);
-    std::string line_;
-    std::int64_t line_number_ = 0;
     bool ahead_ = false;  // the next row is in time_ and row_
     double time_ = 0;
     std::vector<double> row_;
@@ -258,14 +349,6 @@ private:
 }  // namespace
 
 std::unique_ptr<RecordingReader> open_csv_reader(const fs::path& path) {
-    std::error_code unknown;
-    if (fs::is_fifo(path, unknown) && fs::is_regular_file(csv_metadata_path(path), unknown)) {
-        // The writer of a pipe may stay silent for ever, and only killing the reading process ends the wait.
-        return open_isolated_reader(
-            path, std::make_unique<ChildProcess>(
-                      reading([&path] { return std::make_unique<CsvReader>(path); }, rows_of_a_pipe),
-                      ChildLimits{.silence = std::nullopt}));
-    }
     return std::make_unique<CsvReader>(path);
 }
 

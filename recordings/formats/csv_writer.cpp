@@ -7,7 +7,6 @@
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv.hpp"
-#include "recordings/formats/csv_metadata.hpp"
 
 #include "core/scene/json.hpp"
 
@@ -16,6 +15,11 @@ namespace hertzline::recordings {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Properties that are not CSVW's own need a full IRI for a name.
+std::string own_key(const char* name) {
+    return std::string("urn:hertzline:") + name;
+}
 
 std::string metadata_text(const fs::path& path, const RecordingHead& head) {
     const char* datatype = head.numbers == NumberType::float32 ? "float" : "double";
@@ -148,6 +152,33 @@ private:
 };
 
 }  // namespace
+
+std::filesystem::path csv_metadata_path(const std::filesystem::path& csv) {
+    return csv.string() + "-metadata.json";
+}
+
+std::string csv_metadata(const std::filesystem::path& csv, std::span<const CsvColumn> columns,
+                         const Json& provenance, std::optional<double> sample_rate_hz) {
+    Json described = Json::array();
+    for (const auto& [about, datatype] : columns) {
+        Json column{{"name", about.name},
+                    {"titles", about.name},
+                    {"datatype", datatype},
+                    {"schema:unitText", about.unit}};
+        if (!about.quantity.empty()) {
+            column[own_key("quantity")] = about.quantity;
+        }
+        described.push_back(std::move(column));
+    }
+    Json json{{"@context", "http://www.w3.org/ns/csvw"},
+              {"url", csv.filename().string()},
+              {"tableSchema", {{"columns", described}, {"primaryKey", columns.front().about.name}}}};
+    if (sample_rate_hz) {
+        json[own_key("sample_rate_hz")] = *sample_rate_hz;
+    }
+    json[own_key("provenance")] = provenance;
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
 
 void commit_csv(OutputFile& csv, OutputFile& metadata, const fs::path& path) {
     csv.flush();

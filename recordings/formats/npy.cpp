@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "recordings/checked_writer.hpp"
-#include "recordings/files/errors.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/npy_header.hpp"

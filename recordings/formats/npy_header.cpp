@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "recordings/files/errors.hpp"
 #include "recordings/files/input_file.hpp"
 #include <fmt/format.h>
 

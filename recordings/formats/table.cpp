@@ -12,12 +12,10 @@
 #include <string_view>
 #include <utility>
 
-#include "recordings/files/errors.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv.hpp"
-#include "recordings/formats/csv_metadata.hpp"
-#include "recordings/formats/hdf5/hdf5_table.hpp"
+#include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/npy_header.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_head.hpp"

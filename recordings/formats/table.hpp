@@ -49,7 +49,7 @@ struct TableRow {
 };
 
 struct Table {
-    std::vector<TableColumn> columns;  ///< at least one; the first is what the others are over
+    std::vector<TableColumn> columns;  ///< at least one; the first is the abscissa
     std::int64_t rows = 0;
     Json provenance;
     std::string records;  ///< name of the dataset that holds all columns; empty: a dataset for each
@@ -58,17 +58,17 @@ struct Table {
     std::function<void(std::int64_t row, TableRow& into)> read;
 };
 
-/// A table of numbers. @param values of each column, all as long
+/// Makes a table of numbers. @param values of each column, all as long
 Table number_table(const std::vector<Column>& columns, std::vector<std::vector<double>> values,
                    Json provenance);
 
-/// Every ending that a table can have: ".csv, .npy, .h5". @param table text needs .csv or .h5, samples need .h5
+/// Returns all endings of tables: ".csv, .npy, .h5". @param table text needs .csv or .h5, samples need .h5
 std::string table_endings(const Table& table = {});
 
-/// Why the table cannot have that name; nothing when it can.
+/// Returns the fault of a name that has no ending for the table.
 std::optional<std::string> table_fault(const std::filesystem::path& path, const Table& table = {});
 
-/// Bytes of a table, from above.
+/// Returns an upper bound of a table's bytes.
 double table_bytes(const std::filesystem::path& path, std::span<const TableColumn> columns, double rows,
                    std::size_t samples = 0) noexcept;
 
@@ -83,7 +83,7 @@ struct WrittenTable {
     Json provenance;
 };
 
-/// Reads what a table of records is. @param records name of its dataset in HDF5
+/// Reads the names and the provenance of a table of records. @param records name of its dataset in HDF5
 /// @throws std::runtime_error that names the path, when it is another file or damaged
 WrittenTable read_table(const std::filesystem::path& path, const std::string& records);
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "stream/listening/run_receiver.hpp"
-#include "stream/wire/frame.hpp"
+#include "stream/wire/frame_codec.hpp"
 
 namespace hertzline::scope {
 

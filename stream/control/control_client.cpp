@@ -11,7 +11,7 @@
 
 #include "core/scene/json.hpp"
 #include "stream/wire/endpoint.hpp"
-#include "stream/wire/multipart.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 

@@ -12,10 +12,10 @@
 
 namespace hertzline::stream {
 
-/// Where a stream on this machine is controlled.
+/// The default endpoint of control, on this machine.
 inline constexpr const char* usual_control_endpoint = "tcp://127.0.0.1:5574";
 
-/// A socket of a controller, connected. @throws std::runtime_error that names the endpoint
+/// Connects a socket of a controller. @throws std::runtime_error that names the endpoint
 zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
                              const std::optional<CurveClient>& curve);
 
@@ -27,7 +27,7 @@ struct ControlConnection {
 };
 
 /// Sends the request and returns the reply, an object. @param stop gives up when it becomes true
-/// @throws std::runtime_error that names the endpoint when there is none in time, or it is no object
+/// @throws std::runtime_error that names the endpoint when no object comes in time
 Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop);
 
 }  // namespace hertzline::stream

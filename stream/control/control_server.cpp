@@ -14,7 +14,7 @@
 
 #include "core/scene/json.hpp"
 #include "stream/wire/endpoint.hpp"
-#include "stream/wire/multipart.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 
@@ -42,7 +42,8 @@ void set_options(zmq::socket_t& socket, const std::string& endpoint) {
     socket.set(zmq::sockopt::maxmsgsize, max_request_bytes);
     socket.set(zmq::sockopt::rcvhwm, 16);  // for each sender, whose further ones wait over there
     socket.set(zmq::sockopt::rcvbuf, 64 * 1024);
-    socket.set(zmq::sockopt::sndhwm, 128);  // all that may wait, answered at once, and what comes meanwhile
+    socket.set(zmq::sockopt::sndhwm,
+               128);  // all waiting requests, answered at once, and those that come meanwhile
     socket.set(zmq::sockopt::handshake_ivl, 5000);
     socket.set(zmq::sockopt::backlog, 16);
     socket.set(zmq::sockopt::tcp_maxrt, 15000);
@@ -52,7 +53,7 @@ void set_options(zmq::socket_t& socket, const std::string& endpoint) {
 }
 
 /// @throws std::runtime_error where nothing can be bound
-const std::string& sound(const std::string& endpoint) {
+const std::string& bindable(const std::string& endpoint) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::bind)) {
         throw std::runtime_error(*fault);
     }
@@ -71,7 +72,7 @@ Json not_understood(const std::string& found) {
 ControlServer::ControlServer(const std::string& endpoint, const std::optional<CurveServer>& curve,
                              SceneControl& control)
     : control_(control),
-      endpoint_(sound(endpoint)),
+      endpoint_(bindable(endpoint)),
       socket_(context_, zmq::socket_type::router),
       connections_(context_, socket_, most_connections) {
     if (curve) {
@@ -103,7 +104,7 @@ void ControlServer::serve() noexcept {
         try {
             connections_.update();
             receive_some();
-            control_.turn();
+            control_.tick();
         } catch (const std::exception&) {  // too little memory for a request: it is not answered
         }
     }
@@ -134,7 +135,7 @@ bool ControlServer::receive_one() {
             out.push_back(bytes_of(part));
         }
         out.push_back(bytes_of(text));
-        send_parts(socket_, out);  // to nobody, where the sender has gone or takes nothing
+        send_parts(socket_, out);  // lost when the sender has gone or takes nothing
     };
     if (count != 2 && !empty_part) {
         reply(not_understood(fmt::format("{} parts", count - 1)));

@@ -1,20 +1,20 @@
 #pragma once
-// How the next simulation of a stream gets to the simulating thread, and the one before it back, without a lock.
+// Passes the next simulation of a stream to the simulating thread, and the one before it back, without a lock.
 //
 //     preparing thread                        simulating thread
 //     while (!hand_over.idle()) ...           if (NextSimulation* next = hand_over.accept(...))
 //     hand_over.offer(next)       ──────>         next->simulation will follow from that sample on
 //     applies_at()                <──────     hand_over.applies(sample)
-//     free what comes back        <──────     hand_over.give_back(old)
+//     free the old one            <──────     hand_over.give_back(old)
 //
-// One is on its way at a time. Orders: a pointer is stored with release and taken with acquire, so whoever takes it sees what it
-// points to; the sample is stored with release, so whoever sees it may rely on the pointer having been taken.
+// One is on its way at a time. Orders: a pointer is stored with release and taken with acquire, so the taker sees the
+// object; the sample is stored with release, so its reader may rely on the pointer having been taken.
 
 #include <atomic>
 #include <cstdint>
 #include <memory>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline::stream {
 
@@ -34,18 +34,18 @@ public:
     HandOver(const HandOver&) = delete;
     HandOver& operator=(const HandOver&) = delete;
 
-    // the preparing thread's
+    // For the preparing thread.
 
-    /// The last one that was offered has taken over; what it replaced is freed.
+    /// Whether the last offered simulation has taken over; frees the one that it replaced.
     bool idle() noexcept;
     /// Only when idle.
     void offer(std::unique_ptr<NextSimulation> next) noexcept;
-    /// From which sample on the one offered last applies; below 0: not known yet.
+    /// Returns the sample from which the one offered last applies; below 0: not known yet.
     std::int64_t applies_at() const noexcept { return applies_at_.load(std::memory_order_acquire); }
 
-    // the simulating thread's; they allocate and free nothing
+    // For the simulating thread; they allocate and free nothing.
 
-    /// What was offered; null: nothing.
+    /// Returns the offered simulation; null: none.
     NextSimulation* accept() noexcept;
     void applies(std::int64_t sample) noexcept { applies_at_.store(sample, std::memory_order_release); }
     void give_back(NextSimulation* old) noexcept { returned_.store(old, std::memory_order_release); }
@@ -56,5 +56,31 @@ private:
     std::atomic<std::int64_t> applies_at_{-1};
     bool on_its_way_ = false;  // the preparing thread's
 };
+
+inline HandOver::~HandOver() {
+    delete offered_.load(std::memory_order_acquire);
+    delete returned_.load(std::memory_order_acquire);
+}
+
+inline bool HandOver::idle() noexcept {
+    if (!on_its_way_) {
+        return true;
+    }
+    const std::unique_ptr<NextSimulation> old(returned_.exchange(nullptr, std::memory_order_acquire));
+    on_its_way_ = old == nullptr;
+    return !on_its_way_;
+}
+
+inline void HandOver::offer(std::unique_ptr<NextSimulation> next) noexcept {
+    on_its_way_ = true;
+    applies_at_.store(-1, std::memory_order_relaxed);
+    offered_.store(next.release(), std::memory_order_release);
+}
+
+inline NextSimulation* HandOver::accept() noexcept {
+    return offered_.load(std::memory_order_relaxed) == nullptr
+               ? nullptr
+               : offered_.exchange(nullptr, std::memory_order_acquire);
+}
 
 }  // namespace hertzline::stream

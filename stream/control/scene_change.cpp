@@ -33,7 +33,8 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     std::vector<Fault> faults;
     const auto add = [&](const char* name) {
         const SceneValue value = scene_key_named(to, name)->value(to).value_or(std::string("none"));
-        faults.push_back({name, value_text(value), "what the stream began with: frames hold it"});
+        faults.push_back(
+            {name, value_text(value), "the value at the start of the stream, on which its frames depend"});
     };
     if (from.output.sample_rate_hz != to.output.sample_rate_hz) {
         add("output.sample_rate_hz");

@@ -1,5 +1,5 @@
 #pragma once
-// A change of a scene that is being streamed: what is set, and from which sample on. A list of them makes a run again.
+// A change of a scene that is being streamed: values, and the sample from which they apply. A list of changes repeats a run.
 
 #include <cstdint>
 #include <optional>
@@ -10,19 +10,19 @@
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene.hpp"
-#include "core/taps.hpp"
+#include "hertzline/scene.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::stream {
 
-/// As replies have it.
+/// Returns the faults as replies have them.
 Json faults_json(const std::vector<Fault>& faults);
 
-/// Whether the motion goes on when one scene becomes the other: drives and steps may differ, the horn's material may not. Else it
-/// begins anew at static equilibrium. Of resolved scenes.
+/// Whether the motion continues when one resolved scene becomes the other: drives and steps may differ, the horn's material may
+/// not. Else it restarts from static equilibrium.
 bool motion_goes_on(const Scene& from, const Scene& to);
 
-/// What cannot change while samples are streamed, because it changes what frames hold.
+/// Returns the changes that a stream cannot make, because its frames depend on these values.
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to);
 
 /// A change as it took effect, or shall.
@@ -31,16 +31,16 @@ struct SceneChange {
     std::int64_t epoch = 0;   ///< its number, from 1
     Json set;                 ///< values by key; of a change that took effect with integrator and step
     Json was = nullptr;       ///< the values before; null: not known
-    bool goes_on = false;     ///< the motion goes on
+    bool goes_on = false;     ///< the motion continues
     std::string scene_hash;   ///< of the scene with integrator and step; empty: not known
 };
 
-/// The values that make one resolved scene of another: those that were asked for, then integrator, step and accuracy.
+/// Returns the values that turn one resolved scene into another: those requested, then integrator, step and accuracy.
 Json values_of_change(const Scene& to, const Json& asked);
 
 Json change_json(const SceneChange& change);
 
-/// The changes in a JSON list, in the order of their samples, or what is wrong with it.
+/// Reads the changes of a JSON list, in the order of their samples, or returns its fault.
 tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list);
 
 }  // namespace hertzline::stream

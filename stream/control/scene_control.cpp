@@ -10,8 +10,8 @@
 
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "stream/inputs/background_thread.hpp"
+#include "hertzline/scene_file.hpp"
+#include "stream/threads.hpp"
 
 namespace hertzline::stream {
 
@@ -94,10 +94,10 @@ void SceneControl::get(const Json& keys, const Reply& reply) const {
     reply({{"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}, {"values", *std::move(values)}});
 }
 
-void SceneControl::turn() {
-    source_.hand_over().idle();  // what was replaced is freed
+void SceneControl::tick() {
+    source_.hand_over().idle();  // frees the replaced simulation
     if (job_) {
-        go_on();
+        proceed();
     }
     while (!job_ && !waiting_.empty()) {
         begin();
@@ -198,7 +198,7 @@ void SceneControl::prepare(Job& job) {
     job.next = std::move(next);
 }
 
-void SceneControl::go_on() {
+void SceneControl::proceed() {
     if (!job_->ready.load(std::memory_order_acquire)) {
         return;
     }
@@ -219,7 +219,7 @@ void SceneControl::go_on() {
     }
 }
 
-/// What was merged is tried one by one: only those that are wrong are refused.
+/// Tries merged requests one by one, so that only the wrong ones are refused.
 void SceneControl::refuse() {
     const std::shared_ptr<Job> job = std::move(job_);
     job_.reset();
@@ -233,7 +233,7 @@ void SceneControl::refuse() {
     }
 }
 
-/// Whoever sends the epoch's frames must find it before they come.
+/// The sender of the epoch's frames must find it before they come.
 void SceneControl::offer() {
     SceneChange change{.epoch = epoch_ + 1,
                        .set = values_of_change(job_->resolved.scene, job_->asked),

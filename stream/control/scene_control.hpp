@@ -14,20 +14,20 @@
 #include <vector>
 
 #include "core/scene/json.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 #include "stream/control/scene_change.hpp"
 #include "stream/inputs/simulation_source.hpp"
 
 namespace hertzline::stream {
 
-/// As the system's tools list it (top -H).
+/// The thread's name in the system's tools (top -H).
 inline constexpr const char* preparing_thread_name = "preparing";
 
-/// An epoch that a change begins, as whoever sends its samples needs it.
+/// An epoch that a change begins, for the sender of its samples.
 struct EpochOfChange {
     SceneChange change;
     Resolution resolved;
-    std::vector<std::string> warnings;  ///< of its contacts
+    std::vector<std::string> warnings;  ///< about its contacts
 };
 
 /// Takes requests and gives replies; for one thread, except take_epochs().
@@ -35,12 +35,12 @@ class SceneControl {
 public:
     using Reply = std::function<void(const Json&)>;
 
-    /// Requests that may wait for the one that is being prepared.
+    /// The number of requests that may wait for the one that is being prepared.
     static constexpr std::size_t most_waiting = 64;
-    /// Changes that can be undone, the latest.
+    /// The number of latest changes that can be undone.
     static constexpr std::size_t most_undone = 1000;
 
-    /// @param requested the scene as the user gave it @param resolved what the source began with
+    /// @param requested the scene as the user gave it @param resolved the scene of the source's start
     /// @param source outlives this
     SceneControl(Scene requested, Scene resolved, SimulationSource& source);
     /// Waits a little for a change that is being prepared. Pilots that take longer are left behind.
@@ -48,25 +48,25 @@ public:
     SceneControl(const SceneControl&) = delete;
     SceneControl& operator=(const SceneControl&) = delete;
 
-    /// A request as messages have it. Its reply comes at once or in a later turn().
+    /// Takes a request as messages have it. Its reply comes at once or in a later tick().
     void take(const Json& request, Reply reply);
 
-    /// Goes on with what waits: to be called often while busy(), and when requests have come.
-    void turn();
-    /// Something is being prepared, or waits.
+    /// Continues with waiting requests: call it often while busy(), and after requests.
+    void tick();
+    /// Whether a change is being prepared, or a request waits.
     bool busy() const noexcept { return job_ != nullptr || !waiting_.empty(); }
 
-    /// Pilots of some change were left behind, so the program cannot end in the ordinary way: std::_Exit.
+    /// Whether pilots of a change were left behind, so that the program must end by std::_Exit.
     static bool any_abandoned() noexcept;
 
-    /// The epochs that changes began up to this one, and that were not taken yet; from any thread.
+    /// Takes the epochs that changes began up to this one; from any thread.
     std::vector<EpochOfChange> take_epochs(const Epoch& until);
 
 private:
     struct Request {
         Json set;  ///< null: undo
         Reply reply;
-        bool alone = false;  ///< with others it was refused, and nobody knows whose fault it was
+        bool alone = false;  ///< it was refused together with others, so its own fault is not known
     };
     struct Step {
         Scene requested;  ///< before
@@ -97,7 +97,7 @@ private:
     void start(Scene requested, Json asked, bool undo, std::vector<Request> requests);
     static void prepare(Job& job);
     static void prepare_or_explain(Job& job) noexcept;
-    void go_on();
+    void proceed();
     void refuse();
     void offer();
     void conclude(std::int64_t sample);

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "stream/inputs/background_thread.hpp"
+#include "stream/threads.hpp"
 
 namespace hertzline::stream {
 
@@ -29,7 +29,7 @@ EstimateWatch::~EstimateWatch() {
     end_thread();
 }
 
-/// Makes the thread; throws what a thread and its memory may.
+/// Starts the thread. @throws std::system_error, std::bad_alloc
 void EstimateWatch::estimate_to(double time_s) {
     if (!longer_) {
         longer_ = std::make_unique<LongEstimate>(resolved_.scene, resolved_.advice.accuracy, &stop_);
@@ -51,10 +51,9 @@ void EstimateWatch::end_thread() noexcept {
 
 EstimateWatch::News EstimateWatch::given_up(double time_s) {
     watching_ = false;
-    return {.warning =
-                fmt::format("after {:.3g} s the motion has left what the estimate of the error was made "
-                            "on; the estimate holds for the first {:.3g} s only, later errors are not known",
-                            time_s, estimate_->over_s)};
+    return {.warning = fmt::format("after {:.3g} s the motion has left the range of the error estimate; the "
+                                   "estimate holds for the first {:.3g} s only, later errors are not known",
+                                   time_s, estimate_->over_s)};
 }
 
 EstimateWatch::News EstimateWatch::news_of_estimate() {
@@ -66,7 +65,7 @@ EstimateWatch::News EstimateWatch::news_of_estimate() {
     if (!resolved_.step_set_by_scene && !warned_ && !(estimate_->error <= asked)) {
         warned_ = true;
         news.warning = fmt::format(
-            "the motion has left what was seen at first: the estimated error over the "
+            "the motion has left the range seen at first: the estimated error over the "
             "first {:.3g} s is {:.2g}, above the requested accuracy of {:g}",
             estimate_->over_s, estimate_->error, asked);
     }

@@ -1,6 +1,6 @@
 #pragma once
-// Watches whether a stream's motion is still what the pilots of its error estimate have seen. Where it is not, the error is estimated
-// again, in a thread of low priority, over a stretch that reaches beyond where the motion is.
+// Watches whether a stream's motion stays in the range that the pilots of its error estimate have covered. When it leaves that, the
+// error is estimated again, in a thread of low priority, over a stretch that reaches beyond the motion.
 
 #include <atomic>
 #include <memory>
@@ -9,17 +9,17 @@
 #include <thread>
 
 #include "core/step_choice/long_estimate.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 
 namespace hertzline::stream {
 
-/// As the system's tools list it (top -H).
+/// The thread's name in the system's tools (top -H).
 inline constexpr const char* estimating_thread_name = "estimating";
 
 /// The estimate of a stream without an end. For one thread, which is not the simulating one.
 class EstimateWatch {
 public:
-    /// What has changed.
+    /// A change of the estimate.
     struct News {
         bool estimated_again = false;  ///< estimate() is a new one
         std::string warning;           ///< for the user; empty: none
@@ -32,18 +32,18 @@ public:
     EstimateWatch(const EstimateWatch&) = delete;
     EstimateWatch& operator=(const EstimateWatch&) = delete;
 
-    /// How far the motion has gone; now and then, as ten times a second.
+    /// Takes the extremes of the motion, some ten times a second.
     News look(const MotionExtremes& now);
-    /// The same for the last time: an estimate that is being made is given up.
+    /// Does so for the last time: an estimate that is being made is given up.
     News finish(const MotionExtremes& now);
 
     /// Whether look() can have news: there is an estimate, of a chain that pilots simulate whole.
     bool watching() const noexcept { return watching_; }
-    /// The newest.
+    /// Returns the newest estimate.
     const std::optional<ErrorEstimate>& estimate() const noexcept { return estimate_; }
-    /// How many have been made since the start.
+    /// Returns the number of estimates since the start.
     int estimates() const noexcept { return estimates_; }
-    /// Whether one is being made.
+    /// Whether an estimate is being made.
     bool estimating() const noexcept { return thread_.joinable(); }
 
 private:

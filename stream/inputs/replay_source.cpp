@@ -85,7 +85,7 @@ std::int64_t ReplaySource::rows_left() const noexcept {
     return std::ssize(rows_.values) / std::ssize(head().columns) - row_;
 }
 
-/// Goes on by so many rows, and over the gap behind them if there is one.
+/// Advances by `rows`, and over a gap behind them.
 void ReplaySource::pass(std::int64_t rows) noexcept {
     row_ += rows;
     next_ = rows_.first + row_;

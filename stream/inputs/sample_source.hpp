@@ -7,22 +7,22 @@
 #include <string>
 
 #include "core/model/bursts.hpp"
-#include "core/samples.hpp"
-#include "core/simulation.hpp"
-#include "core/taps.hpp"
+#include "hertzline/samples.hpp"
+#include "hertzline/simulation.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::stream {
 
-/// How far a source has come; all 0 where it knows nothing of steps and energy.
+/// The work of a source so far; all 0 for one without steps.
 struct SourceAccount {
     std::int64_t steps = 0;
     std::int64_t contact_events = 0;
 };
 
-/// What a stream consists of.
+/// The form of a stream's samples.
 struct StreamFormat {
-    TapSet taps;              ///< that there are
-    std::size_t spheres = 0;  ///< of the chain: they say how many channels a tap has
+    TapSet taps;              ///< the available ones
+    std::size_t spheres = 0;  ///< of the chain; a tap of the chain has a channel for each
     double sample_rate_hz = 0;
     std::int64_t frame_samples = 0;
     double repetition_hz = 0;  ///< bursts a second; 0: a single one, or it is not known
@@ -55,21 +55,21 @@ public:
     /// Makes read() and skip() return soon, with false; from another thread. For sources whose blocks take long.
     virtual void interrupt() noexcept {}
 
-    /// How many samples may be read or passed over at once: a block ends where the scene changes. At least 1.
+    /// Returns the number of samples up to the next change of the scene, at which a block ends; at least 1.
     virtual std::int64_t samples_to_change() noexcept { return std::numeric_limits<std::int64_t>::max(); }
 
-    /// That of the sample that comes next, after samples_to_change().
+    /// Returns the epoch of the next sample; call samples_to_change() before.
     virtual Epoch epoch() const noexcept { return {.repetition_hz = format().repetition_hz}; }
 
-    /// Index of the sample that comes next.
+    /// Returns the index of the next sample.
     virtual std::int64_t next_sample() const noexcept = 0;
 
     virtual SourceAccount account() const noexcept { return {}; }
 
-    /// How far the motion has gone; all 0 where it is not known. Not cheap.
+    /// Returns the extremes of the motion; all 0 where it is not known. Not cheap.
     virtual MotionExtremes motion() noexcept { return {}; }
 
-    /// What went wrong, for a human; empty when nothing did.
+    /// Returns the fault that ended the source, for a human; empty: none.
     virtual std::string failure() const { return {}; }
 };
 

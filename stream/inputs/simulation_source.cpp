@@ -67,7 +67,7 @@ void SimulationSource::take_up() noexcept {
 void SimulationSource::change() noexcept {
     if (next_->goes_on) {
         if (next_->simulation.continue_from(current_->simulation, change_at_) != Status::running) {
-            return;  // the present one tells why when it is read
+            return;  // the present one gives the reason when it is read
         }
     } else {
         next_->simulation.begin_at(change_at_);

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <memory>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 #include "stream/control/hand_over.hpp"
 #include "stream/inputs/sample_source.hpp"
 
@@ -13,8 +13,8 @@ namespace hertzline::stream {
 /// read(), skip() and whatever else the simulating thread calls allocate nothing and make no system call.
 class SimulationSource : public SampleSource {
 public:
-    /// @param scene resolved (core/step_choice/resolve.hpp)
-    /// @param always taps that are computed although nobody subscribes to them, if there is room for them
+    /// @param scene resolved (hertzline/resolve.hpp)
+    /// @param always taps that are computed without subscribers, too, if there is room for them
     SimulationSource(const Scene& scene, TapSet always);
 
     StreamFormat format() const override { return format_; }
@@ -28,7 +28,7 @@ public:
     MotionExtremes motion() noexcept override { return current_->simulation.extremes(); }
     std::string failure() const override { return now().failure(); }
 
-    /// Where scenes that are to follow are offered. A simulation of them is made with options(); its stream has the same format but
+    /// Takes simulations of scenes that shall follow. They are made with options(); their stream has the same format but
     /// for the repetition of bursts.
     HandOver& hand_over() noexcept { return hand_over_; }
     SimulationOptions options() const noexcept { return {.taps = format_.taps, .stop = &stop_}; }

@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 #include "stream/listening/run_receiver.hpp"
 #include "stream/wire/security/curve.hpp"
 #include "stream/wire/subscriber.hpp"
@@ -36,7 +36,7 @@ struct ListenerOptions {
 /// A connection to one publisher. For one thread.
 class Listener {
 public:
-    /// Connects; an absent publisher is waited for. @throws std::runtime_error that names the endpoint and what is wrong with it
+    /// Connects; an absent publisher is waited for. @throws std::runtime_error that names the endpoint and its fault
     explicit Listener(const std::string& endpoint, ListenerOptions options = {});
 
     /// Replaces the wanted taps. A tap that the run does not have may come with the next one.
@@ -49,7 +49,7 @@ public:
     /// listening has ended
     ReceivedFrame* receive(std::chrono::milliseconds patience);
 
-    /// Forgets what was received: another run has begun.
+    /// Forgets the received run: another one has begun.
     void begin_anew();
     /// Ends listening with a reason, unless it has ended.
     void end(EndReason reason);

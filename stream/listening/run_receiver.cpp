@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene.hpp"
+#include "hertzline/scene.hpp"
 #include "core/scene/text.hpp"
 #include "stream/wire/frame_codec.hpp"
 
@@ -18,7 +18,7 @@ namespace hertzline::stream {
 
 namespace {
 
-constexpr int most_notices = 3;  // of a kind; what goes wrong often is only counted
+constexpr int most_notices = 3;  // of a kind; later ones are only counted
 
 /// The notice about a frame; empty: none.
 /// @param expected the sample that was due @param before the totals without this frame, `now` with it
@@ -166,7 +166,7 @@ void RunReceiver::take_end(const Message& message) {
     if (has_samples() && outside.text("run") != run_) {
         return;
     }
-    // No later frame shows what is missing after the last one that came.
+    // No later frame shows the samples that are missing after the last one.
     if (has_samples()) {
         if (const std::uint64_t total = count("samples"); total > next_sample_) {
             missing_at_end_ = total - next_sample_;

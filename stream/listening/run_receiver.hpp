@@ -12,15 +12,15 @@
 #include <vector>
 
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 #include "stream/wire/continuity.hpp"
-#include "stream/wire/frame.hpp"
+#include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
 
 namespace hertzline::stream {
 
-/// Why listening ended.
+/// The reason why listening ended.
 enum class EndReason {
     none,
     end_of_run,
@@ -32,7 +32,7 @@ enum class EndReason {
     refused
 };
 
-/// As summaries have it ("ended_by").
+/// Returns the word of summaries for it ("ended_by").
 const char* word(EndReason reason);
 
 /// A frame that was received in order.
@@ -74,7 +74,7 @@ public:
     const ContinuityTotals& totals() const noexcept { return check_.totals(); }
     std::uint64_t missing_at_end() const noexcept { return missing_at_end_; }
     std::uint64_t malformed() const noexcept { return malformed_; }
-    /// Where the samples come from, as meta has it.
+    /// Returns the provenance of the samples, as meta has it.
     const Json& provenance() const noexcept { return provenance_; }
     /// Takes the changes of the scene since the last call, as meta has them; those before the first frame are in provenance().
     std::vector<Json> take_changes() { return std::exchange(changes_, {}); }

@@ -8,8 +8,7 @@
 #include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
-#include "stream/pipeline/topic_demand.hpp"
-#include "stream/wire/frame.hpp"
+#include "stream/wire/frame_codec.hpp"
 #include "stream/wire/publisher.hpp"
 
 namespace hertzline::stream {

@@ -1,8 +1,12 @@
 #include "stream/pipeline/pipeline.hpp"
 
 #include <algorithm>
+#include <array>
+#include <random>
 #include <stdexcept>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/scene/json.hpp"
 #include "stream/pipeline/capacity.hpp"
@@ -218,6 +222,19 @@ void Pipeline::watch() {
 
 void Pipeline::send_meta() {
     publisher_.send_text(meta_topic, meta_json(options_, format_));
+}
+
+std::string make_run_id() {
+    // The device itself and not a generator seeded by it: two runs started at once must differ in all bits.
+    std::random_device random;
+    std::array<std::uint32_t, 4> words{};
+    for (std::uint32_t& word : words) {
+        word = random();
+    }
+    words[1] = (words[1] & 0xffff0fffU) | 0x00004000U;  // version 4
+    words[2] = (words[2] & 0x3fffffffU) | 0x80000000U;  // variant of RFC 9562
+    return fmt::format("{:08x}-{:04x}-{:04x}-{:04x}-{:04x}{:08x}", words[0], words[1] >> 16,
+                       words[1] & 0xffffU, words[2] >> 16, words[2] & 0xffffU, words[3]);
 }
 
 }  // namespace hertzline::stream

@@ -9,11 +9,12 @@
 // recording are not computed.
 
 #include <atomic>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 
-#include "recordings/row_builder.hpp"
+#include "recordings/columns.hpp"
 
 #include "core/scene/json.hpp"
 #include "stream/inputs/sample_source.hpp"
@@ -21,11 +22,28 @@
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
-#include "stream/pipeline/stream_options.hpp"
-#include "stream/pipeline/topic_demand.hpp"
+#include "stream/threads.hpp"
 #include "stream/wire/publisher.hpp"
 
 namespace hertzline::stream {
+
+/// A new random UUID, version 4 (RFC 9562), lower case, 36 characters. @throws std::runtime_error when the
+/// machine has no source of randomness.
+std::string make_run_id();
+
+enum class StreamStart { at_once, with_first_subscriber };
+
+/// The options of a stream.
+struct StreamOptions {
+    std::string run = make_run_id();  ///< the run's id
+    Json about;                       ///< members of meta beside the format of samples (measures/provenance)
+    Epoch epoch{};                    ///< the epoch of the first samples
+    Pace pace = Pace::realtime();
+    std::optional<std::int64_t> samples{};  ///< unset: to the end, or until stopped
+    StreamStart start = StreamStart::at_once;
+    OnOverrun on_overrun = OnOverrun::drop;
+    ThreadOptions thread{};
+};
 
 /// Callbacks of the pipeline to its owner, in the sending thread.
 struct StreamEvents {

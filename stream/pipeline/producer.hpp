@@ -16,7 +16,7 @@
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
 #include "stream/pipeline/sleeper.hpp"
-#include "stream/pipeline/thread_options.hpp"
+#include "stream/threads.hpp"
 
 namespace hertzline::stream {
 

@@ -10,7 +10,9 @@
 // change, and does not sleep. No wake-up is lost.
 
 #include <atomic>
+#include <cerrno>
 #include <concepts>
+#include <ctime>
 
 #include <semaphore.h>
 
@@ -24,8 +26,8 @@ inline constexpr Nanoseconds never = Nanoseconds::max();
 /// Where a thread sleeps, always the same one.
 class Sleeper {
 public:
-    Sleeper() noexcept;
-    ~Sleeper();
+    Sleeper() noexcept { sem_init(&wake_, /*pshared=*/0, /*value=*/0); }
+    ~Sleeper() { sem_destroy(&wake_); }
     Sleeper(const Sleeper&) = delete;
     Sleeper& operator=(const Sleeper&) = delete;
 
@@ -66,12 +68,22 @@ private:
     /// About as long as it takes to fall asleep and to be woken: some microseconds.
     static constexpr int looks = 100;
 
-    static void pause() noexcept;
-    /// Until woken, or interrupted by a signal. False at the deadline.
-    bool sleep(Nanoseconds deadline) noexcept;
+    /// Leaves the core's execution units to the other thread on it.
+    static void pause() noexcept {
+#if defined(__x86_64__)
+        __builtin_ia32_pause();
+#endif
+    }
+
+    /// Sleeps until woken, or interrupted by a signal. Returns false at the deadline.
+    bool sleep(Nanoseconds deadline) noexcept {
+        const timespec time{.tv_sec = deadline.count() / 1'000'000'000,
+                            .tv_nsec = deadline.count() % 1'000'000'000};
+        return sem_clockwait(&wake_, CLOCK_MONOTONIC, &time) == 0 || errno != ETIMEDOUT;
+    }
 
     std::atomic<int> asleep_{0};
-    sem_t wake_;
+    sem_t wake_{};
 };
 
 }  // namespace hertzline::stream

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "core/scene/json.hpp"
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 #include "stream/inputs/sample_source.hpp"
+#include "stream/pipeline/pipeline.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
-#include "stream/pipeline/stream_options.hpp"
 
 namespace hertzline::stream {
 

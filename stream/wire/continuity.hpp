@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <string>
 
-#include "stream/wire/frame.hpp"
+#include "stream/wire/frame_codec.hpp"
 
 namespace hertzline::stream {
 

@@ -20,11 +20,10 @@
 
 #include <zmq.hpp>
 
-#include "stream/wire/multipart.hpp"
 #include "stream/wire/security/connections.hpp"
 #include "stream/wire/security/curve.hpp"
-#include "stream/wire/security/peer_quota.hpp"
 #include "stream/wire/security/zap.hpp"
+#include "stream/wire/sockets.hpp"
 #include "stream/wire/subscriptions.hpp"
 #include "stream/wire/topics.hpp"
 

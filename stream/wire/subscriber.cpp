@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "stream/wire/endpoint.hpp"
-#include "stream/wire/multipart.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 

@@ -13,7 +13,7 @@
 #include <zmq.hpp>
 
 #include "stream/wire/security/curve.hpp"
-#include "stream/wire/socket_monitor.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "core/taps.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::stream {
 

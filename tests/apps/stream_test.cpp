@@ -240,7 +240,7 @@ TEST(Stream, CtrlCEndsAnEstimateThatIsBeingMade) {
     stream.send(SIGINT);
     const Outcome outcome = stream.wait();
     EXPECT_EQ(outcome.status, 0);
-    EXPECT_THAT(outcome.err, HasSubstr("the motion has left what the estimate of the error was made on"));
+    EXPECT_THAT(outcome.err, HasSubstr("the motion has left the range of the error estimate"));
 }
 
 TEST(Stream, CtrlCWhileWaitingForASubscriberEndsIt) {

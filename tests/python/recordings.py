@@ -1,4 +1,6 @@
 """Recordings: each format is written and read, and gaps are reported."""
+import pathlib
+import shutil
 import unittest
 
 import numpy as np
@@ -79,6 +81,12 @@ class Recordings(InAFolder):
         (self.folder / "broken.npy").write_bytes(b"\x93NUMPY nonsense")
         with self.assertRaisesRegex(OSError, "broken.npy"):
             hertzline.load(self.folder / "broken.npy")
+
+    def test_a_file_that_crashes_the_hdf5_library_is_an_os_error(self):
+        crashes = pathlib.Path(__file__).parents[1] / "fuzz/regressions/recording_hdf5/library_crashes"
+        shutil.copy(crashes, self.folder / "broken.h5")
+        with self.assertRaisesRegex(OSError, "broken.h5"):
+            hertzline.load(self.folder / "broken.h5")
 
     def test_live_beside_h5py(self):
         try:

@@ -11,7 +11,7 @@
 #include "recordings/formats/npy.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
 #include "recordings/formats/table.hpp"
-#include "recordings/formats/wav/wav.hpp"
+#include "recordings/formats/wav.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace {

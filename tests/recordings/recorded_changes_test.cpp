@@ -44,7 +44,7 @@ TEST_P(RecordedChanges, ComeBackAndLeaveNoGap) {
         set.write(150, recorded_rows(head, 150, 250).values);
         set.note_change(change(400, 3));
         set.commit();
-        EXPECT_TRUE(set.sound());
+        EXPECT_TRUE(set.complete());
     }
     const auto reader = open_reader(file);
     EXPECT_EQ(reader->head().provenance["changes"], Json({change(0, 1), change(150, 2), change(400, 3)}));

@@ -90,7 +90,7 @@ TEST_P(EmptyRecording, OfARunThatWasStoppedAtOnceIsComplete) {
                      [&](const std::string& text) { told.push_back(text); });
     set.commit();
     EXPECT_THAT(told, IsEmpty());
-    EXPECT_TRUE(set.sound());
+    EXPECT_TRUE(set.complete());
 }
 
 class SlowRecording : public testing::Test {
@@ -140,7 +140,7 @@ TEST_F(SlowRecording, GetsACountedGapAndDelaysNobody) {
     EXPECT_EQ(status[0].samples + status[0].missing, many + block);
     EXPECT_THAT(status[0].failure, HasSubstr("samples are missing"));
     EXPECT_EQ(status[1].samples + status[1].missing, many + block);
-    EXPECT_FALSE(recordings->sound());
+    EXPECT_FALSE(recordings->complete());
     EXPECT_EQ(std::count(fifo.text().begin(), fifo.text().end(), '\n') - 1, status[0].samples);
     // every row has its own time
     std::istringstream lines(fifo.text());
@@ -158,7 +158,7 @@ TEST_F(SlowRecording, IsWaitedForWhereNothingMayBeLeftOut) {
     write(*recordings, 0, 3'000'000);
     recordings->commit();
     reader.join();
-    EXPECT_TRUE(recordings->sound());
+    EXPECT_TRUE(recordings->complete());
     EXPECT_EQ(recordings->status()[0].samples, 3'000'000);
     EXPECT_EQ(std::count(fifo.text().begin(), fifo.text().end(), '\n'), 3'000'001);
     EXPECT_THAT(told, IsEmpty());
@@ -174,7 +174,7 @@ TEST_F(SlowRecording, IsWaitedForAsLongAsItTakesAnythingWithinASecond) {
     write(*recordings, 2'000'000, 1'000'000);
     recordings->commit();
     reader.join();
-    EXPECT_TRUE(recordings->sound());
+    EXPECT_TRUE(recordings->complete());
     EXPECT_EQ(recordings->status()[0].samples, 3'000'000);
 }
 

@@ -21,7 +21,7 @@
 
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
-#include "recordings/files/errors.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {

@@ -26,7 +26,7 @@
 #include "measures/quantities.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
-#include "recordings/row_builder.hpp"
+#include "recordings/columns.hpp"
 #include "stream/pipeline/pacer.hpp"
 
 namespace hertzline::app {
@@ -232,7 +232,7 @@ Exit run(const RunOptions& options) {
     run.recordings = recordings::recordings_json(recordings);
     measure(run, options.band_from_hz);
     print_run(run, options.format);
-    return recordings.sound() && saved ? Exit::done : Exit::failed;
+    return recordings.complete() && saved ? Exit::done : Exit::failed;
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace hertzline::app {
 void check_spectra(std::span<const std::string> spectra, std::span<const std::string> recordings,
                    Faults& faults);
 
-/// Saves frequency and amplitude of each tap of the record (include/hertzline/spectrum.hpp has the definition). Reports files that
+/// Saves frequency and amplitude of each tap of the record (hertzline/spectrum.hpp has the definition). Reports files that
 /// cannot be written. @returns whether all of them were
 bool save_spectra(std::span<const std::string> files, const hertzline::Run& run, const Json& provenance);
 

@@ -22,7 +22,7 @@
 #include "measures/run.hpp"
 #include "measures/scene_report.hpp"
 #include "recordings/recording_formats.hpp"
-#include "recordings/row_builder.hpp"
+#include "recordings/columns.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -167,7 +167,7 @@ Exit stream(const StreamOptions& arguments) {
         recordings.commit();  // the samples up to here are complete
         throw;
     }
-    return recordings.sound() ? Exit::done : Exit::failed;
+    return recordings.complete() ? Exit::done : Exit::failed;
 }
 
 }  // namespace

@@ -12,7 +12,6 @@
 #include "recordings/columns.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_set.hpp"
-#include "recordings/row_builder.hpp"
 
 namespace hertzline::python {
 

@@ -1,20 +1,27 @@
 #pragma once
-// Recordings as HDF5: a dataset for each quantity.
+// HDF5 files: recordings, with a dataset for each quantity, and tables (formats/table.hpp).
 //
 //     /v_last, /v_plate, /v_out   [sample]
 //     /v_chain, /x_chain          [sample][sphere]; each with its "units"
-//     /captures                   [k][2]: from this row on the samples are those of the run from this one on;
-//                                 the first entry is always there, each further one is a gap
+//     /captures                   [k][2]: row, and the run's sample in that row; the first entry is always there, each
+//                                 further one follows a gap
+//     /changes                    [byte]: changes of the scene, JSON on a line each; only where there are any
 //     attributes of the root      sample_rate_hz; columns, provenance: JSON
 //
-// The HDF5 library is not thread-safe. A writer or reader belongs to one thread at a time; several of them may be
-// in several threads, since each waits for the others here, as long as nobody else in the process uses HDF5.
+// The HDF5 library, which writes them, is not thread-safe. A writer belongs to one thread at a time; several may be in
+// several threads, since each waits for the others, as long as nothing else in the process uses HDF5.
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
-#include "recordings/child_process.hpp"
+#include "recordings/formats/table.hpp"
 #include "recordings/recording.hpp"
+
+#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 
@@ -22,12 +29,17 @@ namespace hertzline::recordings {
 std::unique_ptr<RecordingWriter> open_hdf5_writer(const std::filesystem::path& path,
                                                   const RecordingHead& head);
 
-/// Reads what the writer wrote, no other HDF5 files, in a child process: the library (1.10.8) crashes on damaged files,
-/// does not return, or asks for all memory.
-std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path,
-                                                  const ChildLimits& limits = {});
+/// Reads the files of the writer, without the library: see hdf5_file.hpp. Other HDF5 files are refused.
+std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path);
 
-/// The same in this process, for files that it wrote itself.
-std::unique_ptr<RecordingReader> open_own_hdf5(const std::filesystem::path& path);
+/// Columns of a table as of recordings: [[name, quantity, unit]...].
+Json table_columns_json(const Table& table);
+
+/// See write_table(), read_table() and read_table_rows(). Tables are read with the library, in this process: they are files
+/// of the same user's program.
+bool write_hdf5_table(const std::filesystem::path& path, const Table& table, const std::atomic<bool>& stop);
+WrittenTable read_hdf5_table(const std::filesystem::path& path, const std::string& records);
+std::vector<TableRow> read_hdf5_table_rows(const std::filesystem::path& path, const std::string& records,
+                                           std::span<const TableColumn> columns);
 
 }  // namespace hertzline::recordings

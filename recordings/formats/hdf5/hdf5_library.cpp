@@ -3,11 +3,29 @@
 #include <cerrno>
 #include <string_view>
 
+#include "recordings/files/staged_file.hpp"
 #include <fcntl.h>
 #include <unistd.h>
 
 namespace hertzline::recordings {
 namespace {
+
+/// Sets the functions and numbers; does nothing from the second time on.
+/// @throws std::runtime_error when the library is not there
+void load() {
+    static const SharedLibrary loaded = [] {
+        SharedLibrary library(HERTZLINE_HDF5_LIBRARY);
+        HERTZLINE_HDF5_FUNCTIONS(HERTZLINE_FIND)
+        if (H5open() < 0) {
+            throw std::runtime_error("the HDF5 library does not start");
+        }
+#define HERTZLINE_NUMBER(name) name = *static_cast<const hid_t*>(library.address(#name));
+        HERTZLINE_HDF5_NUMBERS(HERTZLINE_NUMBER)
+#undef HERTZLINE_NUMBER
+        return library;
+    }();
+    (void)loaded;
+}
 
 std::mutex library_mutex;
 
@@ -84,7 +102,7 @@ herr_t take_first(unsigned index, const H5E_error2_t* error, void* text) {
 }  // namespace
 
 Hdf5Library::Hdf5Library(Hdf5WriteFailure* write_failure) : lock_(library_mutex) {
-    load_hdf5();
+    load();
     failure = write_failure;
     H5Eget_auto2(H5E_DEFAULT, &print_, &print_data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
@@ -107,11 +125,13 @@ std::string hdf5_reason() {
     return text;
 }
 
-Hdf5Object hdf5_access(const std::filesystem::path& existing) {
+Hdf5Object hdf5_create_file(const std::filesystem::path& existing) {
     static const hid_t driver = driver_made_from(existing);
-    Hdf5Object access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    const Hdf5Object access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     hdf5(H5Pset_driver(access.id(), driver, nullptr));
-    return access;
+    hdf5(
+        H5Pset_libver_bounds(access.id(), H5F_LIBVER_EARLIEST, H5F_LIBVER_LATEST));  // structures of Hdf5File
+    return {H5Fcreate(existing.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose};
 }
 
 Hdf5Object hdf5_text_type() {
@@ -119,6 +139,72 @@ Hdf5Object hdf5_text_type() {
     hdf5(H5Tset_size(type.id(), H5T_VARIABLE));
     hdf5(H5Tset_cset(type.id(), H5T_CSET_UTF8));
     return type;
+}
+
+void hdf5_write_text(hid_t object, const char* name, const std::string& text) {
+    const Hdf5Object type = hdf5_text_type();
+    const Hdf5Object space(H5Screate(H5S_SCALAR), H5Sclose);
+    const Hdf5Object attribute(H5Acreate2(object, name, type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT),
+                               H5Aclose);
+    const char* const characters = text.c_str();
+    hdf5(H5Awrite(attribute.id(), type.id(), &characters));
+}
+
+Hdf5Object hdf5_create_dataset(hid_t file, const std::string& name, hid_t type, int rank, hsize_t columns,
+                               std::array<hsize_t, 2> chunk) {
+    const std::array<hsize_t, 2> none{0, columns};
+    const std::array<hsize_t, 2> most{H5S_UNLIMITED, columns};
+    const Hdf5Object space(H5Screate_simple(rank, none.data(), most.data()), H5Sclose);
+    const Hdf5Object properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+    hdf5(H5Pset_chunk(properties.id(), rank, chunk.data()));
+    return {H5Dcreate2(file, name.c_str(), type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT),
+            H5Dclose};
+}
+
+void hdf5_write_rows(hid_t dataset, hid_t type, std::int64_t row, std::int64_t rows, const void* values) {
+    const Hdf5Object file(H5Dget_space(dataset), H5Sclose);
+    std::array<hsize_t, 2> size{};
+    const int rank = hdf5(H5Sget_simple_extent_dims(file.id(), size.data(), nullptr));
+    const std::array<hsize_t, 2> from{static_cast<hsize_t>(row), 0};
+    size[0] = static_cast<hsize_t>(rows);
+    hdf5(H5Sselect_hyperslab(file.id(), H5S_SELECT_SET, from.data(), nullptr, size.data(), nullptr));
+    const Hdf5Object memory(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);
+    hdf5(H5Dwrite(dataset, type, memory.id(), file.id(), H5P_DEFAULT, values));
+}
+
+void hdf5_append_rows(hid_t dataset, hid_t type, std::int64_t row, std::int64_t rows, std::size_t columns,
+                      const void* values) {
+    const std::array<hsize_t, 2> size{static_cast<hsize_t>(row + rows), columns};
+    hdf5(H5Dset_extent(dataset, size.data()));
+    hdf5_write_rows(dataset, type, row, rows, values);
+}
+
+bool write_whole_hdf5(const std::filesystem::path& path, const std::function<bool(hid_t file)>& fill) {
+    StagedFile staged(path, StagedFile::Devices::refused);
+    Hdf5WriteFailure failure;
+    bool written = false;
+    {
+        const Hdf5Library library(&failure);
+        try {
+            Hdf5Object file = hdf5_create_file(staged.temporary());
+            written = fill(file.id());
+            if (written) {
+                hdf5(H5Fflush(file.id(), H5F_SCOPE_GLOBAL));
+                file.close();
+            }
+        } catch (const std::runtime_error& error) {
+            if (failure.reason == 0) {
+                cannot_write(path, error.what());
+            }
+        }
+    }
+    if (failure.reason != 0) {
+        staged.fail(failure.reason);
+    }
+    if (written) {
+        staged.commit();
+    }
+    return written;
 }
 
 }  // namespace hertzline::recordings

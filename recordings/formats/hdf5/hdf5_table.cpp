@@ -1,5 +1,3 @@
-#include "recordings/formats/hdf5/hdf5_table.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -7,9 +5,10 @@
 #include <stdexcept>
 
 #include "recordings/files/input_file.hpp"
-#include "recordings/formats/hdf5/hdf5_layout.hpp"
-#include "recordings/formats/hdf5/hdf5_whole_file.hpp"
+#include "recordings/formats/hdf5/hdf5.hpp"
+#include "recordings/formats/hdf5/hdf5_library.hpp"
 #include "recordings/recording_head.hpp"
+#include <fmt/format.h>
 
 namespace hertzline::recordings {
 
@@ -145,11 +144,6 @@ void write_texts(hid_t object, const char* name, const std::vector<std::string>&
     hdf5(H5Awrite(attribute.id(), type.id(), characters.data()));
 }
 
-void write_rows(hid_t dataset, hid_t type, std::int64_t first, std::int64_t rows, const void* values) {
-    const Hdf5Rows part(dataset, first, rows);
-    hdf5(H5Dwrite(dataset, type, part.memory.id(), part.file.id(), H5P_DEFAULT, values));
-}
-
 /// The datasets of a table of records, in an open file.
 class RecordWriter {
 public:
@@ -190,9 +184,9 @@ public:
                           std::span(records).subspan(static_cast<std::size_t>(row) * bytes, bytes));
                 samples.insert(samples.end(), here.samples.begin(), here.samples.end());
             }
-            write_rows(records_.id(), type_.id(), first, rows, records.data());
+            hdf5_write_rows(records_.id(), type_.id(), first, rows, records.data());
             if (table_.samples) {
-                write_rows(samples_.id(), H5T_IEEE_F32LE, first, rows, samples.data());
+                hdf5_write_rows(samples_.id(), H5T_IEEE_F32LE, first, rows, samples.data());
             }
         }
         return true;
@@ -205,6 +199,21 @@ private:
     Hdf5Object records_;
     Hdf5Object samples_;
 };
+
+/// Reads an attribute. @throws std::runtime_error when it is no text
+std::string read_text(hid_t object, const char* name) {
+    const Hdf5Object attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+    const Hdf5Object type(H5Aget_type(attribute.id()), H5Tclose);
+    const Hdf5Object space(H5Aget_space(attribute.id()), H5Sclose);
+    if (hdf5(H5Tis_variable_str(type.id())) == 0 || H5Sget_simple_extent_npoints(space.id()) != 1) {
+        throw std::runtime_error(fmt::format("attribute {} is not a string", name));
+    }
+    char* characters = nullptr;
+    hdf5(H5Aread(attribute.id(), hdf5_text_type().id(), &characters));
+    std::string text = characters != nullptr ? characters : "";
+    H5free_memory(characters);
+    return text;
+}
 
 /// Calls the work with the open file, inside the library.
 template <class Work>
@@ -249,7 +258,7 @@ WrittenTable read_hdf5_table(const std::filesystem::path& path, const std::strin
         H5G_info_t root{};
         hdf5(H5Gget_info(file, &root));
         return WrittenTable{member_names(open_records(file, records).id()), root.nlinks > 1,
-                            json_from_outside(hdf5_read_text(file, "provenance"))};
+                            json_from_outside(read_text(file, "provenance"))};
     });
 }
 

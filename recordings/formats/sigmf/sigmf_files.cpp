@@ -1,13 +1,14 @@
 #include "recordings/formats/sigmf/sigmf_files.hpp"
 
+#include <array>
 #include <system_error>
 #include <utility>
 
 #include "measures/provenance.hpp"
 #include "recordings/files/output_file.hpp"
-#include "recordings/files/sha512.hpp"
 #include "recordings/float32.hpp"
 #include <fmt/format.h>
+#include <sodium.h>
 
 #include "core/scene/json.hpp"
 
@@ -16,6 +17,14 @@ namespace hertzline::recordings {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Returns the SHA-512 of the text in hexadecimal digits, by which a collection names the state of its files.
+std::string sha512(const std::string& text) {
+    std::array<unsigned char, crypto_hash_sha512_BYTES> hash{};
+    crypto_hash_sha512(hash.data(), reinterpret_cast<const unsigned char*>(text.data()), text.size());
+    std::array<char, 2 * hash.size() + 1> digits{};
+    return sodium_bin2hex(digits.data(), digits.size(), hash.data(), hash.size());
+}
 
 Json global_of(const RecordingHead& head, const std::vector<std::size_t>& chosen) {
     std::string names;
@@ -52,7 +61,7 @@ std::string sigmf_text(const Json& json) {
 
 SigmfFiles::SigmfFiles(const SigmfPaths& paths, const RecordingHead& head, std::vector<std::size_t> columns)
     : meta_path_(paths.meta),
-      data_(paths.data, columns.size() * sizeof(float)),
+      data_(paths.data, StagedFile::Devices::refused, columns.size() * sizeof(float)),
       columns_(std::move(columns)),
       all_columns_(head.columns.size()),
       global_(global_of(head, columns_)) {
@@ -91,6 +100,20 @@ void SigmfFiles::write(std::span<const double> values, const std::function<void(
         make_room();
     }
     data_.write(bytes);
+}
+
+void SigmfFiles::flush() {
+    data_.require_present();
+    data_.flush();
+}
+
+void SigmfFiles::close() {
+    data_.require_present();
+    data_.close();
+}
+
+std::int64_t SigmfFiles::rows() const noexcept {
+    return static_cast<std::int64_t>(data_.size() / (columns_.size() * sizeof(float)));
 }
 
 fs::path SigmfFiles::keep(const SigmfProgress& progress) {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "recordings/files/growing_file.hpp"
+#include "recordings/files/output_file.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
 #include "recordings/recording.hpp"
 
@@ -53,10 +53,10 @@ public:
 
     /// @param values whole rows of all columns of the head @param make_room called where the buffer has none for them
     void write(std::span<const double> values, const std::function<void()>& make_room);
-    void flush() { data_.flush(); }
+    void flush();
     void commit() { data_.commit(); }
     /// Ends the samples. An older recording is still there.
-    void close() { data_.close(); }
+    void close();
     bool is_closed() const noexcept { return data_.is_closed(); }
     /// Whether the system failed to close the samples, so that the file's contents are unknown.
     bool is_doubtful() const noexcept { return data_.is_doubtful(); }
@@ -64,7 +64,7 @@ public:
     void require_present() { data_.require_present(); }
 
     /// Rows that the system has taken.
-    std::int64_t rows() const noexcept { return data_.records(); }
+    std::int64_t rows() const noexcept;
 
     /// Ends them before they are complete; those without a name of their own stay under the names of their temporaries.
     /// @returns where the samples are
@@ -79,7 +79,7 @@ private:
     std::string meta_text(const SigmfProgress& progress) const;
 
     std::filesystem::path meta_path_;
-    GrowingFile data_;
+    OutputFile data_;
     std::vector<std::size_t> columns_;
     std::size_t all_columns_;
     Json global_;

@@ -1,9 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 #include <stdexcept>
+#include <utility>
 
-#include "recordings/captures.hpp"
-#include "recordings/files/errors.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/float32.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
@@ -182,10 +183,161 @@ private:
     std::vector<float> floats_;
 };
 
+constexpr std::uint64_t largest_collection = 1 << 20;
+constexpr std::size_t max_streams = 1000;
+
+/// Returns the name in an object, or in a pair of name and hash as in version 1.0. It must name files beside the
+/// collection.
+std::string recording_name_of(const Json& stream) {
+    const Json* name = nullptr;
+    if (stream.is_object() && stream.contains("name")) {
+        name = &stream.at("name");
+    } else if (stream.is_array() && !stream.empty()) {
+        name = &stream.front();
+    }
+    std::string text = name != nullptr && name->is_string() ? name->get<std::string>() : "";
+    if (text.empty() || text.find('/') != std::string::npos || printable(text) != text) {
+        throw std::runtime_error(
+            fmt::format("core:streams: found {}, allowed: the name of a recording in the same folder",
+                        quoted_briefly(text)));
+    }
+    return text;
+}
+
+/// @throws std::runtime_error with the fault, without the path
+std::vector<std::string> recording_names(const fs::path& path) {
+    InputFile file(path);
+    if (file.size() > largest_collection) {
+        throw std::runtime_error(
+            fmt::format("found {} bytes, allowed: at most {}", file.size(), largest_collection));
+    }
+    const Json json = json_from_outside(file.text(file.size(), "the collection"));
+    const Json::json_pointer place("/collection/core:streams");
+    if (!json.is_object() || !json.contains(place) || !json.at(place).is_array()) {
+        throw std::runtime_error("found no core:streams");
+    }
+    const Json& streams = json.at(place);
+    if (streams.empty() || streams.size() > max_streams) {
+        throw std::runtime_error(
+            fmt::format("core:streams: found {} recordings, allowed: 1 to {}", streams.size(), max_streams));
+    }
+    std::vector<std::string> names;
+    std::ranges::transform(streams, std::back_inserter(names), recording_name_of);
+    return names;
+}
+
+/// A recording of the collection, with the rows that were read ahead.
+class Part {
+public:
+    explicit Part(std::unique_ptr<RecordingReader> reader) : reader_(std::move(reader)) {}
+
+    const RecordingHead& head() const noexcept { return reader_->head(); }
+    std::size_t columns() const noexcept { return head().columns.size(); }
+
+    /// Rows that follow one another from sample() on; at most `most` are read when there are none. 0 at the end.
+    std::size_t rows_ahead(std::size_t most) {
+        if (taken_ == rows_.values.size()) {
+            taken_ = 0;
+            if (!reader_->read(rows_, most)) {
+                rows_.values.clear();
+            }
+        }
+        return (rows_.values.size() - taken_) / columns();
+    }
+    std::int64_t sample() const noexcept {
+        return rows_.first + static_cast<std::int64_t>(taken_ / columns());
+    }
+    /// Copies rows to `to`, where rows are `stride` numbers apart.
+    void take(std::size_t rows, double* to, std::size_t stride) noexcept {
+        for (std::size_t row = 0; row < rows; ++row) {
+            std::copy_n(rows_.values.begin() + static_cast<std::ptrdiff_t>(taken_), columns(), to);
+            taken_ += columns();
+            to += stride;
+        }
+    }
+
+private:
+    std::unique_ptr<RecordingReader> reader_;
+    RecordedRows rows_;
+    std::size_t taken_ = 0;  // numbers
+};
+
+class SigmfCollectionReader final : public RecordingReader {
+public:
+    explicit SigmfCollectionReader(fs::path path) : path_(std::move(path)) {
+        for (const std::string& name : named()) {
+            parts_.emplace_back(
+                open_sigmf_reader(path_.parent_path() / (name + std::string(sigmf_meta_ending))));
+        }
+        join_heads();
+    }
+
+    const RecordingHead& head() const noexcept override { return head_; }
+
+    bool read(RecordedRows& rows, std::size_t most) override {
+        rows.values.clear();
+        std::size_t count = most;
+        for (Part& part : parts_) {
+            count = std::min(count, part.rows_ahead(most));
+        }
+        if (count == 0) {
+            return false;
+        }
+        rows.first = parts_.front().sample();
+        rows.values.resize(count * head_.columns.size());
+        double* to = rows.values.data();
+        for (Part& part : parts_) {
+            if (part.sample() != rows.first) {
+                cannot_read(path_, fmt::format("sample {} of one recording is sample {} of another one",
+                                               rows.first, part.sample()));
+            }
+            part.take(count, to, head_.columns.size());
+            to += part.columns();
+        }
+        return true;
+    }
+
+private:
+    std::vector<std::string> named() const {
+        try {
+            return recording_names(path_);
+        } catch (const std::exception& error) {
+            cannot_read(path_, error.what());
+        }
+    }
+
+    /// Recordings of other programs may have columns of the same name.
+    void join_heads() {
+        head_ = parts_.front().head();
+        for (const Part& part : std::span(parts_).subspan(1)) {
+            if (part.head().sample_rate_hz != head_.sample_rate_hz) {
+                cannot_read(path_, fmt::format("found sample rates of {} and {} Hz, allowed: the same",
+                                               number_text(head_.sample_rate_hz),
+                                               number_text(part.head().sample_rate_hz)));
+            }
+            head_.columns.insert(head_.columns.end(), part.head().columns.begin(), part.head().columns.end());
+        }
+        if (head_fault(head_)) {
+            RecordingHead unnamed =
+                head_of_channels(head_.columns.size(), head_.sample_rate_hz, head_.numbers);
+            unnamed.provenance = std::move(head_.provenance);
+            head_ = std::move(unnamed);
+        }
+    }
+
+    fs::path path_;
+    std::vector<Part> parts_;
+    RecordingHead head_;
+};
+
 }  // namespace
 
 std::unique_ptr<RecordingReader> open_sigmf_reader(const fs::path& either) {
     return std::make_unique<SigmfReader>(either);
+}
+
+std::unique_ptr<RecordingReader> open_sigmf_collection_reader(const fs::path& collection) {
+    return std::make_unique<SigmfCollectionReader>(collection);
 }
 
 }  // namespace hertzline::recordings

@@ -1,23 +1,26 @@
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <deque>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "measures/provenance.hpp"
 #include "recordings/checked_writer.hpp"
-#include "recordings/files/errors.hpp"
 #include "recordings/files/output_file.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
-#include "recordings/formats/sigmf/sigmf_bursts.hpp"
 #include "recordings/formats/sigmf/sigmf_files.hpp"
 #include <fmt/format.h>
 
+#include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 
@@ -28,6 +31,78 @@ namespace {
 namespace fs = std::filesystem;
 
 using std::chrono::steady_clock;
+
+/// Annotations are written anew with each further one, and viewers draw them all.
+constexpr std::size_t max_burst_annotations = 1000;
+
+enum class LastBurst { left_out, included };
+
+/// The bursts of a run whose scene may change.
+struct EpochBursts {
+    double sample_rate_hz;
+    std::span<const Epoch> epochs;  ///< in their order, at least one
+
+    const Epoch& epoch_of(std::int64_t sample) const noexcept {
+        const Epoch* found = &epochs.front();
+        for (const Epoch& epoch : epochs) {
+            found = epoch.first_sample <= sample ? &epoch : found;
+        }
+        return *found;
+    }
+};
+
+Json annotation(std::int64_t burst, std::int64_t start, std::int64_t count) {
+    return {{"core:sample_start", start},
+            {"core:sample_count", count},
+            {"core:generator", "hertzline"},
+            {"core:label", "burst " + std::to_string(burst)},
+            {"hertzline:burst", burst}};
+}
+
+/// Rows without a gap.
+struct Stretch {
+    std::int64_t row;
+    std::int64_t sample;  ///< of the first row
+    std::int64_t rows;
+};
+
+/// @param last the treatment of a burst that continues beyond the stretch
+void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last, Json& annotations) {
+    const Epoch& epoch = all.epoch_of(stretch.sample);
+    const Bursts bursts(all.sample_rate_hz, epoch.repetition_hz);
+    const std::int64_t begin = stretch.sample - epoch.first_sample;
+    const std::int64_t end = begin + stretch.rows;
+    BurstPlace place = bursts.at(begin);
+    for (std::int64_t from = begin; from < end && annotations.size() < max_burst_annotations;) {
+        const bool goes_on = !bursts.repeat() || bursts.first_sample(place.burst + 1) > end;
+        const std::int64_t to = goes_on ? end : bursts.first_sample(place.burst + 1);
+        if (!goes_on || last == LastBurst::included) {
+            annotations.push_back(
+                annotation(epoch.first_burst + place.burst, stretch.row + from - begin, to - from));
+        }
+        from = to;
+        place = bursts.at(to);
+    }
+}
+
+/// Returns an annotation for each burst with samples among the first `rows`, at most max_burst_annotations. When samples are
+/// missing a burst has one in each capture. @param captures as SigMF has them; each lies in one epoch
+/// @param last the burst in which the rows end; while they grow it is not complete
+Json burst_annotations(const EpochBursts& bursts, const Json& captures, std::int64_t rows, LastBurst last) {
+    Json annotations = Json::array();
+    for (std::size_t i = 0; i < captures.size(); ++i) {
+        const auto row = captures[i]["core:sample_start"].get<std::int64_t>();
+        const bool is_last = i + 1 == captures.size();
+        const std::int64_t next =
+            is_last ? rows : std::min(rows, captures[i + 1]["core:sample_start"].get<std::int64_t>());
+        const bool grows = is_last || next == rows;
+        if (next > row) {
+            annotate(bursts, {row, captures[i]["core:global_index"].get<std::int64_t>(), next - row},
+                     grows ? last : LastBurst::included, annotations);
+        }
+    }
+    return annotations;
+}
 
 constexpr double flush_every_s = 0.5;         // of samples or by the clock, the earlier
 constexpr std::size_t max_captures = 10'000;  // each costs a hundred bytes, written anew with the next one

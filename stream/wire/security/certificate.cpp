@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "recordings/files/write_all.hpp"
+#include "recordings/files/staged_file.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>

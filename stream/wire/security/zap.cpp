@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "stream/wire/multipart.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 

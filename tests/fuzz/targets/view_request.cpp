@@ -11,7 +11,7 @@
 #include "core/scene/json.hpp"
 #include "scope/pictures/picture.hpp"
 #include "scope/pictures/view.hpp"
-#include "stream/wire/frame.hpp"
+#include "stream/wire/frame_codec.hpp"
 #include "tests/fuzz/claim.hpp"
 
 namespace hertzline::fuzz {

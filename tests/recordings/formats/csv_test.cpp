@@ -10,7 +10,6 @@
 #include <stdexcept>
 #include <thread>
 
-#include "recordings/formats/csv_metadata.hpp"
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

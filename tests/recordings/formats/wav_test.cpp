@@ -1,4 +1,4 @@
-#include "recordings/formats/wav/wav.hpp"
+#include "recordings/formats/wav.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
-#include "core/scene/scene_toml.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/scene_file.hpp"
+#include "hertzline/resolve.hpp"
 #include "stream/control/control_client.hpp"
 #include "stream/control/control_server.hpp"
 #include "stream/control/scene_control.hpp"
@@ -53,7 +53,7 @@ struct Controlled {
         std::optional<Json> reply;
         control.take(request, [&](const Json& json) { reply = json; });
         EXPECT_TRUE(eventually([&] {
-            control.turn();
+            control.tick();
             if (!reply && control.busy()) {
                 advance(100);
             }
@@ -116,7 +116,7 @@ TEST(SceneControl, EndsWhileAChangeIsPrepared) {  // the pilots of this one may 
     auto stream = std::make_unique<Controlled>();
     stream->control.take({{"set", {{"numerics.integrator", "leapfrog"}, {"numerics.accuracy", 1e-9}}}},
                          [](const Json& reply) { FAIL() << reply; });
-    stream->control.turn();
+    stream->control.tick();
     ASSERT_TRUE(stream->control.busy());
     stream.reset();
 }
@@ -175,7 +175,7 @@ TEST(SceneControl, MergesWhatWaitsAndBoundsIt) {
     }
     EXPECT_EQ(replies.size(), 3U);  // there was no room
     ASSERT_TRUE(eventually([&] {
-        stream.control.turn();
+        stream.control.tick();
         stream.advance(100);
         return replies.size() == SceneControl::most_waiting + 3;
     }));
@@ -193,7 +193,7 @@ TEST(SceneControl, OfWhatWasMergedOnlyTheWrongIsRefused) {
     take(2, {{"numerics.step_s", 1e-4}});  // beyond the stability limit, which pilots find
     take(3, {{"drive.cycles", 5.0}});
     ASSERT_TRUE(eventually([&] {
-        stream.control.turn();
+        stream.control.tick();
         stream.advance(100);
         return replies.size() == 3;
     }));

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/simulation.hpp"
+#include "hertzline/simulation.hpp"
 #include "tests/support/seen_scenes.hpp"
 
 namespace hertzline::test {

@@ -8,7 +8,7 @@
 #include "recordings/float32.hpp"
 #include <gtest/gtest.h>
 
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/continuity.hpp"

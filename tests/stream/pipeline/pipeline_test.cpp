@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
-#include "core/step_choice/resolve.hpp"
+#include "hertzline/resolve.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"

@@ -1,5 +1,3 @@
-#include "stream/wire/security/peer_quota.hpp"
-
 #include <array>
 #include <optional>
 #include <string>
@@ -12,6 +10,7 @@
 #include <unistd.h>
 #include <zmq.hpp>
 
+#include "stream/wire/security/connections.hpp"
 #include "tests/support/sockets.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "stream/pipeline/thread_options.hpp"
+#include "stream/threads.hpp"
 
 #include <cerrno>
 #include <system_error>

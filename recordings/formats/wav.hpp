@@ -16,7 +16,7 @@
 
 namespace hertzline::recordings {
 
-/// Where the changes of a scene are that was streamed into a WAV, which is complete before they are known: JSON.
+/// Returns the path of the JSON with the changes of a scene that was streamed into a WAV: its description precedes them.
 std::filesystem::path wav_changes_path(std::filesystem::path wav);
 
 /// Creates FILE.partial-...; commit() gives it its name. head.numbers is taken for float32. Throws

@@ -1,9 +1,9 @@
-#include "stream/inputs/run_id.hpp"
-
 #include <set>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "stream/pipeline/pipeline.hpp"
 
 namespace hertzline {
 

@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/samples.hpp"  // forwards until all includes follow

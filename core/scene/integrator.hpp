@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/integrator.hpp"  // forwards until all includes follow

@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/materials.hpp"  // forwards until all includes follow

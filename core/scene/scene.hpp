@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/scene.hpp"  // forwards until all includes follow

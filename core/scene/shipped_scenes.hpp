@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/scene_file.hpp"  // forwards until all includes follow

@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/simulation.hpp"  // forwards until all includes follow

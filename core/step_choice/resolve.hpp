@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/resolve.hpp"  // forwards until all includes follow

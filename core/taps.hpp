@@ -1,2 +1,0 @@
-#pragma once
-#include "hertzline/taps.hpp"  // forwards until all includes follow
