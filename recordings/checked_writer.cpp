@@ -6,11 +6,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "recordings/files/staged_file.hpp"
-#include "recordings/recording_head.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "recordings/files/staged_file.hpp"
+#include "recordings/recording_head.hpp"
 
 namespace hertzline::recordings {
 CheckedWriter::CheckedWriter(std::filesystem::path path, RecordingHead head)

@@ -6,10 +6,9 @@
 #include <span>
 #include <string>
 
+#include "core/scene/json.hpp"
 #include "recordings/recording.hpp"
 #include "recordings/recording_head.hpp"
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 

@@ -5,11 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "recordings/recording.hpp"
-#include "recordings/recording_set.hpp"
-
 #include "hertzline/samples.hpp"
 #include "hertzline/taps.hpp"
+#include "recordings/recording.hpp"
+#include "recordings/recording_set.hpp"
 
 namespace hertzline::recordings {
 

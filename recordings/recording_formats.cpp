@@ -6,14 +6,13 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "core/scene/text.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv.hpp"
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/npy.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
 #include "recordings/formats/wav.hpp"
-
-#include "core/scene/text.hpp"
 
 namespace hertzline::recordings {
 

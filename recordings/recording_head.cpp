@@ -7,11 +7,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "recordings/files/input_file.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/files/input_file.hpp"
 
 namespace hertzline::recordings {
 

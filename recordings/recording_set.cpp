@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "recordings/recording_formats.hpp"
-#include "recordings/recording_thread.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_thread.hpp"
 
 namespace hertzline::recordings {
 

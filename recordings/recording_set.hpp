@@ -11,9 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "recordings/recording.hpp"
-
 #include "core/scene/json.hpp"
+#include "recordings/recording.hpp"
 
 namespace hertzline::recordings {
 

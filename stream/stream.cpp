@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "measures/provenance.hpp"
-#include "measures/run.hpp"
 #include <fmt/format.h>
 
+#include "measures/provenance.hpp"
+#include "measures/run.hpp"
 #include "stream/inputs/estimate_watch.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/listening/listener.hpp"
@@ -29,8 +29,8 @@ std::optional<std::int64_t> samples_in(std::optional<double> duration_s, double 
     }
     const double samples = std::round(*duration_s * sample_rate_hz);
     if (!(*duration_s > 0 && samples <= max_samples)) {
-        throw std::invalid_argument(
-            fmt::format("duration_s: found {}, allowed: above 0, at most {:.0e} samples", *duration_s, max_samples));
+        throw std::invalid_argument(fmt::format(
+            "duration_s: found {}, allowed: above 0, at most {:.0e} samples", *duration_s, max_samples));
     }
     return static_cast<std::int64_t>(std::max(1.0, samples));
 }
@@ -45,7 +45,8 @@ std::optional<stream::CurveClient> keys_of(const ListenOptions& options) {
     }
     const auto own = stream::read_key_pair(options.curve_key);
     const auto server = stream::read_public_key(options.server_key);
-    for (const std::string& fault : {own ? std::string() : own.error(), server ? std::string() : server.error()}) {
+    for (const std::string& fault :
+         {own ? std::string() : own.error(), server ? std::string() : server.error()}) {
         if (!fault.empty()) {
             throw std::runtime_error(fault);
         }
@@ -64,8 +65,9 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
         .samples = samples_in(options.duration_s, rate),
         .start = options.wait_for_subscriber ? stream::StreamStart::with_first_subscriber
                                              : stream::StreamStart::at_once};
-    streamed.about = measures::provenance_json(
-        {scene.scene(), resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), streamed.run});
+    streamed.about =
+        measures::provenance_json({scene.scene(), resolved.estimate,
+                                   measures::utc_text(std::chrono::system_clock::now()), streamed.run});
     stream::SimulationSource source(scene.scene(), {});
     stream::PublisherOptions limits;
     limits.queue_bytes = stream::usual_queue_bytes();
@@ -146,7 +148,8 @@ bool Listener::ended() const noexcept {
 }
 
 bool Listener::complete() const noexcept {
-    return std::ranges::all_of(connection_->listener.runs(), [](const auto& run) { return run.second.complete(); });
+    return std::ranges::all_of(connection_->listener.runs(),
+                               [](const auto& run) { return run.second.complete(); });
 }
 
 std::string Listener::text() const {

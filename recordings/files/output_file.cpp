@@ -5,9 +5,10 @@
 #include <cerrno>
 #include <utility>
 
-#include "recordings/files/staged_file.hpp"
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "recordings/files/staged_file.hpp"
 
 namespace hertzline::recordings {
 

@@ -12,9 +12,8 @@
 #include <span>
 #include <string>
 
-#include "recordings/recording.hpp"
-
 #include "core/scene/json.hpp"
+#include "recordings/recording.hpp"
 
 namespace hertzline::recordings {
 

@@ -10,9 +10,6 @@
 #include <system_error>
 #include <utility>
 
-#include "recordings/columns.hpp"
-#include "recordings/files/input_file.hpp"
-#include "recordings/formats/csv.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
@@ -21,6 +18,9 @@
 
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/columns.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/formats/csv.hpp"
 
 namespace hertzline::recordings {
 

@@ -4,11 +4,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/scene/json.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv.hpp"
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 

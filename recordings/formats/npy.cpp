@@ -8,14 +8,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/npy_header.hpp"
 #include "recordings/recording_head.hpp"
-#include <fmt/format.h>
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 namespace {

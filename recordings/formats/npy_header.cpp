@@ -6,8 +6,9 @@
 #include <cstddef>
 #include <stdexcept>
 
-#include "recordings/files/input_file.hpp"
 #include <fmt/format.h>
+
+#include "recordings/files/input_file.hpp"
 
 namespace hertzline::recordings {
 namespace {

@@ -12,6 +12,10 @@
 #include <string_view>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/csv.hpp"
@@ -19,10 +23,6 @@
 #include "recordings/formats/npy_header.hpp"
 #include "recordings/recording_formats.hpp"
 #include "recordings/recording_head.hpp"
-#include <fmt/format.h>
-
-#include "core/scene/json.hpp"
-#include "core/scene/text.hpp"
 
 namespace hertzline::recordings {
 

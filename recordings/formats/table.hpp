@@ -19,9 +19,8 @@
 #include <variant>
 #include <vector>
 
-#include "recordings/recording.hpp"
-
 #include "core/scene/json.hpp"
+#include "recordings/recording.hpp"
 
 namespace hertzline::recordings {
 

@@ -9,12 +9,6 @@
 #include <string_view>
 #include <utility>
 
-#include "recordings/checked_writer.hpp"
-#include "recordings/files/input_file.hpp"
-#include "recordings/files/output_file.hpp"
-#include "recordings/files/shared_library.hpp"
-#include "recordings/files/staged_file.hpp"
-#include "recordings/recording_head.hpp"
 #include <fmt/format.h>
 #include <sndfile.h>
 #include <sys/stat.h>
@@ -22,6 +16,12 @@
 
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/checked_writer.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/files/output_file.hpp"
+#include "recordings/files/shared_library.hpp"
+#include "recordings/files/staged_file.hpp"
+#include "recordings/recording_head.hpp"
 
 // The functions of libsndfile, which is loaded when the first WAV is opened. In this namespace they are pointers.
 // clang-format off

@@ -5,12 +5,11 @@
 #include <exception>
 #include <utility>
 
-#include "measures/resources.hpp"
-#include "measures/scene_report.hpp"
-
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "hertzline/scene_file.hpp"
+#include "measures/resources.hpp"
+#include "measures/scene_report.hpp"
 #include "stream/threads.hpp"
 
 namespace hertzline::stream {

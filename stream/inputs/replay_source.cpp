@@ -6,8 +6,9 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "measures/provenance.hpp"
 #include <fmt/format.h>
+
+#include "measures/provenance.hpp"
 
 namespace hertzline::stream {
 

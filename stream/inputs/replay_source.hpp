@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "recordings/recording.hpp"
-
 #include "stream/inputs/sample_source.hpp"
 
 namespace hertzline::stream {

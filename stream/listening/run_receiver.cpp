@@ -5,13 +5,13 @@
 #include <string_view>
 #include <utility>
 
-#include "measures/provenance.hpp"
-#include "recordings/float32.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
-#include "hertzline/scene.hpp"
 #include "core/scene/text.hpp"
+#include "hertzline/scene.hpp"
+#include "measures/provenance.hpp"
+#include "recordings/float32.hpp"
 #include "stream/wire/frame_codec.hpp"
 
 namespace hertzline::stream {

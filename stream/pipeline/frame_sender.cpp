@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "recordings/float32.hpp"
-
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/topics.hpp"
 

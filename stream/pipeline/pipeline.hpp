@@ -14,9 +14,8 @@
 #include <optional>
 #include <string>
 
-#include "recordings/columns.hpp"
-
 #include "core/scene/json.hpp"
+#include "recordings/columns.hpp"
 #include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/frame_sender.hpp"
 #include "stream/pipeline/pacer.hpp"

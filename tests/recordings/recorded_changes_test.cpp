@@ -1,11 +1,11 @@
 // Recordings of a stream whose scene changes: each format keeps the changes, and no row is missing beside them.
 
-#include "recordings/recording_formats.hpp"
-#include "recordings/recording_set.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_set.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
 

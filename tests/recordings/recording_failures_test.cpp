@@ -8,13 +8,13 @@
 #include <thread>
 #include <vector>
 
-#include "recordings/recording_formats.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "recordings/recording_formats.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/sanitized.hpp"

@@ -6,14 +6,14 @@
 #include <sstream>
 #include <thread>
 
-#include "recordings/recording_formats.hpp"
-#include "recordings/recording_thread.hpp"
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "recordings/recording_formats.hpp"
+#include "recordings/recording_thread.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"

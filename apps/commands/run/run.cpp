@@ -24,9 +24,9 @@
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
+#include "recordings/columns.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
-#include "recordings/columns.hpp"
 #include "stream/pipeline/pacer.hpp"
 
 namespace hertzline::app {

@@ -21,8 +21,8 @@
 #include "measures/resources.hpp"
 #include "measures/run.hpp"
 #include "measures/scene_report.hpp"
-#include "recordings/recording_formats.hpp"
 #include "recordings/columns.hpp"
+#include "recordings/recording_formats.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 

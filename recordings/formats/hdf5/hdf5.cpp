@@ -13,15 +13,15 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "core/scene/json.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/staged_file.hpp"
 #include "recordings/formats/hdf5/hdf5_file.hpp"
 #include "recordings/formats/hdf5/hdf5_library.hpp"
 #include "recordings/recording_head.hpp"
-#include <fmt/format.h>
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 

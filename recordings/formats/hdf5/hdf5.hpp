@@ -18,10 +18,9 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/json.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording.hpp"
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 

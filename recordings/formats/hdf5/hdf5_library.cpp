@@ -3,9 +3,10 @@
 #include <cerrno>
 #include <string_view>
 
-#include "recordings/files/staged_file.hpp"
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "recordings/files/staged_file.hpp"
 
 namespace hertzline::recordings {
 namespace {

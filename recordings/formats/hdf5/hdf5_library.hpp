@@ -16,8 +16,9 @@
 #include <string>
 #include <utility>
 
-#include "recordings/files/shared_library.hpp"
 #include <hdf5.h>
+
+#include "recordings/files/shared_library.hpp"
 
 // clang-format off
 #define HERTZLINE_HDF5_FUNCTIONS(X) \

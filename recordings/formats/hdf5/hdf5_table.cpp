@@ -4,11 +4,12 @@
 #include <iterator>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/hdf5/hdf5_library.hpp"
 #include "recordings/recording_head.hpp"
-#include <fmt/format.h>
 
 namespace hertzline::recordings {
 

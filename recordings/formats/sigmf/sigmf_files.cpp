@@ -4,13 +4,13 @@
 #include <system_error>
 #include <utility>
 
-#include "measures/provenance.hpp"
-#include "recordings/files/output_file.hpp"
-#include "recordings/float32.hpp"
 #include <fmt/format.h>
 #include <sodium.h>
 
 #include "core/scene/json.hpp"
+#include "measures/provenance.hpp"
+#include "recordings/files/output_file.hpp"
+#include "recordings/float32.hpp"
 
 namespace hertzline::recordings {
 

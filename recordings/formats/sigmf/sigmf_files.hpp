@@ -9,11 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/json.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
 #include "recordings/recording.hpp"
-
-#include "core/scene/json.hpp"
 
 namespace hertzline::recordings {
 

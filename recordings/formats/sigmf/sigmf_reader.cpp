@@ -5,14 +5,14 @@
 #include <stdexcept>
 #include <utility>
 
-#include "recordings/files/input_file.hpp"
-#include "recordings/float32.hpp"
-#include "recordings/formats/sigmf/sigmf.hpp"
-#include "recordings/recording_head.hpp"
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/float32.hpp"
+#include "recordings/formats/sigmf/sigmf.hpp"
+#include "recordings/recording_head.hpp"
 
 namespace hertzline::recordings {
 

@@ -12,17 +12,17 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "core/model/bursts.hpp"
+#include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/files/staged_file.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
 #include "recordings/formats/sigmf/sigmf_files.hpp"
-#include <fmt/format.h>
-
-#include "core/model/bursts.hpp"
-#include "core/scene/json.hpp"
-#include "core/scene/text.hpp"
 
 namespace hertzline::recordings {
 

@@ -9,13 +9,13 @@
 #include <system_error>
 #include <utility>
 
-#include "recordings/files/staged_file.hpp"
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "core/scene/text.hpp"
+#include "recordings/files/staged_file.hpp"
 
 namespace hertzline::stream {
 namespace fs = std::filesystem;

@@ -4,13 +4,13 @@
 #include <fstream>
 #include <vector>
 
-#include "recordings/files/staged_file.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include "recordings/files/staged_file.hpp"
 #include "tests/support/ordinary_user.hpp"
 #include "tests/support/temporary_folder.hpp"
 

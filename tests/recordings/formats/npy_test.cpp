@@ -3,11 +3,11 @@
 #include <cstring>
 #include <fstream>
 
-#include "recordings/files/input_file.hpp"
-#include "recordings/formats/npy_header.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "recordings/files/input_file.hpp"
+#include "recordings/formats/npy_header.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -3,7 +3,6 @@
 #include <array>
 #include <csignal>
 
-#include "recordings/formats/sigmf/sigmf.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sodium.h>
@@ -11,6 +10,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "recordings/formats/sigmf/sigmf.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"

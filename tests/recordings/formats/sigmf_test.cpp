@@ -4,7 +4,6 @@
 #include <csignal>
 #include <thread>
 
-#include "measures/provenance.hpp"
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "measures/provenance.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
-#include "hertzline/scene_file.hpp"
 #include "hertzline/resolve.hpp"
+#include "hertzline/scene_file.hpp"
 #include "stream/control/control_client.hpp"
 #include "stream/control/control_server.hpp"
 #include "stream/control/scene_control.hpp"

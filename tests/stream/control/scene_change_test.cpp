@@ -1,10 +1,10 @@
 #include "stream/control/scene_change.hpp"
 
-#include "measures/provenance.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/scene/scene_json.hpp"
+#include "measures/provenance.hpp"
 #include "tests/support/seen_scenes.hpp"
 
 namespace hertzline::test {

@@ -5,10 +5,10 @@
 #include <thread>
 #include <vector>
 
-#include "recordings/float32.hpp"
 #include <gtest/gtest.h>
 
 #include "hertzline/resolve.hpp"
+#include "recordings/float32.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/pipeline.hpp"
 #include "stream/wire/continuity.hpp"

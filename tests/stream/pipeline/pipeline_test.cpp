@@ -7,11 +7,11 @@
 #include <optional>
 #include <thread>
 
-#include "recordings/float32.hpp"
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
 #include "hertzline/resolve.hpp"
+#include "recordings/float32.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/frame_codec.hpp"

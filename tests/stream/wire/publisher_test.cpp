@@ -10,7 +10,6 @@
 #include <thread>
 #include <vector>
 
-#include "recordings/float32.hpp"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -19,6 +18,7 @@
 #include <unistd.h>
 #include <zmq.hpp>
 
+#include "recordings/float32.hpp"
 #include "stream/wire/continuity.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/frame_codec.hpp"
