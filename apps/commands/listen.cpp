@@ -73,7 +73,7 @@ public:
     void save();
 
     /// Whether no recording has failed.
-    bool saved() const noexcept { return !recordings_ || recordings_->sound(); }
+    bool saved() const noexcept { return !recordings_ || recordings_->complete(); }
 
     double simulated_s() const noexcept {
         return run_.has_samples() ? static_cast<double>(samples_) / run_.fs() : 0;
