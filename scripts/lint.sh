@@ -8,7 +8,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 mode=${1:-}
 most_sources=40
-sources_of_rooms=({core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
+sources_of_rooms=({include,core,measures,recordings,studies,stream,scope,apps}/'*.'[ch]pp)
 
 # Prints the commit to compare with; nothing in a clone of a single commit.
 base_commit() { # [BASE]
@@ -25,7 +25,7 @@ base_commit() { # [BASE]
 source_of() { # FILE
     case "$1" in *.cpp) echo "$1" && return ;; esac
     [ -f "${1%.hpp}.cpp" ] && echo "${1%.hpp}.cpp" && return
-    for includer in $(git grep -lF "#include \"$1\"" -- "${sources_of_rooms[@]}" | sort -t . -k 2); do
+    for includer in $(git grep -lF "#include \"${1#include/}\"" -- "${sources_of_rooms[@]}" | sort -t . -k 2); do
         source_of "$includer"
         return
     done
