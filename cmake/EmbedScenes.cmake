@@ -15,7 +15,7 @@ foreach(scene IN LISTS SCENES)
 endforeach()
 
 file(WRITE "${OUTPUT}" "// Generated from scenes/*.toml by cmake/EmbedScenes.cmake.
-#include \"core/scene/shipped_scenes.hpp\"
+#include \"hertzline/scene_file.hpp\"
 
 #include <array>
 
