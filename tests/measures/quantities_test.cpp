@@ -25,7 +25,7 @@ Scene shipped(const char* name) {
     return scene;
 }
 
-Run run_of(const Scene& scene, const RunOptions& options = {}) {
+hertzline::Run run_of(const Scene& scene, const RunOptions& options = {}) {
     return run(resolve(scene), options);
 }
 
@@ -65,7 +65,7 @@ void add_names(const Json& values, const std::string& before, std::set<std::stri
 }
 
 TEST(Quantities, EachNumberOfASummaryIsAColumnAndTheOtherWayRound) {
-    const Run result = run_of(shipped("wet-vitreous-carbon"));
+    const hertzline::Run result = run_of(shipped("wet-vitreous-carbon"));
     std::set<std::string> in_summary;
     add_names(summary_json(summary_of(result)), "", in_summary);
     for (const char* measured_anew : {"setup_s", "wall_s", "real_time_factor"}) {
@@ -79,7 +79,7 @@ TEST(Quantities, EachNumberOfASummaryIsAColumnAndTheOtherWayRound) {
 }
 
 TEST(Quantities, ANumberIsTheSameInTheSummaryInAColumnAndByItsName) {
-    const Run result = run_of(shipped("paper-vitreous-carbon"), {.measured = Tap::v_plate});
+    const hertzline::Run result = run_of(shipped("paper-vitreous-carbon"), {.measured = Tap::v_plate});
     const Json summary = summary_json(summary_of(result));
     EXPECT_EQ(result["peak_v_out_m_per_s"], peak_of(result.taps.front().values));
     EXPECT_EQ(result["peak_v_out_m_per_s"], summary["peak_v_out_m_per_s"]);
@@ -90,14 +90,14 @@ TEST(Quantities, ANumberIsTheSameInTheSummaryInAColumnAndByItsName) {
 }
 
 TEST(Quantities, WhatARunDoesNotDetermineIsNoNumber) {
-    const Run result = run_of(shipped("paper-wall"));
+    const hertzline::Run result = run_of(shipped("paper-wall"));
     EXPECT_TRUE(std::isnan(result["radiated_j"]));      // no modal plate
     EXPECT_TRUE(std::isnan(result["p_axis.thd_r"]));    // not measured
     EXPECT_TRUE(std::isnan(result["switching_db_1"]));  // no plate
 }
 
 TEST(Quantities, AWrongNameIsRefusedWithTheOneThatWasMeant) {
-    const Run result = run_of(shipped("paper-wall"));
+    const hertzline::Run result = run_of(shipped("paper-wall"));
     try {
         static_cast<void>(result["peak_v_out_m_per_sec"]);
         FAIL();
@@ -121,20 +121,20 @@ TEST(Quantities, UnitsAndCountsOfColumns) {
 
 TEST(WholeRun, EndsWhenItIsStopped) {
     const std::atomic<bool> stop = true;
-    const Run result = run_of(shipped("paper-wall"), {.stop = &stop});
+    const hertzline::Run result = run_of(shipped("paper-wall"), {.stop = &stop});
     EXPECT_TRUE(result.stopped);
     EXPECT_EQ(result.rows(), 0U);
 }
 
 TEST(WholeRun, EndsWhenItsBlocksAreRefused) {
-    const Run result = run_of(shipped("paper-wall"), {.take = [](const Samples&) { return false; }});
+    const hertzline::Run result = run_of(shipped("paper-wall"), {.take = [](const Samples&) { return false; }});
     EXPECT_TRUE(result.stopped);
 }
 
 TEST(WholeRun, GivesTheRecordedTapsBlockByBlock) {
     std::size_t rows = 0;
     std::size_t channels = 0;
-    const Run result =
+    const hertzline::Run result =
         run_of(shipped("paper-wall"), {.recorded = Tap::x_chain, .take = [&](const Samples& block) {
                                            rows += block.count;
                                            channels = block[Tap::x_chain].size() / block.count;

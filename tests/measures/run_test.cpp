@@ -17,7 +17,7 @@ using testing::HasSubstr;
 
 TEST(Run, OfASceneIsThatOfItsResolution) {
     const Scene scene = read_scene("paper-vitreous-carbon");
-    const Run of_scene = run(scene);
+    const hertzline::Run of_scene = run(scene);
     EXPECT_EQ(of_scene["peak_v_out_m_per_s"], run(resolve(scene))["peak_v_out_m_per_s"]);
     EXPECT_EQ(summary_json(of_scene)["peak_v_out_m_per_s"], of_scene["peak_v_out_m_per_s"]);
     EXPECT_THROW(of_scene["peak"], std::out_of_range);
@@ -35,7 +35,7 @@ TEST(Run, OfASceneWithFaultsThrowsAllOfThem) {
 
 TEST(Run, GivesItsSamplesAsTheyCome) {
     std::size_t rows = 0;
-    const Run all = run(Scene{}, {.recorded = Tap::v_chain, .take = [&](const Samples& block) {
+    const hertzline::Run all = run(Scene{}, {.recorded = Tap::v_chain, .take = [&](const Samples& block) {
                                       EXPECT_EQ(block[Tap::v_chain].size(), block.count * block.spheres());
                                       rows += block.count;
                                       return true;

@@ -10,7 +10,6 @@
 
 namespace hertzline {
 
-using namespace measures;
 namespace {
 
 constexpr double rate = 10e6;
