@@ -112,7 +112,7 @@ void add_studies(py::module_& module) {
             const StudyKeys keys = study_keys(vary);
             const SearchGoal goal{std::move(maximise), std::move(minimise), std::move(subject_to),
                                   evaluations, seed};
-            SearchOutcome found = run_study<SearchOutcome>(
+            auto found = run_study<SearchOutcome>(
                 {std::move(measure), {}, band_from_hz, std::nullopt, jobs},
                 [&](const StudyOptions& options) { return optimise(scene.scene(), keys, goal, options); });
             return py::make_tuple(python_table(std::move(found.evaluations)), python_object(found.summary),
