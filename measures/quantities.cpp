@@ -443,6 +443,9 @@ double Run::operator[](std::string_view name) const {
     if (!column) {
         throw std::out_of_range(column.error());
     }
+    if (std::ranges::find(taps, column->tap, &TapRecord::tap) == taps.end()) {
+        throw std::out_of_range("the run has not measured " + std::string(row_of(column->tap).name));
+    }
     return measures::number_of(*this, *column);
 }
 

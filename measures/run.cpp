@@ -16,6 +16,7 @@
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/record_warnings.hpp"
+#include "measures/resources.hpp"
 
 namespace hertzline::measures {
 
@@ -376,6 +377,22 @@ TapSet measurable_among(std::span<const std::string> names) noexcept {
 namespace hertzline {
 
 Run run(const Resolution& resolved, const RunOptions& options) {
+    const ResolvedScene checked = resolved;
+    const Scene& scene = checked.scene();
+    const TapSet there = taps_of(scene.end);
+    const TapSet measured = measures::measured_taps(scene, options.measured);
+    Faults faults;
+    faults.add(measures::longest_run_fault(scene));
+    for (const Tap tap : (options.measured | options.recorded) - there) {
+        faults.add("taps", "found " + std::string(row_of(tap).name) +
+                               ", allowed: " + comma_separated(measures::names_of(there)));
+    }
+    faults.refuse<std::invalid_argument>();
+    if (const auto shortage = measures::memory_shortage(
+            "this run", measures::memory_of_run(
+                            scene, measures::taps_of_run(scene, options.recorded | measured), measured))) {
+        throw OutOfMemory(*shortage);
+    }
     Run run = measures::simulate(resolved, options);
     if (!run.stopped) {
         SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/faults.hpp"
+#include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
 #include "measures/run.hpp"
 #include "stream/inputs/estimate_watch.hpp"
@@ -83,9 +85,16 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
     stream::EstimateWatch watch(resolved);
     stream::Pipeline pipeline(std::move(streamed), source, publisher, nullptr);
     nlohmann::ordered_json summary;
+    bool late = false;
     const std::atomic<bool> never = false;
     pipeline.run(options.stop != nullptr ? *options.stop : never,
-                 {.progress = [](const stream::StreamMeters&) {},
+                 {.progress =
+                      [&](const stream::StreamMeters& meters) {
+                          if (!late && meters.largest_lateness_s > stream::too_late_s) {
+                              late = true;
+                              warn(stream::lateness_text(meters));
+                          }
+                      },
                   .warn = warn,
                   .watch =
                       [&](const MotionExtremes& motion) {
@@ -110,6 +119,22 @@ nlohmann::ordered_json publish(const Resolution& resolved, const PublishOptions&
     return summary;
 }
 
+namespace {
+
+ListenOptions checked(ListenOptions options) {
+    Faults faults;
+    faults.add("timeout_s", positive_fault(options.timeout_s, "[s]"));
+    if (options.taps.empty() || !(options.taps - streamed_taps).empty()) {
+        faults.add("taps", "found " + quoted_briefly(comma_separated(measures::names_of(options.taps))) +
+                               ", allowed: one or more of " +
+                               comma_separated(measures::names_of(streamed_taps)));
+    }
+    faults.refuse<std::invalid_argument>();
+    return options;
+}
+
+}  // namespace
+
 struct Listener::Connection {
     Connection(const std::string& endpoint, ListenOptions options)
         : listener(endpoint, {.taps = options.taps,
@@ -122,7 +147,7 @@ struct Listener::Connection {
 };
 
 Listener::Listener(const std::string& endpoint, ListenOptions options)
-    : connection_(std::make_unique<Connection>(endpoint, std::move(options))) {}
+    : connection_(std::make_unique<Connection>(endpoint, checked(std::move(options)))) {}
 Listener::~Listener() = default;
 Listener::Listener(Listener&&) noexcept = default;
 Listener& Listener::operator=(Listener&&) noexcept = default;

@@ -35,16 +35,30 @@ std::vector<SceneValue> list_of(const StudyValues& values) {
         values);
 }
 
-/// The axes, or every fault.
+/// The faults of the keys alone, and of empty lists.
+std::vector<Fault> key_faults(const Scene& scene, const StudyKeys& keys) {
+    std::vector<Fault> faults;
+    if (keys.empty()) {
+        faults.push_back({"", "no keys that vary", "at least one"});
+    }
+    for (const auto& [key, values] : keys) {
+        if (const auto known = scene_key_named(scene, key); !known) {
+            faults.push_back(known.error());
+        } else if (!std::holds_alternative<std::string>(values) && list_of(values).empty()) {
+            faults.push_back({key, "no values", "at least one"});
+        }
+    }
+    return faults;
+}
+
+/// The axes, or every fault. @param keys without key_faults()
 Axes axes_of(const Scene& scene, const StudyKeys& keys, studies::Sampling sampling) {
     std::vector<studies::Axis> axes;
     std::vector<Fault> faults;
     for (const auto& [key, values] : keys) {
-        const std::vector<SceneValue> list = list_of(values);
         const auto* range = std::get_if<std::string>(&values);
-        auto axis = list.empty()
-                        ? studies::parse_axis(scene, key + '=' + (range != nullptr ? *range : ""), sampling)
-                        : studies::axis_of(scene, key, list);
+        auto axis = range != nullptr ? studies::parse_axis(scene, key + '=' + *range, sampling)
+                                     : studies::axis_of(scene, key, list_of(values));
         if (axis) {
             axes.push_back(*std::move(axis));
         } else {
@@ -62,12 +76,32 @@ Plan plan_of_axes(const Scene& scene, const StudyKeys& keys, std::optional<std::
 
 Plan plan_of_list(const Scene& scene, const StudyKeys& keys) {
     std::vector<studies::PointColumn> columns;
+    std::vector<Fault> faults;
     for (const auto& [key, values] : keys) {
+        if (std::holds_alternative<std::string>(values)) {
+            faults.push_back({key, "a range", "a list with a value for each point"});
+        }
         columns.push_back({key, list_of(values)});
+        if (const std::size_t points = columns.front().values.size();
+            columns.back().values.size() != points) {
+            faults.push_back(
+                {key, number_text(static_cast<std::int64_t>(columns.back().values.size())) + " values",
+                 number_text(static_cast<std::int64_t>(points)) + ", as many as of " + keys.front().first});
+        }
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
     }
     return studies::points_of(scene, columns).map([&](studies::PointList points) {
         return studies::SweepPlan::of_points(scene, std::move(points));
     });
+}
+
+/// The plan of the keys. @param make is called for keys without faults
+template <class Make>
+Plan plan_of(const Scene& scene, const StudyKeys& keys, Make make) {
+    std::vector<Fault> faults = key_faults(scene, keys);
+    return faults.empty() ? make() : Plan(tl::unexpected(std::move(faults)));
 }
 
 /// The plan. Axes name their keys as those of an option, which nobody gave. @throws std::invalid_argument with every fault
@@ -198,20 +232,35 @@ const std::atomic<bool>& stop_of(const StudyOptions& options) noexcept {
 
 }  // namespace
 
-const std::vector<double>& StudyTable::operator[](std::string_view name) const {
+std::vector<double> StudyTable::operator[](std::string_view name) const {
     const auto column = std::ranges::find(columns, name, &StudyColumn::name);
-    if (column == columns.end() || !std::holds_alternative<std::vector<double>>(column->values)) {
-        throw std::out_of_range("the table has no column of numbers " + quoted_briefly(name));
+    if (column != columns.end()) {
+        if (const auto* numbers = std::get_if<std::vector<double>>(&column->values)) {
+            return *numbers;
+        }
+        if (const auto* integers = std::get_if<std::vector<std::int64_t>>(&column->values)) {
+            return {integers->begin(), integers->end()};
+        }
     }
-    return std::get<std::vector<double>>(column->values);
+    throw std::out_of_range("the table has no column of numbers " + quoted_briefly(name));
+}
+
+const std::vector<std::string>& StudyTable::words(std::string_view name) const {
+    const auto column = std::ranges::find(columns, name, &StudyColumn::name);
+    if (column == columns.end() || !std::holds_alternative<std::vector<std::string>>(column->values)) {
+        throw std::out_of_range("the table has no column of words " + quoted_briefly(name));
+    }
+    return std::get<std::vector<std::string>>(column->values);
 }
 
 StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& options, SweepPoints points,
                  std::optional<std::int64_t> sobol) {
     Faults faults;
     const int jobs = jobs_of(options, faults);
-    studies::SweepPlan plan = required(
-        points == SweepPoints::list ? plan_of_list(scene, vary) : plan_of_axes(scene, vary, sobol), faults);
+    const auto make_plan = [&] {
+        return points == SweepPoints::list ? plan_of_list(scene, vary) : plan_of_axes(scene, vary, sobol);
+    };
+    studies::SweepPlan plan = required(plan_of(scene, vary, make_plan), faults);
     const studies::PlanSummary summary =
         studies::summary_of(plan, measures::measurable_among(options.measure));
     studies::PointOptions point = point_options(options, summary, faults);
@@ -233,9 +282,11 @@ SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGo
     const int jobs = jobs_of(options, faults);
     studies::SearchRequest request{scene, {}, goal_of(goal, faults), goal.evaluations, goal.seed, {}};
     // points all over the ranges show the memory of a search, and its taps
-    const studies::SweepPlan sample = required(
-        plan_of_axes(scene, vary, std::clamp<std::int64_t>(goal.evaluations, 1, studies::most_evaluations)),
-        faults);
+    const auto make_sample = [&] {
+        return plan_of_axes(scene, vary,
+                            std::clamp<std::int64_t>(goal.evaluations, 1, studies::most_evaluations));
+    };
+    const studies::SweepPlan sample = required(plan_of(scene, vary, make_sample), faults);
     const studies::PlanSummary summary =
         studies::summary_of(sample, measures::measurable_among(options.measure));
     request.axes = sample.axes();

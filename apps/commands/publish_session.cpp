@@ -177,16 +177,12 @@ void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& pub
                         Format format, const PublishedSource& source) {
     announce(publisher, pipeline);
     Json summary;
-    constexpr double too_late_s = 1;
     bool is_late = false;
     const auto warn_of_lateness = [&](const stream::StreamMeters& meters) {
-        if (!is_late && meters.largest_lateness_s > too_late_s) {
+        if (!is_late && meters.largest_lateness_s > stream::too_late_s) {
             is_late = true;
             line.clear();
-            spdlog::warn(
-                "a frame left {:.1f} s late, at {:.3g} of real time: this machine does not keep up (load "
-                "{:.2f})",
-                meters.largest_lateness_s, meters.real_time_factor(), meters.load);
+            spdlog::warn(stream::lateness_text(meters));
         }
     };
     pipeline.run(stop_asked(), {.progress =

@@ -9,6 +9,7 @@
 #include "core/model/end.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/step_choice/finer_run.hpp"
+#include "core/step_choice/step_advice.hpp"
 
 namespace hertzline {
 

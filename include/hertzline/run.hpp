@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <new>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -78,7 +80,7 @@ struct Run {
     double wall_s() const { return std::chrono::duration<double>(busy).count(); }
 
     /// The number of that name: "peak_v_out_m_per_s", "harmonics_db_3", "p_axis.thd_r" (docs/measures.md); NaN where the run does not
-    /// determine it. @throws std::out_of_range for a name of no number
+    /// determine it. @throws std::out_of_range for a name of no number, or of a tap that was not measured
     double operator[](std::string_view name) const;
 };
 
@@ -101,8 +103,18 @@ struct RunOptions {
     std::function<void(std::size_t step)> begins = {};  ///< is called before the samples of a step
 };
 
-/// Simulates and measures a scene. @throws std::invalid_argument with every fault of the scene, a line each; std::runtime_error when the
-/// integration fails; std::bad_alloc
+/// A request for more memory than there is; the text has both amounts.
+class OutOfMemory : public std::bad_alloc {
+public:
+    explicit OutOfMemory(std::string text) : text_(std::move(text)) {}
+    const char* what() const noexcept override { return text_.c_str(); }
+
+private:
+    std::string text_;
+};
+
+/// Simulates and measures a scene. @throws std::invalid_argument with every fault of the scene, a line each, for a tap that it lacks, or for
+/// more than 268435456 samples; OutOfMemory before it begins; std::runtime_error when the integration fails
 Run run(const Resolution& resolved, const RunOptions& options = {});
 /// Resolves the scene first.
 Run run(const Scene& scene, const RunOptions& options = {});

@@ -53,7 +53,7 @@ struct StreamFrame {
 
 /// Options of a Listener.
 struct ListenOptions {
-    TapSet taps = Tap::v_out;
+    TapSet taps = Tap::v_out;  ///< streamed ones; text() and notify name one that the run lacks
     /// A longer silence ends listening [s]; unset: 15 s once samples have come, no limit before.
     std::optional<double> timeout_s{};
     std::function<void(const std::string&)> notify = {};  ///< takes notices: a gap, a failed handshake
@@ -64,7 +64,7 @@ struct ListenOptions {
 /// A connection to one publisher, which ends with the run. For one thread.
 class Listener {
 public:
-    /// Connects; an absent publisher is waited for. @throws std::runtime_error that names the endpoint or the certificate, and its fault
+    /// Connects; an absent publisher is waited for. @throws std::invalid_argument for wrong options; std::runtime_error that names the endpoint or the certificate, and its fault
     explicit Listener(const std::string& endpoint, ListenOptions options = {});
     ~Listener();
     Listener(Listener&&) noexcept;

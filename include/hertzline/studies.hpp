@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,12 +13,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hertzline/run.hpp"
 #include "hertzline/scene.hpp"
 
 namespace hertzline {
 
-/// The values of a key in a study: a range, "FROM..TO:COUNT" or "FROM..TO:log:COUNT" (of a search and a Sobol sequence without a count), or
-/// a list.
+/// The values of a key in a study: a list, or a text as `--vary` has it after "KEY=": "FROM..TO:COUNT", "FROM..TO:COUNT:log" or "A,B,C". In
+/// a search and in a Sobol sequence a range has no count.
 using StudyValues =
     std::variant<std::string, std::vector<double>, std::vector<std::int64_t>, std::vector<std::string>>;
 
@@ -60,25 +60,18 @@ struct StudyTable {
     std::size_t waveform_samples = 0;  ///< of each point; NaN after a point's last one
     nlohmann::ordered_json provenance;
 
-    /// The numbers of a column. @throws std::out_of_range when no column of numbers has that name
-    const std::vector<double>& operator[](std::string_view name) const;
+    /// The numbers or integers of a column. @throws std::out_of_range when no such column has that name
+    std::vector<double> operator[](std::string_view name) const;
+    /// The words of a column, as "status". @throws std::out_of_range when no column of words has that name
+    const std::vector<std::string>& words(std::string_view name) const;
 };
 
 /// Runs every point. A point that cannot be simulated is a row with its reason.
 /// @param sobol points of a Sobol sequence in the ranges, in place of a grid
-/// @throws std::invalid_argument with every fault of keys, values and options, a line each; OutOfMemory
+/// @throws std::invalid_argument with every fault of keys, values and options, a line each; OutOfMemory. Faults of the other keys of the
+/// scene are in the rows.
 StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& options = {},
                  SweepPoints points = SweepPoints::grid, std::optional<std::int64_t> sobol = {});
-
-/// A study that needs more memory than there is.
-class OutOfMemory : public std::bad_alloc {
-public:
-    explicit OutOfMemory(std::string text) : text_(std::move(text)) {}
-    const char* what() const noexcept override { return text_.c_str(); }
-
-private:
-    std::string text_;
-};
 
 /// The goal of a search.
 struct SearchGoal {

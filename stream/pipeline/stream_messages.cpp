@@ -64,6 +64,12 @@ std::string meters_json(const StreamMeters& meters, TapSet taps, const std::stri
     return json.dump();
 }
 
+std::string lateness_text(const StreamMeters& meters) {
+    return fmt::format(
+        "a frame left {:.1f} s late, at {:.3g} of real time: this machine does not keep up (load {:.2f})",
+        meters.largest_lateness_s, meters.real_time_factor(), meters.load);
+}
+
 Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Publisher& publisher) {
     Json summary;
     add_stream_members(summary, meters, pipeline.format().taps);

@@ -23,6 +23,11 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps);
 /// The message of the meters topic.
 std::string meters_json(const StreamMeters& meters, TapSet taps, const std::string& run);
 
+/// A stream whose frames leave later than this does not keep up [s].
+inline constexpr double too_late_s = 1;
+/// Returns the warning about such a stream.
+std::string lateness_text(const StreamMeters& meters);
+
 /// The summary of a stream: its message of the end topic.
 Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Publisher& publisher);
 

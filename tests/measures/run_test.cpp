@@ -33,13 +33,26 @@ TEST(Run, OfASceneWithFaultsThrowsAllOfThem) {
     EXPECT_THAT(error_of([&] { const Simulation simulation(resolve(scene)); }), faults);
 }
 
+TEST(Run, RequestsThatItCannotMeetAreRefused) {
+    Scene wall;
+    wall.end.kind = EndKind::wall;
+    EXPECT_THAT(error_of([&] { run(wall, {.measured = Tap::v_plate}); }),
+                HasSubstr("found v_plate, allowed: v_out, v_last"));
+    EXPECT_THROW(run(wall)["p_axis.thd_r"], std::out_of_range);
+    Scene endless;
+    endless.output.duration_s = 1e6;
+    EXPECT_THAT(error_of([&] { run(endless); }),
+                HasSubstr("output.duration_s: found 10000000000001 samples"));
+}
+
 TEST(Run, GivesItsSamplesAsTheyCome) {
     std::size_t rows = 0;
-    const hertzline::Run all = run(Scene{}, {.recorded = Tap::v_chain, .take = [&](const Samples& block) {
-                                      EXPECT_EQ(block[Tap::v_chain].size(), block.count * block.spheres());
-                                      rows += block.count;
-                                      return true;
-                                  }});
+    const hertzline::Run all =
+        run(Scene{}, {.recorded = Tap::v_chain, .take = [&](const Samples& block) {
+                          EXPECT_EQ(block[Tap::v_chain].size(), block.count * block.spheres());
+                          rows += block.count;
+                          return true;
+                      }});
     EXPECT_EQ(rows, all.rows());
     const std::atomic<bool> stop = true;
     EXPECT_TRUE(run(Scene{}, {.stop = &stop}).stopped);

@@ -53,6 +53,9 @@ TEST(PublishedStream, WrongRequestsAreRefused) {
     EXPECT_THROW(publish(resolve(Scene{}), {.pace = -1}), std::invalid_argument);
     EXPECT_THROW(publish(resolve(Scene{}), {.duration_s = 0}), std::invalid_argument);
     EXPECT_THAT(error_of([] { publish(resolve(Scene{}), {.endpoint = "nowhere"}); }), HasSubstr("nowhere"));
+    EXPECT_THAT(error_of([] { Listener("ipc://x", {.taps = {}, .timeout_s = -1}); }),
+                testing::AllOf(HasSubstr("timeout_s: found -1"), HasSubstr("taps: found ")));
+    EXPECT_THROW(Listener("ipc://x", {.taps = Tap::x_chain}), std::invalid_argument);
     EXPECT_THAT(error_of([] { Listener("ipc://x", {.curve_key = "mine.key_secret"}); }),
                 HasSubstr("both curve_key and server_key"));
 }

@@ -20,7 +20,7 @@ TEST(StudyVerbs, ASweepHasTheNumbersOfRuns) {
     const Scene scene = read_scene("paper-vitreous-carbon");
     const StudyTable table = sweep(scene, {{"chain.preload_n", std::vector<double>{0.05, 0.2}},
                                            {"chain.spheres", std::vector<std::int64_t>{4, 6}}});
-    const std::vector<double>& peaks = table["peak_v_out_m_per_s"];
+    const std::vector<double> peaks = table["peak_v_out_m_per_s"];
     ASSERT_EQ(peaks.size(), 4U);
     Scene second = scene;
     second.chain.preload_n = 0.05;
@@ -54,14 +54,43 @@ TEST(StudyVerbs, EveryFaultIsThrownAtOnce) {
                 }),
                 testing::AllOf(HasSubstr("maximise or minimise is missing"), HasSubstr("subject_to: "),
                                HasSubstr("evaluations: found 0")));
-    const StudyTable table = sweep(Scene{}, {{"chain.preload_n", std::vector<double>{0.1}}});
-    EXPECT_THROW(table["status"], std::out_of_range);  // words
+}
+
+TEST(StudyVerbs, ListsOfOtherLengthsRangesAndNothingAreRefusedAsPoints) {
+    const std::vector<double> two{0.1, 0.2};
+    const std::vector<double> one{1e-3};
+    const auto error_of_list = [](const StudyKeys& keys) {
+        return error_of([&] { sweep(Scene{}, keys, {}, SweepPoints::list); });
+    };
+    EXPECT_EQ(error_of_list({{"chain.preload_n", two}, {"end.thickness_m", one}}),
+              "end.thickness_m: found 1 values, allowed: 2, as many as of chain.preload_n");
+    EXPECT_EQ(error_of_list({{"chain.preload_n", one}, {"end.thickness_m", two}}),
+              "end.thickness_m: found 2 values, allowed: 1, as many as of chain.preload_n");
+    EXPECT_THAT(error_of_list({{"chain.preload_n", "0.1..1:2"}}),
+                HasSubstr("found a range, allowed: a list"));
+    EXPECT_EQ(error_of_list({}), "found no keys that vary, allowed: at least one");
+    EXPECT_EQ(error_of([] {
+                  sweep(Scene{}, {{"chain.preload_n", std::vector<double>{}}});
+              }),
+              "chain.preload_n: found no values, allowed: at least one");
+    EXPECT_THAT(error_of([] {
+                    sweep(Scene{}, {{"chain.preload_n=1..2:2", "0.1"}});
+                }),
+                HasSubstr("chain.preload_n=1..2:2"));
+}
+
+TEST(StudyVerbs, ATableHasNumbersAndWords) {
+    const StudyTable table = sweep(Scene{}, {{"chain.spheres", std::vector<std::int64_t>{4}}});
+    EXPECT_EQ(table["chain.spheres"], std::vector<double>{4});
+    EXPECT_EQ(table.words("status"), std::vector<std::string>{"ok"});
+    EXPECT_THROW(table["status"], std::out_of_range);
+    EXPECT_THROW(table.words("thd_r"), std::out_of_range);
 }
 
 TEST(StudyVerbs, ASearchFindsTheBestOfItsEvaluations) {
     const SearchOutcome found = optimise(Scene{}, {{"chain.preload_n", "0.05..1:log"}},
                                          {.maximise = "peak_v_out_m_per_s", .evaluations = 40});
-    const std::vector<double>& peaks = found.evaluations["peak_v_out_m_per_s"];
+    const std::vector<double> peaks = found.evaluations["peak_v_out_m_per_s"];
     EXPECT_LE(peaks.size(), 40U);
     EXPECT_EQ(found.summary["best"]["peak_v_out_m_per_s"], *std::max_element(peaks.begin(), peaks.end()))
         << found.summary.dump(1);
