@@ -187,8 +187,9 @@ bool SceneKey::has_effect(const Scene& scene) const {
 }
 
 std::span<const SceneKey> scene_keys() {
-    static const std::vector<SceneKey> keys =
-        keys_in([scene = Scene{}](const auto& add) { table::visit_scene(scene, add); });
+    // never destroyed: a thread that is left behind at the end of the program may still use them
+    static const auto& keys = *new const std::vector<SceneKey>(
+        keys_in([scene = Scene{}](const auto& add) { table::visit_scene(scene, add); }));
     return keys;
 }
 

@@ -47,7 +47,7 @@ struct KnownKeys {
 };
 
 const KnownKeys& known_keys() {
-    static const KnownKeys known;
+    static const auto& known = *new const KnownKeys();  // never destroyed, as scene_keys()
     return known;
 }
 

@@ -145,7 +145,7 @@ std::string to_toml(const Scene& scene) {
 }
 
 std::string scene_hash(const Scene& scene) {
-    static const Scene defaults;
+    static const auto& defaults = *new const Scene();  // never destroyed, as scene_keys()
     // Constants: http://www.isthe.com/chongo/tech/comp/fnv/ (Fowler, Noll, Vo).
     std::uint64_t hash = 0xCBF29CE484222325;
     for (const char c : text_of(scene, &defaults)) {

