@@ -35,20 +35,16 @@ std::vector<SceneValue> list_of(const StudyValues& values) {
         values);
 }
 
-/// The faults of the keys alone, and of empty lists.
-std::vector<Fault> key_faults(const Scene& scene, const StudyKeys& keys) {
-    std::vector<Fault> faults;
-    if (keys.empty()) {
-        faults.push_back({"", "no keys that vary", "at least one"});
+/// The faults of a key that is not known, and of an empty list.
+std::vector<Fault> key_faults(const Scene& scene, const StudyKeys::value_type& varied) {
+    const auto& [key, values] = varied;
+    if (const auto known = scene_key_named(scene, key); !known) {
+        return {known.error()};
     }
-    for (const auto& [key, values] : keys) {
-        if (const auto known = scene_key_named(scene, key); !known) {
-            faults.push_back(known.error());
-        } else if (!std::holds_alternative<std::string>(values) && list_of(values).empty()) {
-            faults.push_back({key, "no values", "at least one"});
-        }
+    if (!std::holds_alternative<std::string>(values) && list_of(values).empty()) {
+        return {{key, "no values", "at least one"}};
     }
-    return faults;
+    return {};
 }
 
 /// The axes, or every fault. @param keys without key_faults()
@@ -97,11 +93,29 @@ Plan plan_of_list(const Scene& scene, const StudyKeys& keys) {
     });
 }
 
-/// The plan of the keys. @param make is called for keys without faults
+/// The plan of the keys, or every fault. @param make makes the plan of keys without key_faults()
 template <class Make>
 Plan plan_of(const Scene& scene, const StudyKeys& keys, Make make) {
-    std::vector<Fault> faults = key_faults(scene, keys);
-    return faults.empty() ? make() : Plan(tl::unexpected(std::move(faults)));
+    std::vector<Fault> faults;
+    StudyKeys known;
+    for (const auto& key : keys) {
+        const std::vector<Fault> found = key_faults(scene, key);
+        std::ranges::copy(found, std::back_inserter(faults));
+        if (found.empty()) {
+            known.push_back(key);
+        }
+    }
+    if (keys.empty()) {
+        faults.push_back({"", "no keys that vary", "at least one"});
+    }
+    Plan plan = known.empty() ? Plan(tl::unexpected(std::vector<Fault>())) : make(known);
+    if (faults.empty()) {
+        return plan;
+    }
+    if (!plan) {
+        std::ranges::copy(plan.error(), std::back_inserter(faults));
+    }
+    return tl::unexpected(std::move(faults));
 }
 
 /// The plan. Axes name their keys as those of an option, which nobody gave. @throws std::invalid_argument with every fault
@@ -257,8 +271,8 @@ StudyTable sweep(const Scene& scene, const StudyKeys& vary, const StudyOptions& 
                  std::optional<std::int64_t> sobol) {
     Faults faults;
     const int jobs = jobs_of(options, faults);
-    const auto make_plan = [&] {
-        return points == SweepPoints::list ? plan_of_list(scene, vary) : plan_of_axes(scene, vary, sobol);
+    const auto make_plan = [&](const StudyKeys& keys) {
+        return points == SweepPoints::list ? plan_of_list(scene, keys) : plan_of_axes(scene, keys, sobol);
     };
     studies::SweepPlan plan = required(plan_of(scene, vary, make_plan), faults);
     const studies::PlanSummary summary =
@@ -282,8 +296,8 @@ SearchOutcome optimise(const Scene& scene, const StudyKeys& vary, const SearchGo
     const int jobs = jobs_of(options, faults);
     studies::SearchRequest request{scene, {}, goal_of(goal, faults), goal.evaluations, goal.seed, {}};
     // points all over the ranges show the memory of a search, and its taps
-    const auto make_sample = [&] {
-        return plan_of_axes(scene, vary,
+    const auto make_sample = [&](const StudyKeys& keys) {
+        return plan_of_axes(scene, keys,
                             std::clamp<std::int64_t>(goal.evaluations, 1, studies::most_evaluations));
     };
     const studies::SweepPlan sample = required(plan_of(scene, vary, make_sample), faults);
