@@ -21,8 +21,6 @@ namespace {
 using Axes = tl::expected<std::vector<studies::Axis>, std::vector<Fault>>;
 using Plan = tl::expected<studies::SweepPlan, std::vector<Fault>>;
 
-constexpr int max_jobs = 1024;
-
 std::vector<SceneValue> list_of(const StudyValues& values) {
     return std::visit(
         [](const auto& list) {
@@ -118,7 +116,7 @@ Plan plan_of(const Scene& scene, const StudyKeys& keys, Make make) {
     return tl::unexpected(std::move(faults));
 }
 
-/// The plan. Axes name their keys as those of an option, which nobody gave. @throws std::invalid_argument with every fault
+/// Returns the plan. Its faults have no place: axes name an option of the program. @throws std::invalid_argument with every fault
 studies::SweepPlan required(Plan plan, const Faults& others) {
     if (!plan) {
         for (Fault& fault : plan.error()) {
@@ -132,11 +130,8 @@ studies::SweepPlan required(Plan plan, const Faults& others) {
 }
 
 int jobs_of(const StudyOptions& options, Faults& faults) {
-    const int jobs = options.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
-    if (jobs < 1 || jobs > max_jobs) {
-        faults.add("jobs", "found " + number_text(std::int64_t{jobs}) + ", allowed: 1 to " +
-                               number_text(std::int64_t{max_jobs}));
-    }
+    const int jobs = options.jobs.value_or(studies::usual_jobs());
+    faults.add("jobs", studies::jobs_fault(jobs));
     return jobs;
 }
 

@@ -14,10 +14,13 @@
 
 #include <fmt/format.h>
 
+#include "measures/resources.hpp"
+
 namespace hertzline::studies {
 
 namespace {
 
+constexpr int max_jobs = 1024;
 constexpr auto between_looks = std::chrono::milliseconds(100);
 
 /// Threads that run points. fetch() takes their results.
@@ -104,6 +107,16 @@ private:
 };
 
 }  // namespace
+
+int usual_jobs() {
+    return std::min(measures::usable_processors(), max_jobs);
+}
+
+std::optional<std::string> jobs_fault(int jobs) {
+    return jobs >= 1 && jobs <= max_jobs
+               ? std::nullopt
+               : std::optional(fmt::format("found {}, allowed: 1 to {}", jobs, max_jobs));
+}
 
 std::int64_t PointCounts::all() const noexcept {
     return std::accumulate(of_status.begin(), of_status.end(), std::int64_t{0});

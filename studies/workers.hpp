@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -24,6 +25,12 @@ struct PointCounts {
     /// Returns the counts of points that are not ok, "3 refused, 1 unstable"; empty when all are.
     std::string faults() const;
 };
+
+/// Returns the threads of a study that asks for none: one for each processor that this process may use.
+int usual_jobs();
+
+/// Returns the fault of a number of threads.
+std::optional<std::string> jobs_fault(int jobs);
 
 /// Called a few times a second with the finished points.
 using OnProgress = std::function<void(const PointCounts&)>;

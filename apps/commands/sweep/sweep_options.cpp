@@ -12,10 +12,10 @@
 #include "apps/arguments/options.hpp"
 #include "apps/commands/sweep/shard_argument.hpp"
 #include "core/scene/text.hpp"
-#include "measures/resources.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
+#include "studies/workers.hpp"
 
 namespace hertzline::app {
 
@@ -34,7 +34,6 @@ constexpr const char* examples =
     "  hertzline sweep my-scene.toml --vary chain.preload_n=0.01..2:log --sobol 1000 -o s.h5 --shard 1/4\n"
     "  hertzline sweep --merge s.h5.*-of-4.journal -o s.h5";
 
-constexpr int max_jobs = 1024;
 constexpr double max_points_bytes = 1U << 30;
 
 /// Reads the file of points, or adds its fault.
@@ -134,15 +133,13 @@ int jobs_of(const SweepOptions& options) {
     if (!options.jobs && options.shard == "mpi") {
         return 1;  // the ranks of a machine share its processors
     }
-    return options.jobs.value_or(std::min(measures::usable_processors(), max_jobs));
+    return options.jobs.value_or(studies::usual_jobs());
 }
 
 std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Faults& others) {
     Faults faults;
     check_files(options, faults);
-    if (const int jobs = jobs_of(options); jobs < 1 || jobs > max_jobs) {
-        faults.add("--jobs", fmt::format("found {}, allowed: 1 to {}", jobs, max_jobs));
-    }
+    faults.add("--jobs", studies::jobs_fault(jobs_of(options)));
     const auto shard = faults.value_of({}, shard_argument(options.shard));
     faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
     std::optional<studies::SweepPlan> plan = plan_of(options, faults);
