@@ -324,6 +324,8 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved) {
             "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
             "energy_residual and statistics, "
             "not sample by sample";
+    } else if (resolved.scene.numerics.rest_tolerance > 0) {
+        why = "; numerics.rest_tolerance cuts off what rings more quietly, which is a part of it";
     } else if (advice.accuracy_met) {
         why = fmt::format(
             "; it is kept over the first {:.3g} s, but errors grow: a smaller numerics.accuracy may do",

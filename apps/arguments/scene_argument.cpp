@@ -1,6 +1,13 @@
 #include "apps/arguments/scene_argument.hpp"
 
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <optional>
 #include <stdexcept>
+#include <stop_token>
+#include <string>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,6 +30,28 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
         ->type_name("");
 }
 
+namespace {
+
+/// Says what takes so long, where it takes more than a second.
+class Notice {
+public:
+    explicit Notice(std::string text)
+        : thread_([this, text = std::move(text)](const std::stop_token& stop) {
+              std::unique_lock lock(mutex_);
+              wake_.wait_for(lock, stop, std::chrono::seconds(1), [] { return false; });
+              if (!stop.stop_requested()) {
+                  spdlog::info("{}", text);
+              }
+          }) {}
+
+private:
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+    std::jthread thread_;  // last: it uses the others
+};
+
+}  // namespace
+
 tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
     return parse_scene_file(request.scene, request.settings);
 }
@@ -36,8 +65,10 @@ tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& 
                                                         Simulation::memory_bytes(parsed->scene, {}))) {
         throw std::runtime_error(*shortage);
     }
+    std::optional<Notice> notice(parsed->origin + ": choosing the step by short simulations ...");
     Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed->scene)
                                                        : hertzline::resolve(parsed->scene, std::nullopt);
+    notice.reset();
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
             fault = parsed->placed(fault);

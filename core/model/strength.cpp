@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cstdio>
 #include <string_view>
+#include <vector>
 
 namespace hertzline {
 
 namespace {
 
 constexpr double yield_begins = 1.6;  // pressure over yield strength
+
+constexpr std::array<std::string_view, contact_kinds> contacts{"horn - sphere", "sphere - sphere",
+                                                               "sphere - end"};
 
 std::optional<PressureLimit> lower(std::optional<PressureLimit> a, std::optional<PressureLimit> b) {
     if (!a || !b) {
@@ -71,9 +75,36 @@ std::optional<double> strength_ratio(const PressureLimits& limits, const Contact
     return ratio;
 }
 
+std::optional<std::string> unjudged_contacts(const Scene& scene) {
+    const PressureLimits limits = pressure_limits(scene);
+    const std::array<bool, contact_kinds> exists{true, scene.chain.spheres > 1,
+                                                 scene.end.kind != EndKind::free};
+    const std::array<const std::string*, contact_kinds> others{&scene.drive.material, &scene.chain.material,
+                                                               &scene.end.material};
+    std::vector<std::string_view> materials;
+    std::string unjudged;
+    for (std::size_t kind = 0; kind < contacts.size(); ++kind) {
+        if (limits[kind] || !exists[kind]) {
+            continue;
+        }
+        unjudged += (unjudged.empty() ? "" : ", ") + std::string(contacts[kind]);
+        for (const std::string* material : {&scene.chain.material, others[kind]}) {
+            if (std::ranges::find(materials, *material) == materials.end()) {
+                materials.emplace_back(*material);
+            }
+        }
+    }
+    if (unjudged.empty()) {
+        return std::nullopt;
+    }
+    std::string names(materials.front());
+    for (std::size_t i = 1; i < materials.size(); ++i) {
+        names += (i + 1 < materials.size() ? ", " : " and ") + std::string(materials[i]);
+    }
+    return "the strength of " + names + " is not known: the contacts " + unjudged + " are not judged by it";
+}
+
 std::optional<std::string> strength_warning(const Scene& scene, const Chain& chain, const ContactLoad& most) {
-    constexpr std::array<std::string_view, contact_kinds> contacts{"horn - sphere", "sphere - sphere",
-                                                                   "sphere - end"};
     const PressureLimits limits = pressure_limits(scene);
     const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
     std::string beyond;

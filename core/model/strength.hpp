@@ -34,6 +34,9 @@ PressureLimits pressure_limits(const Scene& scene);
 /// The largest ratio of a pressure to its limit; none where no limit is known.
 std::optional<double> strength_ratio(const PressureLimits& limits, const ContactLoad& load);
 
+/// One sentence that names the contacts of which no strength is known, and their materials; none where each has one.
+std::optional<std::string> unjudged_contacts(const Scene& scene);
+
 /// One sentence that names each contact whose pressure is beyond its limit, with figures; none where all are within.
 /// @param most largest load of the contacts, or the load at rest where nothing else is known
 std::optional<std::string> strength_warning(const Scene& scene, const Chain& chain, const ContactLoad& most);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/strength.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 
@@ -207,11 +208,8 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
                            " times the highest that the chain passes on, " + briefly(highest) +
                            " Hz; next to nothing of it reaches the end");
     }
-    if (scene.numerics.rest_tolerance > 0) {
-        warnings.push_back(
-            "numerics.rest_tolerance is " + number_text(scene.numerics.rest_tolerance) +
-            ": what rings more quietly than that is cut off between bursts, which the estimated "
-            "error leaves out");
+    if (auto unjudged = unjudged_contacts(scene)) {
+        warnings.push_back(*std::move(unjudged));
     }
     const Scene paper;
     if (scene.chain.damping_law == DampingLaw::dashpot &&

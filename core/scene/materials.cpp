@@ -13,7 +13,8 @@ namespace {
 // "crystal average": the isotropic (Voigt-Reuss-Hill) average of the single crystal. "usual value(s)": data sheets agree on them
 // within a few per cent; a scene can give its material's own. A ceramic of PZT counts as a solid with E = 1 / s11 and
 // nu = -s12 / s11 at constant field, without its piezoelectricity. Strengths are those of one grade, which the source names: those of
-// other grades, tempers and surfaces differ by factors. Where there is none, no figure could be cited.
+// other grades, tempers and surfaces differ by factors. "Tabor": D. Tabor, The Hardness of Metals, 1951. Where there is none, no figure
+// could be cited.
 constexpr std::array built_in_table{std::to_array<BuiltInMaterial>({
     {"aluminium", Solid{69e9, 0.33, 2700, 276e6, {}},
      "paper; yield: Aluminum Design Manual (6061-T6, typical)"},
@@ -22,11 +23,13 @@ constexpr std::array built_in_table{std::to_array<BuiltInMaterial>({
      "E and nu: paper; density and strength: data sheet (Sigradur G)"},
     {"acrylic", Solid{2.5e9, 0.35, 1190}, "E and nu: paper; density: usual value"},
     {"silicone_rubber", Solid{0.1e9, 0.49, 1100}, "E and nu: paper; density: usual value"},
-    {"steel", Solid{201e9, 0.30, 7833}, "paper (horn)"},
+    {"steel", Solid{201e9, 0.30, 7833, 430e6, {}},
+     "paper (horn); yield: EN 10083-2 minimum (C45, quenched and tempered, 16 to 40 mm)"},
 
     {"stainless_steel", Solid{193e9, 0.29, 8000, 205e6, {}},
      "usual values (AISI 304); yield: ASTM A240 minimum"},
-    {"bearing_steel", Solid{210e9, 0.30, 7810}, "usual values (100Cr6)"},
+    {"bearing_steel", Solid{210e9, 0.30, 7810, 2440e6, {}},
+     "usual values (100Cr6); yield: a third (Tabor) of the hardness of 62 HRC (ASTM E140: 746 HV)"},
     {"titanium", Solid{115.7e9, 0.321, 4508, 275e6, {}}, "Kaye and Laby; yield: ASTM B265 minimum (grade 2)"},
     {"titanium_alloy", Solid{113.8e9, 0.342, 4430, 828e6, {}},
      "usual values (Ti-6Al-4V, annealed); yield: ASTM B265 minimum (grade 5)"},

@@ -17,9 +17,8 @@ constexpr double margin = 300;         // of the accuracy over the expected erro
 constexpr double finer_pieces = 0.75;  // errors fall to a tenth or a fiftieth
 constexpr double finer_grid = 0.5;     // errors fall to a half at least, at a contact's switching
 constexpr double affordable_samples = 2e7;
-constexpr std::size_t estimate_block = 16;  // samples; the last one, which is not affordable, is left out
-constexpr double convincing = 0.7;          // of the accuracy: a difference may be less than the error
-constexpr double lowest_slope = 10;         // of log(error) over log(step), from below
+constexpr double convincing = 0.7;   // of the accuracy: a difference may be less than the error
+constexpr double lowest_slope = 10;  // of log(error) over log(step), from below
 
 Scene with_finer_steps(const ResolvedScene& scene) {
     const double finer = is_series(scene.integrator()) ? finer_pieces : finer_grid;
@@ -87,7 +86,7 @@ bool FinerRun::follow(const Samples& run) noexcept {
 
 ErrorEstimate FinerRun::estimate() const noexcept {
     const Scene& scene = run_.simulation.scene();
-    return {.error = error_per_difference(scene) * errors_.worst() + run_.fit_error(),
+    return {.error = std::max(error_per_difference(scene) * errors_.worst(), least_error) + run_.fit_error(),
             .over_s = static_cast<double>(compared_ - std::min<std::size_t>(compared_, 1)) /
                       scene.output.sample_rate_hz,
             .amplifies = false};
@@ -98,10 +97,10 @@ ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const st
     const auto samples = static_cast<std::int64_t>(std::min(wanted, affordable_samples));
     const double bodies = static_cast<double>(scene.scene().chain.spheres) + 1;
     const auto max_steps = static_cast<std::int64_t>(affordable_body_steps / bodies);
-    JudgedRun run(scene, estimate_block, stop, max_steps);
-    FinerRun follower(scene, estimate_block, stop, max_steps);
+    JudgedRun run(scene, counted_block, stop, max_steps);
+    FinerRun follower(scene, counted_block, stop, max_steps);
     for (std::int64_t left = samples; left > 0; left = samples - run.simulation.next_sample()) {
-        const auto count = static_cast<std::size_t>(std::min<std::int64_t>(estimate_block, left));
+        const auto count = static_cast<std::size_t>(std::min<std::int64_t>(counted_block, left));
         if (!run.advance(count) || !follower.follow(run.block)) {
             break;
         }

@@ -9,20 +9,21 @@ namespace {
 
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
-JudgedRun run_with(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop) {
-    return {without_sleep(with_step(scene, integrator, step_s)), pilot_block, stop};
+JudgedRun reference_with(const Scene& scene, double step_s, const std::atomic<bool>* stop) {
+    return {without_sleep(with_step(scene, Integrator::taylor12, step_s)), pilot_block, stop};
 }
 
 }  // namespace
 
 LongEstimate::LongEstimate(const ResolvedScene& resolved, double accuracy, const std::atomic<bool>* stop)
     : sample_rate_hz_(resolved.scene().output.sample_rate_hz),
-      reference_step_s_(step_of_reference(resolved.scene(), Chain(resolved.scene()), accuracy)),
+      reference_step_s_(
+          step_of_reference(resolved.scene(), Chain(resolved.scene()), piece_error_for(accuracy))),
       longest_s_(reference_step_s_ * affordable_body_pieces /
                  (static_cast<double>(resolved.scene().chain.spheres) + 1)),
-      used_(run_with(resolved.scene(), resolved.integrator(), resolved.step_s(), stop)),
-      reference_(run_with(resolved.scene(), Integrator::taylor12, reference_step_s_, stop)),
-      finer_(run_with(resolved.scene(), Integrator::taylor12, finer * reference_step_s_, stop)),
+      used_(resolved, pilot_block, stop),
+      reference_(reference_with(resolved.scene(), reference_step_s_, stop)),
+      finer_(reference_with(resolved.scene(), finer * reference_step_s_, stop)),
       event_rate_(resolved.scene().drive) {}
 
 bool LongEstimate::reach(double time_s) noexcept {
@@ -43,7 +44,7 @@ bool LongEstimate::reach(double time_s) noexcept {
 
 ErrorEstimate LongEstimate::estimate() const noexcept {
     const double own = own_errors_.worst();
-    return {.error = std::max(errors_.worst(), with_safety_factor(own)) + used_.fit_error(),
+    return {.error = std::max({errors_.worst(), with_safety_factor(own), least_error}) + used_.fit_error(),
             .over_s = static_cast<double>(used_.simulation.next_sample()) / sample_rate_hz_,
             .amplifies = own > amplified_rounding};
 }

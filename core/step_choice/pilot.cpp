@@ -55,10 +55,11 @@ Pilot::Pilot(const Scene& scene, Integrator integrator, double step_s, const std
       columns_(spheres_ + outputs_.size()),
       event_rate_(scene.drive) {}
 
-void Pilot::run_to(std::size_t samples) {
-    velocities_.reserve(samples * columns_);
-    while (stable_ && this->samples() < samples) {
-        const std::size_t wanted = std::min(pilot_block, samples - this->samples());
+void Pilot::run_to(std::size_t samples, double most_body_steps) {
+    const double most_steps = most_body_steps / static_cast<double>(spheres_ + 1);
+    const std::size_t block = std::isfinite(most_steps) ? counted_block : pilot_block;
+    while (stable_ && this->samples() < samples && static_cast<double>(steps()) < most_steps) {
+        const std::size_t wanted = std::min(block, samples - this->samples());
         stable_ = simulation_.advance(block_, wanted) == Status::running;
         const std::size_t before = velocities_.size();
         velocities_.resize(before + block_.count * columns_);

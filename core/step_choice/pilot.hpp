@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,6 +19,8 @@ namespace hertzline {
 
 /// Samples that are compared at a time.
 inline constexpr std::size_t pilot_block = 256;
+/// The same where the steps that they take are counted, which may be many.
+inline constexpr std::size_t counted_block = 16;
 
 /// Steps times bodies that a simulation may take before the run: about a second of a series, less of other methods.
 inline constexpr double affordable_body_steps = 1e7;
@@ -41,8 +44,9 @@ public:
     /// @throws std::bad_alloc
     Pilot(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop);
 
-    /// Continues to that number of samples, or until the integration fails. @throws std::bad_alloc
-    void run_to(std::size_t samples);
+    /// Continues to that number of samples, until the integration fails, or until it has taken so many steps times bodies in all.
+    /// @throws std::bad_alloc
+    void run_to(std::size_t samples, double most_body_steps = std::numeric_limits<double>::infinity());
 
     bool stable() const noexcept { return stable_; }
     std::size_t samples() const noexcept { return velocities_.size() / columns_; }

@@ -15,7 +15,6 @@ namespace {
 constexpr Integrator reference_integrator = Integrator::taylor12;
 constexpr double as_good_as_exact = 1e-13;  // error of a piece
 constexpr double own_share = 1e-3;          // of the accuracy: errors of pieces add up
-constexpr double finest_piece = 1e-15;      // shorter pieces lose to rounding
 constexpr double series_drive_periods = 0.11;
 
 // How long pilots watch, in pieces of the reference, and in pieces times bodies.
@@ -29,6 +28,11 @@ struct Budget {
 constexpr Budget for_bursts{30e3, 1e6};  // burst, way and periods
 constexpr Budget for_ringing{5e3, 2e5};  // the ring-down
 constexpr Budget for_run{30e3, 1e6};     // the run over which the error is estimated
+
+// Pieces times bodies that a reference takes at most, where contacts that open and close make its pieces shorter than foreseen. With
+// its second run and the trials that is about a second.
+constexpr double most_body_pieces = 2e6;
+constexpr double most_body_pieces_of_run = 4e6;  // until the end of the estimate
 
 constexpr double rung_down = 0.01;         // of the largest energy
 constexpr double max_values = 2e6;         // in a pilot
@@ -80,11 +84,14 @@ double longest_for_drive(const Drive& drive) noexcept {
     return series_drive_periods / drive.frequency_hz;
 }
 
-double step_of_reference(const Scene& scene, const Chain& chain, double accuracy) {
-    const double tolerance = std::clamp(own_share * accuracy, finest_piece, as_good_as_exact);
+double piece_error_for(double accuracy) noexcept {
+    return std::clamp(own_share * accuracy, finest_piece_error, as_good_as_exact);
+}
+
+double step_of_reference(const Scene& scene, const Chain& chain, double piece_error) {
     const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, overlaps);
-    return std::min({SeriesSolver::phase_for(tolerance) / omega, longest_for_drive(scene.drive),
+    return std::min({SeriesSolver::phase_for(piece_error) / omega, longest_for_drive(scene.drive),
                      0.98 * largest_stable_step(chain, overlaps, reference_integrator)});
 }
 
@@ -93,14 +100,15 @@ Scene shortened(Scene scene) {
     return without_sleep(std::move(scene));
 }
 
-ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop)
-    : ReferencePilot(scene, accuracy, Chain(shortened(scene)), stop) {}
+ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, double piece_error,
+                               const std::atomic<bool>* stop)
+    : ReferencePilot(scene, accuracy, piece_error, Chain(shortened(scene)), stop) {}
 
-ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain& chain,
+ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, double piece_error, const Chain& chain,
                                const std::atomic<bool>* stop)
     : accuracy_(accuracy),
       stop_(stop),
-      step_s_(step_of_reference(scene, chain, accuracy)),
+      step_s_(step_of_reference(scene, chain, piece_error)),
       watched_s_(std::min(burst_and_way_s(scene, chain),
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
       scene_(sampled_for(shortened(scene), watched_s_)),
@@ -108,7 +116,7 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, const Chain&
       finer_(scene_, reference_integrator, finer * step_s_, stop),
       shortened_(scene.chain.spheres > pilot_spheres),
       same_samples_(!shortened_ && scene_.output.sample_rate_hz == scene.output.sample_rate_hz) {
-    motion_.run_to(samples_in(watched_s_));
+    motion_.run_to(samples_in(watched_s_), most_body_pieces);
     if (scene.drive.repetition_hz == 0) {
         ring_down();
     }
@@ -140,9 +148,11 @@ void ReferencePilot::ring_down() {
     for (std::size_t from = 0; from + period <= motion_.samples(); from += period) {
         largest = std::max(largest, kinetic(motion_, from, from + period));
     }
-    while (motion_.stable() && motion_.samples() < most &&
-           kinetic(motion_, motion_.samples() - period, motion_.samples()) > rung_down * largest) {
-        motion_.run_to(std::min(motion_.samples() + period, most));
+    for (std::size_t before = 0;
+         motion_.stable() && before < motion_.samples() && motion_.samples() < most &&
+         kinetic(motion_, motion_.samples() - period, motion_.samples()) > rung_down * largest;) {
+        before = motion_.samples();
+        motion_.run_to(std::min(before + period, most), most_body_pieces);
     }
 }
 
@@ -158,8 +168,10 @@ WrongSides ReferencePilot::unseen_wrong_sides(const Pilot& pilot, std::size_t sa
                : wrong_sides(pilot, motion_, samples, accuracy_ * found.loudness);
 }
 
-Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
-    Trial result{Pilot(scene_, integrator, step_s, stop_), step_s};
+Trial ReferencePilot::trial(Integrator integrator, double step_s, double rest_tolerance) {
+    Scene scene = scene_;
+    scene.numerics.rest_tolerance = rest_tolerance;
+    Trial result{Pilot(scene, integrator, step_s, stop_), step_s};
     if (judged_ == 0) {
         result.error = std::numeric_limits<double>::infinity();
         return result;
@@ -179,11 +191,19 @@ Trial ReferencePilot::trial(Integrator integrator, double step_s) const {
         result.error = std::max(found.of_any, judged_error_);
         result.wrong_sides = unseen_wrong_sides(pilot, judged_, found).count;
     }
+    steps_of_trials_ += pilot.steps();
     return result;
 }
 
-std::optional<Trial> ReferencePilot::affordable_trial(Integrator integrator, double step_s) const {
-    return duration_s() <= affordable_s(step_s) ? std::optional(trial(integrator, step_s)) : std::nullopt;
+double ReferencePilot::body_steps() const {
+    return static_cast<double>(motion_.steps() + finer_.steps() + steps_of_trials_) *
+           static_cast<double>(spheres() + 1);
+}
+
+std::optional<Trial> ReferencePilot::affordable_trial(Integrator integrator, double step_s,
+                                                      double rest_tolerance) {
+    return duration_s() <= affordable_s(step_s) ? std::optional(trial(integrator, step_s, rest_tolerance))
+                                                : std::nullopt;
 }
 
 double ReferencePilot::affordable_s(double step_s) const noexcept {
@@ -197,8 +217,10 @@ ErrorEstimate ReferencePilot::estimate(Trial& trial, std::optional<double> run_s
     const double longest_s = std::min(for_run.seconds(step_s_, bodies), max_values / (bodies + 1) / rate);
     const double over_s =
         std::min({run_s.value_or(watched_s), std::max(watched_s, longest_s), affordable_s(trial.step_s)});
-    const std::size_t samples = samples_in(over_s);
-    motion_.run_to(samples);
+    motion_.run_to(samples_in(over_s), most_body_pieces_of_run);
+    // a reference that has failed shows nothing, one that has taken all its pieces ends early
+    const std::size_t samples =
+        motion_.stable() ? std::min(samples_in(over_s), motion_.samples()) : samples_in(over_s);
     finer_.run_to(samples);
     trial.pilot.run_to(samples);
     // the outputs of a chain that was shortened are not its own

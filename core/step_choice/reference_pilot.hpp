@@ -12,8 +12,14 @@ namespace hertzline {
 /// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s].
 double longest_for_drive(const Drive& drive) noexcept;
 
-/// Longest piece of taylor12 that is as good as exact for such an accuracy, with a chain of the scene [s].
-double step_of_reference(const Scene& scene, const Chain& chain, double accuracy = default_accuracy);
+/// The error of a piece of the reference that is as good as exact for such an accuracy.
+double piece_error_for(double accuracy) noexcept;
+
+/// Shorter pieces lose to rounding.
+inline constexpr double finest_piece_error = 1e-15;
+
+/// Longest piece of taylor12 with such an error, with a chain of the scene [s].
+double step_of_reference(const Scene& scene, const Chain& chain, double piece_error);
 
 /// The spheres of a long chain that pilots simulate.
 inline constexpr std::int64_t pilot_spheres = 500;
@@ -27,6 +33,9 @@ inline constexpr double amplified_rounding = 1e-8;
 /// The error that a reference is said to have when two of different steps differ by so much: ten times that once rounding is
 /// amplified, because a pair of such motions differs by chance. Motions that have nothing in common any more differ by about one.
 double with_safety_factor(double own_error) noexcept;
+
+/// No error is said to be below this: sums of rounding errors, which all pilots share, reach it [relative L2].
+inline constexpr double least_error = 1e-12;
 
 /// The pieces of the second reference, relative to those of the first.
 inline constexpr double finer = 0.7;
@@ -51,22 +60,28 @@ public:
     static constexpr int pilots = 2;
 
     /// @param accuracy steps are chosen as far as the reference is good enough to judge it
+    /// @param piece_error of the reference; laws of damping with a power below 1 may need less than others for the same error
     /// @param stop as of SimulationOptions, for this and all trials, whose results then mean nothing
     /// @throws std::bad_alloc
-    ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop = nullptr);
+    ReferencePilot(const Scene& scene, double accuracy, double piece_error,
+                   const std::atomic<bool>* stop = nullptr);
+    ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop = nullptr)
+        : ReferencePilot(scene, accuracy, piece_error_for(accuracy), stop) {}
 
     /// A pilot with that step, compared with the reference. One that errs by far too much early is not completed: its error is then
-    /// a lower bound. @throws std::bad_alloc
-    Trial trial(Integrator integrator, double step_s) const;
+    /// a lower bound. @param rest_tolerance as of a scene: what a sleeping chain leaves out is part of the error. @throws std::bad_alloc
+    Trial trial(Integrator integrator, double step_s, double rest_tolerance = 0);
 
     /// The same, or nothing if the pilot would take longer than about a second.
-    std::optional<Trial> affordable_trial(Integrator integrator, double step_s) const;
+    std::optional<Trial> affordable_trial(Integrator integrator, double step_s, double rest_tolerance);
 
     /// The error of a trial's step over a run, or over as much of it as is affordable. @throws std::bad_alloc
     /// @param run_s length of the run; none: the stretch that was watched
     ErrorEstimate estimate(Trial& trial, std::optional<double> run_s);
 
     double step_s() const noexcept { return step_s_; }  ///< its longest piece
+    /// Steps times bodies that it and its trials have taken.
+    double body_steps() const;
     /// Its own error over the stretch on which steps are chosen, relative L2 of the worst velocity; no trial is better.
     double error() const noexcept { return judged_error_; }
     std::size_t spheres() const noexcept { return motion_.spheres(); }
@@ -75,7 +90,8 @@ public:
     const Eigen::ArrayXd& peak_overlap() const noexcept { return peak_overlap_; }  ///< [m], contacts()
 
 private:
-    ReferencePilot(const Scene& scene, double accuracy, const Chain& chain, const std::atomic<bool>* stop);
+    ReferencePilot(const Scene& scene, double accuracy, double piece_error, const Chain& chain,
+                   const std::atomic<bool>* stop);
 
     void ring_down();
     std::size_t samples_in(double time_s) const noexcept;
@@ -97,6 +113,7 @@ private:
     bool same_samples_ = true;  // the pilots' are those of the run
     double judged_error_ = 0;   // of the reference, over:
     std::size_t judged_ = 0;    // the first of them, over which steps are chosen
+    std::int64_t steps_of_trials_ = 0;
 };
 
 }  // namespace hertzline

@@ -25,14 +25,82 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
     return {"numerics.step_s", found.data(), allowed.data()};
 }
 
+/// A reference that is good enough to judge the accuracy, or a given step, if shorter pieces can make it so. @throws std::bad_alloc
 ReferencePilot reference_for(const Scene& scene, const std::atomic<bool>* stop) {
-    return {scene, scene.numerics.accuracy.value_or(default_accuracy), stop};
+    constexpr double of_a_given_step = 1e-10;  // the error that it may have
+    constexpr double helps = 0.5;              // amplified rounding does not fall
+    const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
+    const double good = scene.numerics.step_s ? of_a_given_step : accuracy / 2;
+    double piece_error = piece_error_for(accuracy);
+    ReferencePilot reference(scene, accuracy, piece_error, stop);
+    while (reference.error() > good && reference.error() < chaotic_error &&
+           piece_error > finest_piece_error) {
+        piece_error = std::max(piece_error / 10, finest_piece_error);
+        ReferencePilot better(scene, accuracy, piece_error, stop);
+        if (!(better.error() < helps * reference.error())) {
+            break;
+        }
+        reference = std::move(better);
+    }
+    return reference;
 }
 
 /// A given step asks for no accuracy, of a long chain pilots see the first spheres only, and an error that is large grows no more.
 bool worth_estimating_longer(const Resolution& resolved) noexcept {
     return resolved.estimate_ends_early() && !resolved.step_set_by_scene &&
            resolved.scene.chain.spheres <= pilot_spheres && resolved.estimate->error < chaotic_error;
+}
+
+/// A pilot with the step in use, which sleeps as the run does.
+std::optional<Trial> trial_of_step(const Scene& scene, ReferencePilot& reference) {
+    const Numerics& numerics = scene.numerics;
+    const double rest_tolerance = is_series(*numerics.integrator) ? numerics.rest_tolerance : 0;
+    return reference.affordable_trial(*numerics.integrator, *numerics.step_s, rest_tolerance);
+}
+
+/// Estimates the error of the step in use over the run. @param trial with that step, if one is affordable
+void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial>& trial,
+              const std::atomic<bool>* stop) {
+    const Drive& drive = result.scene.drive;
+    result.steps_per_burst =
+        drive.cycles / drive.frequency_hz * (trial ? trial->steps_per_s : 1 / *result.scene.numerics.step_s);
+    result.estimate.reset();
+    if (!trial) {
+        return;
+    }
+    ErrorEstimate found = reference.estimate(*trial, result.run_s);
+    found.error = std::max(found.error, least_error) + pole_error(result.scene);
+    if (!std::isfinite(found.error)) {
+        return;
+    }
+    result.estimate = found;
+    result.seen = trial->pilot.seen(found.error);
+    if (worth_estimating_longer(result)) {
+        const ErrorEstimate longer = estimate_of_run(result.scene, *result.run_s, stop);
+        result.estimate->error = std::max(found.error, longer.error);
+        result.estimate->over_s = std::max(found.over_s, std::min(*result.run_s, longer.over_s));
+    }
+}
+
+/// Shortens the step of a series whose error is within the accuracy as far as the step was chosen, but outgrows it within the run.
+void shorten(Resolution& result, ReferencePilot& reference, const std::atomic<bool>* stop) {
+    constexpr double helps = 0.7;  // of the error before
+    for (int tries = 1; tries < max_tries && result.estimate && result.misses_accuracy(); ++tries) {
+        std::optional<Resolution> shorter = with_shorter_step(result, result.estimate->error);
+        if (!shorter) {
+            return;
+        }
+        std::optional<Trial> trial = trial_of_step(shorter->scene, reference);
+        estimate(*shorter, reference, trial, stop);
+        ++result.pilots;
+        if (!shorter->estimate || shorter->estimate->error > helps * result.estimate->error) {
+            return;
+        }
+        shorter->pilots = result.pilots;
+        shorter->advice.recommended_step_s = trial->step_s;
+        shorter->advice.estimated_error = trial->error;
+        result = *std::move(shorter);
+    }
 }
 
 }  // namespace
@@ -76,7 +144,8 @@ double pole_error(const Scene& scene) {
 
 StepAdvice advise_step(const Scene& asked) {
     const Scene scene = with_poles(with_integrator(asked));
-    return advise(scene, reference_for(scene, nullptr)).advice;
+    ReferencePilot reference = reference_for(scene, nullptr);
+    return advise(scene, reference).advice;
 }
 
 Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop) {
@@ -115,25 +184,16 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     } else if (*numerics.step_s > result.advice.largest_stable_step_s) {
         result.faults.push_back(beyond_stability(*numerics.step_s, result.advice));
         return result;
-    } else {
-        trial = reference.affordable_trial(*numerics.integrator, *numerics.step_s);
+    }
+    if (result.step_set_by_scene || numerics.rest_tolerance > 0) {
+        trial = trial_of_step(result.scene, reference);
         result.pilots += trial ? 1 : 0;
     }
-    const double burst_s = result.scene.drive.cycles / result.scene.drive.frequency_hz;
-    result.steps_per_burst = burst_s * (trial ? trial->steps_per_s : 1 / *numerics.step_s);
-    if (trial) {
-        ErrorEstimate estimate = reference.estimate(*trial, run_s);
-        estimate.error += pole_error(result.scene);
-        if (std::isfinite(estimate.error)) {
-            result.estimate = estimate;
-            result.seen = trial->pilot.seen(estimate.error);
-        }
+    estimate(result, reference, trial, stop);
+    if (result.advice.accuracy_met && is_series(*numerics.integrator)) {
+        shorten(result, reference, stop);
     }
-    if (worth_estimating_longer(result)) {
-        const ErrorEstimate found = estimate_of_run(result.scene, *run_s, stop);
-        result.estimate->error = std::max(result.estimate->error, found.error);
-        result.estimate->over_s = std::max(result.estimate->over_s, std::min(*run_s, found.over_s));
-    }
+    result.pilot_body_steps = reference.body_steps();
     return result;
 }
 

@@ -56,7 +56,7 @@ double coarsest_step(const Scene& scene) {
     return std::min({first_phase / omega, by_drive, stable / 2});
 }
 
-AdvisedStep advise_on_grid(const Scene& scene, const ReferencePilot& reference) {
+AdvisedStep advise_on_grid(const Scene& scene, ReferencePilot& reference) {
     const Integrator integrator = *scene.numerics.integrator;
     const double accuracy = asked_accuracy(scene);
     const double target = grid_safety * accuracy;
@@ -149,7 +149,7 @@ std::optional<Trial> longest_good(const TrialOf& trial_of, double accuracy, doub
 }
 
 /// @param largest_stable_s the largest stable step with the overlaps of the reference
-AdvisedStep advise_series(const Scene& scene, const ReferencePilot& reference, const Chain& chain,
+AdvisedStep advise_series(const Scene& scene, ReferencePilot& reference, const Chain& chain,
                           double largest_stable_s) {
     const Integrator integrator = *scene.numerics.integrator;
     const double accuracy = asked_accuracy(scene);
@@ -190,7 +190,7 @@ double expected_piece(const Scene& scene, double tolerance) {
         std::min(limit, SeriesSolver::phase_for(tolerance) / fastest_frequency(chain, expected)));
 }
 
-AdvisedStep advise(const Scene& scene, const ReferencePilot& reference) {
+AdvisedStep advise(const Scene& scene, ReferencePilot& reference) {
     const Integrator integrator = *scene.numerics.integrator;
     const Chain chain(shortened(scene));
     const double largest_stable_s = largest_stable_step(chain, reference.peak_overlap(), integrator);

@@ -44,6 +44,6 @@ double expected_piece(const Scene& scene, double tolerance);
 /// it differs by less than half; for series the longest pieces are looked for that bring the error to between 0.12 and 0.6 of it. Where
 /// nothing switches the longest piece allowed may be better than that already.
 /// @param scene its integrator is set. @throws std::bad_alloc
-AdvisedStep advise(const Scene& scene, const ReferencePilot& reference);
+AdvisedStep advise(const Scene& scene, ReferencePilot& reference);
 
 }  // namespace hertzline

@@ -81,7 +81,8 @@ Outputs outputs_of(const Scene& scene) {
 Scene as_exact_as_can_be(Scene scene, double shortening) {
     scene.numerics = Numerics{};
     scene.numerics.integrator = Integrator::taylor12;
-    scene.numerics.step_s = shortening * step_of_reference(scene, Chain(scene));
+    scene.numerics.step_s =
+        shortening * step_of_reference(scene, Chain(scene), piece_error_for(default_accuracy));
     return scene;
 }
 

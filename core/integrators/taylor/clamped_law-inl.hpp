@@ -68,10 +68,12 @@ HWY_INLINE Flags would_push(const Expansion<K, Degree, Kind>& e, std::size_t k, 
     return Gt(dashpot + elastic, of_closed * rounding_error);
 }
 
-/// Elastic force that such a contact does not pass on: the energy that it stores is lost as it relaxes.
+/// Elastic energy that a contact which has let go loses from one overlap to another, as it relaxes [J]. A difference of energies is exact;
+/// a quadrature of the force, whose power 3/2 ends in the middle of a piece, is not.
 template <std::size_t K, int Degree, Damping Kind>
-HWY_INLINE Vec let_go(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec z) {
-    return (splat(1.0) - e.closed[k]) * elastic_force(e.stiffness[k], value_at(e.d, k, z));
+HWY_INLINE Vec relaxed(const Expansion<K, Degree, Kind>& e, std::size_t k, Vec from, Vec to) {
+    return (splat(1.0) - e.closed[k]) *
+           (elastic_energy(e.stiffness[k], from) - elastic_energy(e.stiffness[k], to));
 }
 
 }  // namespace HWY_NAMESPACE

@@ -55,17 +55,18 @@ HWY_INLINE void account(const Expansion<K, Degree, Kind>& e, double length) {
         HERTZLINE_EACH_ROW(k, e.rows.count()) {
             const Vec w = slope_at(e.d, k, z);              // [m]
             const Vec damping = damping_force(e, k, z, w);  // [N]
-            Vec loss = damping * w;
-            if (HWY_UNLIKELY(e.clamped)) {
-                loss = loss - let_go(e, k, z) * w;
-            }
-            lost.set(k, MulAdd(weight, loss, lost[k]));
+            lost.set(k, MulAdd(weight, damping * w, lost[k]));
             if (k == 0) {
                 const Vec elastic = elastic_force(e.stiffness[0], value_at(e.d, 0, z));
                 const Vec force = MulAdd(e.closed[0], elastic, damping);
                 const Vec horn_velocity = e.rows.horn(1.0) * (w + slope_at(e.x, 0, z));
                 work.add(weight * force * horn_velocity);
             }
+        }
+    }
+    if (HWY_UNLIKELY(e.clamped)) {
+        HERTZLINE_EACH_ROW(k, e.rows.count()) {
+            lost.set(k, lost[k] + relaxed(e, k, e.d[0][k], value_at(e.d, k, splat(length))));
         }
     }
     e.rows.store(ChainField::lost, lost);

@@ -14,12 +14,13 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Returns a scene with a wall of a material with these strengths. Spheres and horn have no limit.
+/// Returns a scene with a wall of a material with these strengths. Spheres and horn have no known limit.
 Scene scene_with(const std::optional<double>& yield_pa, const std::optional<double>& flexural_pa) {
     Scene scene;
     scene.end.kind = EndKind::wall;
     scene.end.material = "mine";
-    scene.chain.material = "steel";
+    scene.chain.material = "copper";
+    scene.drive.material = "copper";
     scene.materials["mine"] = Solid{69e9, 0.33, 2700, yield_pa, flexural_pa};
     return scene;
 }
@@ -32,9 +33,9 @@ std::optional<std::string> warning_at_rest(const Scene& scene) {
 
 double pressure_at_rest(const Scene& scene) {
     // Johnson 1985, equations 4.22 and 4.24: p0 = (6 F E*^2 / (pi^3 R^2))^(1/3)
-    const Solid steel{201e9, 0.30, 7833};
+    const Solid copper{129.8e9, 0.343, 8933};
     const auto& wall = std::get<Solid>(scene.materials.at("mine"));
-    const double modulus = 1 / (1 / plane_strain_modulus(steel) + 1 / plane_strain_modulus(wall));
+    const double modulus = 1 / (1 / plane_strain_modulus(copper) + 1 / plane_strain_modulus(wall));
     const double radius = scene.chain.diameter_m / 2;
     return std::cbrt(6 * scene.chain.preload_n * modulus * modulus / std::pow(std::numbers::pi, 3) /
                      (radius * radius));
@@ -82,11 +83,25 @@ TEST(Strength, EachKindOfContactIsNamedWithBothItsPressures) {
     EXPECT_NEAR(*strength_ratio(pressure_limits(scene), load), 2300 / (1.6 * 276), 1e-9);
 }
 
-TEST(Strength, NothingIsSaidOfMaterialsWhoseStrengthIsNotKnown) {
+TEST(Strength, ContactsOfMaterialsWhoseStrengthIsNotKnownAreNotJudgedAndThatIsSaid) {
     Scene scene = scene_with({}, {});
     scene.chain.preload_n = 1000;
     EXPECT_FALSE(warning_at_rest(scene));
     EXPECT_FALSE(strength_ratio(pressure_limits(scene), ContactLoad{.pressures_pa = {1e12, 1e12, 1e12}}));
+    EXPECT_EQ(unjudged_contacts(scene),
+              "the strength of copper and mine is not known: the contacts horn - sphere, sphere - sphere, "
+              "sphere - end are not judged by it");
+    scene.materials["mine"] = Solid{69e9, 0.33, 2700, 1e8, {}};
+    EXPECT_EQ(
+        unjudged_contacts(scene),
+        "the strength of copper is not known: the contacts horn - sphere, sphere - sphere are not judged "
+        "by it");
+    EXPECT_EQ(unjudged_contacts(Scene()), std::nullopt);
+    scene = Scene();
+    scene.chain.material = scene.drive.material = scene.end.material = "steel";
+    EXPECT_EQ(unjudged_contacts(scene), std::nullopt);
+    scene.chain.material = scene.drive.material = scene.end.material = "bearing_steel";
+    EXPECT_EQ(unjudged_contacts(scene), std::nullopt);
 }
 
 TEST(Strength, OfAFreeEndThereIsNothingToBear) {

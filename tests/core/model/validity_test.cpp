@@ -65,11 +65,6 @@ TEST(Validity, MaterialsInOtherUnitsAreNoticed) {
     EXPECT_THAT(with_material(1e4, 30), testing::Each(testing::Not(other_unit)));
 }
 
-TEST(Validity, ARestThatIsCutOffIsTold) {
-    EXPECT_THAT(warnings_after([](Scene& s) { s.numerics.rest_tolerance = 1e-3; }),
-                ElementsAre(HasSubstr("numerics.rest_tolerance is 0.001: what rings")));
-}
-
 TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1e-3; }), IsEmpty());  // h/a = 0.2
     EXPECT_THAT(warnings_after([](Scene& s) { s.end.thickness_m = 1.8e-3; }),

@@ -66,6 +66,27 @@ TEST(Rest, NeverComesWhereRestIsNotTheStartingPoint) {
     }
 }
 
+TEST(Rest, TheEstimatedErrorHasTheMotionThatIsCutOff) {
+    for (const double tolerance : {1e-4, 1e-3}) {
+        Scene scene = bursts(tolerance);
+        scene.output.duration_s = 2e-3;
+        const Record asleep = recorded(scene, 20'000);
+        const Record awake = recorded(bursts(0), 20'000);
+        const double cut_off =
+            std::max({relative_l2(asleep.v_last, awake.v_last), relative_l2(asleep.v_plate, awake.v_plate),
+                      relative_l2(asleep.v_out, awake.v_out)});
+        for (const bool step_is_given : {true, false}) {
+            if (!step_is_given) {
+                scene.numerics.step_s.reset();
+            }
+            const Resolution resolved = resolve(scene);
+            ASSERT_TRUE(resolved.estimate.has_value());
+            EXPECT_GT(resolved.estimate->error, cut_off / 2) << tolerance;
+            EXPECT_LT(resolved.estimate->error, 3 * cut_off + default_accuracy) << tolerance;
+        }
+    }
+}
+
 TEST(Rest, IsRefusedWhereNoSeriesRuns) {
     Scene scene = bursts(1e-3);
     scene.numerics.integrator = Integrator::chin4a;

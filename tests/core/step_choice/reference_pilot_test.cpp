@@ -89,6 +89,27 @@ TEST(Estimate, OfARunThatIsLongerThanPilotsWatchIsMadeOverAllOfIt) {
     EXPECT_LT(settled.estimate->error, error * 3);
 }
 
+/// A scene whose error is within the accuracy over two bursts, and grows beyond it.
+TEST(Estimate, AStepWhoseErrorOutgrowsTheAccuracyWithinTheRunIsShortened) {
+    const Scene scene = growing(14e-3);
+    const Resolution briefly = resolve(growing(4e-3));
+    const Resolution settled = resolve(scene);
+    EXPECT_LT(*settled.scene.numerics.step_s, *briefly.scene.numerics.step_s);
+    EXPECT_FALSE(settled.misses_accuracy());
+    const std::size_t samples = 28'000;
+    Scene exact = scene;
+    exact.numerics.accuracy = 1e-11;
+    const Record fine = recorded(resolve(exact).scene, samples);
+    EXPECT_LE(relative_l2(recorded(settled.scene, samples).v_out, fine.v_out), 2e-4);
+    EXPECT_GT(relative_l2(recorded(briefly.scene, samples).v_out, fine.v_out), 2e-4) << "this tests nothing";
+}
+
+TEST(Estimate, IsNeverBelowTheRoundingThatAllPilotsShare) {
+    Scene scene;
+    scene.drive.amplitude_m = 0;  // all pilots agree to the bit
+    EXPECT_EQ(resolve(scene).estimate->error, least_error);
+}
+
 TEST(Estimate, OfALongRunHoldsForEveryIntegrator) {
     Scene scene = growing(15e-3);
     const std::size_t samples = 30'000;
@@ -152,7 +173,7 @@ TEST(Estimate, IsLeftOutWhereAPilotWouldTakeTooLong) {
 }
 
 TEST(Estimate, IsNeverBelowWhatTheReferenceIsGoodFor) {
-    const ReferencePilot reference(Scene(), default_accuracy);
+    ReferencePilot reference(Scene(), default_accuracy);
     const double own = reference.trial(Integrator::taylor12, reference.step_s()).error;
     EXPECT_GT(own, 1e-14);
     EXPECT_LT(own, 1e-9);

@@ -1,8 +1,7 @@
-// The choice of integrator and step: the requested accuracy is met for any scene, in bounded time.
+// The choice of integrator and step: the requested accuracy is met for any scene, in bounded work.
 
 #include "hertzline/resolve.hpp"
 
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <stdexcept>
@@ -22,13 +21,8 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-using Clock = std::chrono::steady_clock;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr double patience_s = 150;
-#else
-constexpr double patience_s = 15;  // about ten times the slowest case on a slow machine
-#endif
+constexpr double about_a_second = 2e7;  // steps times bodies of pilots
 
 struct Odd {
     std::string name;
@@ -47,6 +41,17 @@ INSTANTIATE_TEST_SUITE_P(
                           [](Scene& s) {
                               s.chain.spheres = 1'000'000;
                               s.chain.damping_kg_per_s = 0;
+                          }},
+                      // whose contacts open and close at any time: pieces are far shorter than foreseen
+                      Odd{"loose_rubber",
+                          [](Scene& s) {
+                              s.chain.material = "silicone_rubber";
+                              s.chain.spheres = 29;
+                              s.chain.preload_n = 3e-4;
+                              s.chain.diameter_m = 3.19e-3;
+                              s.chain.damping_kg_per_s = 0;
+                              s.drive.cycles = 2;
+                              s.end.kind = EndKind::free;
                           }},
                       Odd{"at_rest", [](Scene& s) { s.drive.amplitude_m = 0; }},
                       Odd{"nothing_holds_it_together",
@@ -71,13 +76,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Odd{"terasamples", [](Scene& s) { s.output.sample_rate_hz = 1e12; }}),
     [](const auto& instance) { return instance.param.name; });
 
-TEST_P(OddScene, IsResolvedInBoundedTimeToAStepThatIsStable) {
+TEST_P(OddScene, IsResolvedInBoundedWorkToAStepThatIsStable) {
     Scene scene;
     GetParam().change(scene);
     ASSERT_TRUE(validate(scene).empty());
-    const auto start = Clock::now();
     const Resolution result = resolve(scene);
-    EXPECT_LT(std::chrono::duration<double>(Clock::now() - start).count(), patience_s);
+    EXPECT_LE(result.pilot_body_steps, about_a_second);
     EXPECT_TRUE(result.faults.empty());
     const double step = *result.scene.numerics.step_s;
     EXPECT_GT(step, 0);
@@ -164,6 +168,26 @@ TEST(Advice, KeepsAnAccuracyOfATrillionthWhereRoundingErrorsDo) {
         }
     }
     EXPECT_GE(kept, 6);
+}
+
+TEST(Advice, MeetsATenBillionthWithALawOfDampingWhosePowerIsBelowOne) {
+    Scene scene;
+    scene.end.kind = EndKind::wall;
+    scene.chain.damping_law = DampingLaw::tsuji;
+    scene.chain.damping_alpha = 0.1;
+    scene.numerics.accuracy = 1e-10;
+    const Resolution settled = resolve(scene);
+    EXPECT_FALSE(settled.misses_accuracy());
+    const Record run = recorded(settled.scene, 5000);
+    scene.numerics.accuracy.reset();
+    const Record fine = recorded(with_step(scene, Integrator::taylor12, 60e-9), 5000);
+    EXPECT_LE(relative_l2(run.v_last, fine.v_last), 1e-10);
+    // and the estimate of a given step holds below the error that the usual reference has there
+    const Resolution given = resolve(with_step(scene, Integrator::taylor12, 194e-9));
+    const double error = relative_l2(recorded(given.scene, 5000).v_last, fine.v_last);
+    ASSERT_TRUE(given.estimate.has_value());
+    EXPECT_LT(given.estimate->error, 30 * error);
+    EXPECT_GT(given.estimate->error, error / 3);
 }
 
 TEST(Advice, DependsOnNothingThatDoesNotChangeTheMotion) {
