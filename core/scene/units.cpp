@@ -17,10 +17,9 @@ struct Prefix {
     int decades;
 };
 
-constexpr std::array prefixes{Prefix{"", 0},   Prefix{"p", -12},        Prefix{"n", -9},
-                              Prefix{"u", -6}, Prefix{"\u00b5", -6},    Prefix{"\u03bc", -6},
-                              Prefix{"m", -3}, Prefix{"c", -2},         Prefix{"k", 3},
-                              Prefix{"M", 6},  Prefix{"G", 9}};
+constexpr std::array prefixes{Prefix{"", 0},        Prefix{"p", -12},     Prefix{"n", -9}, Prefix{"u", -6},
+                              Prefix{"\u00b5", -6}, Prefix{"\u03bc", -6}, Prefix{"m", -3}, Prefix{"c", -2},
+                              Prefix{"k", 3},       Prefix{"M", 6},       Prefix{"G", 9}};
 
 // No symbol is a prefix and another symbol, so a unit has one meaning.
 constexpr std::array<std::string_view, 6> symbols{"m", "g", "s", "Hz", "N", "Pa"};
@@ -121,7 +120,8 @@ std::optional<double> number_in_unit(std::string_view text, std::string_view wan
     int exponent = *decades;
     if (const std::size_t e = digits.find_first_of("eE"); e != std::string::npos) {
         constexpr long largest = 10'000;  // far beyond all doubles
-        exponent += static_cast<int>(std::clamp(std::strtol(digits.c_str() + e + 1, nullptr, 10), -largest, largest));
+        exponent +=
+            static_cast<int>(std::clamp(std::strtol(digits.c_str() + e + 1, nullptr, 10), -largest, largest));
         digits.resize(e);
     }
     digits += 'e' + std::to_string(exponent);

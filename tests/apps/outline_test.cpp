@@ -1,5 +1,7 @@
 // Recordings reduced to what a picture shows.
 
+#include "apps/commands/plot/outline.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,8 +9,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-
-#include "apps/commands/plot/outline.hpp"
 
 namespace hertzline::app {
 namespace {

@@ -25,7 +25,9 @@ public:
     std::size_t columns() const noexcept { return columns_.size(); }
     std::int64_t first() const noexcept { return first_; }  ///< sample
     std::int64_t end() const noexcept { return end_; }      ///< the sample after the last one
-    std::int64_t width() const noexcept { return width_; }  ///< of a stretch [samples]; 1: each sample is there
+    std::int64_t width() const noexcept {
+        return width_;
+    }  ///< of a stretch [samples]; 1: each sample is there
 
     /// Smallest and largest samples of a column's stretches; NaN where there is none.
     const std::vector<double>& low(std::size_t column) const noexcept { return low_[column]; }
@@ -36,7 +38,9 @@ public:
         std::int64_t first = 0;
         std::vector<double> rows;
     };
-    const Part& longest() const noexcept { return part_.rows.size() > longest_.rows.size() ? part_ : longest_; }
+    const Part& longest() const noexcept {
+        return part_.rows.size() > longest_.rows.size() ? part_ : longest_;
+    }
 
 private:
     void widen();

@@ -1,12 +1,13 @@
 // Numbers with units, as people write them.
 
+#include "core/scene/units.hpp"
+
 #include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/scene/scene_key.hpp"
-#include "core/scene/units.hpp"
 
 namespace hertzline {
 namespace {
@@ -35,8 +36,10 @@ TEST(Units, KnowPrefixesPowersAndFractions) {
 }
 
 TEST(Units, ReadNothingElse) {
-    for (const char* text : {"", "3", "m", "3 mm mm", "3mN", "3 mhz", "3k", "3 m^2", "3 m/s", "inf m", "nanm", "0x10", "3,5 mm",
-                             "--3m", "3 m^", "3 /m", "3 m/", "1e999999999999999999m", "1e308km", "3m\u00b9"}) {
+    for (const char* text :
+         {"",        "3",       "m",    "3 mm mm", "3mN",  "3 mhz", "3k",   "3 m^2", "3 m/s",
+          "inf m",   "nanm",    "0x10", "3,5 mm",  "--3m", "3 m^",  "3 /m", "3 m/",  "1e999999999999999999m",
+          "1e308km", "3m\u00b9"}) {
         EXPECT_EQ(number_in_unit(text, "m"), std::nullopt) << text;
     }
     EXPECT_EQ(number_in_unit("3m", ""), std::nullopt);
