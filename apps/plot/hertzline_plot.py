@@ -1,30 +1,39 @@
 #!/usr/bin/python3
 """Draws waveform and spectrum of each column of a NumPy recording of hertzline, or a sweep: hertzline_plot.py FILE -o FILE.png
 
-hertzline runs it for `hertzline plot` and `hertzline run --plot`; by itself it draws recordings that end in .npy, and tables of
-`hertzline sweep`. The spectrum is that of docs/measures.md: all samples, no window, in dB under the maximum from half the
-drive's frequency upward. Of a sweep it draws curves over one key that varies, a map over two; of a search what it looked for over
-each key and as the search went on.
+hertzline runs it for `hertzline plot` and `hertzline run --plot`, with recordings that it has reduced to what a picture shows; by
+itself it draws recordings that end in .npy, and tables of `hertzline sweep`. A waveform of many samples is drawn as the smallest
+and largest of each pixel. The spectrum is that of docs/measures.md: no window, in dB under the maximum from half the drive's
+frequency upward, of the first million samples without a gap. Of a sweep it draws curves over one key that varies, a map over two,
+or waveforms; of a search what it looked for over each key and as the search went on.
 Debian: python3-numpy python3-matplotlib, for sweeps that end in .h5 python3-h5py.
 """
 import argparse
 import csv
+import dataclasses
 import json
+import os
 import sys
 
 MODULES_MISSING = 3  # exit status
 NOT_A_SWEEP = 4
+WRONG_USE = 5
 
 try:
     import matplotlib
     import matplotlib.pyplot as plt
     import numpy as np
+    from matplotlib.collections import LineCollection
 except ImportError as error:
     print(error, file=sys.stderr)
     sys.exit(MODULES_MISSING)
 
 SPAN_DB = (-60, 6)
 HARMONICS = 10
+MAX_STRETCHES = 8192  # of a waveform, and levels of a spectrum: some for each pixel
+MAX_SPECTRUM = 1 << 20  # samples
+MAX_NUMBERED = 30  # epochs
+MAX_WAVEFORMS = 200
 COLOURS = ["#0b6e8a", "#c46a1b", "#5f7f96", "#b03a2e", "#4f7a3a", "#6b4c8a"]
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -39,6 +48,70 @@ STYLE = {
     "grid.color": "#e4e4e4",
     "grid.linewidth": 0.7,
 }
+
+
+@dataclasses.dataclass(eq=False)
+class Recording:
+    """A recording as it is drawn: smallest and largest samples of stretches, and the samples of its spectrum."""
+
+    name: str
+    columns: list  # (name, quantity, unit)
+    rate: float  # [Hz]
+    drive: float  # its frequency [Hz]; None: the recording does not say
+    epochs: list  # (number, beginning [s]) of those that begin in the picture
+    t: object  # middle of each stretch [s]
+    ends: tuple  # [s]
+    each: bool  # a stretch is a sample
+    low: list  # [column][stretch], NaN where there is no sample
+    high: list
+    parts: list  # [column], samples without a gap
+    part_from: float  # [s]
+
+
+def reduced_recordings(path):
+    """The recordings of `hertzline plot`, which it has reduced."""
+    with open(path, encoding="utf-8") as file:
+        return [reduced_recording(about, os.path.dirname(path)) for about in json.load(file)]
+
+
+def reduced_recording(about, folder):
+    columns, rate, width = len(about["columns"]), about["sample_rate_hz"], about["width"]
+    numbers = np.fromfile(os.path.join(folder, about["numbers"]), dtype="<f8")
+    outline, parts = np.split(numbers, [2 * columns * about["stretches"]])
+    outline = outline.reshape(columns, 2, -1)
+    return Recording(about["name"], about["columns"], rate, about["drive_hz"], about["epochs"],
+                     middles(about["first"], width, about["stretches"], rate), (about["first"] / rate, (about["end"] - 1) / rate),
+                     width == 1, list(outline[:, 0]), list(outline[:, 1]), list(parts.reshape(columns, -1)),
+                     about["part_first"] / rate)
+
+
+def middles(first, width, count, rate):
+    """The middle of each stretch [s]."""
+    return (first + width * np.arange(count) + (width - 1) / 2) / rate
+
+
+def recording_of(samples, about, name=""):
+    """The recording of samples by column, and their description."""
+    t, rate = samples["t_s"], about["sample_rate_hz"]
+    if len(t) == 0:
+        raise ValueError("the recording has no samples")
+    index = np.rint(np.asarray(t) * rate).astype(np.int64)
+    width = 1
+    while (index[-1] - index[0]) // width >= MAX_STRETCHES:
+        width *= 2
+    stretch = (index - index[0]) // width
+    begins = np.flatnonzero(np.diff(stretch, prepend=-1))
+    part = longest_part(index)
+    low, high, parts = [], [], []
+    for column, *_ in about["columns"]:
+        v = np.asarray(samples[column], dtype=float)
+        for values, choose in ((low, np.minimum), (high, np.maximum)):
+            values.append(np.full(stretch[-1] + 1, np.nan))
+            values[-1][stretch[begins]] = choose.reduceat(v, begins)
+        parts.append(v[part])
+    return Recording(name, about["columns"], rate, drive_frequency(about), epochs_in(about, index / rate),
+                     middles(index[0], width, stretch[-1] + 1, rate), (index[0] / rate, index[-1] / rate), width == 1, low, high, parts,
+                     index[part.start] / rate)
 
 
 def read(path):
@@ -57,26 +130,34 @@ def drive_frequency(about):
         return None
 
 
-def longest_stretch(t, rate):
-    """The longest part without a gap, as a slice."""
-    ends = np.flatnonzero(np.diff(t) > 1.5 / rate) + 1
-    edges = np.concatenate(([0], ends, [len(t)]))
-    longest = np.argmax(np.diff(edges))
-    return slice(edges[longest], edges[longest + 1])
+def epochs_in(about, t):
+    """Number and beginning [s] of the epochs that live changes began."""
+    try:
+        changes = [(change["epoch"], change["sample"] / about["sample_rate_hz"]) for change in about["provenance"]["changes"]]
+    except (KeyError, TypeError):
+        return []
+    return [(number, begin) for number, begin in changes if t[0] < begin <= t[-1]]
+
+
+def longest_part(index):
+    """The longest part without a gap, as a slice of at most MAX_SPECTRUM samples."""
+    edges = np.concatenate(([0], np.flatnonzero(np.diff(index) > 1) + 1, [len(index)]))
+    longest = np.argmax(np.minimum(np.diff(edges), MAX_SPECTRUM))
+    return slice(edges[longest], min(edges[longest + 1], edges[longest] + MAX_SPECTRUM))
 
 
 def spectrum(v, rate, lowest):
-    """Frequency [Hz] and level [dB under the maximum from `lowest` upward]; None of silence."""
+    """Frequency [Hz] and amplitude [of the largest from `lowest` upward]; None of silence."""
     padded = 4 * len(v)
-    magnitude = np.abs(np.fft.rfft(v, padded))
+    magnitude = np.abs(np.fft.rfft(v / (np.abs(v).max() or 1), padded))  # 1e308 has no square
     frequency = np.fft.rfftfreq(padded, 1 / rate)
     largest = magnitude[frequency >= lowest].max(initial=0)
-    return (frequency, 20 * np.log10(np.maximum(magnitude / largest, 1e-15))) if largest > 0 else None
+    return (frequency, magnitude / largest) if largest > 0 else None
 
 
-def band_of(frequency, level, lowest, threshold_db):
+def band_of(frequency, amplitude, lowest, threshold_db):
     """Where the level first and last reaches the threshold from `lowest` upward, with straight lines between the amplitudes."""
-    amplitude, threshold = 10 ** (level / 20), 10 ** (threshold_db / 20)
+    threshold = 10 ** (threshold_db / 20)
     above = np.flatnonzero((amplitude >= threshold) & (frequency >= lowest))
 
     def crossing(inside, outside):
@@ -88,17 +169,40 @@ def band_of(frequency, level, lowest, threshold_db):
     return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)
 
 
-def draw_waveform(axes, t, v, rate, unit_s, colour):
-    gaps = np.flatnonzero(np.diff(t) > 1.5 / rate) + 1
-    axes.plot(np.insert(t, gaps, np.nan) / unit_s, np.insert(v, gaps, np.nan), color=colour, lw=0.8)
-    axes.set_xlim(t[0] / unit_s, max(t[-1], t[0] + 1 / rate) / unit_s)
-    axes.grid(axis="y")
-    axes.text(0.985, 0.95, f"peak {np.abs(v).max():.3g}", transform=axes.transAxes, ha="right", va="top", fontsize=8)
+def scale_of_unit(largest):
+    """A power of ten that numbers are divided by where matplotlib would overflow; else 1."""
+    return 10.0 ** np.floor(np.log10(largest)) if largest > 0 and not 1e-100 < largest < 1e100 else 1.0
 
 
-def draw_spectrum(axes, v, rate, drive, colour):
-    lowest = drive / 2 if drive else 0
-    highest = min(rate / 2, (HARMONICS + 0.5) * drive if drive else rate / 2)
+def joined(values, others):
+    """Both in turn."""
+    return np.column_stack((values, others)).ravel()
+
+
+def draw_waveform(axes, recording, column, unit_s, scale, colour):
+    low, high = recording.low[column] / scale, recording.high[column] / scale
+    if recording.each:
+        axes.plot(recording.t / unit_s, low, color=colour, lw=0.8)
+    else:
+        axes.plot(np.repeat(recording.t, 2) / unit_s, joined(low, high), color=colour, lw=0.8, solid_joinstyle="bevel")
+
+
+def mark_epochs(axes, recording, unit_s, colour):
+    """A line where each live change begins to apply, with the number of its epoch."""
+    if not recording.epochs:
+        return
+    numbers, begins = zip(*recording.epochs)
+    lines = [((begin / unit_s, 0), (begin / unit_s, 1)) for begin in begins]
+    axes.add_collection(LineCollection(lines, transform=axes.get_xaxis_transform(), color=colour, lw=0.8, ls=(0, (2, 2))), autolim=False)
+    for number, begin in recording.epochs if len(numbers) <= MAX_NUMBERED else []:
+        axes.text(begin / unit_s, 1.0, f" {number}", transform=axes.get_xaxis_transform(), fontsize=7, va="bottom", color=colour)
+
+
+def largest_of(recording, column):
+    return max(-np.nanmin(recording.low[column]), np.nanmax(recording.high[column]))
+
+
+def prepare_spectrum(axes, highest, drive):
     axes.set_xlim(0, highest / 1e3)
     axes.set_ylim(*SPAN_DB)
     axes.set_yticks([-60, -40, -20, 0])
@@ -106,39 +210,95 @@ def draw_spectrum(axes, v, rate, drive, colour):
     axes.axhline(-20, color="#555555", lw=0.8, ls=(0, (4, 3)))
     for k in range(1, int(highest // drive) + 1 if drive else 1):
         axes.axvline(k * drive / 1e3, color="#bbbbbb", lw=0.6, zorder=0)
+
+
+def levels_up_to(highest, frequency, amplitude):
+    """Frequencies, and levels [dB]; of many the largest of each pixel."""
+    shown = np.searchsorted(frequency, highest, side="right")
+    begins = np.arange(0, shown, -(-shown // MAX_STRETCHES))
+    return frequency[begins], 20 * np.log10(np.maximum(np.maximum.reduceat(amplitude[:shown], begins), 1e-15))
+
+
+def draw_spectrum(axes, v, rate, drive, highest, colour):
+    """Draws the levels. Returns the band at -20 dB as text."""
+    lowest = drive / 2 if drive else 0
     lines = spectrum(v, rate, lowest)
     if lines is None:
-        axes.text(0.5, 0.5, "silence", transform=axes.transAxes, ha="center")
-        return
-    frequency, level = lines
-    low, high = (edge / 1e3 for edge in band_of(frequency, level, lowest, -20))
+        return "silence"
+    low, high = (edge / 1e3 for edge in band_of(*lines, lowest, -20))
     axes.axvspan(low, high, color=colour, alpha=0.08, lw=0)
-    shown = frequency <= highest
-    axes.fill_between(frequency[shown] / 1e3, level[shown], SPAN_DB[0], color=colour, alpha=0.15, lw=0)
-    axes.plot(frequency[shown] / 1e3, level[shown], color=colour, lw=0.8)
-    axes.text(0.985, 0.95, f"−20 dB: {low:.4g} to {high:.4g} kHz", transform=axes.transAxes, ha="right",
-              va="top", fontsize=8)
+    frequency, level = levels_up_to(highest, *lines)
+    axes.fill_between(frequency / 1e3, level, SPAN_DB[0], color=colour, alpha=0.15, lw=0)
+    axes.plot(frequency / 1e3, level, color=colour, lw=0.8)
+    return f"\u221220 dB: {low:.4g} to {high:.4g} kHz"
 
 
-def draw(samples, about, title, rows=None):
-    """A row of two axes for each column: waveform and spectrum. `rows` are axes of the caller's."""
-    matplotlib.rcParams.update(STYLE | {"font.size": 9})
-    columns = about["columns"]
-    rate, drive, t = about["sample_rate_hz"], drive_frequency(about), samples["t_s"]
-    unit_s, unit = (1e-6, "µs") if t[-1] - t[0] < 2e-3 else (1e-3, "ms")
-    stretch = longest_stretch(t, rate)
+def panels_of(recordings):
+    """The columns of each panel: (recording, index of its column). Recordings of one column each share a panel."""
+    if all(len(recording.columns) == 1 for recording in recordings):
+        return [[(recording, 0) for recording in recordings]]
+    panels = {}
+    for recording in recordings:
+        for column, (name, *_) in enumerate(recording.columns):
+            panels.setdefault(name, []).append((recording, column))
+    return list(panels.values())
+
+
+def note(axes, texts):
+    axes.text(0.985, 0.95, "\n".join(texts), transform=axes.transAxes, ha="right", va="top", fontsize=8,
+              bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5} if texts else None)
+
+
+def draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many):
+    """Draws one column of each recording: waveforms and spectra. With many recordings their names are in it."""
+    scale = scale_of_unit(max(largest_of(recording, column) for recording, column in panel))
+    prepare_spectrum(lines, highest, drive)
+    peaks, bands = [], []
+    for (recording, column), colour in zip(panel, colours):
+        draw_waveform(wave, recording, column, unit_s, scale, colour)
+        mark_epochs(wave, recording, unit_s, colour if many else "#555555")
+        before = f"{recording.name}: ".replace("$", r"\$") if many else ""
+        peaks.append(f"{before}peak {largest_of(recording, column):.3g}")
+        part = recording.parts[column]
+        bands.append(before + draw_spectrum(lines, part, recording.rate, recording.drive or drive, highest, colour))
+        length = len(part) / recording.rate
+        if length < 0.999 * (recording.ends[1] - recording.ends[0]):
+            bands.append(f"of {length:.3g} s from {recording.part_from:.4g} s on")
+    wave.set_xlim(min(recording.ends[0] for recording, _ in panel) / unit_s,
+                  max(max(recording.ends[1], recording.ends[0] + 1 / recording.rate) for recording, _ in panel) / unit_s)
+    wave.grid(axis="y")
+    note(lines, bands)
+    if many:
+        wave.legend(wave.get_lines(), peaks, fontsize=8, edgecolor="none", loc="upper right")
+    else:
+        note(wave, peaks)
+    recording, column = panel[0]
+    name, quantity, of = recording.columns[column]
+    label = quantity if name.startswith(quantity) else name
+    of = f"{of} \u00d7 {scale:g}".strip() if scale != 1 else of
+    wave.set_ylabel(f"{label} [{of}]" if of else label)
+    lines.set_ylabel("level [dB]")
+
+
+def draw(recordings, title, rows=None):
+    """A row of two axes for each panel: waveforms and spectra. `rows` are axes of the caller's."""
+    matplotlib.rcParams.update(STYLE | {"font.size": 9, "agg.path.chunksize": 10000})
+    panels = panels_of(recordings)
+    many = len(recordings) > 1
+    drive = next((recording.drive for recording in recordings if recording.drive), None)
+    nyquist = max(recording.rate for recording in recordings) / 2
+    highest = min(nyquist, (HARMONICS + 0.5) * drive if drive else nyquist)
+    span = max(recording.ends[1] for recording in recordings) - min(recording.ends[0] for recording in recordings)
+    unit_s, unit = (1e-6, "\u00b5s") if span < 2e-3 else (1e-3, "ms") if span < 2 else (1, "s")
     if rows is None:
-        _, rows = plt.subplots(len(columns), 2, figsize=(10, 1.0 + 1.8 * len(columns)), sharex="col",
+        _, rows = plt.subplots(len(panels), 2, figsize=(10, 1.0 + 1.8 * len(panels)), sharex="col",
                                layout="constrained", squeeze=False)
     figure = rows[0, 0].figure
-    for (name, quantity, of), (wave, lines), colour in zip(columns, rows, COLOURS * len(columns)):
-        v = samples[name].astype(float)
-        draw_waveform(wave, t, v, rate, unit_s, colour)
-        draw_spectrum(lines, v[stretch], rate, drive, colour)
-        label = quantity if name.startswith(quantity) else name
-        wave.set_ylabel(f"{label} [{of}]" if of else label)
-        lines.set_ylabel("level [dB]")
-    rows[-1, 0].set_xlabel(f"time [{unit}]")
+    for number, (panel, (wave, lines)) in enumerate(zip(panels, rows)):
+        colours = [COLOURS[(recordings.index(recording) if many else number) % len(COLOURS)] for recording, _ in panel]
+        draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many)
+    epochs = "      dotted: live changes" if any(recording.epochs for recording in recordings) else ""
+    rows[-1, 0].set_xlabel(f"time [{unit}]" + epochs)
     rows[-1, 1].set_xlabel("frequency [kHz]" + (f"      f = {drive / 1e3:g} kHz, lines at its multiples" if drive else ""))
     if title:
         figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)
@@ -149,12 +309,22 @@ class NotASweep(Exception):
     pass
 
 
+class WrongUse(ValueError):
+    pass
+
+
 def search_of(provenance):
     """The request of `hertzline optimise`; None: it is a sweep."""
+    return provenance.get("search")
+
+
+def object_in(text):
+    """The JSON object in a text; an empty one where there is none."""
     try:
-        return json.loads(provenance).get("search")
-    except (TypeError, ValueError, AttributeError):
-        return None
+        found = json.loads(text)
+    except (TypeError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def read_hdf5_table(path):
@@ -169,7 +339,7 @@ def read_hdf5_table(path):
             raise NotASweep
         table = file["points"][:]
         units = dict(zip(table.dtype.names, file["points"].attrs["units"]))
-        search = search_of(file.attrs.get("provenance"))
+        search = search_of(object_in(file.attrs.get("provenance")))
     texts = [name for name in table.dtype.names if table[name].dtype.kind == "S"]
     return {name: np.char.decode(table[name]) if name in texts else table[name].astype(float)
             for name in table.dtype.names}, units, search
@@ -220,7 +390,7 @@ class Sweep:
         names = names or usual or [name for name in self.quantities if not name.startswith("estimated_")][:2]
         for name in names:
             if name not in self.quantities:
-                raise ValueError(f"--quantity: found {name}, allowed: {', '.join(self.quantities)}")
+                raise WrongUse(f"--quantity: found {name}, allowed: {', '.join(self.quantities)}")
         return names
 
 
@@ -245,18 +415,28 @@ def mark_doubtful(axes, sweep, x, y, points):
             axes.plot(x[there], y[there], marker, ms=5, mfc="none", mec="#b03a2e", ls="", label=status)
 
 
+def groups_of(sweep):
+    """The key along the axis, and the points of each word of another key: (word, which points)."""
+    key = (sweep.numbers + sweep.words)[0]
+    others = [word for word in sweep.words if word != key]
+    if not others:
+        return key, [(None, np.full(len(sweep.status), True))]
+    word = sweep.columns[others[0]]
+    return key, [(w, word == w) for w in dict.fromkeys(word)]
+
+
 def draw_curves(axes, sweep, quantity):
-    key = sweep.numbers[0] if sweep.numbers else sweep.words[0]
+    key, groups = groups_of(sweep)
     x, y = sweep.columns[key], sweep.columns[quantity]
-    groups = [(None, np.full(len(x), True))]
-    if sweep.numbers and sweep.words:
-        word = sweep.columns[sweep.words[0]]
-        groups = [(w, word == w) for w in dict.fromkeys(word)]
     for (name, points), colour in zip(groups, COLOURS * len(groups)):
         order = np.flatnonzero(points)
         if sweep.numbers:
             order = order[np.argsort(x[order], kind="stable")]
-        axes.plot(x[order], y[order], ".-", color=colour, lw=0.9, ms=3, label=name)
+            axes.plot(x[order], y[order], ".-", color=colour, lw=0.9, ms=3, label=name)
+        else:  # words have no order that a line could follow
+            axes.plot(x[order], y[order], "o", color=colour, ms=6, label=name)
+    if not sweep.numbers and sum(map(len, dict.fromkeys(x))) > 60:
+        axes.tick_params(axis="x", labelrotation=30)
     mark_doubtful(axes, sweep, x, y, np.isfinite(y))
     for status in dict.fromkeys(sweep.status[~np.isfinite(y)]):  # no number: on the axis
         there = ~np.isfinite(y) & (sweep.status == status)
@@ -359,9 +539,8 @@ def draw_sweep(sweep, quantities, title, panels=None):
     """An axes for each quantity. `panels` are axes of the caller's."""
     if sweep.search and not quantities and panels is None:
         return draw_search(sweep, title)
-    if len(sweep.numbers) > 2 or len(sweep.words) > 1 or (len(sweep.numbers) == 2 and sweep.words):
-        raise ValueError(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: a number, two numbers, "
-                         "or a number and a word")
+    if len(sweep.keys) > 2:
+        raise WrongUse(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: one or two")
     matplotlib.rcParams.update(STYLE | {"font.size": 9})
     quantities = sweep.chosen(quantities)
     is_map = len(sweep.numbers) == 2
@@ -383,11 +562,104 @@ def draw_sweep(sweep, quantities, title, panels=None):
     return figure
 
 
-def draw_recording(path, title):
-    samples, about = read(path)
-    if len(samples) == 0:
-        raise ValueError("the recording has no samples")
-    return draw(samples, about, title)
+def read_waveforms(path, name):
+    """Samples of each point, NaN after its last one, their unit, and the rate of each point [Hz]."""
+    try:
+        import h5py
+    except ImportError as error:
+        print(error, file=sys.stderr)
+        sys.exit(MODULES_MISSING)
+    with h5py.File(path, "r") as file:
+        there = [key for key in file if key != "points"]
+        if name not in there:
+            raise WrongUse(f"--columns: found {name}, allowed: {', '.join(there) or 'a sweep that was made with --waveforms'}")
+        table, samples = file["points"], file[name]
+        provenance = object_in(file.attrs.get("provenance"))
+        key = "output.sample_rate_hz"
+        rate = table[key][:] if key in table.dtype.names else np.full(len(table), provenance["scene"]["output"]["sample_rate_hz"])
+        drive = drive_frequency({"provenance": provenance})
+        chosen = np.unique(np.linspace(0, len(table) - 1, min(len(table), MAX_WAVEFORMS)).astype(int))
+        return samples[list(chosen)], samples.attrs.get("units", ""), rate[chosen], drive, chosen
+
+
+def waveform_recordings(sweep, path, name):
+    """A recording for each point that has samples, and its number."""
+    samples, unit, rates, drive, points = read_waveforms(path, name)
+    recordings = []
+    for v, rate, point in zip(samples, rates, points):
+        v = v[:np.flatnonzero(np.isfinite(v))[-1] + 1] if np.isfinite(v).any() else v[:0]
+        if len(v) > 0:
+            words = ", ".join(value_text(sweep.columns[key][point]) for key in sweep.keys)
+            about = {"columns": [(name, name, unit)], "sample_rate_hz": rate}
+            recordings.append((recording_of({"t_s": np.arange(len(v)) / rate, name: v}, about, words), point))
+    for recording, _ in recordings:
+        recording.drive = drive
+    if not recordings:
+        raise ValueError("no point has samples")
+    return recordings
+
+
+def value_text(value):
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def draw_waveforms(sweep, path, names, title):
+    """Waveforms and spectra of all points, by colour: a legend for a few, a scale for many."""
+    matplotlib.rcParams.update(STYLE | {"font.size": 9})
+    if len(names) != 1:
+        raise WrongUse(f"--columns: found {', '.join(names)}, allowed: one output of a sweep")
+    recordings, points = zip(*waveform_recordings(sweep, path, names[0]))
+    if len(recordings) <= len(COLOURS):
+        figure = draw(list(recordings), title)
+        if len(recordings) > 1:
+            figure.axes[0].get_legend().set_title(", ".join(map(sweep.label, sweep.keys)), prop={"size": 8})
+        return figure
+    key = (sweep.numbers + ["point"])[0]
+    values = sweep.columns[key][list(points)]
+    scale = matplotlib.colors.LogNorm if scale_of(values) == "log" else matplotlib.colors.Normalize
+    colours = matplotlib.cm.ScalarMappable(scale(values.min(), values.max()), "viridis")
+    figure, (wave, lines) = plt.subplots(2, 1, figsize=(8, 6), layout="constrained")
+    first = recordings[0]
+    span = max(recording.ends[1] for recording in recordings)
+    unit_s, unit = (1e-6, "\u00b5s") if span < 2e-3 else (1e-3, "ms")
+    highest = min(first.rate / 2, (HARMONICS + 0.5) * first.drive if first.drive else first.rate / 2)
+    prepare_spectrum(lines, highest, first.drive)
+    for recording, value in zip(recordings, values):
+        colour = colours.to_rgba(value)
+        draw_waveform(wave, recording, 0, unit_s, 1, colour)
+        found = spectrum(recording.parts[0], recording.rate, recording.drive / 2 if recording.drive else 0)
+        if found is not None:
+            frequency, level = levels_up_to(highest, *found)
+            lines.plot(frequency / 1e3, level, color=colour, lw=0.6)
+    wave.grid(axis="y")
+    wave.set_xlabel(f"time [{unit}]")
+    wave.set_ylabel(f"{names[0]} [{first.columns[0][2]}]")
+    lines.set_xlabel("frequency [kHz]")
+    lines.set_ylabel("level [dB]")
+    figure.colorbar(colours, ax=[wave, lines], label=sweep.label(key))
+    if len(sweep.status) > MAX_WAVEFORMS:
+        note(wave, [f"{len(recordings)} of {len(sweep.status)} points"])
+    if title:
+        figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)
+    return figure
+
+
+def list_of(text):
+    return text.split(",")
+
+
+def figure_of(arguments):
+    path = arguments.recording
+    if path.endswith(".json"):
+        return draw(reduced_recordings(path), arguments.title)
+    if path.endswith(".npy"):
+        return draw([recording_of(*read(path))], arguments.title)
+    sweep = read_sweep(path)
+    if arguments.columns:
+        if not path.endswith(".h5"):
+            raise WrongUse("--columns: found a sweep as CSV, allowed: one that ends in .h5 and was made with --waveforms")
+        return draw_waveforms(sweep, path, arguments.columns, arguments.title)
+    return draw_sweep(sweep, arguments.quantity, arguments.title)
 
 
 def main():
@@ -397,13 +669,10 @@ def main():
     parser.add_argument("-o", "--output", required=True, help="the picture")
     parser.add_argument("--format", help="png, svg or pdf (default: the ending of the picture)")
     parser.add_argument("--title", default="", help="stands above")
-    parser.add_argument("--quantity", type=lambda names: names.split(","), default=[], help="of a sweep: draw these numbers")
+    parser.add_argument("--quantity", type=list_of, default=[], help="of a sweep: draw these numbers")
+    parser.add_argument("--columns", type=list_of, default=[], help="of a sweep: draw the waveforms of this output")
     arguments = parser.parse_args()
-    if arguments.recording.endswith(".npy"):
-        figure = draw_recording(arguments.recording, arguments.title)
-    else:
-        figure = draw_sweep(read_sweep(arguments.recording), arguments.quantity, arguments.title)
-    figure.savefig(arguments.output, format=arguments.format, dpi=110, facecolor="white")
+    figure_of(arguments).savefig(arguments.output, format=arguments.format, dpi=110, facecolor="white")
 
 
 if __name__ == "__main__":
@@ -412,5 +681,8 @@ if __name__ == "__main__":
     except NotASweep:
         print("it is no sweep", file=sys.stderr)
         sys.exit(NOT_A_SWEEP)
+    except WrongUse as error:
+        print(error, file=sys.stderr)
+        sys.exit(WRONG_USE)
     except (OSError, ValueError, KeyError) as error:
         sys.exit(f"{error}")

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/scene/text.hpp"
+#include "core/scene/units.hpp"
 
 namespace hertzline {
 
@@ -12,16 +13,13 @@ namespace {
 
 /// The value as text, for a message.
 std::string found_json(const Json& value) {
-    return quoted_briefly(value.dump(-1, ' ', true, Json::error_handler_t::replace));
+    return printable(value.dump(-1, ' ', true, Json::error_handler_t::replace), 60);
 }
 
-/// The value as one of that kind; nothing when it is of another kind.
-std::optional<SceneValue> value_in(const Json& json, ValueKind kind) {
+/// The number as one of that kind; nothing when it is of another kind.
+std::optional<SceneValue> number_in(const Json& json, ValueKind kind) {
     constexpr double whole_below = 9e15;
-    if (kind == ValueKind::word) {
-        return json.is_string() ? std::optional<SceneValue>(json.get<std::string>()) : std::nullopt;
-    }
-    if (!json.is_number()) {
+    if (kind == ValueKind::word || !json.is_number()) {
         return std::nullopt;
     }
     const auto number = json.get<double>();
@@ -32,6 +30,22 @@ std::optional<SceneValue> value_in(const Json& json, ValueKind kind) {
         return std::nullopt;
     }
     return static_cast<std::int64_t>(number);
+}
+
+/// The value as one of the key, or its fault.
+tl::expected<SceneValue, Fault> value_in(const Json& json, const SceneKey& key) {
+    if (const auto* text = json.get_ptr<const std::string*>()) {
+        if (key.kind == ValueKind::word) {
+            return SceneValue(*text);
+        }
+        if (has_unit(*text)) {
+            return read_text(key, *text);
+        }
+    }
+    if (const auto number = number_in(json, key.kind)) {
+        return *number;
+    }
+    return tl::unexpected(Fault{key.name, found_json(json), key.allowed()});
 }
 
 /// The key of that name, or the fault of one that is unknown.
@@ -66,9 +80,9 @@ std::optional<Fault> set_key(Scene& scene, const std::string& name, const Json& 
                    ? std::nullopt
                    : std::optional(Fault{name, "null", key->allowed() + ", always"});
     }
-    const auto value = value_in(json, key->kind);
+    const auto value = value_in(json, *key);
     if (!value) {
-        return Fault{name, found_json(json), key->allowed()};
+        return value.error();
     }
     if (auto fault = value_fault(scene, *key, *value)) {
         return fault;

@@ -10,6 +10,7 @@
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
+#include "core/scene/units.hpp"
 
 namespace hertzline {
 
@@ -137,6 +138,14 @@ std::optional<Fault> material_fault(const Scene& scene, const SceneKey& key, con
                  key.allowed() + ": " + listed(names) + suggestion(name, names)};
 }
 
+/// Returns the units of a number that was given with another one.
+std::string unit_advice(const SceneKey& key, std::string_view text) {
+    if (!has_unit(text)) {
+        return "";
+    }
+    return key.range.unit.empty() ? ", without a unit" : " (" + units_like(key.range.unit) + ")";
+}
+
 bool is_inside(double value, const Range& range) {  // false also where the value is not a number
     return range.bounds == Bounds::closed ? value >= range.min && value <= range.max
                                           : value > range.min && value < range.max;
@@ -261,31 +270,41 @@ std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value) {
     return static_cast<std::size_t>(kind) == value.index() ? std::optional(value) : std::nullopt;
 }
 
-tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_view text) {
+std::optional<SceneValue> read_value(ValueKind kind, std::string_view text) {
     const auto plain = kind == ValueKind::number    ? plain_number<double>(text)
                        : kind == ValueKind::integer ? plain_number<std::int64_t>(text)
                                                     : std::nullopt;
     if (plain) {
-        return *plain;
+        return plain;
     }
     const auto found = toml_value(text);
-    if (!found) {
-        return tl::unexpected(found.error().found);
+    const auto* const given = found ? std::get_if<SceneValue>(&*found) : nullptr;
+    return given != nullptr ? value_as(kind, *given) : std::nullopt;
+}
+
+tl::expected<SceneValue, Fault> read_text(const SceneKey& key, std::string_view text) {
+    if (const auto value = read_value(key.kind, text)) {
+        return *value;
     }
-    const auto* const given = std::get_if<SceneValue>(&*found);
-    const auto value = given != nullptr ? value_as(kind, *given) : std::nullopt;
-    return value ? tl::expected<SceneValue, std::string>(*value) : tl::unexpected(found_text(*found));
+    if (const auto number = number_in_unit(text, key.range.unit)) {
+        return SceneValue(*number);
+    }
+    const auto found = toml_value(text);
+    if (!found && key.kind == ValueKind::word) {
+        return SceneValue(std::string(text));  // "w.csv"
+    }
+    return tl::unexpected(Fault{key.name, found ? found_text(*found) : quoted_briefly(text),
+                                key.allowed() + unit_advice(key, text)});
 }
 
 tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text) {
-    auto value = read_value(key.kind, text);
-    if (!value) {
-        return tl::unexpected(Fault{key.name, std::move(value).error(), key.allowed()});
+    auto value = read_text(key, text);
+    if (value) {
+        if (auto fault = value_fault(scene, key, *value)) {
+            return tl::unexpected(*std::move(fault));
+        }
     }
-    if (auto fault = value_fault(scene, key, *value)) {
-        return tl::unexpected(*std::move(fault));
-    }
-    return *std::move(value);
+    return value;
 }
 
 tl::expected<SceneValue, Fault> allowed_value(const Scene& scene, const SceneKey& key, SceneValue value) {

@@ -103,13 +103,17 @@ std::string value_text(const SceneValue& value);
 /// The value as one of that kind, an integer as a number, too; nothing when it is of another kind.
 std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value);
 
-/// The text as a value of that kind, as --set takes it, or its fault.
-tl::expected<SceneValue, std::string> read_value(ValueKind kind, std::string_view text);
+/// The text as a value of that kind in TOML, where a word needs no quotes; nothing when it is none.
+std::optional<SceneValue> read_value(ValueKind kind, std::string_view text);
+
+/// The text as a value of the key, or its fault: a number with or without its unit ("3 um", units.hpp), an integer, a word. Bounds
+/// and words are left to value_fault().
+tl::expected<SceneValue, Fault> read_text(const SceneKey& key, std::string_view text);
 
 /// The text as a value that the key allows, or its fault. @param scene has the materials
 tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text);
 
-/// The value as one that the key allows: integers are numbers, too, and a text may hold any value, as --set takes it.
+/// The value as one that the key allows: integers are numbers, too, and a text may hold any value, as read_text() takes it.
 tl::expected<SceneValue, Fault> allowed_value(const Scene& scene, const SceneKey& key, SceneValue value);
 
 /// The fault of the value by itself: it is out of the key's bounds, or no such word. @param scene has the

@@ -120,14 +120,14 @@ void SceneSettings::add_option(const std::string& option) {
         return;
     }
     const bool known = knows({path[0]}, place) && knows(path, place);
-    auto value = toml_value(trimmed(std::string_view(option).substr(equals + 1), blank));
-    if (!value) {
-        refuse(place, std::string(key), value.error().found, value.error().allowed);
-    } else if (known) {
+    if (known) {
+        const std::string_view text = trimmed(std::string_view(option).substr(equals + 1), blank);
+        const auto value = toml_value(text);
         if (const Path section{path[0], path[1]}; parts == 3 && find(joined(section)) == nullptr) {
             set(section, TomlTable{}, place);
         }
-        set(path, *std::move(value), place);
+        // a text that is no TOML may be a number with its unit, which its key can tell
+        set(path, value ? *value : SceneValue(std::string(text)), place);
     }
 }
 

@@ -6,6 +6,7 @@
 #include "core/scene/scene_key.hpp"
 #include "core/scene/scene_settings.hpp"
 #include "core/scene/text.hpp"
+#include "core/scene/units.hpp"
 #include "hertzline/scene_file.hpp"
 
 namespace hertzline {
@@ -24,7 +25,17 @@ void read_key(const SceneSettings& settings, const SceneKey& key, const Setting*
         return;
     }
     const auto* found = std::get_if<SceneValue>(&given->value);
-    const auto value = found != nullptr ? value_as(key.kind, *found) : std::nullopt;
+    auto value = found != nullptr ? value_as(key.kind, *found) : std::nullopt;
+    const auto* text = found != nullptr ? std::get_if<std::string>(found) : nullptr;
+    if (!value && text != nullptr && has_unit(*text)) {
+        auto number = read_text(key, *text);
+        if (!number) {
+            faults.push_back(std::move(number).error());
+            faults.back().place = given->place;
+            return;
+        }
+        value = *std::move(number);
+    }
     if (!value || !key.set(scene, *value)) {
         const std::string hint = value ? suggestion(value_text(*value), key.words) : "";
         faults.push_back({key.name, found_text(given->value), key.allowed() + hint, given->place});

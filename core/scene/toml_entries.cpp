@@ -102,8 +102,8 @@ Fault syntax_error(const toml::parse_error& error) {
     what.remove_prefix(what.starts_with(preamble) ? preamble.size() : 0);
     // printable(): the description quotes the text with its escapes undone.
     return fault_in_line(static_cast<int>(error.source().begin.line), "a syntax error in " + printable(what),
-                         "TOML (numbers in SI units without the unit, as 5e-4; words in quotes, as "
-                         "\"wall\"), see https://toml.io");
+                         "TOML (numbers in SI units, as 5e-4, or in quotes with their unit, as "
+                         "\"0.5 mm\"; words in quotes, as \"wall\"), see https://toml.io");
 }
 
 // toml++ as Debian builds it reports by throwing; nothing but this function sees that.
@@ -134,18 +134,17 @@ tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text) 
     });
 }
 
-tl::expected<TomlValue, Fault> toml_value(std::string_view text) {
+std::optional<TomlValue> toml_value(std::string_view text) {
     const bool starts_like_a_word = !text.empty() && text[0] != '-' && !(text[0] >= '0' && text[0] <= '9');
     if (starts_like_a_word && is_bare_key(text) && !is_toml_word(text)) {
         return TomlValue{SceneValue(std::string(text))};
     }
     // A line end would begin further keys. A comment is harmless but never meant: no value needs a '#'.
     if (text.find_first_of("\r\n#") != std::string_view::npos) {
-        return tl::unexpected(Fault{"", quoted_briefly(text), "one TOML value"});
+        return std::nullopt;
     }
-    return parsed("value = " + std::string(text)).map([](const toml::table& table) {
-        return value_of(*table.get("value"));
-    });
+    const auto table = parsed("value = " + std::string(text));
+    return table ? std::optional(value_of(*table->get("value"))) : std::nullopt;
 }
 
 std::string toml_text(const SceneValue& value) {

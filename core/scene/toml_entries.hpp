@@ -1,6 +1,7 @@
 #pragma once
 // TOML text to a flat list of entries, behind the guard. The only place that meets the TOML library.
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -37,8 +38,8 @@ struct TomlEntry {
 /// of the file is for the caller to add.
 tl::expected<std::vector<TomlEntry>, Fault> toml_entries(std::string_view text);
 
-/// A single value; a bare word that means nothing else in TOML is a string. A fault tells neither key nor place.
-tl::expected<TomlValue, Fault> toml_value(std::string_view text);
+/// A single value; a bare word that means nothing else in TOML is a string. Nothing where the text is no TOML.
+std::optional<TomlValue> toml_value(std::string_view text);
 
 /// The value as TOML: 5.0 has a point and the integer 5 has none; words are quoted.
 std::string toml_text(const SceneValue& value);

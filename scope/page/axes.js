@@ -2,16 +2,31 @@
 
 const PREFIXES = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, '\u00b5'], [1e-9, 'n'], [1e-12, 'p']];
 
+/** The room for labels around a plot [CSS pixels]. */
+export const MARGIN = {left: 46, top: 16, below: 18};
+
+/** Returns factor and prefix that suit a value; a unit that has a prefix, as kg/s, takes no other one. */
+export function prefixFor(value, unit) {
+  if (value === 0 || unit === '' || unit.startsWith('kg')) {
+    return [1, ''];
+  }
+  return PREFIXES.find(([size]) => Math.abs(value) >= 0.9999995 * size) ?? PREFIXES.at(-1);
+}
+
+/** Returns a number in few characters: 1e9, 0.25. */
+function plain(value, digits) {
+  const number = Number(value.toPrecision(digits));
+  const size = Math.abs(number);
+  return number !== 0 && (size >= 1e6 || size < 1e-3) ? number.toExponential().replace('e+', 'e') : String(number);
+}
+
 /** Returns a number with its unit: 3.4e-4 s is "340 µs". */
 export function withUnit(value, unit, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) {
     return '\u2013';
   }
-  if (value === 0 || unit === '') {
-    return `${Number(value.toPrecision(digits))} ${unit}`.trim();
-  }
-  const [factor, prefix] = PREFIXES.find(([size]) => Math.abs(value) >= 0.9999995 * size) ?? PREFIXES.at(-1);
-  return `${Number((value / factor).toPrecision(digits))} ${prefix}${unit}`;
+  const [factor, prefix] = prefixFor(value, unit);
+  return `${plain(value / factor, digits)} ${prefix}${unit}`.trim();
 }
 
 /** Returns about `count` round numbers in [low, high]. */
@@ -66,8 +81,14 @@ export class SvgPen {
     const safe = String(words).replaceAll('&', '&amp;').replaceAll('<', '&lt;');
     this.parts.push(`<text x="${x}" y="${y}" fill="${fill}" font-size="12" font-family="sans-serif" text-anchor="${anchor}">${safe}</text>`);
   }
-  toString() {
-    return `<svg xmlns="http://www.w3.org/2000/svg" width="${this.width}" height="${this.height}" viewBox="0 0 ${this.width} ${this.height}">${this.parts.join('')}</svg>`;
+  toString(caption, colour) {
+    const [drawn, above] = [this.parts, 18 * caption.length + 6];
+    this.parts = [];
+    this.rect(0, 0, this.width, this.height + above, colour.paper);
+    caption.forEach((line, i) => this.text(8, 18 * (i + 1), line, colour.ink));
+    const height = this.height + above;
+    return `<svg xmlns="http://www.w3.org/2000/svg" width="${this.width}" height="${height}" viewBox="0 0 ${this.width} ${height}">${this.parts.join('')}`
+      + `<g transform="translate(0 ${above})">${drawn.join('')}</g></svg>`;
   }
 }
 

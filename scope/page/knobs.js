@@ -38,10 +38,20 @@ export class Knobs {
     }
   }
 
-  /** Takes back keys that were not changed. */
-  refuse(keys) {
+  /** Shows below each key why it was not changed. @param faults of the answer; one of a key that was not turned is shown at all that were */
+  refuse(keys, faults) {
+    const text = (fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`;
     for (const key of keys) {
-      this.rows.get(key)?.refuse();
+      const own = faults.filter((fault) => fault.key === key);
+      const others = faults.filter((fault) => !keys.includes(fault.key));
+      this.rows.get(key)?.refuse((own.length > 0 ? own : others).map(text).join(' '));
+    }
+  }
+
+  /** These keys were changed. */
+  accept(keys) {
+    for (const key of keys) {
+      this.rows.get(key)?.clear();
     }
   }
 
@@ -80,18 +90,23 @@ class Knob {
     this.input = this.newInput(knob);
     this.input.id = `knob-${key}`;
     label.htmlFor = this.input.id;
-    this.unit = document.createElement('span');
-    this.unit.className = 'unit';
-    this.unit.textContent = knob.unit ?? '';
-    this.limits = document.createElement('span');
-    this.limits.className = 'limits';
-    this.limits.id = `limits-${key}`;
-    this.input.setAttribute('aria-describedby', this.limits.id);
-    this.element.append(label, this.input, this.unit);
+    this.use = this.part('output', 'use');
+    this.limits = this.part('span', 'limits');
+    this.fault = this.part('span', 'fault');
+    this.fault.setAttribute('aria-live', 'polite');
+    this.input.setAttribute('aria-describedby', `${this.use.id} ${this.limits.id} ${this.fault.id}`);
+    this.element.append(label, this.use, this.input, this.fault);
     if (this.isNumber(knob) && typeof knob.value === 'number' && knob.value > 0 && knob.kind) {
       this.addSlider(knob);
     }
     this.element.append(this.limits);
+  }
+
+  part(tag, name) {
+    const part = document.createElement(tag);
+    part.className = name;
+    part.id = `${name}-${this.key}`;
+    return part;
   }
 
   isNumber(knob) { return knob.kind === 'number' || knob.kind === 'integer' || typeof knob.value === 'number'; }
@@ -109,15 +124,34 @@ class Knob {
     if (knob.kind === 'flag' || typeof knob.value === 'boolean') {
       input.type = 'checkbox';
       input.onchange = () => this.set(input.checked);
-    } else if (this.isNumber(knob)) {
-      input.type = 'number';
-      input.step = knob.kind === 'integer' ? '1' : 'any';
-      input.onchange = () => { if (input.value !== '') { this.set(Number(input.value)); } };
     } else {
-      input.type = 'text';
-      input.onchange = () => this.set(input.value);
+      Object.assign(input, {type: 'text', autocomplete: 'off', autocapitalize: 'off', spellcheck: false});
+      input.onchange = () => this.setText(input.value.trim());
+      input.oninput = () => input.removeAttribute('aria-invalid');
     }
     return input;
+  }
+
+  /** A number is one, with or without its unit ("3 um"), which the stream reads. */
+  setText(text) {
+    if (text === '') {
+      this.showValue();
+    } else if (text !== this.valueText()) {
+      this.set(this.isNumber(this.knob) && Number.isFinite(Number(text)) ? Number(text) : text);
+    }
+  }
+
+  valueText() {
+    return typeof this.knob.value === 'number' ? withUnit(this.knob.value, this.knob.unit ?? '', 15) : this.knob.value ?? '';
+  }
+
+  /** The ends of the slider: a quarter of the value and four times it, within its bounds. */
+  sliderEnds() { return [this.turned(-2), this.turned(2)]; }
+
+  turned(octaves) {
+    const turned = Number((this.value * 2 ** octaves).toPrecision(4));
+    const inside = Math.min(Math.max(turned, this.knob.minimum ?? -Infinity), this.knob.maximum ?? Infinity);
+    return this.knob.kind === 'integer' ? Math.round(inside) : inside;
   }
 
   /** A quarter to four times the value, and back to the middle. */
@@ -129,13 +163,15 @@ class Knob {
     slider.step = '0.02';
     slider.value = '0';
     slider.setAttribute('aria-label', `${this.key}, from a quarter to four times its value`);
-    const value = () => {
-      const turned = Number((this.value * 2 ** Number(slider.value)).toPrecision(4));
-      const inside = Math.min(Math.max(turned, this.knob.minimum ?? -Infinity), this.knob.maximum ?? Infinity);
-      return knob.kind === 'integer' ? Math.round(inside) : inside;
+    slider.setAttribute('aria-describedby', this.limits.id);
+    const value = () => this.turned(Number(slider.value));
+    const say = (number) => slider.setAttribute('aria-valuetext', withUnit(number, knob.unit ?? ''));
+    slider.oninput = () => {
+      this.input.value = withUnit(value(), knob.unit ?? '', 15);
+      say(value());
+      this.set(value());
     };
-    slider.oninput = () => { this.input.value = value(); this.set(value()); };
-    const letGo = () => { this.turning = false; slider.value = '0'; };
+    const letGo = () => { this.turning = false; slider.value = '0'; say(this.value); };
     slider.onchange = () => {
       this.value = value();  // the next turn begins there, whether it is known or not
       this.turnedAt = performance.now();
@@ -154,18 +190,26 @@ class Knob {
     if (this.input.type === 'checkbox') {
       this.input.checked = this.knob.value === true;
     } else {
-      this.input.value = this.knob.value ?? '';
+      this.input.value = this.valueText();
     }
+    this.input.removeAttribute('aria-invalid');
   }
 
-  /** A change was refused: shows the present value, unless the user types there. */
-  refuse() {
+  /** A change was refused: shows the reason. A text stays, marked as wrong, while the user is at it. */
+  refuse(reason) {
     this.value = this.knob.value;
-    if (document.activeElement === this.input && ['number', 'text'].includes(this.input.type)) {
+    this.fault.textContent = reason;
+    if (document.activeElement === this.input && this.input.type === 'text') {
+      this.input.setAttribute('aria-invalid', 'true');
       this.input.onblur = () => { this.input.onblur = null; this.showValue(); };
     } else {
       this.showValue();
     }
+  }
+
+  clear() {
+    this.fault.textContent = '';
+    this.input.removeAttribute('aria-invalid');
   }
 
   update(knob, there) {
@@ -180,10 +224,19 @@ class Knob {
         this.showValue();
       }
     }
-    const {minimum, maximum} = knob;
     const unit = knob.unit ?? '';
-    this.limits.textContent = minimum !== undefined || maximum !== undefined
-      ? `${withUnit(knob.value, unit)}; from ${withUnit(minimum ?? -Infinity, unit)} to ${withUnit(maximum ?? Infinity, unit)}`
-      : knob.allowed ?? '';
+    const text = (value) => (typeof value === 'number' ? withUnit(value, unit) : String(value ?? '\u2013'));
+    this.say(this.use, `${text(knob.value)} in use`);
+    const {minimum, maximum} = knob;
+    const allowed = minimum !== undefined ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? '';
+    const slider = this.slider && there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
+    this.say(this.limits, slider + allowed);
+  }
+
+  /** Sets a text that has changed, and leaves the page alone otherwise. */
+  say(part, text) {
+    if (part.textContent !== text) {
+      part.textContent = text;
+    }
   }
 }

@@ -1,5 +1,5 @@
 // The page: sends requests, takes updates, and draws.
-import {colours, withUnit} from './axes.js';
+import {MARGIN, colours, withUnit} from './axes.js';
 import {Chain} from './chain.js';
 import {Knobs} from './knobs.js';
 import {Link} from './link.js';
@@ -96,6 +96,13 @@ function setMode(mode) {
   ask();
 }
 
+let placed = 'A';  // the cursor that a click or a tap places
+function choosePlaced(name) {
+  placed = name;
+  $('cursor-a').setAttribute('aria-pressed', String(name === 'A'));
+  $('cursor-b').setAttribute('aria-pressed', String(name === 'B'));
+}
+
 const act = {
   move(share) { touched = true; setWindow(view.from_s + share * view.span_s, view.span_s); },
   zoom(factor, share) {
@@ -116,9 +123,10 @@ const act = {
   },
   home,
   cursor(name, share) { waveform.cursors[name] = view.from_s + share * view.span_s; stale.waveform = true; },
+  place(share) { act.cursor(placed, share); },
   nudge(name, pixels) {
     if (waveform.cursors[name] !== null) {
-      waveform.cursors[name] += pixels / $('waveform').clientWidth * view.span_s;
+      waveform.cursors[name] += pixels / ($('waveform').clientWidth - MARGIN.left) * view.span_s;
       stale.waveform = true;
     }
   },
@@ -134,10 +142,27 @@ $('right').onclick = () => act.move(0.25);
 $('zoom-in').onclick = () => act.zoom(0.5, 0.5);
 $('zoom-out').onclick = () => act.zoom(2, 0.5);
 $('home').onclick = home;
-$('from').onchange = () => { touched = true; setWindow(Number($('from').value) / 1e6, view.span_s); };
-$('span').onchange = () => { touched = true; setWindow(view.from_s, Number($('span').value) / 1e6 || view.span_s); };
+$('cursor-a').onclick = () => choosePlaced('A');
+$('cursor-b').onclick = () => choosePlaced('B');
+$('cursor-none').onclick = () => { waveform.cursors = {A: null, B: null}; stale.waveform = true; };
+
+/** Calls take with the field's number, or null where it is empty; a text that is no number is marked and changes nothing. */
+function onNumber(id, take) {
+  const mark = () => {
+    const wrong = $(id).validity.badInput;
+    $(id).setAttribute('aria-invalid', String(wrong));
+    $('view-fault').textContent = wrong ? `${$(id).labels[0].textContent.trim()}: found no number` : '';
+    return wrong;
+  };
+  $(id).onchange = () => { if (!mark()) { take($(id).value === '' ? null : Number($(id).value)); } };
+  // A browser reports no change from one text that is no number to another one.
+  $(id).onblur = mark;
+  $(id).onkeydown = ({key}) => { if (key === 'Enter') { mark(); } };
+}
+onNumber('from', (us) => { touched = true; setWindow((us ?? 0) / 1e6, view.span_s); });
+onNumber('span', (us) => { touched = true; setWindow(view.from_s, us / 1e6 || view.span_s); });
 for (const edge of ['low', 'high']) {
-  $(edge).onchange = () => { waveform.level[edge] = $(edge).value === '' ? null : Number($(edge).value); stale.waveform = true; };
+  onNumber(edge, (level) => { waveform.level[edge] = level; stale.waveform = true; });
 }
 $('persistence').onchange = () => { waveform.persistence = Number($('persistence').value); stale.waveform = true; };
 $('stream').onchange = () => {
@@ -148,12 +173,12 @@ $('stream').onchange = () => {
   showUnit();
 };
 $('trigger').onchange = () => { waveform.trigger = view.trigger = $('trigger').value; $('level-trigger').hidden = view.trigger !== 'level'; ask(); };
-$('level').onchange = () => { view.level = Number($('level').value); ask(); };
+onNumber('level', (level) => { view.level = level ?? 0; ask(); });
 $('slope').onchange = () => { view.slope = $('slope').value; ask(); };
-$('hold-off').onchange = () => { view.hold_off_s = Math.max(Number($('hold-off').value), 0) / 1e6; ask(); };
-$('average').onchange = () => { view.average = Math.min(Math.max(Math.round(Number($('average').value)) || 1, 1), 1000); ask(); };
-$('to-hz').onchange = () => { view.spectrum_to_hz = Math.max(Number($('to-hz').value) * 1e3, 1) || 8e5; ask(); };
-$('floor-db').onchange = () => { spectrum.floor = Math.min(Number($('floor-db').value), -20) || -80; stale.spectrum = true; };
+onNumber('hold-off', (us) => { view.hold_off_s = Math.max(us ?? 0, 0) / 1e6; ask(); });
+onNumber('average', (bursts) => { view.average = Math.min(Math.max(Math.round(bursts ?? 1), 1), 1000); ask(); });
+onNumber('to-hz', (kHz) => { view.spectrum_to_hz = Math.max((kHz ?? 800) * 1e3, 1); ask(); });
+onNumber('floor-db', (db) => { spectrum.floor = Math.min(db ?? -80, -20); stale.spectrum = true; });
 $('chain-panel').ontoggle = ask;
 $('chain-stream').onchange = ask;
 $('spectrum-panel').ontoggle = ask;
@@ -177,13 +202,17 @@ $('undo').onclick = () => { changing = true; link.send({undo: true}); };
 function showAnswer({to, answer}) {
   changing = false;
   const faults = answer?.faults;
+  const keys = Object.keys(to.set ?? {});
   const what = to.undo ? 'undone' : Object.entries(to.set ?? {}).map(([key, value]) => `${key} = ${value}`).join(', ');
   $('knob-answer').classList.toggle('bad', Boolean(faults));
-  $('knob-answer').textContent = faults
-    ? faults.map((fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`).join(' ')
-    : `${what}: from sample ${answer.applies_at_sample} on (epoch ${answer.epoch}).`;
   if (faults) {
-    knobs.refuse(Object.keys(to.set ?? {}));
+    knobs.refuse(keys, faults);
+    $('knob-answer').textContent = keys.length > 0 && knobs.there ? `Refused: ${keys.join(', ')}.`
+      : faults.map((fault) => fault.message ?? `${fault.key}: found ${fault.found}, allowed: ${fault.allowed}`).join(' ');
+  } else {
+    knobs.accept(keys);
+    const warnings = (answer.warnings ?? []).map((warning) => ` Warning: ${warning}`).join('');
+    $('knob-answer').textContent = `${what}: from sample ${answer.applies_at_sample} on (epoch ${answer.epoch}).${warnings}`;
   }
   page.answer = {to, answer};
   change();
@@ -192,10 +221,32 @@ function showAnswer({to, answer}) {
 // ---- saving
 
 $('save-scene').onclick = () => link.send({scene: 'toml'});
+
+/** Returns what a saved picture shows: stream, scene, time. */
+function caption() {
+  const {picture} = waveform;
+  const drive = scene?.scene?.drive;
+  const chainOf = scene?.scene?.chain;
+  const of = drive && chainOf ? `: ${chainOf.spheres} spheres of ${chainOf.material}, ${withUnit(drive.frequency_hz, 'Hz')}, `
+    + `${withUnit(drive.amplitude_m, 'm')}` : '';
+  return [
+    `${view.stream} from sample ${picture?.first ?? '\u2013'} on, epoch ${picture?.epoch ?? scene?.epoch ?? 0}, of ${state.endpoint ?? 'no stream'}`,
+    `scene ${scene?.scene_hash ?? '\u2013'}${of}`,
+    `run ${scene?.run ?? '\u2013'}, saved ${new Date().toISOString()}`,
+  ];
+}
+
+/** A name that sorts by time: hertzline-v_out-0123abcd-20260131T120000.png */
+function pictureName(ending) {
+  const time = new Date().toISOString().replace(/[-:]/g, '').slice(0, 15);
+  return `hertzline-${view.stream}-${(scene?.scene_hash ?? 'none').slice(0, 8)}-${time}.${ending}`;
+}
+
 $('save-png').onclick = async () => {
-  download('hertzline-scope.png', 'image/png', await pngOf([$('waveform'), $('spectrum'), $('waterfall')], colours().paper));
+  const png = await pngOf([$('waveform'), $('spectrum'), $('waterfall')], caption(), colours());
+  download(pictureName('png'), 'image/png', png);
 };
-$('save-svg').onclick = () => download('hertzline-scope.svg', 'image/svg+xml', waveform.svg(1200, 500));
+$('save-svg').onclick = () => download(pictureName('svg'), 'image/svg+xml', waveform.svg(1200, 500, caption()));
 $('record').onclick = () => link.send(state.recording?.on
   ? {record: null} : {record: {stream: view.stream, ending: $('record-ending').value}});
 

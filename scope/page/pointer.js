@@ -1,16 +1,19 @@
 // Mouse, fingers and keys on the waveform.
 
+import {MARGIN} from './axes.js';
+
 const CLICK_PIXELS = 4;
 
-/** @param act {move(share), zoom(factor, share), zoomLevel(factor, share), home(), cursor(name, share), nudge(name, pixels), run(), hold(), single()} */
+/** @param act {move(share), zoom(factor, share), zoomLevel(factor, share), home(), cursor(name, share), place(share), nudge(name, pixels), run(), hold(), single()} */
 export function listen(canvas, act) {
-  const share = (event) => event.offsetX / canvas.clientWidth;
+  const width = () => canvas.clientWidth - MARGIN.left;
+  const share = ({offsetX}) => Math.max(offsetX - MARGIN.left, 0) / width();
   const fingers = new Map();
   let travelled = 0;
 
   canvas.addEventListener('pointerdown', (event) => {
     fingers.set(event.pointerId, {x: event.offsetX});
-    travelled = 0;
+    travelled = fingers.size === 1 ? 0 : Infinity;  // two fingers place no cursor
     canvas.setPointerCapture(event.pointerId);
   });
   canvas.addEventListener('pointermove', (event) => {
@@ -24,20 +27,23 @@ export function listen(canvas, act) {
       const before = Math.abs(finger.x - other.x);
       const now = Math.abs(event.offsetX - other.x);
       if (before > 20 && now > 20) {
-        act.zoom(before / now, (event.offsetX + other.x) / 2 / canvas.clientWidth);
+        act.zoom(before / now, share({offsetX: (event.offsetX + other.x) / 2}));
       }
-      travelled = Infinity;
-    } else {
+    } else if (fingers.size === 1) {
       travelled += Math.abs(by);
       if (travelled > CLICK_PIXELS) {
-        act.move(-by / canvas.clientWidth);
+        act.move(-by / width());
       }
     }
     finger.x = event.offsetX;
   });
   const release = (event) => {
     if (fingers.delete(event.pointerId) && event.type === 'pointerup' && travelled <= CLICK_PIXELS) {
-      act.cursor(event.shiftKey ? 'B' : 'A', share(event));
+      if (event.shiftKey) {
+        act.cursor('B', share(event));
+      } else {
+        act.place(share(event));
+      }
     }
   };
   canvas.addEventListener('pointerup', release);
@@ -47,7 +53,7 @@ export function listen(canvas, act) {
     event.preventDefault();
     const factor = 1.2 ** Math.sign(event.deltaY || event.deltaX);
     if (event.shiftKey) {
-      act.zoomLevel(factor, event.offsetY / canvas.clientHeight);
+      act.zoomLevel(factor, (event.offsetY - MARGIN.top) / (canvas.clientHeight - MARGIN.top - MARGIN.below));
     } else {
       act.zoom(factor, share(event));
     }

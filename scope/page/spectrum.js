@@ -1,8 +1,7 @@
 // The spectrum of the last burst, or of an average, and a waterfall of them.
-import {CanvasPen, colours, fit, ticks, withUnit} from './axes.js';
+import {CanvasPen, MARGIN, colours, fit, ticks, withUnit} from './axes.js';
 
 const LEVEL_OF_BAND = -20;
-const BELOW = 18;
 
 export class Spectrum {
   constructor(canvas, waterfall) {
@@ -51,40 +50,41 @@ export class Spectrum {
   }
 
   draw() {
-    const {width, height: whole, scale} = fit(this.canvas);
-    const height = whole - BELOW * scale;
+    const {width, height, scale} = fit(this.canvas);
     const colour = colours();
     const pen = new CanvasPen(this.context, scale);
-    pen.rect(0, 0, width, whole, colour.paper);
+    const [left, top, bottom] = [MARGIN.left * scale, MARGIN.top * scale, height - MARGIN.below * scale];
+    pen.rect(0, 0, width, height, colour.paper);
     if (!this.picture) {
       pen.text(8 * scale, 20 * scale, 'Waiting for a whole burst.', colour.faint);
       return;
     }
     const to = this.picture.columns * this.picture.rate_hz;
-    const x = (hz) => hz / to * width;
-    const y = (db) => Math.min(db / this.floor, 1) * height;
+    const x = (hz) => left + hz / to * (width - left);
+    const y = (db) => top + Math.min(db / this.floor, 1) * (bottom - top);
     const low = this.measures?.band_20db_low_hz;
     const high = this.measures?.band_20db_high_hz;
     if (Number.isFinite(low) && Number.isFinite(high)) {
-      pen.rect(x(low), 0, x(high) - x(low), height, colour.shade);
+      pen.rect(x(low), top, Math.min(x(high), width) - x(low), bottom - top, colour.shade);
       pen.line([[x(low), y(LEVEL_OF_BAND)], [x(high), y(LEVEL_OF_BAND)]], colour.third, 2);
     }
-    for (const hz of ticks(0, to, width / scale / 90)) {
-      pen.line([[x(hz), 0], [x(hz), height]], colour.line);
-      pen.text(Math.min(Math.max(x(hz), 20 * scale), width - 30 * scale), height + 14 * scale, withUnit(hz, 'Hz'), colour.faint, 'middle');
+    for (const hz of ticks(0, to, (width - left) / scale / 90)) {
+      pen.line([[x(hz), top], [x(hz), bottom]], colour.line);
+      pen.text(Math.min(Math.max(x(hz), left), width - 30 * scale), bottom + 14 * scale, withUnit(hz, 'Hz'), colour.faint, 'middle');
     }
     for (const db of ticks(this.floor, 0, 5)) {
-      pen.line([[0, y(db)], [width, y(db)]], colour.line);
-      pen.text(4 * scale, y(db) - 3 * scale, `${db} dB`, colour.faint);
+      pen.line([[left, y(db)], [width, y(db)]], colour.line);
+      pen.text(left - 5 * scale, y(db) + 4 * scale, String(db), colour.faint, 'end');
     }
+    pen.text(2 * scale, 11 * scale, 'dB', colour.faint);
     for (let k = 1; this.fundamental > 0 && k <= 10 && k * this.fundamental < to; ++k) {
-      pen.line([[x(k * this.fundamental), 0], [x(k * this.fundamental), 8 * scale]], colour.second, 2);
-      pen.text(x(k * this.fundamental) + 3 * scale, 12 * scale, String(k), colour.second);
+      pen.line([[x(k * this.fundamental), top], [x(k * this.fundamental), top + 6 * scale]], colour.second, 2);
+      pen.text(x(k * this.fundamental), 12 * scale, String(k), colour.second, 'middle');
     }
     const line = [];
     this.picture.values.forEach((db, i) => {
       if (!Number.isNaN(db)) {
-        line.push([(i + 0.5) / this.picture.columns * width, y(db)]);
+        line.push([left + (i + 0.5) / this.picture.columns * (width - left), y(db)]);
       }
     });
     pen.line(line, colour.trace, 1.3);

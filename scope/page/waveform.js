@@ -1,8 +1,6 @@
 // The waveform: each column of the picture is a pixel, from its smallest to its largest sample.
-import {CanvasPen, SvgPen, colours, fit, ticks, withUnit} from './axes.js';
+import {CanvasPen, MARGIN, SvgPen, colours, fit, prefixFor, ticks, withUnit} from './axes.js';
 import {protocol} from './protocol.js';
-
-const MARGIN_BELOW = 18;
 
 export class Waveform {
   constructor(canvas) {
@@ -21,7 +19,8 @@ export class Waveform {
 
   /** @returns the number of columns of a picture */
   columns() {
-    return Math.min(Math.max(Math.round(this.canvas.clientWidth * Math.min(window.devicePixelRatio || 1, 2)), 16), protocol.max_columns);
+    const width = this.canvas.clientWidth - MARGIN.left;
+    return Math.min(Math.max(Math.round(width * Math.min(window.devicePixelRatio || 1, 2)), 16), protocol.max_columns);
   }
 
   take(picture) {
@@ -84,36 +83,41 @@ export class Waveform {
     }
   }
 
-  x(time, width) { return (time - this.view.from_s) / this.view.span_s * width; }
-  y(value, height) { return (this.shown.high - value) / (this.shown.high - this.shown.low) * height; }
-  time(x, width) { return this.view.from_s + x / width * this.view.span_s; }
+  x(time) { return this.box.left + (time - this.view.from_s) / this.view.span_s * this.box.width; }
+  y(value) { return this.box.top + (this.shown.high - value) / (this.shown.high - this.shown.low) * this.box.height; }
 
   draw() {
     const {width, height, scale} = fit(this.canvas);
     this.choose();
-    const pen = new CanvasPen(this.context, scale);
-    this.paint(pen, width, height - MARGIN_BELOW * scale, scale, colours());
+    this.paint(new CanvasPen(this.context, scale), width, height, scale, colours());
   }
 
   paint(pen, width, height, scale, colour) {
-    pen.rect(0, 0, width, height + MARGIN_BELOW * scale, colour.paper);
-    this.paintAxes(pen, width, height, scale, colour);
+    const [left, top, below] = [MARGIN.left * scale, MARGIN.top * scale, MARGIN.below * scale];
+    this.box = {left, top, width: width - left, height: height - top - below, right: width, bottom: height - below};
+    pen.rect(0, 0, width, height, colour.paper);
+    this.paintGrid(pen, scale, colour);
     for (const [i, picture] of this.older.entries()) {
       if (pen instanceof CanvasPen) {
         pen.context.globalAlpha = 0.1 + 0.3 * (i + 1) / this.older.length;
       }
-      this.paintTrace(pen, picture, width, height, scale, colour.trace);
+      this.paintTrace(pen, picture, scale, colour.trace);
     }
     if (pen instanceof CanvasPen) {
       pen.context.globalAlpha = 1;
     }
     if (this.picture) {
-      this.paintTrace(pen, this.picture, width, height, scale, colour.trace);
+      this.paintTrace(pen, this.picture, scale, colour.trace);
     }
-    this.paintCursors(pen, width, height, scale, colour);
+    // The labels have room of their own, which the trace does not enter.
+    for (const [x, y, w, h] of [[0, 0, left, height], [0, 0, width, top], [0, this.box.bottom, width, below]]) {
+      pen.rect(x, y, w, h, colour.paper);
+    }
+    this.paintLabels(pen, scale, colour);
+    this.paintCursors(pen, scale, colour);
     const note = this.note();
     if (note) {
-      pen.text(width - 8 * scale, 14 * scale, note, colour.second, 'end');
+      pen.text(width - 8 * scale, 12 * scale, note, colour.second, 'end');
     }
   }
 
@@ -124,22 +128,34 @@ export class Waveform {
     return this.picture.held ? 'held' : this.picture.untriggered && this.trigger !== 'free' ? 'no trigger: running freely' : '';
   }
 
-  paintAxes(pen, width, height, scale, colour) {
-    for (const time of ticks(this.view.from_s, this.view.from_s + this.view.span_s, width / scale / 110)) {
-      const x = this.x(time, width);
-      pen.line([[x, 0], [x, height]], colour.line, time === 0 ? 2 : 1);
-      pen.text(Math.min(Math.max(x, 24 * scale), width - 30 * scale), height + 14 * scale, withUnit(time, 's'), colour.faint, 'middle');
+  times(scale) { return ticks(this.view.from_s, this.view.from_s + this.view.span_s, this.box.width / scale / 110); }
+  levels(scale) { return ticks(this.shown.low, this.shown.high, this.box.height / scale / 45); }
+
+  paintGrid(pen, scale, colour) {
+    const {left, top, right, bottom} = this.box;
+    for (const time of this.times(scale)) {
+      pen.line([[this.x(time), top], [this.x(time), bottom]], colour.line, time === 0 ? 2 : 1);
     }
-    for (const value of ticks(this.shown.low, this.shown.high, height / scale / 45)) {
-      const y = this.y(value, height);
-      pen.line([[0, y], [width, y]], colour.line, value === 0 ? 2 : 1);
-      pen.text(4 * scale, y - 3 * scale, withUnit(value, this.unit), colour.faint);
+    for (const value of this.levels(scale)) {
+      pen.line([[left, this.y(value)], [right, this.y(value)]], colour.line, value === 0 ? 2 : 1);
     }
   }
 
-  paintTrace(pen, picture, width, height, scale, stroke) {
+  paintLabels(pen, scale, colour) {
+    const {left, right, bottom} = this.box;
+    for (const time of this.times(scale)) {
+      pen.text(Math.min(Math.max(this.x(time), left), right - 30 * scale), bottom + 14 * scale, withUnit(time, 's'), colour.faint, 'middle');
+    }
+    const [factor, prefix] = prefixFor(Math.max(Math.abs(this.shown.low), Math.abs(this.shown.high)), this.unit);
+    for (const value of this.levels(scale)) {
+      pen.text(left - 5 * scale, this.y(value) + 4 * scale, withUnit(value / factor, ''), colour.faint, 'end');
+    }
+    pen.text(2 * scale, 11 * scale, prefix + this.unit, colour.faint);
+  }
+
+  paintTrace(pen, picture, scale, stroke) {
     if (picture.each_sample) {
-      this.paintSamples(pen, picture, width, height, scale, stroke);
+      this.paintSamples(pen, picture, scale, stroke);
       return;
     }
     let before = null;
@@ -150,20 +166,20 @@ export class Waveform {
         before = null;
         continue;
       }
-      const x = this.x(Waveform.timeOf(picture, i), width);
-      const next = this.x(Waveform.timeOf(picture, i + 1), width);
-      if (next > 0 && x < width) {
+      const x = this.x(Waveform.timeOf(picture, i));
+      const next = this.x(Waveform.timeOf(picture, i + 1));
+      if (next > this.box.left && x < this.box.right) {
         // Neighbouring columns touch, as the samples on both sides of their border are joined by a line.
-        const top = this.y(before ? Math.max(high, before.low) : high, height);
-        const bottom = this.y(before ? Math.min(low, before.high) : low, height);
+        const top = this.y(before ? Math.max(high, before.low) : high);
+        const bottom = this.y(before ? Math.min(low, before.high) : low);
         pen.rect(x, top - 0.6 * scale, Math.max(next - x, 1), bottom - top + 1.2 * scale, stroke);
       }
       before = {low, high};
     }
   }
 
-  paintSamples(pen, picture, width, height, scale, stroke) {
-    const spacing = width / (this.view.span_s * picture.rate_hz);
+  paintSamples(pen, picture, scale, stroke) {
+    const spacing = this.box.width / (this.view.span_s * picture.rate_hz);
     let line = [];
     const end = () => {
       if (line.length > 0) {
@@ -176,7 +192,7 @@ export class Waveform {
         end();
         continue;
       }
-      const point = [this.x((picture.first - picture.trigger + i) / picture.rate_hz, width), this.y(picture.low[i], height)];
+      const point = [this.x((picture.first - picture.trigger + i) / picture.rate_hz), this.y(picture.low[i])];
       line.push(point);
       if (spacing > 8 * scale) {
         pen.rect(point[0] - 2 * scale, point[1] - 2 * scale, 4 * scale, 4 * scale, stroke);
@@ -185,19 +201,21 @@ export class Waveform {
     end();
   }
 
-  paintCursors(pen, width, height, scale, colour) {
+  paintCursors(pen, scale, colour) {
+    const {left, top, right, bottom} = this.box;
     for (const [name, time] of Object.entries(this.cursors)) {
-      if (time !== null) {
-        const x = this.x(time, width);
-        pen.line([[x, 0], [x, height]], colour.second, 1.5, name === 'A' ? '' : '6 4');
-        pen.text(x + 4 * scale, 14 * scale, name, colour.second);
+      const x = time === null ? NaN : this.x(time);
+      if (x >= left && x <= right) {
+        pen.line([[x, top], [x, bottom]], colour.second, 1.5, name === 'A' ? '' : '6 4');
+        pen.text(x, 12 * scale, name, colour.second, 'middle');
       }
     }
   }
 
-  svg(width, height) {
+  /** @param caption lines above the picture */
+  svg(width, height, caption) {
     const pen = new SvgPen(width, height);
-    this.paint(pen, width, height - MARGIN_BELOW, 1, colours());
-    return pen.toString();
+    this.paint(pen, width, height, 1, colours());
+    return pen.toString(caption, colours());
   }
 }

@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::StartsWith;
 
 const std::string png_begin = "\x89PNG\r\n\x1a\n";
@@ -92,6 +93,190 @@ TEST(Plot, DrawsTheColumnsThatAreNamed) {
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, AllOf(HasSubstr("--columns: found \"v_outt\", allowed: v_last, v_plate, v_out"),
                                  HasSubstr("did you mean 'v_out'?"), HasSubstr("found \"y\"")));
+}
+
+/// Writes a recording of v_out: `level` everywhere, and a single sample of another one.
+void write_impulse(const std::string& file, std::int64_t samples, std::int64_t place, double impulse,
+                   double level = 0, const Json& provenance = Json::object()) {
+    RecordingHead head = recording_head({"v_out_m_per_s"}, 1e6, NumberType::float32);
+    head.provenance.update(provenance);
+    const auto writer = open_recording(file, head);
+    constexpr std::int64_t portion = 1 << 16;
+    for (std::int64_t first = 0; first < samples; first += portion) {
+        std::vector<double> rows(static_cast<std::size_t>(std::min(portion, samples - first)), level);
+        if (place >= first && place - first < std::ssize(rows)) {
+            rows[static_cast<std::size_t>(place - first)] = impulse;
+        }
+        writer->write(first, rows);
+    }
+    writer->commit();
+}
+
+TEST(Plot, DrawsAllSamplesOfALongRecording) {
+    const TemporaryFolder folder;
+    write_impulse(folder.file("a.npy"), 2'500'000, 2'400'000, 0.75);
+    const Outcome outcome = hertzline({"plot", folder.file("a.npy"), "-o", folder.file("a.svg")});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, IsEmpty());
+    const std::string svg = contents(folder.file("a.svg"));
+    EXPECT_THAT(svg,
+                AllOf(HasSubstr("peak 0.75"), HasSubstr("time [s]"), HasSubstr("of 1.05 s from 0 s on")));
+    EXPECT_LT(svg.size(), 2'000'000U);  // a point of a curve for each pixel, not for each sample
+}
+
+TEST(Plot, DrawsAWindowOfTime) {
+    const TemporaryFolder folder;
+    write_impulse(folder.file("a.npy"), 100'000, 50'000, 0.75, 0.25);
+    const auto peak = [&](const char* from, const char* to) {
+        const Outcome outcome =
+            hertzline({"plot", folder.file("a.npy"), "-o", folder.file("a.svg"), "--from", from, "--to", to});
+        const std::string svg = outcome.status == 0 ? contents(folder.file("a.svg")) : outcome.err;
+        const std::size_t at = svg.find("peak ");
+        return at == std::string::npos ? svg : svg.substr(at, 9);
+    };
+    EXPECT_EQ(peak("0.05", "0.06"), "peak 0.75");
+    EXPECT_EQ(peak("50ms", "50 ms"), "error: --to: found \"50 ms\", allowed: more than --from\n");
+    EXPECT_EQ(peak("50001us", "0.1"), "peak 0.25");
+    EXPECT_EQ(peak("0", "49.999 ms"), "peak 0.25");
+    EXPECT_THAT(peak("0.2", "0.3"), HasSubstr("has no samples in this window: it ends at 0.1 s"));
+    EXPECT_THAT(peak("early", "3N"),
+                AllOf(HasSubstr("--from: found \"early\""), HasSubstr("--to: found \"3N\"")));
+}
+
+TEST(Plot, MarksLiveChanges) {
+    const TemporaryFolder folder;
+    const Json changes{{"scene", {{"drive", {{"repetition_hz", 1000}}}}},
+                       {"changes",
+                        {{{"sample", 1000}, {"epoch", 1}, {"set", Json::object()}},
+                         {{"sample", 3000}, {"epoch", 2}, {"set", Json::object()}}}}};
+    write_impulse(folder.file("a.npy"), 5000, 10, 1, 0, changes);
+    const auto drawn = [&](std::vector<std::string> words) {
+        words.insert(words.begin(), {"plot", folder.file("a.npy"), "-o", folder.file("a.svg")});
+        EXPECT_EQ(hertzline(words).status, 0);
+        return contents(folder.file("a.svg"));
+    };
+    EXPECT_THAT(drawn({}),
+                AllOf(HasSubstr("dotted: live changes"), HasSubstr("<!--  1 -->"), HasSubstr("<!--  2 -->")));
+    EXPECT_THAT(drawn({"--from", "2ms"}), AllOf(HasSubstr("<!--  2 -->"), Not(HasSubstr("<!--  1 -->"))));
+    EXPECT_THAT(drawn({"--from", "4ms"}), Not(HasSubstr("live changes")));
+}
+
+TEST(Plot, DrawsSeveralRecordingsOverEachOther) {
+    const TemporaryFolder folder;
+    write_impulse(folder.file("a.npy"), 5000, 10, 0.5);
+    write_text(folder.file("b.csv"), "t_s,probe_v\n0,0\n1e-6,0.125\n2e-6,0\n");
+    const Outcome both =
+        hertzline({"plot", folder.file("a.npy"), folder.file("b.csv"), "-o", folder.file("both.svg")});
+    ASSERT_EQ(both.status, 0) << both.err;
+    EXPECT_THAT(contents(folder.file("both.svg")),
+                AllOf(HasSubstr("a.npy: peak 0.5"), HasSubstr("b.csv: peak 0.125"),
+                      HasSubstr("a.npy: \u221220 dB"), HasSubstr("b.csv: \u221220 dB")));
+    hertzline({"run", "paper-vitreous-carbon", "-o", folder.file("c.h5")});
+    hertzline({"run", "paper-vitreous-carbon", "-o", folder.file("d.wav"), "--set", "chain.preload_n=0.2",
+               "--wav-scale", "2"});
+    const Outcome one = hertzline({"plot", folder.file("c.h5"), folder.file("d.wav"), "--columns", "v_out",
+                                   "-o", folder.file("one.svg")});
+    ASSERT_EQ(one.status, 0) << one.err;
+    EXPECT_THAT(contents(folder.file("one.svg")),
+                AllOf(HasSubstr("c.h5: peak"), HasSubstr("d.wav: peak"), Not(HasSubstr("v_last"))));
+    const Outcome wrong = hertzline({"plot", folder.file("c.h5"), folder.file("b.csv"), "--columns", "f_last",
+                                     "-o", folder.file("x.svg")});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("allowed: v_last, v_plate, v_out"));
+}
+
+TEST(Plot, TakesTheRateOfAFileWithoutOne) {
+    const TemporaryFolder folder;
+    const std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }";
+    std::string file = "\x93NUMPY\x01" + std::string(1, '\0') + '\x76' + std::string(1, '\0') + header +
+                       std::string(0x76 - header.size() - 1, ' ') + '\n';
+    for (const double value : {0.0, 1.0, 2.0, 1.0}) {
+        file.append(reinterpret_cast<const char*>(&value), sizeof value);
+    }
+    write_text(folder.file("x.npy"), file);
+    const Outcome without = hertzline({"plot", folder.file("x.npy"), "-o", folder.file("x.svg")});
+    EXPECT_EQ(without.status, 2);
+    EXPECT_THAT(without.err, HasSubstr("x.npy has no sample rate: give --sample-rate"));
+    const Outcome with =
+        hertzline({"plot", folder.file("x.npy"), "-o", folder.file("x.svg"), "--sample-rate", "1e6"});
+    EXPECT_EQ(with.status, 0) << with.err;
+    EXPECT_THAT(contents(folder.file("x.svg")), AllOf(HasSubstr("peak 2"), HasSubstr("\u00b5s")));
+    EXPECT_EQ(
+        hertzline({"plot", folder.file("x.npy"), "-o", folder.file("x.svg"), "--sample-rate", "0"}).status,
+        2);
+}
+
+TEST(Plot, DrawsTheLargestNumbers) {
+    const TemporaryFolder folder;
+    for (const std::string largest : {"1e308", "1.7e308", "1e-310", "0"}) {
+        write_text(folder.file("x.csv"), "t_s,v\n0,0\n1e-6," + largest + "\n2e-6,-" + largest + "\n3e-6,0\n");
+        const Outcome outcome = hertzline({"plot", folder.file("x.csv"), "-o", folder.file("x.svg")});
+        EXPECT_EQ(outcome.status, 0) << largest << ' ' << outcome.err;
+    }
+}
+
+TEST(Plot, DrawsColumnsOfAnyName) {
+    const TemporaryFolder folder;
+    write_text(folder.file("x.csv"), "t_s,a$b$c^_{,\\frac,v v,%\n0,0,1,2,3\n1e-6,1,1,2,3\n");
+    const Outcome outcome = hertzline({"plot", folder.file("x.csv"), "-o", folder.file("x.svg")});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(contents(folder.file("x.svg")), HasSubstr("v v"));
+}
+
+TEST(Plot, NamesTheFolderForTemporaryFilesThatIsNotThere) {
+    const TemporaryFolder folder;
+    write_impulse(folder.file("a.npy"), 500, 10, 1);
+    const std::string command = fmt::format("TMPDIR=/none {} plot {} -o {} 2> {}", HERTZLINE_PROGRAM,
+                                            folder.file("a.npy"), folder.file("a.png"), folder.file("err"));
+    EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+    EXPECT_EQ(contents(folder.file("err")),
+              "error: TMPDIR: found \"/none\", allowed: a folder for temporary files\n");
+    EXPECT_FALSE(fs::exists(folder.file("a.png")));
+}
+
+TEST(Plot, RefusesWrongNamesOfASweepWithAllThatThereAre) {
+    const TemporaryFolder folder;
+    const Words sweep{"sweep", "paper-wall", "--vary", "end.material=pyrex,acrylic", "-o"};
+    ASSERT_EQ(hertzline(with(sweep, {folder.file("s.h5"), "--waveforms", "f_last"})).status, 0);
+    ASSERT_EQ(hertzline(with(sweep, {folder.file("s.csv")})).status, 0);
+    for (const std::string table : {"s.h5", "s.csv"}) {
+        const Outcome wrong =
+            hertzline({"plot", folder.file(table), "-o", folder.file("s.png"), "--quantity", "nonsense"});
+        EXPECT_EQ(wrong.status, 2);
+        EXPECT_THAT(wrong.err,
+                    AllOf(StartsWith("error: --quantity: found nonsense, allowed: "),
+                          HasSubstr("occupied_20db_hz, "), HasSubstr("thd_r"), HasSubstr("estimated_error")));
+        const Outcome times =
+            hertzline({"plot", folder.file(table), "-o", folder.file("s.png"), "--from", "0"});
+        EXPECT_EQ(times.status, 2);
+        EXPECT_THAT(times.err, HasSubstr("--from, --to, --sample-rate: found a sweep"));
+    }
+    const Outcome wrong =
+        hertzline({"plot", folder.file("s.h5"), "-o", folder.file("s.png"), "--columns", "v_out"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("--columns: found v_out, allowed: f_last"));
+    EXPECT_FALSE(fs::exists(folder.file("s.png")));
+    const Outcome two =
+        hertzline({"plot", folder.file("s.csv"), folder.file("s.csv"), "-o", folder.file("s.png")});
+    EXPECT_EQ(two.status, 2);
+    EXPECT_THAT(two.err, HasSubstr("found a sweep among several files"));
+}
+
+TEST(Plot, DrawsTheWaveformsOfASweep) {
+    const TemporaryFolder folder;
+    const auto drawn = [&](const std::string& vary) {
+        hertzline(
+            {"sweep", "paper-wall", "--vary", vary, "-o", folder.file("s.h5"), "--waveforms", "f_last"});
+        const Outcome outcome =
+            hertzline({"plot", folder.file("s.h5"), "-o", folder.file("s.svg"), "--columns", "f_last"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return contents(folder.file("s.svg"));
+    };
+    EXPECT_THAT(drawn("end.material=pyrex,acrylic"),
+                AllOf(HasSubstr("end.material"), HasSubstr("pyrex: peak"), HasSubstr("acrylic: peak"),
+                      HasSubstr("f_last [N]")));
+    EXPECT_THAT(drawn("chain.preload_n=0.1..1:8"),
+                AllOf(HasSubstr("chain.preload_n [N]"), HasSubstr("f_last [N]")));
 }
 
 TEST(Plot, SaysThatMatplotlibIsMissing) {

@@ -296,7 +296,7 @@ TEST(Sweep, IsDrawn) {
                            HasSubstr("<!-- thd_r -->"), Not(HasSubstr("occupied"))));
     const Outcome wrong =
         hertzline({"plot", folder.file("m.h5"), "-o", folder.file("w.png"), "--quantity", "x"});
-    EXPECT_EQ(wrong.status, 1);
+    EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, HasSubstr("--quantity: found x"));
     hertzline({"run", "paper-wall", "-o", folder.file("r.h5")});
     const Outcome recording =

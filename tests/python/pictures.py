@@ -38,6 +38,29 @@ class Pictures(InAFolder):
         table = hertzline.sweep(short_scene(), {"chain.preload_n": [0.1, 0.3], "end.thickness_m": [2e-4, 5e-4]})
         self.check(table.plot(["peak_v_out_m_per_s"]), 2)  # with its scale
 
+    def test_of_words_join_no_points(self):
+        table = hertzline.sweep(short_scene(), {"end.material": ["pyrex", "acrylic", "steel"]})
+        figure = table.plot(["peak_v_out_m_per_s"])
+        line, = figure.axes[0].lines
+        self.assertEqual((line.get_linestyle(), line.get_marker(), len(line.get_xdata())), ("None", "o", 3))
+        self.check(figure, 1)
+        table = hertzline.sweep(short_scene(), {"end.material": ["pyrex", "acrylic"], "chain.material": ["steel", "aluminium"]})
+        figure = table.plot(["peak_v_out_m_per_s"])
+        self.assertEqual([text.get_text() for text in figure.axes[0].get_legend().get_texts()], ["steel", "aluminium"])
+        self.check(figure, 1)
+
+    def test_of_a_long_run_keep_every_peak(self):
+        samples = np.zeros(3_000_000, dtype=[("t_s", float), ("v", float)])
+        samples["t_s"] = np.arange(len(samples)) / 1e6
+        samples["v"][2_999_000] = 7
+        about = {"columns": [("v", "v", "m/s")], "sample_rate_hz": 1e6}
+        from hertzline import _draw
+        recording = _draw.recording_of(samples, about)
+        self.assertEqual((np.nanmax(recording.high[0]), recording.ends, recording.each), (7, (0, 2.999999), False))
+        gap = np.delete(samples[:5000], np.s_[1000:4000])
+        recording = _draw.recording_of(gap, about)
+        self.assertEqual((len(recording.low[0]), int(np.isnan(recording.low[0]).sum()), len(recording.parts[0])), (5000, 3000, 1000))
+
     def test_of_a_search(self):
         found = hertzline.optimise(short_scene(), {"chain.preload_n": "0.1..1:log"}, maximise="peak_v_out_m_per_s",
                                    evaluations=30)

@@ -23,6 +23,16 @@ class Scenes(InAFolder):
         self.assertEqual(hertzline.scene("paper-wall", chain={"spheres": np.int32(9)})["chain.spheres"], 9)
         self.assertEqual(hertzline.scene("paper-wall", drive={"envelope": "tukey"})["drive.envelope"], "tukey")
 
+    def test_a_text_is_a_number_with_its_unit(self):
+        scene = hertzline.scene("paper-wall", end={"thickness_m": "0.4 mm"}, drive={"amplitude_m": "2 \u00b5m", "frequency_hz": "60kHz"},
+                                materials={"clay": {"youngs_modulus_pa": "5 GPa", "poissons_ratio": 0.3, "density_kg_per_m3": "1.9 g/cm^3"}})
+        self.assertEqual((scene["end.thickness_m"], scene["drive.amplitude_m"], scene["drive.frequency_hz"]), (0.4e-3, 2e-6, 60e3))
+        self.assertEqual(scene["materials.clay.density_kg_per_m3"], 1900)
+        with self.assertRaisesRegex(ValueError, r"found \"1 N\", allowed: a number from 1e-09 to 10 m \(m, with any prefix, as um or mm\)"):
+            hertzline.scene("paper-wall", end={"thickness_m": "1 N"})
+        table = hertzline.sweep(short_scene(), {"chain.preload_n": ["100 mN", "1 N"]})
+        self.assertEqual(list(table["chain.preload_n"]), [0.1, 1])
+
     def test_materials_of_the_scenes_own(self):
         clay = {"youngs_modulus_pa": 5e9, "poissons_ratio": 0.3, "density_kg_per_m3": 1900}
         scene = hertzline.scene("paper-pyrex", materials={"clay": clay}, end={"material": "clay"})

@@ -109,7 +109,7 @@ INSTEAD = {
     "hertzline set KEY=VALUE... [--undo]": "hertzline set --help",  # the streams there are not controlled
     "hertzline get [KEY...]": "hertzline get --help",
     "hertzline scope": "timeout --preserve-status -s INT 3 hertzline scope --http 127.0.0.1:0",
-    "hertzline plot RECORDING -o FILE.png": "hertzline plot a.npy -o b.png && test -s a.png && test -s b.png",
+    "hertzline plot RECORDING... -o FILE.png": "hertzline plot a.npy -o b.png && test -s a.png && test -s b.png",
     "hertzline scenes [NAME]": "hertzline scenes && hertzline scenes paper-wall",
     "hertzline check SCENE": "hertzline check paper-wall",
     "hertzline keys NAME": "hertzline keys name",

@@ -71,13 +71,13 @@ const promises = {
     // A column of pixels on the canvas reaches from its largest sample to its smallest.
     const painted = await this.page.evaluate(() => {
       const {waveform} = window.hertzline;
-      const {canvas, context, shown} = waveform;
+      const {context, shown, box} = waveform;
       const [column] = [...waveform.picture.high.keys()].sort((a, b) =>
         (waveform.picture.high[b] - waveform.picture.low[b]) - (waveform.picture.high[a] - waveform.picture.low[a]));
-      const height = canvas.height - 18 * Math.min(window.devicePixelRatio, 2);
-      const pixels = context.getImageData(Math.floor((column + 0.5) * canvas.width / waveform.picture.columns), 0, 1, height).data;
-      const blue = [...Array(height).keys()].filter((y) => pixels[4 * y + 2] > pixels[4 * y] + 60);
-      const y = (value) => (shown.high - value) / (shown.high - shown.low) * height;
+      const x = Math.floor(box.left + (column + 0.5) * box.width / waveform.picture.columns);
+      const pixels = context.getImageData(x, 0, 1, box.bottom).data;
+      const blue = [...Array(box.bottom).keys()].filter((y) => pixels[4 * y + 2] > pixels[4 * y] + 60);
+      const y = (value) => box.top + (shown.high - value) / (shown.high - shown.low) * box.height;
       return {top: blue[0], bottom: blue.at(-1), high: y(waveform.picture.high[column]), low: y(waveform.picture.low[column])};
     });
     assert.ok(painted.top <= painted.high + 1 && painted.bottom >= painted.low - 1, JSON.stringify(painted));
@@ -106,6 +106,36 @@ const promises = {
     await this.page.keyboard.press('.');
     const moved = await this.page.evaluate(() => window.hertzline.waveform.cursors.B);
     assert.ok(b > a && moved > a && moved !== b);
+  },
+  async 'keeps the labels of its axes off the trace'() {
+    await this.page.fill('#low', '-1e-9');  // the trace leaves the plot above and below
+    await this.page.fill('#high', '1e-9');
+    await this.page.keyboard.press('Enter');
+    await until(this.page, () => window.hertzline.waveform.shown.high === 1e-9);
+    const blue = await this.page.evaluate(() => {
+      window.hertzline.waveform.draw();
+      const {context, box, canvas} = window.hertzline.waveform;
+      const count = (x, y, width, height) => {
+        const {data} = context.getImageData(x, y, width, height);
+        return [...Array(width * height).keys()].filter((i) => data[4 * i + 2] > data[4 * i] + 100).length;
+      };
+      return {left: count(0, 0, box.left, canvas.height), above: count(0, 0, canvas.width, box.top),
+        below: count(0, box.bottom, canvas.width, canvas.height - box.bottom), plot: count(box.left, box.top, box.width, box.height)};
+    });
+    assert.deepEqual([blue.left, blue.above, blue.below], [0, 0, 0]);
+    assert.ok(blue.plot > 1000, JSON.stringify(blue));
+    await this.page.click('#home');
+  },
+  async 'marks a text that is no number'() {
+    await this.page.focus('#low');
+    await this.page.keyboard.type('+-0.');
+    await this.page.keyboard.press('Enter');
+    await until(this.page, () => document.getElementById('low').getAttribute('aria-invalid') === 'true');
+    assert.match(await this.page.textContent('#view-fault'), /level from: found no number/);
+    await this.page.fill('#low', '0');
+    await this.page.fill('#low', '');
+    await this.page.keyboard.press('Enter');
+    await until(this.page, () => document.getElementById('low').getAttribute('aria-invalid') === 'false');
   },
   async 'triggers on a level'() {
     await this.page.click('#run');
@@ -161,14 +191,58 @@ const promises = {
     await until(this.page, (epoch) => window.hertzline.waveform.picture.epoch > epoch, answer.epoch);
     assert.ok(Math.abs(await peak() - before) < 0.1 * before);
   },
+  async 'says below a field why its value was refused, and beside it the value in use'() {
+    const knob = this.page.locator('[id="knob-drive.cycles"]');
+    const text = (part) => this.page.textContent(`[id="${part}-drive.cycles"]`);
+    await knob.fill('500');
+    await knob.press('Enter');
+    await until(this.page, () => document.getElementById('fault-drive.cycles').textContent !== '');
+    assert.equal(await knob.getAttribute('aria-invalid'), 'true');
+    assert.equal(await knob.inputValue(), '500');
+    assert.equal(await text('use'), '25 in use');
+    assert.equal(await this.page.getAttribute('[id="fault-drive.cycles"]', 'aria-live'), 'polite');
+    assert.ok((await knob.getAttribute('aria-describedby')).includes('fault-drive.cycles'));
+    const [field, fault] = [await knob.boundingBox(), await this.page.locator('[id="fault-drive.cycles"]').boundingBox()];
+    assert.ok(fault.y >= field.y + field.height && fault.y < field.y + 100, 'far away from its field');
+    await this.page.evaluate(() => document.activeElement.blur());
+    assert.equal(await knob.inputValue(), '25');  // as it plays
+    assert.equal(await knob.getAttribute('aria-invalid'), null);
+    await knob.fill('24');
+    await knob.press('Enter');
+    await until(this.page, () => document.getElementById('use-drive.cycles').textContent === '24 in use');
+    assert.equal(await text('fault'), '');
+    await this.page.click('#undo');
+    await until(this.page, () => document.getElementById('use-drive.cycles').textContent === '25 in use');
+  },
+  async 'takes units with prefixes, and names those of the key'() {
+    const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
+    await this.page.evaluate(() => document.activeElement.blur());
+    assert.equal(await knob.inputValue(), '3 \u00b5m');
+    for (const [typed, wanted] of [['2.5 um', 2.5e-6], ['2400nm', 2.4e-6], ['3\u00b5m', 3e-6]]) {
+      await knob.fill(typed);
+      await knob.press('Enter');
+      await until(this.page, (value) => window.hertzline.scene.scene.drive.amplitude_m === value, wanted);
+    }
+    await knob.fill('3 mN');
+    await knob.press('Enter');
+    await until(this.page, () => document.getElementById('fault-drive.amplitude_m').textContent.includes('with any prefix, as um or mm'));
+    await this.page.evaluate(() => document.activeElement.blur());
+  },
+  async 'says what its sliders cover'() {
+    await until(this.page, () => document.getElementById('use-drive.amplitude_m').textContent === '3 \u00b5m in use');
+    const limits = (key) => this.page.textContent(`[id="limits-${key}"]`);
+    await until(this.page, () => document.getElementById('limits-drive.amplitude_m').textContent
+      === 'slider: 750 nm to 12 \u00b5m; allowed: 0 m to 1 m');
+    assert.match(await limits('drive.frequency_hz'), /^slider: 18.25 kHz to 292 kHz; allowed: 1 mHz to 1 GHz$/);
+    assert.match(await limits('drive.cycles'), /allowed: 0.001 to 1e9$/);
+  },
   async 'shows what is where a change was refused, and where a slider was not moved'() {
     const kind = this.page.locator('[id="knob-end.kind"]');
     await this.page.evaluate(() => document.querySelectorAll('#knobs details').forEach((box) => { box.open = true; }));
     await kind.selectOption('wall');
     await until(this.page, () => window.hertzline.answer?.answer.faults?.[0].key === 'end.kind');
     assert.equal(await kind.inputValue(), 'plate');
-    const value = () => this.page.evaluate(() => Number(document.getElementById('knob-drive.amplitude_m').value));
-    const before = await value();
+    const before = await this.page.evaluate(() => window.hertzline.scene.scene.drive.amplitude_m);
     const slider = this.page.locator('.knob:has([id="knob-drive.amplitude_m"]) input[type=range]');
     await slider.click();  // in the middle, where it is
     for (let i = 0; i < 10; ++i) {
@@ -187,6 +261,17 @@ const promises = {
       const file = `${folder}/${download.suggestedFilename()}`;
       await download.saveAs(file);
       assert.equal(readFileSync(file, 'latin1').slice(0, beginning.length), beginning);
+      if (button === '#save-scene') {
+        continue;
+      }
+      const {hash, run} = await this.page.evaluate(() => ({hash: window.hertzline.scene.scene_hash, run: window.hertzline.scene.run}));
+      assert.match(download.suggestedFilename(), new RegExp(`^hertzline-v_out-${hash.slice(0, 8)}-\\d{8}T\\d{6}\\.`));
+      if (button === '#save-svg') {
+        const svg = readFileSync(file, 'utf8');
+        for (const text of [/v_out from sample \d+ on, epoch \d+, of ipc:/, `scene ${hash}: 6 spheres of`, `run ${run}, saved 20`]) {
+          assert.ok(svg.match(text), `${text} is not in the picture`);
+        }
+      }
     }
   },
   async 'loses the stream and finds it again'() {
@@ -216,8 +301,77 @@ const promises = {
     await until(page, () => window.hertzline.own.drawn > 3);
     assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), 'wider than the phone');
     assert.notEqual(await page.evaluate(() => getComputedStyle(document.body).backgroundColor), 'rgb(253, 253, 251)');
+    // A knob is on the screen together with the waveform that it changes.
+    await page.click('#jump a');
+    await page.locator('[id="knob-drive.frequency_hz"]').scrollIntoViewIfNeeded();
+    const [picture, knob] = [await page.locator('#waveform').boundingBox(), await page.locator('[id="knob-drive.frequency_hz"]').boundingBox()];
+    assert.ok(picture.y >= 0 && knob.y >= picture.y + picture.height && knob.y + knob.height <= 800, JSON.stringify({picture, knob}));
     assert.deepEqual(page.faults, []);
     await page.context().close();
+  },
+  async 'zooms with two fingers and places both cursors by touch'() {
+    const page = await open(chromium, url, {viewport: {width: 360, height: 740}, hasTouch: true, isMobile: true});
+    await until(page, () => window.hertzline.own.drawn > 3);
+    assert.deepEqual(await page.locator('.hint.mouse, .hint.touch').evaluateAll((hints) => hints.map((hint) => hint.checkVisibility())), [false, true]);
+    const place = async (name, x) => {
+      await page.tap(`#cursor-${name.toLowerCase()}`);
+      await page.evaluate(() => document.getElementById('waveform').scrollIntoView());
+      const box = await page.locator('#waveform').boundingBox();
+      await page.touchscreen.tap(box.x + x, box.y + 60);
+      await until(page, (cursor) => window.hertzline.waveform.cursors[cursor] !== null, name);
+      return box;
+    };
+    await place('A', 120);
+    const box = await place('B', 220);
+    const cursors = await page.evaluate(() => ({...window.hertzline.waveform.cursors}));
+    assert.ok(cursors.B > cursors.A);
+    const before = await page.evaluate(() => window.hertzline.view.span_s);
+    const line = await page.context().newCDPSession(page);
+    const touch = (type, ...xs) => line.send('Input.dispatchTouchEvent',
+      {type, touchPoints: xs.map((x, id) => ({x: box.x + x, y: box.y + 80, id}))});
+    await touch('touchStart', 150);
+    await touch('touchStart', 150, 200);
+    for (let step = 1; step <= 5; ++step) {
+      await touch('touchMove', 150 - 10 * step, 200 + 10 * step);
+    }
+    await touch('touchEnd');
+    await until(page, (span) => window.hertzline.view.span_s < span / 2.8 && window.hertzline.view.span_s > span / 3.2, before);  // 150 apart in place of 50
+    assert.deepEqual(await page.evaluate(() => ({...window.hertzline.waveform.cursors})), cursors);
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  },
+  async 'has texts with a contrast of 4.5 and borders with one of 3, in light and in dark'() {
+    for (const colorScheme of ['light', 'dark']) {
+      const page = await open(chromium, url, {colorScheme});
+      await until(page, () => window.hertzline.own.drawn > 3 && document.querySelector('.knob'));
+      const weak = await page.evaluate(() => {
+        document.querySelectorAll('details').forEach((box) => { box.open = true; });
+        document.querySelectorAll('[hidden]').forEach((part) => { part.hidden = false; });
+        const numbers = (colour) => colour.match(/[\d.]+/g).map(Number);
+        const brightness = (colour) => numbers(colour).slice(0, 3).map((c) => c / 255)
+          .map((c) => (c <= 0.03928 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+        const contrast = (a, b) => (Math.max(brightness(a), brightness(b)) + 0.05) / (Math.min(brightness(a), brightness(b)) + 0.05);
+        const behind = (part) => {
+          const colour = getComputedStyle(part).backgroundColor;
+          return (numbers(colour)[3] ?? 1) > 0 || !part.parentElement ? colour : behind(part.parentElement);
+        };
+        const found = [];
+        for (const part of document.querySelectorAll('body *')) {
+          const style = getComputedStyle(part);
+          const words = [...part.childNodes].some((node) => node.nodeType === Node.TEXT_NODE && node.data.trim() !== '');
+          const control = part.matches('input:not([type=range]), select, button');
+          if ((words || control) && !part.matches('option') && contrast(style.color, behind(part)) * Number(style.opacity) < 4.5) {
+            found.push([part.outerHTML.slice(0, 80), style.color, behind(part)]);
+          }
+          if (control && !part.matches('[aria-pressed=true]') && contrast(style.borderTopColor, behind(part.parentElement)) < 3) {
+            found.push([part.outerHTML.slice(0, 80), 'border', style.borderTopColor, behind(part.parentElement)]);
+          }
+        }
+        return found;
+      });
+      assert.deepEqual(weak, []);
+      await page.context().close();
+    }
   },
   async 'refuses a page of another origin'() {
     const page = await open(chromium, url);

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -19,8 +20,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "apps/command.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
 #include "recordings/files/staged_file.hpp"
 #include "recordings/recording_formats.hpp"
 
@@ -33,15 +37,28 @@ namespace fs = std::filesystem;
 // exit statuses of the script
 constexpr int plot_modules_missing = 3;  // a module of Python
 constexpr int plot_not_a_sweep = 4;      // the file holds none
+constexpr int plot_wrong_use = 5;        // an option that the file cannot satisfy
 
 constexpr std::array endings{".png", ".svg", ".pdf"};
 
 /// Names of Python. The path's comes first: a virtual environment may have matplotlib.
 constexpr std::array pythons{"python3", "/usr/bin/python3"};
 
+/// Returns the folder for temporary files.
+fs::path temporary_place() {
+    std::error_code missing;
+    fs::path place = fs::temp_directory_path(missing);
+    if (missing) {
+        const char* const named = std::getenv("TMPDIR");  // NOLINT(concurrency-mt-unsafe): nothing sets it
+        throw std::runtime_error(fmt::format("TMPDIR: found {}, allowed: a folder for temporary files",
+                                             quoted_briefly(named != nullptr ? named : "/tmp")));
+    }
+    return place;
+}
+
 /// Makes a folder for the samples and the script that only its owner can open.
 fs::path new_folder() {
-    std::string name = fs::temp_directory_path() / "hertzline-plot-XXXXXX";
+    std::string name = temporary_place() / "hertzline-plot-XXXXXX";
     if (::mkdtemp(name.data()) == nullptr) {
         recordings::cannot_write(name, std::generic_category().message(errno));
     }
@@ -51,7 +68,7 @@ fs::path new_folder() {
 /// Returns a file's text, at most a few lines.
 std::string beginning_of(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
-    std::string text(4096, '\0');
+    std::string text(1 << 14, '\0');
     in.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(in.gcount()));
     return text;
@@ -64,7 +81,7 @@ std::string last_line_of(const std::string& text) {
         return "it gives no reason";
     }
     const std::size_t begin = text.rfind('\n', end);
-    return printable(text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin));
+    return printable(text.substr(begin == std::string::npos ? 0 : begin + 1, end - begin), text.size());
 }
 
 /// Starts a program without input that writes its errors to a file. @returns its process, or nothing when it is not
@@ -103,7 +120,7 @@ std::optional<int> wait_for(pid_t process) {
 }
 
 /// Runs the script in the folder on a file, to draw the staged file. @returns its exit status if it can
-/// draw, or nothing when it was stopped @throws std::runtime_error with the fault
+/// draw, or nothing when it was stopped @throws WrongUse, std::runtime_error with the fault
 std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& picture,
                               const std::string& format, const fs::path& source,
                               const std::vector<std::string>& options) {
@@ -127,6 +144,9 @@ std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& pi
             return exit_status;
         }
         const std::string reason = last_line_of(beginning_of(messages));
+        if (exit_status == plot_wrong_use) {
+            throw WrongUse(reason);
+        }
         if (exit_status != plot_modules_missing) {
             recordings::cannot_write(picture.path(), fmt::format("{} failed: {}", python, reason));
         }
@@ -153,6 +173,57 @@ public:
     const fs::path path;
 };
 
+/// Writes a temporary file.
+void save_bytes(const fs::path& path, std::string_view bytes) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!file.flush()) {
+        recordings::cannot_write(path, std::generic_category().message(errno));
+    }
+}
+
+/// Writes the numbers of a picture: smallest and largest of each column's stretches, then each column's samples for the spectrum.
+void save_numbers(const fs::path& path, const Outline& outline) {
+    std::vector<double> numbers;
+    for (std::size_t column = 0; column < outline.columns(); ++column) {
+        numbers.insert(numbers.end(), outline.low(column).begin(), outline.low(column).end());
+        numbers.insert(numbers.end(), outline.high(column).begin(), outline.high(column).end());
+    }
+    const std::vector<double>& rows = outline.longest().rows;
+    for (std::size_t column = 0; column < outline.columns(); ++column) {
+        for (std::size_t at = column; at < rows.size(); at += outline.columns()) {
+            numbers.push_back(rows[at]);
+        }
+    }
+    save_bytes(path, {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
+}
+
+/// Describes a recording and its numbers for the script.
+Json description_of(const RecordingOutline& recording) {
+    const recordings::RecordingHead& head = recording.head;
+    Json columns = Json::array();
+    for (const recordings::Column& column : head.columns) {
+        columns.push_back({column.name, column.quantity, column.unit});
+    }
+    Json epochs = Json::array();  // those that begin in the picture
+    for (const Epoch& epoch : measures::epochs_of(head.provenance, head.sample_rate_hz)) {
+        if (epoch.first_sample > recording.outline.first() && epoch.first_sample < recording.outline.end()) {
+            epochs.push_back({epoch.number, static_cast<double>(epoch.first_sample) / head.sample_rate_hz});
+        }
+    }
+    const auto drive = OutsideJson(head.provenance).number("scene/drive/frequency_hz");
+    return {{"name", recording.name},
+            {"columns", std::move(columns)},
+            {"sample_rate_hz", head.sample_rate_hz},
+            {"drive_hz", drive && *drive > 0 ? Json(*drive) : Json(nullptr)},
+            {"epochs", std::move(epochs)},
+            {"first", recording.outline.first()},
+            {"end", recording.outline.end()},
+            {"width", recording.outline.width()},
+            {"stretches", recording.outline.low(0).size()},
+            {"part_first", recording.outline.longest().first}};
+}
+
 }  // namespace
 
 std::optional<std::string> picture_fault(const fs::path& picture) {
@@ -163,44 +234,37 @@ std::optional<std::string> picture_fault(const fs::path& picture) {
                        fmt::join(endings, ", "));
 }
 
-Picture::Picture(const fs::path& picture, const recordings::RecordingHead& head)
-    : format_(recordings::recording_ending(picture).substr(1)),
-      file_(picture, recordings::StagedFile::Devices::refused),
-      folder_(new_folder()) {
-    try {
-        samples_ = recordings::open_recording(folder_ / "samples.npy", head);
-    } catch (...) {
-        std::error_code gone;
-        fs::remove_all(folder_, gone);
-        throw;
+Drawn draw_recordings(const fs::path& picture, std::span<const RecordingOutline> drawn,
+                      const std::string& title) {
+    recordings::StagedFile file(picture, recordings::StagedFile::Devices::refused);
+    const Folder folder;
+    Json about = Json::array();
+    for (const RecordingOutline& recording : drawn) {
+        const std::string numbers = fmt::format("{}.f64", about.size());
+        save_numbers(folder.path / numbers, recording.outline);
+        about.push_back(description_of(recording));
+        about.back()["numbers"] = numbers;
     }
-}
-
-Picture::~Picture() {
-    std::error_code gone;
-    fs::remove_all(folder_, gone);
-}
-
-void Picture::write(std::int64_t first, std::span<const double> values) {
-    samples_->write(first, values);
-}
-
-bool Picture::draw(const std::string& title) {
-    samples_->commit();
-    if (!run_script(folder_, file_, format_, folder_ / "samples.npy", {"--title=" + title})) {
-        return false;
+    const fs::path source = folder.path / "recordings.json";
+    save_bytes(source, json_text(about));
+    if (!run_script(folder.path, file, recordings::recording_ending(picture).substr(1), source,
+                    {"--title=" + title})) {
+        return Drawn::stopped;
     }
-    file_.commit();
-    return true;
+    file.commit();
+    return Drawn::yes;
 }
 
-Drawn draw_sweep(const fs::path& picture, const fs::path& table, std::span<const std::string> quantities,
+Drawn draw_sweep(const fs::path& picture, const fs::path& table, const SweepChoice& choice,
                  const std::string& title) {
     recordings::StagedFile file(picture, recordings::StagedFile::Devices::refused);
     const Folder folder;
     std::vector<std::string> options{"--title=" + title};
-    if (!quantities.empty()) {
-        options.push_back(fmt::format("--quantity={}", fmt::join(quantities, ",")));
+    if (!choice.quantities.empty()) {
+        options.push_back(fmt::format("--quantity={}", fmt::join(choice.quantities, ",")));
+    }
+    if (!choice.waveforms.empty()) {
+        options.push_back(fmt::format("--columns={}", fmt::join(choice.waveforms, ",")));
     }
     const auto status = run_script(folder.path, file, recordings::recording_ending(picture).substr(1),
                                    fs::absolute(table), options);

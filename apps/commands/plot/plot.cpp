@@ -1,13 +1,17 @@
-// hertzline plot: a picture of a recording, or of a sweep.
+// hertzline plot: a picture of recordings, or of a sweep.
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,7 +21,9 @@
 #include "apps/command.hpp"
 #include "apps/commands/plot/picture.hpp"
 #include "apps/console/signals.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
+#include "core/scene/units.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
@@ -28,46 +34,68 @@ namespace fs = std::filesystem;
 
 constexpr const char* examples =
     "Waveform and spectrum of each column, in dB under the maximum, with the multiples of the drive's "
-    "frequency and the band at -20 dB. Of a sweep: curves over the key that varies, or a map over two, with "
-    "the points that failed marked. Of a search: its measure over each key. Needs Python with "
-    "matplotlib.\n"
+    "frequency and the band at -20 dB. Long recordings are drawn as smallest and largest sample of each "
+    "pixel, with a spectrum of the first million samples without a gap; live changes are marked. Several "
+    "recordings lie over each other. Of a sweep: curves over the key that varies, or a map over two, with "
+    "the points that failed marked; with --columns its waveforms. Of a search: its measure over each key. "
+    "Needs Python with matplotlib.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
-    "  hertzline plot live.h5 -o live.svg --columns v_out,f_last\n"
+    "  hertzline plot live.h5 -o live.svg --columns v_out,f_last --from 0.5 --to 0.501\n"
+    "  hertzline plot simulated.h5 measured.csv -o both.png --columns v_out\n"
     "  hertzline plot sweep.h5 -o sweep.png --quantity bandwidth_20db_hz";
 
 struct PlotOptions {
-    std::string recording;
+    std::vector<std::string> recordings;
     std::string picture;
     std::vector<std::string> columns;     ///< columns of a recording; none: the first ones
     std::vector<std::string> quantities;  ///< quantities of a sweep; none: the usual ones
+    std::string from;                     ///< time; empty: the beginning
+    std::string to;                       ///< empty: the end
+    std::optional<double> sample_rate_hz;
 };
 
 bool is_called(const recordings::Column& column, const std::string& name) {
     return column.name == name || column.quantity == name;
 }
 
-/// Returns the columns to be drawn. @throws WrongUse with every unknown name
-std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, const PlotOptions& options) {
+/// Returns the columns of those names, of all where none is named.
+std::vector<std::size_t> columns_called(const recordings::RecordingHead& head,
+                                        const std::vector<std::string>& names) {
     std::vector<std::size_t> chosen;
-    std::vector<std::string> names;
     for (std::size_t i = 0; i < head.columns.size(); ++i) {
-        const recordings::Column& column = head.columns[i];
-        if (options.columns.empty() || std::ranges::any_of(options.columns, [&](const std::string& name) {
-                return is_called(column, name);
+        if (names.empty() || std::ranges::any_of(names, [&](const std::string& name) {
+                return is_called(head.columns[i], name);
             })) {
             chosen.push_back(i);
         }
+    }
+    return chosen;
+}
+
+/// Returns the names that --columns takes.
+std::vector<std::string> names_of_columns(const recordings::RecordingHead& head) {
+    std::vector<std::string> names;
+    for (const recordings::Column& column : head.columns) {
         if (names.empty() || names.back() != column.quantity) {
             names.push_back(column.quantity);
         }
     }
+    return names;
+}
+
+/// Returns the columns to be drawn. @throws WrongUse with every unknown name
+std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, const std::string& file,
+                                        const PlotOptions& options) {
+    const std::vector<std::string> names = names_of_columns(head);
+    const bool one_of_many = options.recordings.size() > 1;  // another one may have the name
+    std::vector<std::size_t> chosen = columns_called(head, options.columns);
     Faults faults;
     for (const std::string& name : options.columns) {
-        const auto has_name = [&](const recordings::Column& column) { return is_called(column, name); };
-        if (std::ranges::none_of(head.columns, has_name)) {
-            faults.add("--columns", fmt::format("found {}, allowed: {}{}", quoted_briefly(name),
-                                                comma_separated(names), suggestion(name, names)));
+        if (columns_called(head, {name}).empty() && !(one_of_many && !chosen.empty())) {
+            faults.add(one_of_many ? "--columns: " + printable(file) : "--columns",
+                       fmt::format("found {}, allowed: {}{}", quoted_briefly(name), comma_separated(names),
+                                   suggestion(name, names)));
         }
     }
     faults.refuse<WrongUse>();
@@ -78,6 +106,7 @@ std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, c
     return chosen;
 }
 
+/// Returns the head of these columns alone.
 recordings::RecordingHead head_of_columns(const recordings::RecordingHead& head,
                                           const std::vector<std::size_t>& chosen) {
     recordings::RecordingHead part = head;
@@ -85,32 +114,68 @@ recordings::RecordingHead head_of_columns(const recordings::RecordingHead& head,
     for (const std::size_t column : chosen) {
         part.columns.push_back(head.columns[column]);
     }
-    part.numbers = recordings::NumberType::float64;
     return part;
 }
 
-/// Returns the chosen columns, as many as a picture takes. Warns of further ones.
-std::vector<recordings::RecordedRows> samples_of(recordings::RecordingReader& reader,
-                                                 const std::vector<std::size_t>& chosen) {
-    constexpr std::size_t portion = 1 << 14;  // rows
-    const std::size_t columns = reader.head().columns.size();
-    std::vector<recordings::RecordedRows> samples;
-    recordings::RecordedRows rows;
-    std::int64_t taken = 0;
-    while (reader.read(rows, portion)) {
-        if (taken >= max_picture_samples) {
-            spdlog::info("the picture shows the first {} samples", taken);
-            break;
+/// The times that are drawn [s].
+struct Window {
+    double from_s = 0;
+    double to_s = std::numeric_limits<double>::infinity();
+};
+
+/// Returns a time, with its unit or in seconds; nothing where the text is none.
+std::optional<double> seconds_in(const std::string& text) {
+    const auto plain = read_value(ValueKind::number, text);
+    const auto seconds = plain ? std::optional(std::get<double>(*plain)) : number_in_unit(text, "s");
+    return seconds && *seconds >= 0 ? seconds : std::nullopt;
+}
+
+Window window_of(const PlotOptions& options, Faults& faults) {
+    Window window;
+    for (const auto& [name, text, edge] : {std::tuple{"--from", &options.from, &window.from_s},
+                                           std::tuple{"--to", &options.to, &window.to_s}}) {
+        const auto seconds = text->empty() ? std::optional(*edge) : seconds_in(*text);
+        if (!seconds) {
+            faults.add(name, fmt::format("found {}, allowed: a time of at least 0 s, as 0.5 or \"500 us\"",
+                                         quoted_briefly(*text)));
         }
-        samples.push_back({rows.first, {}});
-        for (std::size_t row = 0; row < rows.values.size(); row += columns) {
-            for (const std::size_t column : chosen) {
-                samples.back().values.push_back(rows.values[row + column]);
-            }
-        }
-        taken += static_cast<std::int64_t>(rows.values.size() / columns);
+        *edge = seconds.value_or(*edge);
     }
-    return samples;
+    if (window.from_s >= window.to_s) {
+        faults.add("--to", fmt::format("found {}, allowed: more than --from", quoted_briefly(options.to)));
+    }
+    return window;
+}
+
+/// Reads the samples in the window. @throws std::runtime_error where there are none
+Outline outline_of(recordings::RecordingReader& reader, const std::vector<std::size_t>& chosen,
+                   double rate_hz, const Window& window, const std::string& file) {
+    constexpr std::size_t portion = 1 << 14;  // rows
+    constexpr double nearly = 1e-6;           // of a sample, as times are rounded
+    constexpr double last_sample = 9e18;
+    const auto limit = [&](double time_s, double nudge) {
+        return static_cast<std::int64_t>(std::min(std::ceil(time_s * rate_hz + nudge), last_sample));
+    };
+    const std::int64_t first = limit(window.from_s, -nearly);
+    const std::int64_t last = limit(window.to_s, nearly);
+    const std::size_t columns = reader.head().columns.size();
+    Outline outline(chosen, columns);
+    std::int64_t end = 0;
+    for (recordings::RecordedRows rows; end < last && reader.read(rows, portion);) {
+        end = rows.first + static_cast<std::int64_t>(rows.values.size() / columns);
+        const std::int64_t begin = std::clamp(first, rows.first, end);
+        const std::int64_t count = std::clamp(last, begin, end) - begin;
+        outline.take(begin, std::span(rows.values)
+                                .subspan(static_cast<std::size_t>(begin - rows.first) * columns,
+                                         static_cast<std::size_t>(count) * columns));
+    }
+    if (outline.empty()) {
+        throw std::runtime_error(end == 0 ? printable(file) + " has no samples"
+                                          : fmt::format("{} has no samples in this window: it ends at {} s",
+                                                        printable(file),
+                                                        number_text(static_cast<double>(end) / rate_hz)));
+    }
+    return outline;
 }
 
 /// Whether the file is a CSV of a sweep; a recording's begins with its times.
@@ -123,84 +188,120 @@ bool is_csv_of_sweep(const std::string& file) {
            begin == first;
 }
 
+Exit exit_of(Drawn drawn) {
+    if (drawn == Drawn::stopped) {
+        spdlog::error("stopped before the end; nothing was saved");
+    }
+    return drawn == Drawn::yes ? Exit::done : Exit::failed;
+}
+
 /// Draws a sweep. @returns nothing when the file is none
 std::optional<Exit> plot_sweep(const PlotOptions& options) {
     stop_asked();  // from here on there are files to be cleaned up
-    switch (
-        draw_sweep(options.picture, options.recording, options.quantities, printable(options.recording))) {
-        case Drawn::yes:
-            return Exit::done;
-        case Drawn::stopped:
-            spdlog::error("stopped before the end; nothing was saved");
-            return Exit::failed;
-        case Drawn::no_sweep:
-            break;
-    }
-    return std::nullopt;
+    const std::string& table = options.recordings.front();
+    const Drawn drawn =
+        draw_sweep(options.picture, table, {options.quantities, options.columns}, printable(table));
+    return drawn == Drawn::no_sweep ? std::nullopt : std::optional(exit_of(drawn));
 }
 
-Exit plot_recording(const PlotOptions& options, recordings::RecordingReader& reader) {
-    if (!(reader.head().sample_rate_hz > 0)) {
-        throw std::runtime_error(options.recording + "  has no sample rate");
-    }
-    const std::vector<std::size_t> chosen = chosen_columns(reader.head(), options);
-    const std::vector<recordings::RecordedRows> samples = samples_of(reader, chosen);
-    if (samples.empty()) {
-        throw std::runtime_error(options.recording + " has no samples");
-    }
-    stop_asked();  // from here on there are files to be cleaned up
-    Picture picture(options.picture, head_of_columns(reader.head(), chosen));
-    for (const recordings::RecordedRows& rows : samples) {
-        picture.write(rows.first, rows.values);
-    }
-    if (!picture.draw(printable(options.recording))) {
-        spdlog::error("stopped before the end; nothing was saved");
-        return Exit::failed;
-    }
-    return Exit::done;
+constexpr const char* times_of_sweep = "--from, --to, --sample-rate: found a sweep, allowed: with recordings";
+
+bool has_times(const PlotOptions& options) {
+    return !options.from.empty() || !options.to.empty() || options.sample_rate_hz;
 }
 
-/// Draws the recording, or the sweep if the file is no recording.
-Exit plot_either(const PlotOptions& options) {
-    std::unique_ptr<recordings::RecordingReader> reader;
-    try {
-        reader = recordings::open_reader(options.recording);
-    } catch (const std::runtime_error&) {
-        if (recordings::recording_ending(options.recording) == ".h5" &&
-            fs::is_regular_file(options.recording)) {
-            if (const auto drawn = plot_sweep(options)) {
+/// Returns the file's name, with its folders where another file has the same name.
+std::string name_in_legend(const std::string& file, const std::vector<std::string>& files) {
+    const fs::path name = fs::path(file).filename();
+    const bool once = std::ranges::count_if(files, [&](const std::string& other) {
+                          return fs::path(other).filename() == name;
+                      }) == 1;
+    return printable(once ? name.string() : file);
+}
+
+/// Reads a recording. @throws WrongUse, std::runtime_error
+RecordingOutline read_outline(recordings::RecordingReader& reader, const std::string& file,
+                              const PlotOptions& options, const Window& window) {
+    const std::vector<std::size_t> chosen = chosen_columns(reader.head(), file, options);
+    recordings::RecordingHead head = head_of_columns(reader.head(), chosen);
+    head.sample_rate_hz = options.sample_rate_hz.value_or(head.sample_rate_hz);
+    if (!(head.sample_rate_hz > 0)) {
+        throw WrongUse(printable(file) + " has no sample rate: give --sample-rate");
+    }
+    Outline outline = outline_of(reader, chosen, head.sample_rate_hz, window, file);
+    return {name_in_legend(file, options.recordings), std::move(head), std::move(outline)};
+}
+
+/// Draws the sweep in a file that is no recording for this reason. @returns nothing when it is no sweep either
+std::optional<Exit> plot_sweep_instead(const PlotOptions& options, const std::string& reason) {
+    const std::string& file = options.recordings.front();
+    if (options.recordings.size() > 1 || recordings::recording_ending(file) != ".h5" ||
+        !fs::is_regular_file(file)) {
+        return std::nullopt;
+    }
+    if (has_times(options)) {
+        throw WrongUse(std::string(times_of_sweep) + ": " + reason);
+    }
+    return plot_sweep(options);
+}
+
+/// Draws the recordings, or the sweep if the file is no recording.
+Exit plot_any(const PlotOptions& options, const Window& window) {
+    std::vector<RecordingOutline> outlines;
+    for (const std::string& file : options.recordings) {
+        std::unique_ptr<recordings::RecordingReader> reader;
+        try {
+            reader = recordings::open_reader(file);
+        } catch (const std::runtime_error& error) {
+            if (const auto drawn = plot_sweep_instead(options, error.what())) {
                 return *drawn;
             }
+            throw;
         }
-        throw;
+        outlines.push_back(read_outline(*reader, file, options, window));
     }
-    return plot_recording(options, *reader);
+    stop_asked();  // from here on there are files to be cleaned up
+    return exit_of(draw_recordings(options.picture, outlines,
+                                   outlines.size() == 1 ? printable(options.recordings.front()) : ""));
 }
 
 Exit plot(const PlotOptions& options) {
     Faults faults;
-    faults.add(recordings::recording_fault(options.recording));
+    for (const std::string& file : options.recordings) {
+        faults.add(recordings::recording_fault(file));
+        if (options.recordings.size() > 1 && is_csv_of_sweep(file)) {
+            faults.add(printable(file),
+                       "found a sweep among several files, allowed: recordings, or one sweep");
+        }
+    }
     faults.add("-o", picture_fault(options.picture));
-    if (!options.columns.empty() && !options.quantities.empty()) {
-        faults.add("--quantity: found --columns, too, allowed: the one of a sweep, the other of a recording");
+    faults.add("--sample-rate", positive_fault(options.sample_rate_hz));
+    const Window window = window_of(options, faults);
+    if (!options.quantities.empty() && (!options.columns.empty() || options.recordings.size() > 1)) {
+        faults.add(fmt::format("--quantity: found {}, too, allowed: with one sweep, by itself",
+                               options.columns.empty() ? "several files" : "--columns"));
+    }
+    const bool is_sweep = options.recordings.size() == 1 && is_csv_of_sweep(options.recordings.front());
+    if (has_times(options) && (is_sweep || !options.quantities.empty())) {
+        faults.add(std::string(times_of_sweep));
     }
     faults.refuse<WrongUse>();
-    if (!options.quantities.empty() || is_csv_of_sweep(options.recording)) {
+    if (!options.quantities.empty() || is_sweep) {
         if (const auto drawn = plot_sweep(options)) {
             return *drawn;
         }
         throw WrongUse(fmt::format("{}: found no sweep, allowed with --quantity: a table of hertzline sweep",
-                                   printable(options.recording)));
+                                   printable(options.recordings.front())));
     }
-    return plot_either(options);
+    return plot_any(options, window);
 }
 
 }  // namespace
 
 Run plot_command(CLI::App& app) {
     auto options = std::make_shared<PlotOptions>();
-    app.add_option("RECORDING", options->recording,
-                   "a recording (" + recordings::recording_endings() + "), or a sweep")
+    app.add_option("RECORDING", options->recordings,
+                   "recordings (" + recordings::recording_endings() + "), or a sweep")
         ->required()
         ->check(missing_name)
         ->type_name("");
@@ -211,6 +312,10 @@ Run plot_command(CLI::App& app) {
                           "draw these outputs or columns only (default: the first six)")
         ->delimiter(',')
         ->type_name("NAME,...");
+    app.add_option("--from", options->from, "draw from this time on, in s or with a unit")->type_name("TIME");
+    app.add_option("--to", options->to, "draw up to this time")->type_name("TIME");
+    app.add_option("--sample-rate", options->sample_rate_hz, "sample rate of the files, whatever they say")
+        ->type_name("HZ");
     add_repeatable_option(app, "--quantity", options->quantities, "of a sweep: draw these numbers")
         ->delimiter(',')
         ->type_name("NAME,...");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -53,20 +54,21 @@ recordings::RecordingHead head_of(const hertzline::Run& run, const Json& provena
 /// @returns false when stopped meanwhile
 bool draw(const std::string& file, const hertzline::Run& run, const recordings::RecordingHead& head,
           const std::string& title) {
-    Picture picture(file, head);
-    const std::size_t rows = std::min(run.rows(), static_cast<std::size_t>(max_picture_samples));
-    if (rows < run.rows()) {
-        spdlog::info("the picture shows the first {} samples", rows);
-    }
-    std::vector<double> values;
-    values.reserve(rows * head.columns.size());
-    for (std::size_t row = 0; row < rows; ++row) {
-        for (std::size_t column = 0; column < head.columns.size(); ++column) {
-            values.push_back(run.taps[column].values[row]);
+    constexpr std::size_t portion = 1 << 14;  // rows
+    const std::size_t columns = head.columns.size();
+    std::vector<std::size_t> all(columns);
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    RecordingOutline drawn{title, head, Outline(std::move(all), columns)};
+    std::vector<double> rows;
+    for (std::size_t first = 0; first < run.rows(); first += portion) {
+        const std::size_t count = std::min(portion, run.rows() - first);
+        rows.resize(count * columns);
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            rows[i] = run.taps[i % columns].values[first + i / columns];
         }
+        drawn.outline.take(static_cast<std::int64_t>(first), rows);
     }
-    picture.write(0, values);
-    return picture.draw(title);
+    return draw_recordings(file, std::span(&drawn, 1), title) == Drawn::yes;
 }
 
 }  // namespace

@@ -45,8 +45,9 @@ def draw_samples(
     rows = None if axes is None else np.asarray(axes).reshape(-1, 2) if np.size(axes) % 2 == 0 else np.empty((0, 2))
     if rows is not None and len(rows) != len(about):
         raise ValueError(f"axes: found {np.size(axes)}, allowed: {2 * len(about)}, two for each column")
+    script = _script()
     with matplotlib.rc_context():
-        figure: Figure = _script().draw(columns, {"columns": about, **recording}, title, rows)
+        figure: Figure = script.draw([script.recording_of(columns, {"columns": about, **recording})], title, rows)
     return figure
 
 

@@ -89,6 +89,10 @@ TEST(SceneKey, ReadsTextAsItsKindAndJudgesIt) {
         return value ? value_text(*value) : value.error().message();
     };
     EXPECT_EQ(read("chain.preload_n", "1"), "1");
+    EXPECT_EQ(read("chain.preload_n", "5mN"), "0.005");
+    EXPECT_EQ(
+        read("chain.preload_n", "5 mm"),
+        R"(chain.preload_n: found "5 mm", allowed: a number from 0 to 1e+09 N (N, with any prefix, as uN or mN))");
     EXPECT_EQ(read("chain.spheres", "0x10"), "16");
     EXPECT_EQ(read("end.kind", "wall"), "wall");
     EXPECT_EQ(read("chain.spheres", "6.0"),

@@ -104,7 +104,49 @@ TEST(SetOption, ABareWordIsAString) {
     EXPECT_EQ(scene_of("", {"end.material=silicone_rubber"}).end.material, "silicone_rubber");
     EXPECT_THAT(messages("", {"end.kind=true"}), ElementsAre(HasSubstr("found true")));
     EXPECT_THAT(messages("", {"drive.cycles=nan"}), ElementsAre(HasSubstr("found nan, allowed: a number")));
-    EXPECT_THAT(messages("", {"end.kind=-wall"}), ElementsAre(HasSubstr("found a syntax error")));
+    EXPECT_THAT(
+        messages("", {"end.kind=-wall"}),
+        ElementsAre(HasSubstr(R"(found "-wall", allowed: one of "plate", "wall", "free"; did you mean)")));
+    EXPECT_THAT(messages("", {"drive.envelope=w.csv"}),
+                ElementsAre(HasSubstr(R"(found "w.csv", allowed: one of "hann", "tukey", "rectangular")")));
+}
+
+TEST(SetOption, TakesUnitsOfTheKeyWithPrefixes) {
+    const Scene scene =
+        scene_of("", {"drive.amplitude_m=3um", "drive.frequency_hz=73kHz", "chain.preload_n= 100 mN ",
+                      "end.thickness_m=1mm", "end.radius_m='0.5 cm'", "chain.damping_kg_per_s=320g/s"});
+    EXPECT_EQ(scene.drive.amplitude_m, 3e-6);
+    EXPECT_EQ(scene.drive.frequency_hz, 73e3);
+    EXPECT_EQ(scene.chain.preload_n, 0.1);
+    EXPECT_EQ(scene.end.thickness_m, 1e-3);
+    EXPECT_EQ(scene.end.radius_m, 0.5e-2);
+    EXPECT_EQ(scene.chain.damping_kg_per_s, 0.32);
+    EXPECT_EQ(scene_of("", {"drive.amplitude_m=3\u00b5m"}).drive.amplitude_m, 3e-6);
+    EXPECT_EQ(scene_of("[chain]\ndiameter_m = \"3 mm\"\n", {}).chain.diameter_m, 3e-3);
+    EXPECT_EQ(scene_of("", {"materials.oil.density=0.9 g/cm^3", "materials.oil.sound_speed_m_per_s=1.4km/s"})
+                  .materials.at("oil"),
+              Material(Fluid{900, 1400}));
+}
+
+TEST(SetOption, NamesTheUnitsOfTheKey) {
+    const std::vector<std::pair<std::string, std::string>> wrong{
+        {"end.thickness_m=1mN",
+         R"(found "1mN", allowed: a number from 1e-09 to 10 m (m, with any prefix, as um or mm))"},
+        {"drive.frequency_hz=73khz",
+         R"(found "73khz", allowed: a number from 0.001 to 1e+09 Hz (Hz, with any prefix, as kHz or MHz))"},
+        {"drive.frequency_hz=73k", R"((Hz, with any prefix, as kHz or MHz))"},
+        {"chain.damping_kg_per_s=1 kg", "(kg/s, with any prefix, as g/s)"},
+        {"drive.cycles=25Hz", R"(found "25Hz", allowed: a number from 0.001 to 1e+09, without a unit)"},
+        {"chain.spheres=6mm", R"(found "6mm", allowed: an integer from 1 to 10000000, without a unit)"},
+        {"end.kind=6mm", R"(found "6mm", allowed: one of "plate")"},
+        {"end.material=6mm", R"(found "6mm", allowed: the name of a solid)"},
+        {"chain.preload_n='0.1'", R"(found "0.1", allowed: a number)"},
+        {"end.thickness_m=1km", "found 1000, allowed: a number from 1e-09 to 10 m"},  // its bounds
+        {"end.thickness_m=3,5mm", R"(found "3,5mm", allowed: a number)"},
+        {"end.thickness_m=infm", R"(found "infm", allowed: a number)"}};
+    for (const auto& [option, message] : wrong) {
+        EXPECT_THAT(messages("", {option}), ElementsAre(HasSubstr(message))) << option;
+    }
 }
 
 TEST(SetOption, CanDefineAMaterial) {
@@ -135,7 +177,7 @@ TEST(SetOption, BadSyntaxIsAFault) {
           "chain.spheres=\"", "chain.spheres=[", "chain.spheres=\x01", "chain.spheres=caf\xC3\xA9"}) {
         EXPECT_THAT(messages("", {option}), ElementsAre(StartsWith("--set chain.spheres="))) << option;
     }
-    EXPECT_THAT(messages("", {"chain.sphere=1 2"}).size(), 2);  // the key and the value
+    EXPECT_THAT(messages("", {"chain.sphere=1 2"}), ElementsAre(HasSubstr("did you mean 'chain.spheres'?")));
 }
 
 TEST(SetOption, CannotSmuggleInOtherKeys) {
