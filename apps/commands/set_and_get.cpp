@@ -34,6 +34,9 @@ constexpr const char* set_examples =
     "  hertzline set chain.preload_n=0.2 chain.damping_kg_per_s=0.3\n"
     "  hertzline set --undo";
 
+/// Of a stream's warnings and faults.
+constexpr std::size_t longest_message = 4096;
+
 constexpr const char* get_examples =
     "Examples:\n"
     "  hertzline get\n"
@@ -116,7 +119,8 @@ bool ask(const ControlOptions& arguments, const Json& request, Json& reply) {
     }
     for (const Json& fault : reply["faults"]) {
         const auto message = fault.is_object() ? fault.value("message", Json("refused")) : Json("refused");
-        spdlog::error("{}", printable(message.is_string() ? message.get<std::string>() : message.dump()));
+        spdlog::error("{}", printable(message.is_string() ? message.get<std::string>() : message.dump(),
+                                      longest_message));
     }
     return false;
 }
@@ -129,7 +133,8 @@ Exit set(const ControlOptions& arguments) {
     }
     if (arguments.format == Format::text && reply.contains("warnings")) {
         for (const Json& warning : reply["warnings"]) {
-            spdlog::warn("{}", printable(warning.is_string() ? warning.get<std::string>() : warning.dump()));
+            spdlog::warn("{}", printable(warning.is_string() ? warning.get<std::string>() : warning.dump(),
+                                         longest_message));
         }
         reply.erase("warnings");
     }
