@@ -20,7 +20,7 @@ namespace hertzline::measures {
 
 namespace {
 
-constexpr std::array<std::string_view, 19> keys{"program",
+constexpr std::array<std::string_view, 20> keys{"program",
                                                 "version",
                                                 "git_hash",
                                                 "compiler",
@@ -37,6 +37,7 @@ constexpr std::array<std::string_view, 19> keys{"program",
                                                 "epoch",
                                                 "epoch_sample",
                                                 "epoch_burst",
+                                                "control",
                                                 "changes",
                                                 "changes_left_out"};
 
@@ -133,16 +134,20 @@ std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz) {
                                .first_burst = count_in(provenance, "epoch_burst"),
                                .repetition_hz = *repetition}};
     for (const Json& change : OutsideJson(provenance).at("changes")) {
-        const Epoch before = epochs.back();
-        if (count_in(change, "epoch") <= before.number || count_in(change, "sample") <= before.first_sample) {
-            continue;
-        }
-        const auto rate = repetition_at("set/drive.repetition_hz", change);
-        epochs.push_back(
-            before.next(sample_rate_hz, count_in(change, "sample"), rate.value_or(before.repetition_hz)));
-        epochs.back().number = count_in(change, "epoch");
+        add_epoch(epochs, change, sample_rate_hz);
     }
     return epochs;
+}
+
+void add_epoch(std::vector<Epoch>& epochs, const Json& change, double sample_rate_hz) {
+    const Epoch before = epochs.back();
+    if (count_in(change, "epoch") <= before.number || count_in(change, "sample") < before.first_sample) {
+        return;
+    }
+    const auto rate = repetition_at("set/drive.repetition_hz", change);
+    epochs.push_back(
+        before.next(sample_rate_hz, count_in(change, "sample"), rate.value_or(before.repetition_hz)));
+    epochs.back().number = count_in(change, "epoch");
 }
 
 }  // namespace hertzline::measures

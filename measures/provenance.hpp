@@ -49,4 +49,7 @@ std::optional<double> repetition_of(const Json& provenance);
 /// later; none when it holds no scene.
 std::vector<Epoch> epochs_of(const Json& provenance, double sample_rate_hz);
 
+/// Adds the epoch that the change began to those before, at least one.
+void add_epoch(std::vector<Epoch>& epochs, const Json& change, double sample_rate_hz);
+
 }  // namespace hertzline::measures

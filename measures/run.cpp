@@ -43,7 +43,8 @@ PlateEnergy sum_of(const PlateEnergy& a, const PlateEnergy& b) {
 }
 
 /// Adds the account of a simulation that is over. @param continued its motion and ledger continue those of the one before
-void add_account(Run& run, Simulation& simulation, bool continued) {
+/// @param continues the next one continues them, and accounts for them
+void add_account(Run& run, Simulation& simulation, bool continued, bool continues) {
     const Scene& scene = simulation.scene();
     const Chain& chain = simulation.chain();
     const double radius_m = scene.chain.diameter_m / 2;
@@ -59,8 +60,9 @@ void add_account(Run& run, Simulation& simulation, bool continued) {
         run.strength_ratio = ratio;
         run.strength_warning = strength_warning(scene, chain, most);
     }
-    const double residual = simulation.energy_residual();
-    run.energy_residual = continued ? residual : std::max(run.energy_residual, residual);
+    if (!continues) {
+        run.energy_residual = std::max(run.energy_residual, simulation.energy_residual());
+    }
     if (chain.end.plate) {
         const PlateEnergy energy = energy_of_plate(simulation.ledger());
         run.plate = run.plate && !continued ? sum_of(*run.plate, energy) : energy;
@@ -91,8 +93,8 @@ public:
 
     Simulation& now() noexcept { return *now_; }
 
-    /// Ends the present one.
-    void close() { add_account(run_, *now_, continued_); }
+    /// Ends the present one. @param continues its motion goes on in the next one
+    void close(bool continues) { add_account(run_, *now_, continued_, continues); }
 
     /// Samples that the present one has still to give.
     std::size_t left() const noexcept {
@@ -102,9 +104,15 @@ public:
 
     /// Changes to the next one when it is due.
     Status advance() {
-        if (left() > 0) {
-            return Status::running;
+        Status status = Status::running;
+        while (left() == 0 && status == Status::running) {
+            status = change();
         }
+        return status;
+    }
+
+private:
+    Status change() {
         const SceneStep& step = *next();
         auto simulation = std::make_unique<Simulation>(
             step.scene, SimulationOptions{.taps = now_->taps(), .stop = options_.stop});
@@ -119,17 +127,17 @@ public:
         if (options_.begins) {
             options_.begins(done_);
         }
-        close();
+        close(step.continued);
         continued_ = step.continued;
         ++done_;
         run_.last_scene = step.scene;
+        run_.resolved.estimate = worse_of(run_.resolved.estimate, step.estimate);
         later_ = std::move(simulation);
         now_ = later_.get();
         announce();
         return Status::running;
     }
 
-private:
     const SceneStep* next() const noexcept {
         return done_ < options_.steps.size() ? &options_.steps[done_] : nullptr;
     }
@@ -171,7 +179,7 @@ Status fill(Run& run, Sequence& sequence, const std::function<bool(const Samples
             return Status::stopped;
         }
     }
-    sequence.close();
+    sequence.close(false);
     return Status::running;
 }
 
@@ -314,12 +322,11 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved) {
     if (!resolved.misses_accuracy()) {
         return std::nullopt;
     }
-    if (!resolved.estimate) {
-        return fmt::format("the error could not be estimated; requested: {:g}", advice.accuracy);
-    }
-    const ErrorEstimate& estimate = *resolved.estimate;
     std::string why;
-    if (estimate.amplifies) {
+    if (constexpr double far_too_many = 1e8; resolved.steps_per_burst > far_too_many) {
+        why = fmt::format("; the scene is too stiff: with its steps of {:.2g} s a burst takes {:.2g}",
+                          *resolved.scene.numerics.step_s, resolved.steps_per_burst);
+    } else if (resolved.estimate && resolved.estimate->amplifies) {
         why =
             "; the motion amplifies rounding errors, so that no step is good enough: judge it by "
             "energy_residual and statistics, "
@@ -331,6 +338,10 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved) {
             "; it is kept over the first {:.3g} s, but errors grow: a smaller numerics.accuracy may do",
             advice.pilot_duration_s);
     }
+    if (!resolved.estimate) {
+        return fmt::format("the error could not be estimated; requested: {:g}{}", advice.accuracy, why);
+    }
+    const ErrorEstimate& estimate = *resolved.estimate;
     return fmt::format(
         "the estimated error over the first {:.3g} s is {:.2g}, above the requested accuracy of {:g}{}",
         estimate.over_s, estimate.error, advice.accuracy, why);

@@ -31,7 +31,8 @@ struct RecordingHead {
     std::vector<Column> columns;  ///< at least one; the time is not among them
     double sample_rate_hz = 0;
     NumberType numbers = NumberType::float64;
-    Json provenance;  ///< an object (measures/provenance)
+    Json
+        provenance;  ///< an object (measures/provenance); with "changes" where the scene may change on the way
     /// The sample that a WAV holds as 1, in each column's unit. Other formats hold samples unscaled.
     double full_scale = 1;
 };

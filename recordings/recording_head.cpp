@@ -68,6 +68,14 @@ Json describe(const RecordingHead& head) {
             {"provenance", head.provenance}};
 }
 
+Json describe_without_changes(const RecordingHead& head) {
+    Json description = describe(head);
+    if (Json& provenance = description["provenance"]; provenance.is_object()) {
+        provenance.erase("changes");
+    }
+    return description;
+}
+
 RecordingHead head_of(Json description, NumberType numbers) {
     RecordingHead head;
     head.numbers = numbers;

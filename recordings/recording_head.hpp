@@ -20,6 +20,9 @@ std::optional<std::string> head_fault(const RecordingHead& head);
 /// Returns columns, rate and provenance: {"sample_rate_hz", "columns": [[name, quantity, unit]...], "provenance"}.
 Json describe(const RecordingHead& head);
 
+/// The same without the changes of the scene: for formats that have them elsewhere, as they are known only while it is written.
+Json describe_without_changes(const RecordingHead& head);
+
 /// Reads the head that describe() wrote, and checks it. @throws std::runtime_error with the fault, without the path
 RecordingHead head_of(Json description, NumberType numbers);
 

@@ -23,13 +23,19 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* set_examples =
-    "The stream has to be started with --control. A change takes effect at the next burst's start, or at "
-    "once where bursts do not repeat. Keys of [drive] but its material, numerics.step_s and "
+    "The stream has to be started with --control. A change takes effect at the next burst's start, or sooner "
+    "if "
+    "that is more than a second away; at once where bursts do not repeat. KEY=null takes an optional value "
+    "back, as numerics.accuracy=null before numerics.step_s is given. Keys of [drive] but its material, "
+    "numerics.step_s and "
     "numerics.accuracy keep the motion; all others restart from static equilibrium.\n"
     "Examples:\n"
     "  hertzline set drive.amplitude_m=2e-6\n"
     "  hertzline set chain.preload_n=0.2 chain.damping_kg_per_s=0.3\n"
     "  hertzline set --undo";
+
+/// Of a stream's warnings and faults.
+constexpr std::size_t longest_message = 4096;
 
 constexpr const char* get_examples =
     "Examples:\n"
@@ -42,6 +48,7 @@ struct ControlOptions {
     double timeout_s = 10;
     std::vector<std::string> words;  ///< KEY=VALUE, or KEY
     bool undo = false;
+    bool force = false;
     Format format = Format::text;
 };
 
@@ -96,7 +103,11 @@ Json request_of(const ControlOptions& arguments) {
         }
         set[word.substr(0, equals)] = value_of(word.substr(equals + 1));
     }
-    return {{"set", set}};
+    Json request{{"set", set}};
+    if (arguments.force) {
+        request["force"] = true;
+    }
+    return request;
 }
 
 /// Sends the request and reports faults. @returns whether there are none
@@ -108,7 +119,8 @@ bool ask(const ControlOptions& arguments, const Json& request, Json& reply) {
     }
     for (const Json& fault : reply["faults"]) {
         const auto message = fault.is_object() ? fault.value("message", Json("refused")) : Json("refused");
-        spdlog::error("{}", printable(message.is_string() ? message.get<std::string>() : message.dump()));
+        spdlog::error("{}", printable(message.is_string() ? message.get<std::string>() : message.dump(),
+                                      longest_message));
     }
     return false;
 }
@@ -118,6 +130,13 @@ Exit set(const ControlOptions& arguments) {
     Json reply;
     if (!ask(arguments, request, reply)) {
         return Exit::wrong_use;
+    }
+    if (arguments.format == Format::text && reply.contains("warnings")) {
+        for (const Json& warning : reply["warnings"]) {
+            spdlog::warn("{}", printable(warning.is_string() ? warning.get<std::string>() : warning.dump(),
+                                         longest_message));
+        }
+        reply.erase("warnings");
     }
     print_summary(reply, arguments.format);
     return Exit::done;
@@ -149,6 +168,8 @@ Run set_command(CLI::App& app) {
     auto arguments = std::make_shared<ControlOptions>();
     app.add_option("KEY=VALUE", arguments->words, "keys of the scene and their new values")->type_name("");
     app.add_flag("--undo", arguments->undo, "take the last change back instead");
+    app.add_flag("--force", arguments->force,
+                 "change it even if the stream would then as good as stand (a real-time factor below 0.01)");
     add_connection_options(app, *arguments);
     app.footer(set_examples);
     return [arguments] { return set(*arguments); };

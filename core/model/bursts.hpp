@@ -46,6 +46,8 @@ struct Epoch {
     std::int64_t first_sample = 0;
     std::int64_t first_burst = 0;
     double repetition_hz = 0;  ///< as in Bursts
+    /// The motion before was given up, because it gave no samples for too long.
+    bool gave_up = false;
 
     BurstPlace at(double sample_rate_hz, std::int64_t sample) const noexcept {
         const BurstPlace place = Bursts(sample_rate_hz, repetition_hz).at(sample - first_sample);

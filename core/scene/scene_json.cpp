@@ -198,7 +198,9 @@ tl::expected<Scene, std::vector<Fault>> scene_of_json(const Json& json) {
 tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& values) {
     std::vector<Fault> faults;
     for (const auto& [name, value] : values.items()) {
-        if (auto fault = set_key(scene, name, value)) {
+        if (name.ends_with(".density") && values.contains(name + "_kg_per_m3")) {
+            faults.push_back({name, found_json(value), "density or density_kg_per_m3, not both"});
+        } else if (auto fault = set_key(scene, name, value)) {
             faults.push_back(*std::move(fault));
         }
     }

@@ -222,8 +222,10 @@ std::vector<SceneKey> keys_of(const Scene& scene) {
 }
 
 tl::expected<SceneKey, Fault> scene_key_named(const Scene& scene, std::string_view name) {
-    const auto find_in = [name](std::span<const SceneKey> keys) {
-        const auto found = std::ranges::find(keys, name, &SceneKey::name);
+    const std::string in_full = name.ends_with(".density") ? std::string(name) + "_kg_per_m3" : "";
+    const auto find_in = [&](std::span<const SceneKey> keys) {
+        const auto found = std::ranges::find_if(
+            keys, [&](const SceneKey& key) { return key.name == name || key.name == in_full; });
         return found != keys.end() ? std::optional(*found) : std::nullopt;
     };
     auto key = find_in(scene_keys());

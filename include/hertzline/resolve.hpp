@@ -27,6 +27,12 @@ struct ErrorEstimate {
     bool amplifies = false;  ///< the motion amplifies rounding errors: no step brings the error down to them
 };
 
+/// Returns the larger error, with its stretch; an unknown one is the worst.
+inline std::optional<ErrorEstimate> worse_of(const std::optional<ErrorEstimate>& a,
+                                             const std::optional<ErrorEstimate>& b) noexcept {
+    return !a || (b && a->error >= b->error) ? a : b;
+}
+
 /// Results of the pilots of a scene. A step is the longest piece of a series, or the step of a grid.
 struct StepAdvice {
     double accuracy = default_accuracy;  ///< the wanted one: numerics.accuracy or the default

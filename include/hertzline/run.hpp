@@ -47,7 +47,7 @@ struct PlateEnergy {
 
 /// A run and its results.
 struct Run {
-    Resolution resolved;
+    Resolution resolved;              ///< of the first scene; its estimate becomes the worst of all scenes
     std::optional<Scene> last_scene;  ///< at the end, if the scene changed on the way
 
     std::vector<TapRecord> taps;       ///< v_out, then the other measured taps
@@ -60,7 +60,7 @@ struct Run {
     double static_pressure_pa = 0;                ///< the largest at rest [Pa]
     std::optional<double> strength_ratio;         ///< the largest
     std::optional<std::string> strength_warning;  ///< warning of the scene with that ratio
-    double energy_residual = 0;                   ///< residual of the ledger; the largest of several
+    double energy_residual = 0;                   ///< residual of the ledger; the largest of several motions
     std::optional<PlateEnergy> plate;             ///< modal plates only
     std::chrono::nanoseconds busy{0};             ///< simulating
     double setup_s = 0;                           ///< before the first step
@@ -86,10 +86,12 @@ struct Run {
 
 /// The scene from a sample on.
 struct SceneStep {
-    std::int64_t sample = 0;  ///< above that of the step before
+    std::int64_t sample =
+        0;  ///< above that of the step before; of one that is not continued it may be the same
     bool continued =
         false;  ///< the motion continues (Simulation::continue_from); else it restarts from static equilibrium
-    Scene scene;  ///< resolved; same samples
+    Scene scene;                                 ///< resolved; same samples
+    std::optional<ErrorEstimate> estimate = {};  ///< of its error; unset: not known
 };
 
 /// Options of a run.

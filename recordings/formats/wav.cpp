@@ -150,7 +150,7 @@ private:
     }
 
     void set_description() {
-        std::string text = text_of(describe(head()));
+        std::string text = text_of(describe_without_changes(head()));
         text.resize((text.size() + 3) / 4 * 4, ' ');  // libsndfile writes whole words, read from here
         if (text.size() > max_wav_description_bytes) {
             cannot_write(path(),
@@ -226,7 +226,7 @@ private:
     /// Refuses: a WAV has no room for facts that are known only while it is written.
     void save_changes() {
         const std::filesystem::path beside = wav_changes_path(path());
-        if (!head().provenance.contains("changes") || head().provenance["changes"].empty()) {
+        if (!head().provenance.contains("changes")) {
             std::filesystem::remove(beside);  // another recording's
             return;
         }

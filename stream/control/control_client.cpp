@@ -10,13 +10,69 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
+#include "stream/control/control_server.hpp"
 #include "stream/wire/endpoint.hpp"
 #include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 
+namespace {
+
+constexpr int what_becomes_of_the_connection =
+    ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL |
+    ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL | ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED;
+
+/// The connection of a controller that waits for its reply.
+class Connection {
+public:
+    explicit Connection(bool encrypted) noexcept : encrypted_(encrypted) {}
+
+    /// Takes an event. @returns why no reply will come; empty: it may come
+    std::string take(const SocketEvent& event) {
+        const std::string too_many =
+            fmt::format("it has as many controllers as it serves ({})", most_controllers);
+        switch (event.kind) {
+            case ZMQ_EVENT_CONNECTED:
+                reached_ = true;
+                return {};
+            case ZMQ_EVENT_HANDSHAKE_SUCCEEDED:
+                introduced_ = true;
+                return {};
+            case ZMQ_EVENT_HANDSHAKE_FAILED_AUTH:
+                return "it refused our key, which is not on its list (--allow-controllers)";
+            case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+                return event.value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH
+                           ? "either the stream's control or this controller encrypts, but not both"
+                           : "it is not the control of a stream";
+            default:
+                return introduced_
+                           ? "it ended the connection before it answered: " + too_many + ", or has ended"
+                           : fmt::format("it closed the connection during the handshake: {}, or {}",
+                                         encrypted_ ? "--server-key is not its key, it does not encrypt"
+                                                    : "it encrypts, it is not the control of a stream",
+                                         too_many);
+        }
+    }
+
+    /// Why no reply has come in time.
+    std::string silence() const {
+        if (!reached_) {
+            return "nothing is there: no stream that was started with --control";
+        }
+        return introduced_ ? "no reply in time; a change that was asked for may still take effect"
+                           : "it does not answer: it may be stopped, or no stream's control";
+    }
+
+private:
+    bool encrypted_;
+    bool reached_ = false;
+    bool introduced_ = false;
+};
+
+}  // namespace
+
 zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
-                             const std::optional<CurveClient>& curve) {
+                             const std::optional<CurveClient>& curve, std::optional<SocketMonitor>* monitor) {
     if (const auto fault = endpoint_fault(endpoint, EndpointUse::connect)) {
         throw std::runtime_error(*fault);
     }
@@ -28,6 +84,9 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
     socket.set(zmq::sockopt::linger, 0);
     socket.set(zmq::sockopt::maxmsgsize, longest_reply);
     socket.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+    if (monitor != nullptr) {
+        monitor->emplace(context, socket, what_becomes_of_the_connection);
+    }
     try {
         socket.connect(endpoint);
     } catch (const zmq::error_t& error) {
@@ -40,16 +99,22 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
     using Clock = std::chrono::steady_clock;
     constexpr long nap_ms = 50;
     zmq::context_t context;
-    zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve);
+    std::optional<SocketMonitor> monitor;
+    zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve, &monitor);
     const std::string text = request.dump(-1, ' ', true, Json::error_handler_t::replace);
     const std::array parts{std::as_bytes(std::span(text))};
     send_parts(socket, parts);
     constexpr double day_s = 86400;
     const std::chrono::duration<double> timeout(std::min(connection.timeout_s, day_s));
     const Clock::time_point end = Clock::now() + std::chrono::duration_cast<Clock::duration>(timeout);
-    while (Clock::now() < end && !stop.load(std::memory_order_relaxed)) {
+    Connection watched(connection.curve.has_value());
+    std::string why;
+    while (why.empty() && Clock::now() < end && !stop.load(std::memory_order_relaxed)) {
         zmq_pollitem_t item{.socket = socket.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
         zmq_poll(&item, 1, nap_ms);
+        for (auto event = monitor->next(); event && why.empty(); event = monitor->next()) {
+            why = watched.take(*event);
+        }
         std::array<zmq::message_t, 1> received;
         if (receive_parts(socket, received) == 0) {
             continue;
@@ -60,10 +125,10 @@ Json ask_control(const ControlConnection& connection, const Json& request, const
         }
         return reply;
     }
-    throw std::runtime_error(fmt::format(
-        "no reply from {}: no stream that was started with --control is there, it does not know our "
-        "key, or the change waits for a burst that begins later",
-        connection.endpoint));
+    if (why.empty()) {
+        why = stop.load(std::memory_order_relaxed) ? "stopped before a reply came" : watched.silence();
+    }
+    throw std::runtime_error(connection.endpoint + ": " + why);
 }
 
 }  // namespace hertzline::stream

@@ -9,15 +9,18 @@
 
 #include "core/scene/json.hpp"
 #include "stream/wire/security/curve.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::stream {
 
 /// The default endpoint of control, on this machine.
 inline constexpr const char* usual_control_endpoint = "tcp://127.0.0.1:5574";
 
-/// Connects a socket of a controller. @throws std::runtime_error that names the endpoint
+/// Connects a socket of a controller. @param monitor made of its connections before, if it is given
+/// @throws std::runtime_error that names the endpoint
 zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoint,
-                             const std::optional<CurveClient>& curve);
+                             const std::optional<CurveClient>& curve,
+                             std::optional<SocketMonitor>* monitor = nullptr);
 
 /// A way to a stream that is controlled.
 struct ControlConnection {
@@ -27,7 +30,7 @@ struct ControlConnection {
 };
 
 /// Sends the request and returns the reply, an object. @param stop gives up when it becomes true
-/// @throws std::runtime_error that names the endpoint when no object comes in time
+/// @throws std::runtime_error that names the endpoint and the reason: nothing is there, it refuses us, or does not answer in time
 Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop);
 
 }  // namespace hertzline::stream

@@ -22,9 +22,9 @@ namespace {
 
 constexpr long nap_ms = 50;       // between looks at the stop flag
 constexpr long short_nap_ms = 2;  // while a change is on its way
+constexpr int linger_ms = 200;    // for the last answers
 constexpr int at_a_time = 16;     // requests, before the change on its way is looked at again
-
-constexpr std::size_t most_connections = 32;
+constexpr int at_the_end = 1000;  // the same, the last time
 
 /// Identity of the sender, an empty part if it is a REQ, the request.
 constexpr std::size_t most_parts = 3;
@@ -38,7 +38,7 @@ std::span<const std::byte> bytes_of(const std::string& text) noexcept {
 }
 
 void set_options(zmq::socket_t& socket, const std::string& endpoint) {
-    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::linger, linger_ms);
     socket.set(zmq::sockopt::maxmsgsize, max_request_bytes);
     socket.set(zmq::sockopt::rcvhwm, 16);  // for each sender, whose further ones wait over there
     socket.set(zmq::sockopt::rcvbuf, 64 * 1024);
@@ -74,7 +74,7 @@ ControlServer::ControlServer(const std::string& endpoint, const std::optional<Cu
     : control_(control),
       endpoint_(bindable(endpoint)),
       socket_(context_, zmq::socket_type::router),
-      connections_(context_, socket_, most_connections) {
+      connections_(context_, socket_, most_controllers) {
     if (curve) {
         zap_.emplace(context_, curve->clients);  // before the socket binds
         encrypt_as_server(socket_, curve->own);
@@ -93,25 +93,31 @@ ControlServer::ControlServer(const std::string& endpoint, const std::optional<Cu
 }
 
 ControlServer::~ControlServer() {
-    stopping_.store(true, std::memory_order_relaxed);
+    stopping_.store(true, std::memory_order_release);
     thread_.join();
 }
 
 void ControlServer::serve() noexcept {
-    while (!stopping_.load(std::memory_order_relaxed)) {
+    bool stopping = false;
+    while (!stopping) {
+        stopping = stopping_.load(std::memory_order_acquire);  // then it looks once more
         zmq_pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
-        zmq_poll(&item, 1, control_.busy() ? short_nap_ms : nap_ms);
+        zmq_poll(&item, 1, stopping ? 0 : control_.busy() ? short_nap_ms : nap_ms);
         try {
             connections_.update();
-            receive_some();
-            control_.tick();
+            receive_some(stopping ? at_the_end : at_a_time);
+            if (const std::int64_t end = ended_at_.load(std::memory_order_acquire); end >= 0 || stopping) {
+                control_.end(end);
+            } else {
+                control_.tick();
+            }
         } catch (const std::exception&) {  // too little memory for a request: it is not answered
         }
     }
 }
 
-void ControlServer::receive_some() {
-    for (int i = 0; i < at_a_time && receive_one(); ++i) {
+void ControlServer::receive_some(int most) {
+    for (int i = 0; i < most && receive_one(); ++i) {
     }
 }
 
@@ -122,13 +128,15 @@ bool ControlServer::receive_one() {
     if (count == 0) {
         return false;
     }
-    connections_.note_subscriber(zmq_msg_get(parts[std::min(count, most_parts) - 1].handle(), ZMQ_SRCFD));
+    const int descriptor = zmq_msg_get(parts[std::min(count, most_parts) - 1].handle(), ZMQ_SRCFD);
+    connections_.note_question(descriptor);
     const bool empty_part = count == 3 && parts[1].empty();
     std::vector<std::string> envelope{std::string(text_of(parts[0]))};
     if (count >= 3 && parts[1].empty()) {
         envelope.emplace_back();
     }
-    const auto reply = [this, envelope = std::move(envelope)](const Json& json) {
+    const auto reply = [this, descriptor, cookie = socket_cookie(descriptor),
+                        envelope = std::move(envelope)](const Json& json) {
         const std::string text = json.dump(-1, ' ', true, Json::error_handler_t::replace);
         std::vector<std::span<const std::byte>> out;
         for (const std::string& part : envelope) {
@@ -136,6 +144,9 @@ bool ControlServer::receive_one() {
         }
         out.push_back(bytes_of(text));
         send_parts(socket_, out);  // lost when the sender has gone or takes nothing
+        if (socket_cookie(descriptor) == cookie) {
+            connections_.note_answer(descriptor);
+        }
     };
     if (count != 2 && !empty_part) {
         reply(not_understood(fmt::format("{} parts", count - 1)));

@@ -3,7 +3,7 @@
 //
 // A ROUTER: a REQ or a DEALER sends a JSON object in one part and gets one back (stream/README.md, "Live control"). A
 // stranger's messages are bounded in size, number and cost: the socket takes in no more than a few messages at a time, forgets a peer that
-// sends more than 64 KiB at once, and has at most 32 connections, of which those that never asked for anything go first.
+// sends more than 64 KiB at once, and has at most 32 connections, of which the one that was silent longest goes first.
 
 #include <atomic>
 #include <cstdint>
@@ -23,6 +23,9 @@ namespace hertzline::stream {
 /// Longer requests are refused, and their sender is disconnected [bytes].
 inline constexpr std::int64_t max_request_bytes = 65536;
 
+/// More controllers are refused.
+inline constexpr std::size_t most_controllers = 32;
+
 /// The thread's name in the system's tools (top -H).
 inline constexpr const char* control_thread_name = "control";
 
@@ -33,7 +36,7 @@ public:
     /// @throws std::runtime_error that names the endpoint and its fault
     ControlServer(const std::string& endpoint, const std::optional<CurveServer>& curve,
                   SceneControl& control);
-    /// Leaves waiting requests without an answer.
+    /// Tells those that wait that the stream has ended.
     ~ControlServer();
     ControlServer(const ControlServer&) = delete;
     ControlServer& operator=(const ControlServer&) = delete;
@@ -41,17 +44,21 @@ public:
     /// Returns the bound endpoint, with a real port in place of *.
     const std::string& endpoint() const noexcept { return endpoint_; }
 
+    /// Answers from here on that the stream has ended. @param sample the first that it did not have
+    void end(std::int64_t sample) noexcept { ended_at_.store(sample, std::memory_order_release); }
+
 private:
     void serve() noexcept;
-    void receive_some();
+    void receive_some(int most);
     bool receive_one();
 
     SceneControl& control_;
     std::string endpoint_;
     zmq::context_t context_;
     std::optional<ZapHandler> zap_;
-    zmq::socket_t socket_;     // the thread's from its start to its end
-    Connections connections_;  // the same
+    zmq::socket_t socket_;                    // the thread's from its start to its end
+    Connections connections_;                 // the same
+    std::atomic<std::int64_t> ended_at_{-1};  // below 0: it goes on
     std::atomic<bool> stopping_{false};
     std::thread thread_;  // last, so that it ends before the members that it uses
 };

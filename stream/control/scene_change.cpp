@@ -1,11 +1,16 @@
 #include "stream/control/scene_change.hpp"
 
+#include <algorithm>
+#include <array>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
+#include "core/scene/text.hpp"
+#include "measures/provenance.hpp"
 
 namespace hertzline::stream {
 
@@ -54,6 +59,18 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     return faults;
 }
 
+double expected_real_time_factor(const Resolution& resolved) noexcept {
+    constexpr double body_steps_per_s = 5e7;  // of a series on one processor, within a factor of some
+    const Drive& drive = resolved.scene.drive;
+    const double bodies = static_cast<double>(resolved.scene.chain.spheres) + 1;
+    const double steps_per_s = resolved.steps_per_burst * drive.frequency_hz / drive.cycles;
+    return body_steps_per_s / (steps_per_s * bodies);
+}
+
+std::string real_time_factor_text(double factor) {
+    return fmt::format("a real-time factor of about {:.1g}", factor);
+}
+
 Json values_of_change(const Scene& to, const Json& asked) {
     Json keys = asked;
     for (const char* key : {"numerics.integrator", "numerics.step_s", "numerics.accuracy"}) {
@@ -74,8 +91,58 @@ Json change_json(const SceneChange& change) {
     if (!change.scene_hash.empty()) {
         json["scene_hash"] = change.scene_hash;
     }
+    if (change.estimate) {
+        measures::add_estimate(json, change.estimate);
+    }
     return json;
 }
+
+namespace {
+
+constexpr std::array<std::string_view, 8> members{
+    "sample", "epoch", "set", "was", "motion", "scene_hash", "estimated_error", "estimated_over_s"};
+
+/// Returns the fault of an entry's members, or reads them. @param before the change before; null: none
+tl::expected<SceneChange, std::string> change_in(const Json& entry, const SceneChange* before) {
+    if (!entry.is_object()) {
+        return tl::unexpected(std::string(R"(found no object, allowed: {"sample": 20000, "set": {...}})"));
+    }
+    for (const auto& member : entry.items()) {
+        if (std::ranges::find(members, member.key()) == members.end()) {
+            return tl::unexpected(fmt::format("found the member {}, allowed: {}",
+                                              quoted_briefly(member.key()), fmt::join(members, ", ")));
+        }
+    }
+    const OutsideJson outside(entry);
+    SceneChange change;
+    change.goes_on = outside.text("motion") != "begins anew";
+    const std::int64_t earliest = before == nullptr ? 1 : before->sample + (change.goes_on ? 1 : 0);
+    change.sample = outside.count("sample").value_or(0);
+    if (change.sample < earliest) {
+        return tl::unexpected(fmt::format(
+            "sample: found {}, allowed: a whole number from {} on",
+            entry.contains("sample") ? quoted_briefly(entry["sample"].dump()) : "none", earliest));
+    }
+    const std::int64_t following = before == nullptr ? 1 : before->epoch + 1;
+    change.epoch = entry.contains("epoch") ? outside.count("epoch").value_or(0) : following;
+    if (change.epoch < 1 || (before != nullptr && change.epoch != following)) {
+        return tl::unexpected(std::string("epoch: it does not follow that of the change before"));
+    }
+    if (!outside.at("set").is_object()) {
+        return tl::unexpected(std::string("set: it is missing or not an object of keys and values"));
+    }
+    change.set = outside.at("set");
+    if (outside.at("was").is_object()) {
+        change.was = outside.at("was");
+    }
+    change.scene_hash = outside.text("scene_hash");
+    if (const auto error = outside.number("estimated_error")) {
+        change.estimate = {.error = *error, .over_s = outside.number("estimated_over_s").value_or(0)};
+    }
+    return change;
+}
+
+}  // namespace
 
 tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list) {
     if (!list.is_array()) {
@@ -84,31 +151,11 @@ tl::expected<std::vector<SceneChange>, std::string> changes_in(const Json& list)
     }
     std::vector<SceneChange> changes;
     for (const Json& entry : list) {
-        const auto wrong = [&](const char* what) {
-            return tl::unexpected(fmt::format("change {}: {}", changes.size() + 1, what));
-        };
-        if (!entry.is_object()) {
-            return wrong(R"(found no object, allowed: {"sample": 20000, "set": {...}})");
+        auto change = change_in(entry, changes.empty() ? nullptr : &changes.back());
+        if (!change) {
+            return tl::unexpected(fmt::format("change {}: {}", changes.size() + 1, change.error()));
         }
-        const OutsideJson outside(entry);
-        SceneChange change;
-        change.sample = outside.count("sample").value_or(0);
-        change.epoch = entry.contains("epoch") ? outside.count("epoch").value_or(0) : std::ssize(changes) + 1;
-        if (change.sample < 1 || (!changes.empty() && change.sample <= changes.back().sample)) {
-            return wrong("\"sample\" is missing or not a whole number above that of the change before");
-        }
-        if (change.epoch < 1 || (!changes.empty() && change.epoch != changes.back().epoch + 1)) {
-            return wrong("\"epoch\" does not follow that of the change before");
-        }
-        if (!outside.at("set").is_object()) {
-            return wrong("\"set\" is missing or not an object of keys and values");
-        }
-        change.set = outside.at("set");
-        if (outside.at("was").is_object()) {
-            change.was = outside.at("was");
-        }
-        change.scene_hash = outside.text("scene_hash");
-        changes.push_back(std::move(change));
+        changes.push_back(*std::move(change));
     }
     return changes;
 }

@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <iterator>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "hertzline/scene_file.hpp"
+#include "measures/provenance.hpp"
 #include "measures/resources.hpp"
+#include "measures/run.hpp"
 #include "measures/scene_report.hpp"
 #include "stream/threads.hpp"
 
@@ -26,6 +31,11 @@ constexpr int low_priority = 5;
 constexpr std::chrono::milliseconds between_glances{10};
 constexpr int most_glances = 30;
 
+// A present epoch that stands for so long is given up for the next one.
+constexpr std::chrono::seconds patience{1};
+constexpr std::chrono::nanoseconds longest_look =
+    std::chrono::milliseconds(100);  // the process may be stopped
+
 std::atomic<bool> abandoned{false};
 
 bool format_stays(const StreamFormat& a, const StreamFormat& b) noexcept {
@@ -35,8 +45,13 @@ bool format_stays(const StreamFormat& a, const StreamFormat& b) noexcept {
 
 }  // namespace
 
-SceneControl::SceneControl(Scene requested, Scene resolved, SimulationSource& source)
-    : requested_(std::move(requested)), resolved_(std::move(resolved)), source_(source) {}
+SceneControl::SceneControl(Scene requested, Scene resolved, SimulationSource& source,
+                           std::optional<std::int64_t> samples, double real_time_factor)
+    : requested_(std::move(requested)),
+      resolved_(std::move(resolved)),
+      factor_(real_time_factor),
+      source_(source),
+      samples_(samples) {}
 
 SceneControl::~SceneControl() {
     if (!job_ || !job_->thread.joinable()) {
@@ -64,15 +79,22 @@ void SceneControl::take(const Json& request, Reply reply) {
         return;
     }
     const bool undo = one && request.contains("undo") && request["undo"] == true;
-    const bool set = one && request.contains("set") && request["set"].is_object() && !request["set"].empty();
+    const bool force = request.is_object() && request.size() == 2 && request.contains("force") &&
+                       request["force"].is_boolean();
+    const bool set =
+        (one || force) && request.contains("set") && request["set"].is_object() && !request["set"].empty();
     if (!undo && !set) {
         reply(fault_json("", "no request",
-                         R"(one of {"set": {KEY: VALUE, ...}}, {"get": [KEY, ...]}, {"undo": true})"));
+                         R"(one of {"set": {KEY: VALUE, ...}}, with "force": true or without, )"
+                         R"({"get": [KEY, ...]}, {"undo": true})"));
+    } else if (!over_.empty()) {
+        reply(fault_json("", over_, ""));
     } else if (waiting_.size() >= most_waiting) {
         reply(fault_json("", "more requests than are kept waiting",
                          "another try when changes have taken effect"));
     } else {
-        waiting_.push_back({undo ? Json(nullptr) : request["set"], std::move(reply)});
+        waiting_.push_back(
+            {undo ? Json(nullptr) : request["set"], std::move(reply), force && request["force"] == true});
     }
 }
 
@@ -85,7 +107,9 @@ void SceneControl::get(const Json& keys, const Reply& reply) const {
         }
         names.push_back(key.get<std::string>());
     }
-    auto values = described_values(resolved_, names);
+    Scene scene = resolved_;
+    scene.numerics.accuracy = requested_.numerics.accuracy;  // by which its step was chosen
+    auto values = described_values(scene, names);
     if (!values) {
         reply(faults_json(values.error()));
         return;
@@ -95,11 +119,42 @@ void SceneControl::get(const Json& keys, const Reply& reply) const {
 
 void SceneControl::tick() {
     source_.hand_over().idle();  // frees the replaced simulation
+    give_up_what_stands();
     if (job_) {
         proceed();
     }
     while (!job_ && !waiting_.empty()) {
         begin();
+    }
+}
+
+/// A block that takes so long holds up the change that is to follow it, perhaps for ever.
+void SceneControl::give_up_what_stands() {
+    const auto now = std::chrono::steady_clock::now();
+    const std::uint64_t progress = source_.progress();
+    const bool stands = progress % 2 == 1 && progress == progress_seen_;
+    stood_ = stands ? stood_ + std::min<std::chrono::nanoseconds>(now - looked_at_, longest_look)
+                    : std::chrono::nanoseconds{0};
+    progress_seen_ = progress;
+    looked_at_ = now;
+    if (stood_ >= patience && !source_.hand_over().idle()) {
+        source_.hand_over().give_up();
+        stood_ = {};
+    }
+}
+
+void SceneControl::end(std::int64_t sample) {
+    if (over_.empty()) {
+        over_ = sample < 0 ? "the stream has ended before this change"
+                           : fmt::format("the stream ends at sample {}, before this change", sample);
+    }
+    const Json reply = fault_json("", over_, "");
+    if (job_) {
+        std::ranges::move(job_->requests, std::back_inserter(waiting_));
+        job_->requests.clear();
+    }
+    for (const Request& request : std::exchange(waiting_, {})) {
+        request.reply(reply);
     }
 }
 
@@ -152,9 +207,11 @@ void SceneControl::start(Scene requested, Json asked, bool undo, std::vector<Req
     job_->format = source_.format();
     job_->options = source_.options();
     job_->from = resolved_;
+    job_->factor = factor_;
     job_->requested = std::move(requested);
     job_->asked = std::move(asked);
     job_->undo = undo;
+    job_->force = undo || std::ranges::all_of(requests, &Request::force);
     job_->requests = std::move(requests);
     job_->thread = std::thread([job = job_] {
         begin_background_thread(preparing_thread_name, low_priority);
@@ -183,6 +240,15 @@ void SceneControl::prepare(Job& job) {
     if (!job.faults.empty()) {
         return;
     }
+    const double factor = expected_real_time_factor(job.resolved);
+    if (factor < std::min(least_real_time_factor, job.factor / 2) && !job.force) {
+        const std::string key = job.asked.size() == 1 ? job.asked.begin().key() : "";
+        job.faults.push_back(
+            {key, real_time_factor_text(factor) + ", at which the stream as good as stands",
+             fmt::format("{} and more; to insist: \"force\": true, or --force of hertzline set",
+                         least_real_time_factor)});
+        return;
+    }
     const Scene& scene = job.resolved.scene;
     const bool goes_on = motion_goes_on(job.from, scene);
     auto next = std::make_unique<NextSimulation>(scene, job.options, goes_on);
@@ -194,6 +260,13 @@ void SceneControl::prepare(Job& job) {
     }
     job.warnings =
         measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene)));
+    if (auto missed = measures::missed_accuracy(job.resolved)) {
+        job.warnings.push_back(*std::move(missed));
+    }
+    if (factor < least_real_time_factor) {
+        job.warnings.push_back(real_time_factor_text(factor) +
+                               ": the stream as good as stands; an undo begins anew from static equilibrium");
+    }
     job.next = std::move(next);
 }
 
@@ -212,7 +285,11 @@ void SceneControl::proceed() {
         offer();
     }
     if (job_->offered) {
-        if (const std::int64_t sample = source_.hand_over().applies_at(); sample >= 0) {
+        const std::int64_t sample = source_.hand_over().applies_at();
+        if (samples_ && sample >= *samples_) {
+            end(*samples_);
+            job_.reset();
+        } else if (sample >= 0) {
             conclude(sample);
         }
     }
@@ -238,7 +315,8 @@ void SceneControl::offer() {
                        .set = values_of_change(job_->resolved.scene, job_->asked),
                        .was = values_of_change(job_->from, job_->asked),
                        .goes_on = job_->next->goes_on,
-                       .scene_hash = scene_hash(job_->resolved.scene)};
+                       .scene_hash = scene_hash(job_->resolved.scene),
+                       .estimate = job_->resolved.estimate};
     {
         const std::scoped_lock lock(mutex_);
         epochs_.push_back({std::move(change), job_->resolved, job_->warnings});
@@ -265,11 +343,19 @@ void SceneControl::conclude(std::int64_t sample) {
     }
     requested_ = std::move(job_->requested);
     resolved_ = job_->resolved.scene;
-    const Json reply{{"applies_at_sample", sample}, {"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}};
+    factor_ = expected_real_time_factor(job_->resolved);
+    const Json reply = reply_of(*job_, sample);
     for (const Request& request : job_->requests) {
         request.reply(reply);
     }
     job_.reset();
+}
+
+Json SceneControl::reply_of(const Job& job, std::int64_t sample) const {
+    Json reply{{"applies_at_sample", sample}, {"epoch", epoch_}, {"scene_hash", scene_hash(resolved_)}};
+    measures::add_estimate(reply, job.resolved.estimate);
+    reply["warnings"] = job.warnings;
+    return reply;
 }
 
 std::vector<EpochOfChange> SceneControl::take_epochs(const Epoch& until) {
@@ -281,6 +367,7 @@ std::vector<EpochOfChange> SceneControl::take_epochs(const Epoch& until) {
     }
     if (!taken.empty() && taken.back().change.epoch == until.number) {
         taken.back().change.sample = until.first_sample;
+        taken.back().change.goes_on = taken.back().change.goes_on && !until.gave_up;
     }
     return taken;
 }

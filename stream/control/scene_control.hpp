@@ -3,6 +3,7 @@
 // and handed over to the simulating thread.
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -41,8 +42,10 @@ public:
     static constexpr std::size_t most_undone = 1000;
 
     /// @param requested the scene as the user gave it @param resolved the scene of the source's start
-    /// @param source outlives this
-    SceneControl(Scene requested, Scene resolved, SimulationSource& source);
+    /// @param source outlives this @param samples of the stream; unset: it has no end
+    /// @param real_time_factor to be expected of the resolved scene
+    SceneControl(Scene requested, Scene resolved, SimulationSource& source,
+                 std::optional<std::int64_t> samples = std::nullopt, double real_time_factor = 1);
     /// Waits a little for a change that is being prepared. Pilots that take longer are left behind.
     ~SceneControl();
     SceneControl(const SceneControl&) = delete;
@@ -56,6 +59,10 @@ public:
     /// Whether a change is being prepared, or a request waits.
     bool busy() const noexcept { return job_ != nullptr || !waiting_.empty(); }
 
+    /// The stream has ended: tells that to those that wait, and to later ones. @param sample the first that it does not have; below
+    /// 0: not known
+    void end(std::int64_t sample);
+
     /// Whether pilots of a change were left behind, so that the program must end by std::_Exit.
     static bool any_abandoned() noexcept;
 
@@ -66,6 +73,7 @@ private:
     struct Request {
         Json set;  ///< null: undo
         Reply reply;
+        bool force = false;  ///< the scene may be too slow for the stream
         bool alone = false;  ///< it was refused together with others, so its own fault is not known
     };
     struct Step {
@@ -77,9 +85,11 @@ private:
         StreamFormat format;
         SimulationOptions options;
         Scene from;       ///< resolved
+        double factor;    ///< its real-time factor
         Scene requested;  ///< changed
         Json asked;
         bool undo = false;
+        bool force = false;
         std::vector<Request> requests;
 
         std::vector<Fault> faults;
@@ -95,20 +105,28 @@ private:
     void begin();
     std::optional<Json> merge(Scene& scene, std::vector<Request>& requests);
     void start(Scene requested, Json asked, bool undo, std::vector<Request> requests);
+    void give_up_what_stands();
     static void prepare(Job& job);
     static void prepare_or_explain(Job& job) noexcept;
     void proceed();
     void refuse();
     void offer();
     void conclude(std::int64_t sample);
+    Json reply_of(const Job& job, std::int64_t sample) const;
 
     Scene requested_;
     Scene resolved_;
+    double factor_;  // of real time, expected of it
     std::int64_t epoch_ = 0;
     SimulationSource& source_;
+    std::optional<std::int64_t> samples_;
+    std::string over_;  // why nothing changes any more; empty: it may
     std::deque<Request> waiting_;
     std::vector<Step> history_;
     std::shared_ptr<Job> job_;
+    std::uint64_t progress_seen_ = 0;  // of the source
+    std::chrono::steady_clock::time_point looked_at_{};
+    std::chrono::nanoseconds stood_{0};
     std::mutex mutex_;  // of the epochs
     std::deque<EpochOfChange> epochs_;
 };

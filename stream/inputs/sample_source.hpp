@@ -17,6 +17,7 @@ namespace hertzline::stream {
 struct SourceAccount {
     std::int64_t steps = 0;
     std::int64_t contact_events = 0;
+    double energy_residual = 0;  ///< largest of the motions that another scene has ended
 };
 
 /// The form of a stream's samples.

@@ -1,6 +1,7 @@
 #include "stream/inputs/simulation_source.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -22,33 +23,68 @@ SimulationSource::SimulationSource(const Scene& scene, TapSet always)
     : format_(format_of(scene)),
       always_(always & format_.taps),
       current_(std::make_unique<NextSimulation>(scene, options(), false)),
+      hand_over_(*current_),
       epoch_{.repetition_hz = format_.repetition_hz} {}
 
+/// Lets the present simulation work. If it is given up on the way, the next one begins where the block was to begin.
+/// @param work takes the simulation and the most samples @returns false when there are no more samples
+template <class Work>
+bool SimulationSource::proceed(const Work& work) noexcept {
+    constexpr std::int64_t all = std::numeric_limits<std::int64_t>::max();
+    const std::int64_t first = next_sample();
+    progress_.fetch_add(1, std::memory_order_relaxed);
+    Status status = work(current_->simulation, all);
+    if (status == Status::stopped && take_up_at_once(std::max<std::int64_t>(1, first))) {
+        if (first == 0) {  // its sample at rest comes before, so that every run begins with its first scene
+            current_->stop.store(false, std::memory_order_relaxed);
+            current_->simulation.reset();
+            status = work(current_->simulation, 1);
+        } else {
+            change();
+            status = work(current_->simulation, all);
+        }
+    }
+    progress_.fetch_add(1, std::memory_order_relaxed);
+    return status == Status::running;
+}
+
 bool SimulationSource::read(Samples& samples, std::size_t count, TapSet wanted) noexcept {
-    return current_->simulation.advance(samples, count, wanted | always_) == Status::running;
+    return proceed([&](Simulation& simulation, std::int64_t most) {
+        const auto block = std::min(count, static_cast<std::size_t>(most));
+        return simulation.advance(samples, block, wanted | always_);
+    });
 }
 
 bool SimulationSource::skip(std::int64_t count) noexcept {
-    return current_->simulation.skip(count) == Status::running;
+    return proceed(
+        [&](Simulation& simulation, std::int64_t most) { return simulation.skip(std::min(count, most)); });
 }
 
 SourceAccount SimulationSource::account() const noexcept {
     return {.steps = before_.steps + now().steps(),
-            .contact_events = before_.contact_events + now().contact_events()};
+            .contact_events = before_.contact_events + now().contact_events(),
+            .energy_residual = before_.energy_residual};
 }
 
-std::int64_t SimulationSource::change_at(const Epoch& epoch, double sample_rate_hz,
+std::int64_t SimulationSource::change_at(const Epoch& epoch, double burst_s, double sample_rate_hz,
                                          std::int64_t from) noexcept {
     const Bursts bursts(sample_rate_hz, epoch.repetition_hz);
     const std::int64_t since = from - epoch.first_sample;
     if (!bursts.repeat()) {
         return from;
     }
-    std::int64_t burst = bursts.at(since).burst;
+    const BurstPlace place = bursts.at(since);
+    std::int64_t burst = place.burst;
     while (bursts.last_sample_until(burst) < since) {
         ++burst;
     }
-    return epoch.first_sample + bursts.last_sample_until(burst);
+    const double second = sample_rate_hz;  // in samples
+    if (const std::int64_t next = bursts.last_sample_until(burst);
+        static_cast<double>(next - since) <= second) {
+        return epoch.first_sample + next;
+    }
+    const double left = burst_s * sample_rate_hz + 1 - static_cast<double>(place.sample);
+    return from + (left > 0 && left <= second ? static_cast<std::int64_t>(std::ceil(left)) : 0);
 }
 
 void SimulationSource::take_up() noexcept {
@@ -56,12 +92,28 @@ void SimulationSource::take_up() noexcept {
     if (next_) {
         // not at sample 0, so that every run has a beginning that its first scene describes
         const auto first = std::max<std::int64_t>({1, next_sample(), now().first_open_sample()});
-        change_at_ = change_at(epoch_, format_.sample_rate_hz, first);
+        const Drive& drive = now().scene().drive;
+        change_at_ = change_at(epoch_, drive.cycles / drive.frequency_hz, format_.sample_rate_hz, first);
         if (next_->goes_on) {
             current_->simulation.end_at(change_at_);
         }
         hand_over_.applies(change_at_);
     }
+}
+
+/// The present simulation was stopped: the next one shall follow at this sample without its motion. @returns false when all were stopped
+bool SimulationSource::take_up_at_once(std::int64_t sample) noexcept {
+    if (!next_) {
+        next_.reset(hand_over_.accept());
+    }
+    if (!next_ || hand_over_.interrupted()) {
+        return false;
+    }
+    next_->goes_on = false;
+    gave_up_ = true;
+    change_at_ = sample;
+    hand_over_.applies(sample);
+    return true;
 }
 
 void SimulationSource::change() noexcept {
@@ -72,8 +124,11 @@ void SimulationSource::change() noexcept {
     } else {
         next_->simulation.begin_at(change_at_);
     }
+    const double residual = next_->goes_on || gave_up_ ? 0 : current_->simulation.energy_residual();
     before_ = account();
+    before_.energy_residual = std::max(before_.energy_residual, residual);
     epoch_ = epoch_.next(format_.sample_rate_hz, change_at_, next_->simulation.scene().drive.repetition_hz);
+    epoch_.gave_up = std::exchange(gave_up_, false);
     hand_over_.give_back(current_.release());
     current_ = std::move(next_);
 }
@@ -84,7 +139,9 @@ std::int64_t SimulationSource::samples_to_change() noexcept {
     }
     if (next_ &&
         next_sample() == change_at_) {  // at once, where the motion has not gone beyond the next sample
+        progress_.fetch_add(1, std::memory_order_relaxed);
         change();
+        progress_.fetch_add(1, std::memory_order_relaxed);
     }
     return next_ ? std::max<std::int64_t>(1, change_at_ - next_sample())
                  : std::numeric_limits<std::int64_t>::max();

@@ -2,6 +2,7 @@
 // A scene that is simulated while it is streamed, and may change on the way.
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 
 #include "hertzline/simulation.hpp"
@@ -20,7 +21,7 @@ public:
     StreamFormat format() const override { return format_; }
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
-    void interrupt() noexcept override { stop_.store(true, std::memory_order_relaxed); }
+    void interrupt() noexcept override { hand_over_.interrupt(); }
     std::int64_t samples_to_change() noexcept override;
     Epoch epoch() const noexcept override { return epoch_; }
     std::int64_t next_sample() const noexcept override { return now().next_sample(); }
@@ -31,11 +32,16 @@ public:
     /// Takes simulations of scenes that shall follow. They are made with options(); their stream has the same format but
     /// for the repetition of bursts.
     HandOver& hand_over() noexcept { return hand_over_; }
-    SimulationOptions options() const noexcept { return {.taps = format_.taps, .stop = &stop_}; }
+    SimulationOptions options() const noexcept { return {.taps = format_.taps}; }
 
-    /// The sample at which a change takes effect that becomes known now: a burst's start, or at once where bursts do not repeat.
-    /// @param from the first sample that it can be
-    static std::int64_t change_at(const Epoch& epoch, double sample_rate_hz, std::int64_t from) noexcept;
+    /// Returns a number that is odd while a block is being computed, and another one for each block; from any thread.
+    std::uint64_t progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
+
+    /// The sample at which a change takes effect that becomes known now: the next burst's start if that is no more than a second away;
+    /// else the end of the burst that plays, on the same condition; else at once. At once also where bursts do not repeat.
+    /// @param burst_s length of a burst @param from the first sample that it can be
+    static std::int64_t change_at(const Epoch& epoch, double burst_s, double sample_rate_hz,
+                                  std::int64_t from) noexcept;
 
     /// The format that a scene's stream has.
     static StreamFormat format_of(const Scene& scene) noexcept;
@@ -45,16 +51,20 @@ public:
 
 private:
     const Simulation& now() const noexcept { return current_->simulation; }
+    template <class Work>
+    bool proceed(const Work& work) noexcept;
     void take_up() noexcept;
+    bool take_up_at_once(std::int64_t sample) noexcept;
     void change() noexcept;
 
     StreamFormat format_;
     TapSet always_;
-    std::atomic<bool> stop_{false};
-    HandOver hand_over_;
     std::unique_ptr<NextSimulation> current_;
+    HandOver hand_over_;
+    std::atomic<std::uint64_t> progress_{0};
     std::unique_ptr<NextSimulation> next_;
     std::int64_t change_at_ = 0;  // of the next one
+    bool gave_up_ = false;        // the present one was stopped for the next one
     Epoch epoch_;
     SourceAccount before_;  // the present simulation
 };

@@ -85,6 +85,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
             if (finished) {
                 return;
             }
+            monitor_.wait(lateness_of_next(now));
             listen_for_subscriptions();
             producer_.wait_for_block(now + idle_period);
             continue;
@@ -128,16 +129,31 @@ void Pipeline::start_when_ready(Nanoseconds now) {
     }
 }
 
-/// Waits until the block's last sample is due, rounded up to the release period. @returns how late it then is.
+/// Returns how late the next block is at least, which has still to be made.
+Nanoseconds Pipeline::lateness_of_next(Nanoseconds now) const noexcept {
+    if (!start_time_) {
+        return Nanoseconds{0};
+    }
+    const std::int64_t end = monitor_.meters().samples - producer_.origin() + format_.frame_samples;
+    return pacer_.lateness(now, deadline_of(end, producer_.ring().capacity()));
+}
+
+/// Returns the sample until whose time a block is held: its end, rounded up to the release period.
+/// @param end from the stream's first sample on @param blocks there is room for
+std::uint64_t Pipeline::deadline_of(std::int64_t end, std::size_t blocks) const noexcept {
+    const std::uint64_t grain = samples_per_release(format_, options_.pace, blocks);
+    return (static_cast<std::uint64_t>(end) + grain - 1) / grain * grain;
+}
+
+/// Waits until the block is due. @returns how late it then is.
 Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>& stop) {
     if (pacer_.flat_out()) {
         return Nanoseconds{0};
     }
     monitor_.look_at(producer_.ring());
-    const std::uint64_t grain = samples_per_release(format_, options_.pace, producer_.room_for(block));
-    const auto end =
-        static_cast<std::uint64_t>(block.samples().first - producer_.origin()) + block.samples().count;
-    const std::uint64_t deadline = (end + grain - 1) / grain * grain;
+    const std::int64_t end =
+        block.samples().first - producer_.origin() + static_cast<std::int64_t>(block.samples().count);
+    const std::uint64_t deadline = deadline_of(end, producer_.room_for(block));
     MonotonicClock clock;
     wait_until_due(clock, pacer_, deadline, [&] {
         listen_for_subscriptions();

@@ -76,6 +76,8 @@ private:
     void deliver(const std::atomic<bool>& stop);
     std::uint64_t passed_over();
     void start_when_ready(Nanoseconds now);
+    Nanoseconds lateness_of_next(Nanoseconds now) const noexcept;
+    std::uint64_t deadline_of(std::int64_t end, std::size_t blocks) const noexcept;
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
     void enter(const Epoch& epoch);
     void release(const Block& block);

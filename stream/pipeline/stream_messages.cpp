@@ -1,5 +1,7 @@
 #include "stream/pipeline/stream_messages.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
@@ -45,7 +47,7 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
     object["late_frames"] = meters.late_frames;
     object["largest_lateness_s"] = meters.largest_lateness_s;
     object["ring_high_water"] = meters.ring_high_water;
-    object["energy_residual"] = meters.motion.energy_residual;
+    object["energy_residual"] = std::max(meters.motion.energy_residual, meters.account.energy_residual);
     object["contact_events"] = meters.account.contact_events;
     for (const Tap tap : taps) {
         const std::string_view name = row_of(tap).name;
@@ -66,8 +68,10 @@ std::string meters_json(const StreamMeters& meters, TapSet taps, const std::stri
 
 std::string lateness_text(const StreamMeters& meters) {
     return fmt::format(
-        "a frame left {:.1f} s late, at {:.3g} of real time: this machine does not keep up (load {:.2f})",
-        meters.largest_lateness_s, meters.real_time_factor(), meters.load);
+        "the stream is {:.1f} s late, at {:.3g} of real time: this machine, or what gives the samples, does "
+        "not "
+        "keep up",
+        meters.largest_lateness_s, meters.real_time_factor());
 }
 
 Json summary_json(const StreamMeters& meters, const Pipeline& pipeline, const Publisher& publisher) {

@@ -29,6 +29,10 @@ void StreamMonitor::count(const Block& block, Nanoseconds lateness) noexcept {
     meters_.motion = block.motion;
 }
 
+void StreamMonitor::wait(Nanoseconds lateness) noexcept {
+    meters_.largest_lateness_s = std::max(meters_.largest_lateness_s, seconds(lateness));
+}
+
 void StreamMonitor::pass(std::int64_t sample) noexcept {
     meters_.samples = std::max(meters_.samples, sample);
     meters_.simulated_s = static_cast<double>(meters_.samples - origin_) / sample_rate_hz_;

@@ -53,7 +53,7 @@ struct StreamMeters {
     std::int64_t samples = 0;  ///< index of the first sample that has not been due yet
     std::int64_t frames = 0;
     std::int64_t late_frames = 0;     ///< sent more than late_after after they were due
-    double largest_lateness_s = 0;    ///< largest of all frames
+    double largest_lateness_s = 0;    ///< largest of all frames, and of one that has still to come
     std::int64_t dropped_frames = 0;  ///< discarded because the ring was full and their time had passed
     double simulated_s = 0;
     double wall_s = 0;
@@ -83,6 +83,9 @@ public:
 
     /// Notes a block and its lateness.
     void count(const Block& block, Nanoseconds lateness) noexcept;
+
+    /// Notes how late the next block is already.
+    void wait(Nanoseconds lateness) noexcept;
 
     /// Blocks that were discarded before they had frames, since the start: one frame of each topic that is wanted.
     void count_dropped(std::uint64_t dropped, const TopicDemand& demand) noexcept;

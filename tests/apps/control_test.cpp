@@ -3,6 +3,8 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <random>
 #include <regex>
 #include <thread>
@@ -121,7 +123,7 @@ TEST(Control, ReportsTheFaultsOfItsArguments) {
     EXPECT_EQ(hertzline({"set", "drive.cycles=3", "--undo"}).status, 2);
     const Outcome nobody = hertzline({"get", "--connect", "tcp://127.0.0.1:9", "--timeout", "0.2"});
     EXPECT_EQ(nobody.status, 1);
-    EXPECT_THAT(nobody.err, HasSubstr("no reply from tcp://127.0.0.1:9"));
+    EXPECT_THAT(nobody.err, HasSubstr("tcp://127.0.0.1:9: nothing is there"));
     const Outcome exposed =
         hertzline({"stream", "paper-stream", "--control", "tcp://0.0.0.0:*", "--insecure"});
     EXPECT_EQ(exposed.status, 2);
@@ -244,6 +246,228 @@ TEST(Control, ChangesOfAFileAreMadeInARun) {
     }
     const Outcome wrong = hertzline(with(words, {"--changes", folder.file("plain.csv")}));
     EXPECT_EQ(wrong.status, 2);
+}
+
+TEST(Control, ChangesThatCannotBeMadeAreFaults) {
+    const TemporaryFolder folder;
+    const auto fault = [&](const std::string& list) {
+        write_text(folder.file("changes.json"), list);
+        const Outcome run =
+            hertzline({"run", "paper-vitreous-carbon", "--changes", folder.file("changes.json")});
+        EXPECT_EQ(run.status, 2) << list;
+        return run.err;
+    };
+    EXPECT_THAT(fault(R"([{"sample": 5001, "set": {"drive.amplitude_m": 2e-6}}])"),
+                HasSubstr("found a change from sample 5001 on, allowed: up to 5000"));
+    EXPECT_THAT(fault(R"([{"sample": 10, "set": {}}, {"sample": 20000, "set": {"chain.preload_n": 0.2}}])"),
+                HasSubstr("allowed: up to 5000"));
+    EXPECT_THAT(fault(R"([{"sample": 0, "set": {"chain.preload_n": 0.2}}])"),
+                HasSubstr("allowed: a whole number from 1 on"));
+    EXPECT_THAT(fault(R"([{"sample": 10, "set": {"chain.preload_n": 0.2}, "foo": 1}])"),
+                HasSubstr("the member \"foo\""));
+    EXPECT_THAT(fault(R"([{"sample": 1e300, "set": {}}])"), HasSubstr("sample: found"));
+}
+
+TEST(Control, TheDocumentsChangesChangeTheRun) {
+    std::ifstream document(HERTZLINE_SOURCE_DIR "/apps/README.md");
+    const std::string text{std::istreambuf_iterator<char>(document), {}};
+    std::smatch scene;
+    ASSERT_TRUE(std::regex_search(text, scene, std::regex("hertzline run (\\S+) --changes changes.json")));
+    const std::size_t begin = text.find("    [{\"sample\"");
+    ASSERT_NE(begin, std::string::npos);
+    const std::string list = text.substr(begin, text.find("\n\n", begin) - begin);
+    const TemporaryFolder folder;
+    write_text(folder.file("changes.json"), list);
+    const Outcome run = hertzline({"run", scene[1], "--changes", folder.file("changes.json"), "--columns",
+                                   "v_out", "-o", folder.file("changed.csv")});
+    ASSERT_EQ(run.status, 0) << run.err;
+    ASSERT_EQ(hertzline({"run", scene[1], "--columns", "v_out", "-o", folder.file("plain.csv")}).status, 0);
+    const auto changed = csv_of(folder.file("changed.csv")).at("v_out_m_per_s");
+    const auto plain = csv_of(folder.file("plain.csv")).at("v_out_m_per_s");
+    ASSERT_EQ(changed.size(), plain.size());
+    for (const Json& change : Json::parse(list)) {
+        const auto sample = change["sample"].get<std::size_t>();
+        ASSERT_LT(sample + 1000, plain.size());
+        EXPECT_FALSE(std::equal(plain.begin() + static_cast<std::ptrdiff_t>(sample),
+                                plain.begin() + static_cast<std::ptrdiff_t>(sample) + 1000,
+                                changed.begin() + static_cast<std::ptrdiff_t>(sample)))
+            << sample;
+    }
+}
+
+TEST(Control, TheErrorOfAChangedRunIsThatOfItsWorstScene) {
+    const TemporaryFolder folder;
+    write_text(folder.file("changes.json"), R"([{"sample": 3000, "set": {"drive.amplitude_m": 8e-6}}])");
+    // a quiet wall, then so loud that contacts open and the motion amplifies rounding errors
+    const Words words{"run",   "paper-wall",
+                      "--set", "chain.damping_kg_per_s=0.1",
+                      "--set", "chain.preload_n=0.05",
+                      "--set", "drive.amplitude_m=1e-9",
+                      "--set", "output.sample_rate_hz=1e6",
+                      "--set", "output.duration_s=8e-3",
+                      "--json"};
+    const Json quiet = hertzline(words).json();
+    const Outcome changed = hertzline(with(words, {"--changes", folder.file("changes.json")}));
+    ASSERT_EQ(changed.status, 0) << changed.err;
+    const Json summary = changed.json();
+    Words loud = words;
+    loud[7] = "drive.amplitude_m=8e-6";
+    loud[11] = "output.duration_s=5e-3";
+    const Json alone = hertzline(loud).json();
+    ASSERT_GT(alone["estimated_error"], 1e-4);
+    EXPECT_LT(quiet["estimated_error"], 1e-4);
+    EXPECT_GE(summary["estimated_error"], 0.1 * alone["estimated_error"].get<double>());
+    EXPECT_THAT(changed.err, HasSubstr("change from sample 3000 on: the estimated error"));
+    EXPECT_THAT(summary["warnings"].dump(), HasSubstr("change from sample 3000 on: the estimated error"));
+}
+
+TEST(Control, TheSummaryOfAStreamIsThatOfARunOfItsRecording) {
+    const TemporaryFolder folder;
+    for (const std::string scene : {"paper-stream", "paper-stream-symplectic"}) {
+        const std::string file = folder.file(scene + ".h5");
+        Program program({"stream", scene, "--set", "output.sample_rate_hz=1e6", "--json", "--bind", any_port,
+                         "--control", any_port, "--duration", "0.6", "--record", file, "--on-overrun",
+                         "wait"});
+        const std::regex said("control (tcp://\\S+)");
+        const std::string messages = program.messages_with(said);
+        std::smatch found;
+        std::regex_search(messages, found, said);
+        const std::atomic<bool> never{false};
+        const auto ask = [&](const Json& request) {
+            return ask_control({.endpoint = found[1], .timeout_s = 100}, request, never);
+        };
+        EXPECT_EQ(ask({{"set", {{"drive.amplitude_m", 2e-6}}}})["epoch"], 1);
+        const Json last = ask({{"set", {{"chain.preload_n", 0.2}}}});
+        EXPECT_EQ(last["epoch"], 2) << last;
+        const Outcome streamed = program.wait();
+        ASSERT_EQ(streamed.status, 0) << streamed.err;
+        const Outcome again = hertzline({"run", file, "--json"});
+        ASSERT_EQ(again.status, 0) << again.err;
+        const Json a = streamed.json();
+        const Json b = again.json();
+        ASSERT_TRUE(a["estimated_error"].is_number());
+        EXPECT_EQ(a["estimated_error"], b["estimated_error"]) << scene;
+        EXPECT_EQ(a["estimated_over_s"], b["estimated_over_s"]) << scene;
+        EXPECT_EQ(a["contact_events"], b["contact_events"]) << scene;
+        EXPECT_NEAR(a["energy_residual"].get<double>(), b["energy_residual"].get<double>(),
+                    1e-6 * b["energy_residual"].get<double>())
+            << scene;
+        EXPECT_GE(a["estimated_error"], last["estimated_error"]);
+    }
+}
+
+TEST(Control, ARecordingWhoseListOfChangesIsMissingIsNotSimulatedAgain) {
+    const TemporaryFolder folder;
+    const auto file = [&](const std::string& ending) { return folder.file("a" + ending); };
+    const std::vector<std::string> endings{".wav", ".sigmf-meta", ".csv", ".h5", ".npy"};
+    Words words{"--columns", "v_out"};
+    for (const std::string& ending : endings) {
+        words = with(words, {"--record", file(ending)});
+    }
+    LiveStream stream(words);
+    stream.program.messages_with("run ");
+    stream.program.send(SIGINT);
+    ASSERT_EQ(stream.program.wait().status, 0);
+    for (const std::string& ending : endings) {  // nothing has changed, and that is known
+        const Outcome run = hertzline({"run", file(ending)});
+        EXPECT_EQ(run.status, 0) << ending << run.err;
+        EXPECT_EQ(open_reader(file(ending))->head().provenance["changes"], Json::array()) << ending;
+    }
+    std::filesystem::remove(file(".wav") + "-changes.json");
+    Json meta = Json::parse(std::ifstream(file(".sigmf-meta")));
+    meta["global"].erase("hertzline:changes");
+    write_text(file(".sigmf-meta"), meta.dump());
+    for (const char* ending : {".wav", ".sigmf-meta"}) {
+        const Outcome run = hertzline({"run", file(ending)});
+        EXPECT_EQ(run.status, 2) << ending;
+        EXPECT_THAT(run.err, HasSubstr("the list of changes is missing")) << ending;
+    }
+}
+
+TEST(Control, AKilledSessionIsSimulatedAgainAsFarAsItsChangesAreKnown) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sigmf-meta");
+    LiveStream stream({"--columns", "v_out", "--record", file});
+    for (int change = 1; change <= 30; ++change) {
+        ASSERT_EQ(stream.ask({{"set", {{"drive.cycles", 3 + 0.1 * change}}}})["epoch"], change);
+    }
+    stream.program.messages_with("epoch 30 from sample");
+    stream.program.send(SIGKILL);
+    stream.program.wait();
+    const std::vector<double> recorded = numbers_in(file);
+    const std::vector<double> again = simulated_again(file, folder.file("again.sigmf-meta"));
+    ASSERT_FALSE(again.empty());
+    ASSERT_LE(again.size(), recorded.size());
+    EXPECT_TRUE(std::equal(again.begin(), again.end(), recorded.begin()));
+}
+
+TEST(Control, WhatIsTooSlowIsRefusedAndAStreamThatStandsComesBack) {
+    if (sanitized) {
+        GTEST_SKIP() << "with sanitizers every scene is slow";
+    }
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.h5");
+    LiveStream stream({"--columns", "v_out", "--record", file});
+    const auto at = [&](Words words) {
+        return hertzline(with(std::move(words), {"--connect", stream.control, "--timeout", "100"}));
+    };
+    const Outcome refused = at({"set", "numerics.step_s=1e-12"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr("a real-time factor of about"));
+    EXPECT_THAT(refused.err, HasSubstr("--force"));
+    const Outcome forced = at({"set", "numerics.step_s=1e-12", "--force"});
+    ASSERT_EQ(forced.status, 0) << forced.err;
+    EXPECT_THAT(forced.err, HasSubstr("an undo begins anew"));
+    stream.program.messages_with("s late");  // by the clock: no frame comes
+    ASSERT_EQ(at({"set", "--undo"}).status, 0);
+    stream.program.messages_with("epoch 2 from sample");
+    ASSERT_EQ(at({"set", "drive.cycles=5"}).status, 0);
+    stream.program.messages_with("epoch 3 from sample");
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    stream.program.send(SIGINT);
+    const Outcome ended = stream.program.wait();
+    ASSERT_EQ(ended.status, 0) << ended.err;
+    EXPECT_GT(ended.json()["largest_lateness_s"], 1.0);
+    EXPECT_TRUE(numbers_in(file) == simulated_again(file, folder.file("again.h5")));
+}
+
+TEST(Control, AStreamThatGivesNoFrameSaysSo) {
+    if (sanitized) {
+        GTEST_SKIP() << "with sanitizers every scene is slow";
+    }
+    Program program(
+        {"stream", "paper-stream", "--set", "numerics.step_s=1e-12", "--bind", any_port, "--json"});
+    program.messages_with("a real-time factor of about");
+    program.messages_with("s late, at 0 of real time");
+    program.send(SIGINT);
+    EXPECT_GT(program.wait().json()["largest_lateness_s"], 1.0);
+}
+
+TEST(Control, AnOwnMaterialsDensityHasItsShortNameToo) {
+    const TemporaryFolder folder;
+    write_text(folder.file("s.toml"), R"(
+[materials.mine]
+youngs_modulus_pa = 2e11
+poissons_ratio = 0.3
+density = 7800
+[chain]
+material = "mine"
+[drive]
+repetition_hz = 1000
+)");
+    Program program({"stream", folder.file("s.toml"), "--bind", any_port, "--control", any_port});
+    const std::regex said("control (tcp://\\S+)");
+    const std::string messages = program.messages_with(said);
+    std::smatch found;
+    std::regex_search(messages, found, said);
+    const Outcome set = hertzline({"set", "materials.mine.density=8000", "--connect", found[1]});
+    EXPECT_EQ(set.status, 0) << set.err;
+    const Outcome got = hertzline({"get", "materials.mine.density_kg_per_m3", "--connect", found[1]});
+    EXPECT_THAT(got.out, HasSubstr("8000"));
+    const Outcome both = hertzline({"set", "materials.mine.density=8000",
+                                    "materials.mine.density_kg_per_m3=8100", "--connect", found[1]});
+    EXPECT_EQ(both.status, 2);
+    EXPECT_THAT(both.err, HasSubstr("not both"));
 }
 
 TEST(Control, AHornThatIsSwitchedOffLetsTheChainRingDown) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "core/scene/json.hpp"
 #include "recordings/recording_formats.hpp"
@@ -67,6 +68,81 @@ TEST_P(RecordedChanges, AreNotThoseOfAnOlderFile) {
         writer->commit();
     }
     EXPECT_FALSE(open_reader(file)->head().provenance.contains("changes"));
+}
+
+TEST_P(RecordedChanges, AnEmptyListIsNoMissingOne) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file(GetParam());
+    RecordingHead head = head_of_run();
+    head.provenance["control"] = true;
+    head.provenance["changes"] = Json::array();
+    const auto writer = open_recording(file, head);
+    writer->write(0, recorded_rows(head, 0, 10).values);
+    writer->commit();
+    const Json provenance = open_reader(file)->head().provenance;
+    EXPECT_EQ(provenance["control"], true);
+    EXPECT_EQ(provenance.value("changes", Json("missing")), Json::array());
+}
+
+TEST_P(RecordedChanges, ThoseBeforeItsBeginningComeFirst) {  // of a listener that has joined later
+    const TemporaryFolder folder;
+    const std::string file = folder.file(GetParam());
+    RecordingHead head = head_of_run();
+    head.provenance["changes"] = Json::array({change(5, 1)});
+    const auto writer = open_recording(file, head);
+    writer->write(100, recorded_rows(head, 0, 10).values);
+    writer->note_change(change(110, 2));
+    writer->write(110, recorded_rows(head, 0, 10).values);
+    writer->commit();
+    EXPECT_EQ(open_reader(file)->head().provenance["changes"], Json({change(5, 1), change(110, 2)}));
+}
+
+TEST(RecordedChanges, AnyNumberOfThemFitsIntoSigmf) {
+    const TemporaryFolder folder;
+    const RecordingHead head = head_of_run();
+    const auto writer = open_recording(folder.file("a.sigmf-meta"), head);
+    constexpr std::int64_t many = 12'000;  // more than captures that it may have
+    const std::vector<double> row = recorded_rows(head, 0, 1).values;
+    Json expected = Json::array();
+    for (std::int64_t i = 0; i < many; ++i) {
+        writer->write(i, row);
+        expected.push_back(change(i + 1, i + 1));
+        writer->note_change(expected.back());
+    }
+    writer->write(many, row);
+    writer->commit();
+    const Json meta = Json::parse(contents(folder.file("a.sigmf-meta")));
+    EXPECT_EQ(meta["global"]["hertzline:changes"], expected);
+    EXPECT_EQ(meta["global"]["hertzline:changes_until_sample"], many + 1);
+    std::int64_t noted = 0;
+    std::int64_t before = 0;
+    for (const Json& one : meta["annotations"]) {
+        noted += one.contains("hertzline:change") ? 1 : 0;
+        EXPECT_GE(one["core:sample_start"], before);  // as SigMF demands
+        before = one["core:sample_start"];
+    }
+    EXPECT_EQ(noted, many);
+    EXPECT_EQ(read_rows(*open_reader(folder.file("a.sigmf-meta")))[0].values.size(), many + 1);
+}
+
+TEST(RecordedChanges, SigmfWritesNoMoreOfItsMetadataTheMoreChangesThereAre) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sigmf-meta");
+    const RecordingHead head = head_of_run();
+    const auto writer = open_recording(file, head);
+    const std::vector<double> rows = recorded_rows(head, 0, 600).values;  // so that each write is flushed
+    ino_t inode = 0;
+    int saves = 0;
+    for (std::int64_t i = 0; i < 3000; ++i) {
+        writer->write(600 * i, rows);
+        writer->note_change(change(600 * (i + 1), i + 1));
+        struct stat status {};
+        ASSERT_EQ(::stat(file.c_str(), &status), 0);
+        saves += status.st_ino != inode ? 1 : 0;  // each replaces the file
+        inode = status.st_ino;
+    }
+    writer->commit();
+    EXPECT_LT(saves, 1500);  // each of the first ones, then ever fewer
 }
 
 TEST(RecordedChanges, SigmfMarksThem) {

@@ -133,10 +133,11 @@ void measure(hertzline::Run& run, std::optional<double> band_from_hz) {
 }
 
 /// Prints the numbers of a run, and as JSON its warnings, which text has on stderr.
-void print_run(const hertzline::Run& run, Format format) {
+void print_run(const hertzline::Run& run, const Session& session, Format format) {
     std::vector<SummaryGroup> summary = measures::summary_of(run);
     if (format == Format::json) {
-        Warnings warnings = measures::scene_warnings(run.resolved);
+        Warnings warnings = measures::scene_warnings(session.resolved);
+        warnings.insert(warnings.end(), session.warnings.begin(), session.warnings.end());
         warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
         summary.push_back({"", {{"warnings", warnings}}, ""});
     }
@@ -196,11 +197,16 @@ Exit run(const RunOptions& options) {
     refuse_unwritable(options);
     refuse_shortages(scene, {options.files, recorded, options.spectra, measured});
     stop_asked();  // from here on there are files to be cleaned up
+    Json provenance = measures::provenance_json(
+        {scene, resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
+    if (!session.changes.empty()) {
+        provenance["control"] = true;
+        provenance["changes"] = Json::array();
+    }
     const recordings::RecordingHead head{
         .columns = recordings::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
         .sample_rate_hz = scene.output.sample_rate_hz,
-        .provenance = measures::provenance_json(
-            {scene, resolved.estimate, measures::utc_text(std::chrono::system_clock::now()), std::nullopt}),
+        .provenance = provenance,
         .full_scale = options.wav_scale.value_or(1)};
     recordings::RecordingSet recordings(
         options.files, head, recordings::RecordingPatience::endless(stop_asked()),
@@ -231,7 +237,7 @@ Exit run(const RunOptions& options) {
     }
     run.recordings = recordings::recordings_json(recordings);
     measure(run, options.band_from_hz);
-    print_run(run, options.format);
+    print_run(run, session, options.format);
     return recordings.complete() && saved ? Exit::done : Exit::failed;
 }
 

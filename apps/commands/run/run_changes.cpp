@@ -15,7 +15,9 @@
 #include "core/scene/text.hpp"
 #include "hertzline/simulation.hpp"
 #include "measures/provenance.hpp"
+#include "measures/run.hpp"
 #include "recordings/files/input_file.hpp"
+#include "recordings/formats/wav.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
@@ -24,17 +26,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Resolves the scene, or adds its faults. @param hash of the resolved scene; empty: not known
-std::optional<Scene> resolved_step(const Scene& scene, const std::string& hash, const std::string& where,
-                                   Faults& faults) {
+/// Resolves the scene, or adds its faults. @param hash of the resolved scene; empty: not known @param run_s how long it lasts
+std::optional<Resolution> resolved_step(const Scene& scene, const std::string& hash, double run_s,
+                                        const std::string& where, Faults& faults) {
     if (const std::vector<Fault> wrong = validate(scene); !wrong.empty()) {
         faults.add(where, wrong);
         return std::nullopt;
     }
     if (scene.numerics.integrator && scene.numerics.step_s && !hash.empty() && scene_hash(scene) == hash) {
-        return scene;
+        Resolution known;
+        known.scene = scene;
+        known.step_set_by_scene = true;
+        return known;
     }
-    Resolution resolved = hertzline::resolve(scene, std::nullopt);
+    Resolution resolved = hertzline::resolve(scene, run_s);
     if (!resolved.faults.empty()) {
         faults.add(where, resolved.faults);
         return std::nullopt;
@@ -46,24 +51,27 @@ std::optional<Scene> resolved_step(const Scene& scene, const std::string& hash, 
                                scene_hash(resolved.scene), hash));
         return std::nullopt;
     }
-    return std::move(resolved.scene);
+    return resolved;
 }
 
 /// Resolves the scene of a change and completes the change, or adds the faults. Replaces `scene`, which is without
 /// integrator and step unless the user gave them, and `before`, which has them.
-bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scene& before,
+/// @param run_s how long the changed scene lasts
+bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scene& before, double run_s,
                const std::string& where, Faults& faults) {
     const Json asked = change.set;
     auto changed = faults.value_of(where, with_values(scene, asked));
-    auto after = changed ? resolved_step(*changed, change.scene_hash, where, faults) : std::nullopt;
-    if (!after) {
+    const auto resolved =
+        changed ? resolved_step(*changed, change.scene_hash, run_s, where, faults) : std::nullopt;
+    if (!resolved) {
         return false;
     }
+    const Scene* const after = &resolved->scene;
     if (const std::vector<Fault> wrong = stream::frame_faults(before, *after); !wrong.empty()) {
         faults.add(where, wrong);
         return false;
     }
-    const bool continues = stream::motion_goes_on(before, *after);
+    const bool continues = change.goes_on && stream::motion_goes_on(before, *after);
     if (continues && !Simulation::can_hand_over(before)) {
         faults.add(where,
                    "the motion of this grid cannot be handed over; allowed: a series, or steps that "
@@ -74,23 +82,61 @@ bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scen
     change.was = stream::values_of_change(before, asked);
     change.goes_on = continues;
     change.scene_hash = scene_hash(*after);
-    session.steps.push_back({change.sample, continues, *after});
+    if (resolved->estimate) {  // else it is a recorded change, which has the estimate of its stream
+        change.estimate = resolved->estimate;
+    }
+    if (const auto missed = measures::missed_accuracy(*resolved)) {
+        session.warnings.push_back(where + ": " + *missed);
+    }
+    session.steps.push_back({change.sample, continues, *after, change.estimate});
     scene = *std::move(changed);
-    before = *std::move(after);
+    before = *after;
     return true;
 }
 
 /// Adds the scenes that the changes make, or the faults of the first wrong one.
-/// @param scene with or without integrator and step
-std::optional<Session> with_steps(Session session, Scene scene, const std::string& origin, Faults& faults) {
+/// @param scene with or without integrator and step @param samples of the session
+std::optional<Session> with_steps(Session session, Scene scene, std::int64_t samples,
+                                  const std::string& origin, Faults& faults) {
     Scene before = session.resolved.scene;
-    for (stream::SceneChange& change : session.changes) {
+    for (std::size_t i = 0; i < session.changes.size(); ++i) {
+        stream::SceneChange& change = session.changes[i];
+        const std::int64_t end = i + 1 < session.changes.size() ? session.changes[i + 1].sample : samples;
+        const double run_s =
+            static_cast<double>(std::max<std::int64_t>(1, end - change.sample)) / scene.output.sample_rate_hz;
         const std::string where = fmt::format("{}: change from sample {} on", origin, change.sample);
-        if (!take_step(session, change, scene, before, where, faults)) {
+        if (!take_step(session, change, scene, before, run_s, where, faults)) {
             return std::nullopt;
         }
     }
     return session;
+}
+
+/// Returns the changes of a recording's provenance, or adds the fault of those that are missing.
+std::optional<std::vector<stream::SceneChange>> recorded_changes(const Json& provenance,
+                                                                 const std::string& origin, Faults& faults) {
+    if (provenance.value("control", Json(false)) == true && !provenance.contains("changes")) {
+        faults.add(origin, fmt::format("its scene could change, but the list of changes is missing{}",
+                                       recordings::recording_ending(origin) == ".wav"
+                                           ? ": it is in " + recordings::wav_changes_path(origin).string()
+                                           : std::string()));
+        return std::nullopt;
+    }
+    return faults.value_of(origin, stream::changes_in(provenance.value("changes", Json::array())));
+}
+
+/// Returns how many samples of a recording are simulated again, and warns of those that are not.
+std::int64_t samples_again(std::int64_t last_sample, const Json& provenance, const std::string& origin) {
+    const auto known = OutsideJson(provenance).count("changes_until_sample");
+    if (!known || *known > last_sample) {
+        return last_sample + 1;
+    }
+    spdlog::warn(
+        "{}: it was cut off; changes from sample {} on are not known, so the {} samples from there on are "
+        "not "
+        "simulated again",
+        origin, *known, last_sample + 1 - *known);
+    return std::max<std::int64_t>(1, *known);
 }
 
 /// Returns the scene in a recording's provenance, or adds the fault.
@@ -101,6 +147,29 @@ std::optional<Scene> recorded_scene(const Json& provenance, const std::string& o
         return std::nullopt;
     }
     return faults.value_of(origin, scene_of_json(*found));
+}
+
+/// Adds and prints the warning of epochs that last longer than their errors were estimated over.
+void warn_of_the_unwatched(Session& session, std::int64_t samples) {
+    const double rate = session.resolved.scene.output.sample_rate_hz;
+    std::optional<ErrorEstimate> estimate = session.resolved.estimate;
+    std::int64_t begin = 0;
+    for (std::size_t i = 0; i <= session.steps.size(); ++i) {
+        const std::int64_t end = i < session.steps.size() ? session.steps[i].sample : samples;
+        const double epoch_s = static_cast<double>(end - begin) / rate;
+        if (estimate && estimate->over_s < epoch_s - 2 / rate) {
+            session.warnings.push_back(fmt::format(
+                "the error from sample {} on is estimated over the first {:.3g} s of {:.3g} s; what it grows "
+                "to is not known",
+                begin, estimate->over_s, epoch_s));
+            spdlog::warn(session.warnings.back());
+            return;
+        }
+        if (i < session.steps.size()) {
+            begin = end;
+            estimate = session.steps[i].estimate;
+        }
+    }
 }
 
 /// Returns the scene as it was in an epoch, before the changes up to it, or adds the faults.
@@ -179,7 +248,7 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
         return std::nullopt;
     }
     Session session;
-    auto changes = faults.value_of(origin, stream::changes_in(provenance.value("changes", Json::array())));
+    auto changes = recorded_changes(provenance, origin, faults);
     if (!changes) {
         return std::nullopt;
     }
@@ -196,10 +265,17 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
     if (!session.resolved.faults.empty()) {
         return std::nullopt;
     }
-    auto whole = with_steps(std::move(session), *scene, origin, faults);
+    const std::int64_t samples = samples_again(last_sample(*reader), provenance, origin);
+    while (!session.changes.empty() && session.changes.back().sample >= samples) {
+        spdlog::warn("{}: it ends before its change from sample {} on", origin,
+                     session.changes.back().sample);
+        session.changes.pop_back();
+    }
+    auto whole = with_steps(std::move(session), *scene, samples, origin, faults);
     if (whole) {
         whole->resolved.scene.output.duration_s =
-            static_cast<double>(last_sample(*reader)) / scene->output.sample_rate_hz;
+            static_cast<double>(samples - 1) / scene->output.sample_rate_hz;
+        warn_of_the_unwatched(*whole, samples);
     }
     return whole;
 }
@@ -210,7 +286,7 @@ std::optional<Session> session_of_scene(const SceneRequest& request, const std::
     if (!resolved) {
         return std::nullopt;
     }
-    Session session{.resolved = *std::move(resolved), .changes = {}, .steps = {}};
+    Session session{.resolved = *std::move(resolved), .changes = {}, .steps = {}, .warnings = {}};
     if (file.empty()) {
         return session;
     }
@@ -221,7 +297,21 @@ std::optional<Session> session_of_scene(const SceneRequest& request, const std::
         return std::nullopt;
     }
     session.changes = *std::move(changes);
-    return with_steps(std::move(session), parsed_scene(request).value().scene, origin, faults);
+    const auto samples = static_cast<std::int64_t>(measures::rows_of_run(session.resolved.scene));
+    if (!session.changes.empty() && session.changes.back().sample >= samples) {
+        faults.add(origin,
+                   fmt::format("found a change from sample {} on, allowed: up to {}, the last one of the run "
+                               "(output.duration_s)",
+                               session.changes.back().sample, samples - 1));
+        return std::nullopt;
+    }
+    auto whole = with_steps(std::move(session), parsed_scene(request).value().scene, samples, origin, faults);
+    if (whole) {
+        for (const std::string& text : whole->warnings) {
+            spdlog::warn(text);
+        }
+    }
+    return whole;
 }
 
 }  // namespace hertzline::app

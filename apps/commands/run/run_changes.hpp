@@ -18,6 +18,7 @@ struct Session {
     Resolution resolved;  ///< the first scene
     std::vector<stream::SceneChange> changes;
     std::vector<SceneStep> steps;  ///< the scenes of the changes
+    Warnings warnings;             ///< of the accuracy after each change, and of the whole
 };
 
 /// Whether SCENE names a recording: an ending of one, and a file that is there.

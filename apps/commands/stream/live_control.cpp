@@ -60,8 +60,10 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 }
 
 LiveControl::LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
-                         const Scene& requested, const Scene& resolved, stream::SimulationSource& source)
-    : control_(requested, resolved, source), server_(request.endpoint, curve, control_) {}
+                         const Scene& requested, const Resolution& resolved, stream::SimulationSource& source,
+                         std::optional<std::int64_t> samples)
+    : control_(requested, resolved.scene, source, samples, stream::expected_real_time_factor(resolved)),
+      server_(request.endpoint, curve, control_) {}
 
 std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {
     std::vector<stream::EpochOfChange> begun = control_.take_epochs(epoch);
@@ -78,9 +80,8 @@ std::vector<stream::EpochOfChange> LiveControl::begin(const Epoch& epoch) {
 }
 
 void LiveControl::add_to(Json& meta) const {
-    if (!changes_.empty()) {
-        meta["changes"] = changes_;
-    }
+    meta["control"] = true;
+    meta["changes"] = changes_;
     if (left_out_ > 0) {
         meta["changes_left_out"] = left_out_;
     }

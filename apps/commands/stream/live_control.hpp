@@ -32,17 +32,21 @@ std::optional<stream::CurveServer> checked_control(const ControlRequest& request
 class LiveControl {
 public:
     /// @param requested the scene as the user gave it @param resolved the scene that the source began with
-    /// @throws std::runtime_error when the endpoint cannot be bound
+    /// @param samples of the stream; unset: it has no end @throws std::runtime_error when the endpoint cannot be bound
     LiveControl(const ControlRequest& request, const std::optional<stream::CurveServer>& curve,
-                const Scene& requested, const Scene& resolved, stream::SimulationSource& source);
+                const Scene& requested, const Resolution& resolved, stream::SimulationSource& source,
+                std::optional<std::int64_t> samples);
 
     const std::string& endpoint() const noexcept { return server_.endpoint(); }
 
     /// Returns the changes up to the epoch, in order.
     std::vector<stream::EpochOfChange> begin(const Epoch& epoch);
 
-    /// Adds the latest changes so far to the members of meta.
+    /// Adds to the members of meta that the stream is controlled, and the latest changes so far.
     void add_to(Json& meta) const;
+
+    /// Answers those that wait, and later ones, that the stream has ended before its sample of this number.
+    void end(std::int64_t sample) noexcept { server_.end(sample); }
 
 private:
     stream::SceneControl control_;

@@ -105,7 +105,14 @@ CheckedArguments checked(const StreamOptions& arguments) {
     return result;
 }
 
-void warn_of_contacts(const StreamOptions& arguments, const Scene& scene) {
+/// Warns of contacts, and of a scene that is far too slow for a stream.
+void warn_of_scene(const StreamOptions& arguments, const Resolution& resolved) {
+    const Scene& scene = resolved.scene;
+    if (const double factor = stream::expected_real_time_factor(resolved);
+        factor < stream::least_real_time_factor) {
+        spdlog::warn("{}: {} is to be expected", printable(arguments.scene.scene),
+                     stream::real_time_factor_text(factor));
+    }
     for (const std::string& text :
          measures::contact_warnings(scene, measures::peak_overlaps(scene, measures::first_burst_s(scene)))) {
         spdlog::warn("{}: {}", printable(arguments.scene.scene), text);
@@ -113,13 +120,14 @@ void warn_of_contacts(const StreamOptions& arguments, const Scene& scene) {
 }
 
 std::unique_ptr<LiveControl> control_of(const StreamOptions& arguments, const CheckedArguments& checked,
-                                        stream::SimulationSource& source) {
+                                        stream::SimulationSource& source,
+                                        std::optional<std::int64_t> samples) {
     if (arguments.control.endpoint.empty()) {
         return nullptr;
     }
     auto control = std::make_unique<LiveControl>(arguments.control, checked.control_curve,
                                                  parsed_scene(arguments.scene).value().scene,
-                                                 checked.resolved.scene, source);
+                                                 checked.resolved, source, samples);
     spdlog::info("control {}", control->endpoint());
     return control;
 }
@@ -127,7 +135,7 @@ std::unique_ptr<LiveControl> control_of(const StreamOptions& arguments, const Ch
 Exit stream(const StreamOptions& arguments) {
     const CheckedArguments asked = checked(arguments);
     const Scene& scene = asked.resolved.scene;
-    warn_of_contacts(arguments, scene);
+    warn_of_scene(arguments, asked.resolved);
     const double rate = scene.output.sample_rate_hz;
     stream::StreamOptions options =
         stream_options(arguments.publish, rate,
@@ -138,6 +146,10 @@ Exit stream(const StreamOptions& arguments) {
     refuse_shortages(arguments, scene, options, publishing, asked.recorded);
     stop_asked();  // from here on there are files to be cleaned up
     stream::SimulationSource source(scene, asked.recorded);
+    const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source, options.samples);
+    if (control) {
+        control->add_to(options.about);
+    }
     stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
     recordings::RecordingSet recordings(
@@ -155,7 +167,6 @@ Exit stream(const StreamOptions& arguments) {
         });
     recordings::RowBuilder row_builder(recordings, asked.recorded);
     stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
-    const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source);
     const std::unique_ptr<ScopeChild> scope =
         scope_beside(arguments.scope, local_endpoint(publisher.endpoint()),
                      control ? local_endpoint(control->endpoint()) : std::string());

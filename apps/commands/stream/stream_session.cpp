@@ -1,5 +1,6 @@
 #include "apps/commands/stream/stream_session.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -50,8 +51,12 @@ Json StreamSession::begin(const Epoch& epoch) {
         line_.clear();
         spdlog::info("{}", change_text(begun.change));
         for (const std::string& text : begun.warnings) {
-            warn(text);
+            if (std::ranges::find(warned_, text) == warned_.end()) {
+                warn(text);
+            }
         }
+        warned_ = std::move(begun.warnings);
+        before_ = worst_estimate();
         now_ = std::make_unique<SceneNow>(std::move(begun.resolved));
     }
     Json changed = provenance_of_stream(now_->resolved, about_["run"]);
@@ -60,7 +65,16 @@ Json StreamSession::begin(const Epoch& epoch) {
     return changed;
 }
 
+/// Returns the worst estimate of the scenes so far.
+std::optional<ErrorEstimate> StreamSession::worst_estimate() const {
+    const std::optional<ErrorEstimate>& now = now_->estimate.estimate();
+    return before_ ? worse_of(*before_, now) : now;
+}
+
 void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
+    if (control_ != nullptr) {
+        control_->end(meters.samples);
+    }
     // Before subscribers receive the end, recordings are complete or known not to be.
     recordings_.commit();
     for (const std::string& text : recordings_.warnings()) {
@@ -73,7 +87,7 @@ void StreamSession::add_to(Json& summary, const stream::StreamMeters& meters) {
     summary["steps"] = meters.account.steps;
     summary["step_s"] = *last.numerics.step_s;
     summary["integrator"] = word(*last.numerics.integrator);
-    measures::add_estimate(summary, now_->estimate.estimate());
+    measures::add_estimate(summary, worst_estimate());
     summary["scene_hash"] = scene_hash(last);
     summary["version"] = measures::program_version();
 }

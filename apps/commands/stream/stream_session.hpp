@@ -2,7 +2,9 @@
 // The messages of a running stream: its scene, the error of its samples, and its changes.
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "apps/commands/publish_session.hpp"
 #include "apps/commands/stream/live_control.hpp"
@@ -36,12 +38,15 @@ private:
     };
 
     void warn(const std::string& text);
+    std::optional<ErrorEstimate> worst_estimate() const;
     Json take_news(const stream::EstimateWatch::News& news);
     Json begin(const Epoch& epoch);
     void add_to(Json& summary, const stream::StreamMeters& meters);
 
     std::string name_;
     std::unique_ptr<SceneNow> now_;
+    std::optional<std::optional<ErrorEstimate>> before_;  // the worst of the scenes before
+    std::vector<std::string> warned_;                     // of the present scene
     Json about_;
     recordings::RecordingSet& recordings_;
     ProgressLine& line_;

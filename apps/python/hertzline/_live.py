@@ -198,12 +198,16 @@ class Control:
             raise ValueError("\n".join(str(fault.get("message", "refused")) for fault in faults))
         return reply
 
-    def set(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def set(self, values: Mapping[str, Any], *, force: bool = False) -> dict[str, Any]:
         """Changes keys of the scene: {"drive.amplitude_m": 2e-6}; None takes an optional value back.
 
-        Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`. Raises ValueError with every fault, OSError without a reply.
+        force: change it even if the stream would then as good as stand.
+
+        Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`, `estimated_error`, `estimated_over_s`, `warnings`. Raises
+        ValueError with every fault, OSError with the reason when there is no reply.
         """
-        return self._ask({"set": dict(values)})
+        request: dict[str, Any] = {"set": dict(values)}
+        return self._ask(request | {"force": True} if force else request)
 
     def undo(self) -> dict[str, Any]:
         """Takes the last change back. Returns and raises as `set`."""

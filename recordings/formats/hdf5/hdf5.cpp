@@ -113,7 +113,7 @@ private:
 
     void create() {
         file_ = hdf5_create_file(staged_.temporary());
-        const Json description = describe(head());
+        const Json description = describe_without_changes(head());
         const Hdf5Object one(H5Screate(H5S_SCALAR), H5Sclose);
         const Hdf5Object rate(
             H5Acreate2(file_.id(), "sample_rate_hz", H5T_IEEE_F64LE, one.id(), H5P_DEFAULT, H5P_DEFAULT),
@@ -129,6 +129,12 @@ private:
                                                     chunk_of(columns, head().numbers)));
             hdf5_write_text(datasets_.back().id(), "units", quantity.unit);
         }
+        if (const auto changes = head().provenance.find("changes"); changes != head().provenance.end()) {
+            create_changes();
+            for (const Json& change : *changes) {
+                append_change(text_of(change) + '\n');
+            }
+        }
     }
 
     void begin_capture(Capture capture) override {
@@ -141,15 +147,20 @@ private:
 
     void changed(const Json& change) override {
         const std::string line = text_of(change) + '\n';
-        inside_the_library([&] {
-            if (change_bytes_ == 0) {
-                changes_ =
-                    hdf5_create_dataset(file_.id(), changes_name, H5T_STD_U8LE, 1, 1, {change_chunk, 1});
-            }
-            hdf5_append_rows(changes_.id(), H5T_NATIVE_UCHAR, change_bytes_, std::ssize(line), 1,
-                             line.data());
-            change_bytes_ += std::ssize(line);
-        });
+        inside_the_library([&] { append_change(line); });
+    }
+
+    void create_changes() {
+        changes_ = hdf5_create_dataset(file_.id(), changes_name, H5T_STD_U8LE, 1, 1, {change_chunk, 1});
+        has_changes_ = true;
+    }
+
+    void append_change(const std::string& line) {
+        if (!has_changes_) {
+            create_changes();
+        }
+        hdf5_append_rows(changes_.id(), H5T_NATIVE_UCHAR, change_bytes_, std::ssize(line), 1, line.data());
+        change_bytes_ += std::ssize(line);
     }
 
     void append(std::int64_t, std::span<const double> values) override {
@@ -238,7 +249,8 @@ private:
     StagedFile staged_;
     Hdf5Object file_;
     Hdf5Object captures_;
-    Hdf5Object changes_;  // once there are any
+    Hdf5Object changes_;  // where the scene may change, else once it has
+    bool has_changes_ = false;
     std::int64_t change_bytes_ = 0;
     std::vector<Quantity> quantities_;
     std::vector<Hdf5Object> datasets_;  // one for each quantity
@@ -349,6 +361,7 @@ private:
         if (is_quantity || !file_->has(changes_name)) {
             return;
         }
+        head_.provenance["changes"] = Json::array();
         const std::vector<std::byte> bytes = bytes_of(changes_name, Hdf5Number::uint8, 1, 1);
         if (bytes.size() > max_change_bytes) {
             throw std::runtime_error(fmt::format("dataset {}: {} bytes, allowed: at most {}", changes_name,

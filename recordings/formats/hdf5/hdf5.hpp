@@ -5,7 +5,7 @@
 //     /v_chain, /x_chain          [sample][sphere]; each with its "units"
 //     /captures                   [k][2]: row, and the run's sample in that row; the first entry is always there, each
 //                                 further one follows a gap
-//     /changes                    [byte]: changes of the scene, JSON on a line each; only where there are any
+//     /changes                    [byte]: changes of the scene, JSON on a line each; only where there may be any
 //     attributes of the root      sample_rate_hz; columns, provenance: JSON
 //
 // The HDF5 library, which writes them, is not thread-safe. A writer belongs to one thread at a time; several may be in

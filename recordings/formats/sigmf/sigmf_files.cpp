@@ -1,6 +1,7 @@
 #include "recordings/formats/sigmf/sigmf_files.hpp"
 
 #include <array>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -43,13 +44,28 @@ Json global_of(const RecordingHead& head, const std::vector<std::size_t>& chosen
                 {"core:recorder", fmt::format("hertzline {}", measures::program_version())},
                 {"core:extensions", sigmf_extensions()}};
     for (const auto& [key, value] : head.provenance.items()) {
-        global["hertzline:" + key] = value;
+        if (key != "changes") {
+            global["hertzline:" + key] = value;
+        }
     }
     global["hertzline:columns"] = columns;
     return global;
 }
 
 }  // namespace
+
+void SigmfList::add(const Json& entry) {
+    const std::string line = "\n  " + indent_;
+    before_last_ = text_.size();
+    text_ += (text_.empty() ? "" : ",") + line;
+    for (const char letter : entry.dump(2, ' ', false, Json::error_handler_t::replace)) {
+        letter == '\n' ? text_ += line : text_ += letter;
+    }
+}
+
+std::string SigmfList::text() const {
+    return text_.empty() ? "[]" : '[' + text_ + '\n' + indent_ + ']';
+}
 
 Json sigmf_extensions() {
     return Json::array({Json{{"name", "hertzline"}, {"version", "1.0.0"}, {"optional", true}}});
@@ -140,8 +156,15 @@ Json SigmfFiles::listed() const {
 }
 
 std::string SigmfFiles::meta_text(const SigmfProgress& progress) const {
-    return sigmf_text(
-        {{"global", global_}, {"captures", progress.captures}, {"annotations", progress.annotations}});
+    constexpr std::string_view end = "\n  }\n}\n";
+    std::string text = sigmf_text({{"global", global_}});
+    text.resize(text.size() - end.size());
+    if (progress.may_change) {
+        text += fmt::format(",\n    \"hertzline:changes_until_sample\": {},\n    \"hertzline:changes\": {}",
+                            progress.changes_until_sample, progress.changes.text());
+    }
+    return text + "\n  },\n  \"captures\": " + progress.captures.text() +
+           ",\n  \"annotations\": " + progress.annotations.text() + "\n}\n";
 }
 
 }  // namespace hertzline::recordings

@@ -25,10 +25,35 @@ Json sigmf_extensions();
 /// The time in the form of SigMF files.
 std::string sigmf_text(const Json& json);
 
+/// Entries of a list in the metadata, as text: what is there already is not put together anew.
+class SigmfList {
+public:
+    /// @param depth of the list in the metadata
+    explicit SigmfList(int depth) : indent_(2 * static_cast<std::size_t>(depth), ' ') {}
+
+    void add(const Json& entry);
+    /// Takes the last add() back; only once.
+    void drop_last() { text_.resize(before_last_); }
+    void clear() { text_.clear(); }
+    std::size_t size() const noexcept { return text_.size(); }
+    /// The list as JSON.
+    std::string text() const;
+
+private:
+    std::string indent_;
+    std::string text_;
+    std::size_t before_last_ = 0;
+};
+
 /// The part of the metadata that changes while samples are written.
 struct SigmfProgress {
-    Json captures = Json::array();
-    Json annotations = Json::array();
+    SigmfList captures{1};
+    SigmfList annotations{1};
+    SigmfList changes{2};
+    bool may_change = false;              ///< the scene, so the changes are listed
+    std::int64_t changes_until_sample{};  ///< all before it are listed
+
+    std::size_t size() const noexcept { return captures.size() + annotations.size() + changes.size(); }
 };
 
 /// Metadata and samples. Errors are those of their files.
@@ -40,9 +65,6 @@ public:
 
     /// Marks the recording as part of a collection of that name; call it before the metadata are saved.
     void name_collection(const std::string& name) { global_["core:collection"] = name; }
-
-    /// Adds a change of the scene to the metadata, as the last of "changes".
-    void name_change(const Json& change) { global_["hertzline:changes"].push_back(change); }
 
     /// Replaces an older recording. Old metadata go first and new ones come last: they never lie beside
     /// samples that are not theirs.
@@ -81,7 +103,7 @@ private:
     OutputFile data_;
     std::vector<std::size_t> columns_;
     std::size_t all_columns_;
-    Json global_;
+    Json global_;       // without the changes
     std::string hash_;  // empty: none are saved
     std::vector<float> floats_;
     bool appeared_ = false;

@@ -51,6 +51,12 @@ struct EpochBursts {
     }
 };
 
+/// An annotation and its first row.
+struct Annotation {
+    std::int64_t row;
+    Json json;
+};
+
 Json annotation(std::int64_t burst, std::int64_t start, std::int64_t count) {
     return {{"core:sample_start", start},
             {"core:sample_count", count},
@@ -67,7 +73,8 @@ struct Stretch {
 };
 
 /// @param last the treatment of a burst that continues beyond the stretch
-void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last, Json& annotations) {
+void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last,
+              std::vector<Annotation>& annotations) {
     const Epoch& epoch = all.epoch_of(stretch.sample);
     const Bursts bursts(all.sample_rate_hz, epoch.repetition_hz);
     const std::int64_t begin = stretch.sample - epoch.first_sample;
@@ -77,8 +84,8 @@ void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last, Js
         const bool goes_on = !bursts.repeat() || bursts.first_sample(place.burst + 1) > end;
         const std::int64_t to = goes_on ? end : bursts.first_sample(place.burst + 1);
         if (!goes_on || last == LastBurst::included) {
-            annotations.push_back(
-                annotation(epoch.first_burst + place.burst, stretch.row + from - begin, to - from));
+            const std::int64_t row = stretch.row + from - begin;
+            annotations.push_back({row, annotation(epoch.first_burst + place.burst, row, to - from)});
         }
         from = to;
         place = bursts.at(to);
@@ -86,19 +93,19 @@ void annotate(const EpochBursts& all, const Stretch& stretch, LastBurst last, Js
 }
 
 /// Returns an annotation for each burst with samples among the first `rows`, at most max_burst_annotations. When samples are
-/// missing a burst has one in each capture. @param captures as SigMF has them; each lies in one epoch
+/// missing a burst has one in each capture. @param captures each lies in one epoch
 /// @param last the burst in which the rows end; while they grow it is not complete
-Json burst_annotations(const EpochBursts& bursts, const Json& captures, std::int64_t rows, LastBurst last) {
-    Json annotations = Json::array();
-    for (std::size_t i = 0; i < captures.size(); ++i) {
-        const auto row = captures[i]["core:sample_start"].get<std::int64_t>();
+std::vector<Annotation> burst_annotations(const EpochBursts& bursts, std::span<const Capture> captures,
+                                          std::int64_t rows, LastBurst last) {
+    std::vector<Annotation> annotations;
+    for (std::size_t i = 0; i < captures.size() && annotations.size() < max_burst_annotations; ++i) {
+        const std::int64_t row = captures[i].row;
         const bool is_last = i + 1 == captures.size();
-        const std::int64_t next =
-            is_last ? rows : std::min(rows, captures[i + 1]["core:sample_start"].get<std::int64_t>());
+        const std::int64_t next = is_last ? rows : std::min(rows, captures[i + 1].row);
         const bool grows = is_last || next == rows;
         if (next > row) {
-            annotate(bursts, {row, captures[i]["core:global_index"].get<std::int64_t>(), next - row},
-                     grows ? last : LastBurst::included, annotations);
+            annotate(bursts, {row, captures[i].sample, next - row}, grows ? last : LastBurst::included,
+                     annotations);
         }
     }
     return annotations;
@@ -106,6 +113,8 @@ Json burst_annotations(const EpochBursts& bursts, const Json& captures, std::int
 
 constexpr double flush_every_s = 0.5;         // of samples or by the clock, the earlier
 constexpr std::size_t max_captures = 10'000;  // each costs a hundred bytes, written anew with the next one
+constexpr std::size_t max_captures_of_changes = 2'000;  // later changes have annotations alone
+constexpr double meta_bytes_per_s = 8e6;  // the larger the metadata, the more seldom they are written
 
 /// The specification's maximum.
 constexpr double lowest_rate_hz = 1;
@@ -123,6 +132,12 @@ public:
           appearance_(appearance),
           half_a_second_(static_cast<std::int64_t>(flush_every_s * head.sample_rate_hz)) {
         epochs_ = measures::epochs_of(head.provenance, head.sample_rate_hz);
+        if (const auto changes = head.provenance.find("changes"); changes != head.provenance.end()) {
+            progress_.may_change = true;
+            for (const Json& change : *changes) {
+                progress_.changes.add(change);
+            }
+        }
         if (kind == Kind::collection) {
             require_possible(max_recordings, "a SigMF collection, which has files for each");
             begin_collection();
@@ -168,42 +183,50 @@ private:
     }
 
     void begin_capture(Capture capture) override {
-        if (progress_.captures.size() == max_captures) {
+        if (captures_.size() == max_captures) {
             cannot_write(path(), fmt::format("found more than {} gaps", max_captures - 1));
         }
-        if (!progress_.captures.empty() && progress_.captures.back()["core:sample_start"] == capture.row) {
-            progress_.captures.erase(progress_.captures.size() -
-                                     1);  // an epoch whose first samples are missing
+        if (!captures_.empty() && captures_.back().row == capture.row) {
+            captures_.pop_back();  // an epoch whose first samples are missing
+            progress_.captures.drop_last();
         }
-        progress_.captures.push_back(
-            {{"core:sample_start", capture.row},
-             {"core:global_index", capture.sample},
-             {"core:datetime", measures::utc_text(std::chrono::system_clock::now())}});
-        meta_is_stale_ = true;
+        captures_.push_back(capture);
+        progress_.captures.add({{"core:sample_start", capture.row},
+                                {"core:global_index", capture.sample},
+                                {"core:datetime", measures::utc_text(std::chrono::system_clock::now())}});
+        gap_is_unknown_ = true;
     }
 
     /// A capture and an annotation of its own.
     void changed(const Json& change) override {
         const auto sample = change.value("sample", std::int64_t{0});
-        epochs_ = measures::epochs_of(head().provenance, head().sample_rate_hz);
-        for (SigmfFiles& recording : recordings_) {
-            recording.name_change(change);
+        if (!epochs_.empty()) {
+            measures::add_epoch(epochs_, change, head().sample_rate_hz);
         }
-        if (rows() > 0 && sample == due()) {
+        if (rows() > 0 && sample == due() && captures_.size() < max_captures_of_changes) {
+            const bool is_unknown = std::exchange(gap_is_unknown_, false);
             begin_capture({rows(), sample});
+            gap_is_unknown_ = is_unknown;  // no sample is missing here
         }
-        changes_.push_back({{"core:sample_start", rows()},
-                            {"core:sample_count", 0},
-                            {"core:generator", "hertzline"},
-                            {"core:label", fmt::format("epoch {}", change.value("epoch", std::int64_t{0}))},
-                            {"hertzline:change", change}});
-        note_annotations();
+        progress_.may_change = true;
+        progress_.changes.add(change);
+        changes_.push_back({rows(),
+                            {{"core:sample_start", rows()},
+                             {"core:sample_count", 0},
+                             {"core:generator", "hertzline"},
+                             {"core:label", fmt::format("epoch {}", change.value("epoch", std::int64_t{0}))},
+                             {"hertzline:change", change}}});
+        if (bursts_.size() == max_burst_annotations) {
+            progress_.annotations.add(changes_.back().json);  // all further ones are such
+        } else {
+            note_annotations();
+        }
         meta_is_stale_ = true;
     }
 
     void append(std::int64_t, std::span<const double> values) override {
         if (!appeared_ && appearance_ == Appearance::early) {
-            appear();
+            appear(due());
         }
         for (SigmfFiles& recording : recordings_) {
             recording.write(values, [this] { flush(); });
@@ -220,7 +243,7 @@ private:
         if (appeared_) {
             flush();
             annotate(LastBurst::included, rows());
-            save_meta();
+            save_meta(due());
             for (SigmfFiles& recording : recordings_) {
                 recording.commit();
             }
@@ -230,7 +253,7 @@ private:
             recording.close();  // an older recording goes only when the new files are complete
         }
         annotate(LastBurst::included, rows());
-        appear();
+        appear(due());
     }
 
     KeptRows rescue() override {
@@ -274,7 +297,9 @@ private:
     }
 
     /// A collection lists no recordings that are not its own: the old one goes first and the new one comes last.
-    void appear() {
+    /// @param until the sample before which all changes are known
+    void appear(std::int64_t until) {
+        progress_.changes_until_sample = until;
         if (collection_) {
             fs::remove(*collection_);
         }
@@ -282,32 +307,43 @@ private:
             recording.appear(progress_);
         }
         appeared_ = true;
-        meta_is_stale_ = false;
+        meta_is_stale_ = gap_is_unknown_ = false;
         save_collection();
     }
 
-    /// A capture is known before its samples are there: the other way round they would pass for its predecessor's.
+    /// A gap is known before its samples are there: the other way round they would pass for its predecessor's. Changes may follow
+    /// later: the metadata name the sample until which they have them.
     void flush() {
         for (SigmfFiles& recording : recordings_) {
             recording.require_present();  // else the metadata of that name are another recording's
         }
-        if (meta_is_stale_ && appeared_) {
-            save_meta();
+        if (appeared_ && (gap_is_unknown_ || (meta_is_stale_ && meta_is_due()))) {
+            save_meta(due());
         }
         for (SigmfFiles& recording : recordings_) {
             recording.flush();
         }
-        if (annotate(LastBurst::left_out, held_rows()) && appeared_) {
-            save_meta();  // after the samples: annotations never precede their samples
+        meta_is_stale_ = annotate(LastBurst::left_out, held_rows()) || meta_is_stale_ || progress_.may_change;
+        if (meta_is_stale_ && appeared_ && meta_is_due()) {
+            save_meta(due());  // after the samples: annotations never precede their samples
         }
         last_flush_ = steady_clock::now();
     }
 
-    void save_meta() {
+    bool meta_is_due() const {
+        const std::chrono::duration<double> since = steady_clock::now() - saved_meta_;
+        const double bytes = static_cast<double>(progress_.size() * recordings_.size());
+        return since.count() >= bytes / meta_bytes_per_s;
+    }
+
+    /// @param until the sample before which all changes are known
+    void save_meta(std::int64_t until) {
+        progress_.changes_until_sample = until;
         for (SigmfFiles& recording : recordings_) {
             recording.save_meta(progress_);
         }
-        meta_is_stale_ = false;
+        meta_is_stale_ = gap_is_unknown_ = false;
+        saved_meta_ = steady_clock::now();
         save_collection();
     }
 
@@ -326,18 +362,24 @@ private:
         if (epochs_.empty() || (last == LastBurst::left_out && before == max_burst_annotations)) {
             return false;
         }
-        bursts_ = burst_annotations({head().sample_rate_hz, epochs_}, progress_.captures, rows, last);
+        bursts_ = burst_annotations({head().sample_rate_hz, epochs_}, captures_, rows, last);
         note_annotations();
         return bursts_.size() > before;
     }
 
     /// Merges annotations of bursts and changes in the order of their samples, as SigMF demands.
     void note_annotations() {
-        const auto start = [](const Json& one) { return one["core:sample_start"].get<std::int64_t>(); };
-        Json all = Json::array();
-        std::merge(changes_.begin(), changes_.end(), bursts_.begin(), bursts_.end(), std::back_inserter(all),
-                   [&](const Json& a, const Json& b) { return start(a) < start(b); });
-        progress_.annotations = std::move(all);
+        std::vector<const Annotation*> all;
+        for (const auto* list : {&changes_, &bursts_}) {
+            for (const Annotation& one : *list) {
+                all.push_back(&one);
+            }
+        }
+        std::ranges::stable_sort(all, {}, &Annotation::row);
+        progress_.annotations.clear();
+        for (const Annotation* one : all) {
+            progress_.annotations.add(one->json);
+        }
     }
 
     void save_collection() const {
@@ -361,13 +403,16 @@ private:
     std::optional<fs::path> collection_;
     std::deque<SigmfFiles> recordings_;  // in a collection one for each column
     SigmfProgress progress_;
-    std::vector<Epoch> epochs_;     // none: the scene is not known
-    Json bursts_ = Json::array();   // annotations
-    Json changes_ = Json::array();  // the same
-    std::int64_t half_a_second_;    // in samples
-    std::int64_t flushed_ = 0;      // samples
+    std::vector<Capture> captures_;
+    std::vector<Epoch> epochs_;  // none: the scene is not known
+    std::vector<Annotation> bursts_;
+    std::vector<Annotation> changes_;
+    std::int64_t half_a_second_;  // in samples
+    std::int64_t flushed_ = 0;    // samples
     steady_clock::time_point last_flush_ = steady_clock::now();
+    steady_clock::time_point saved_meta_{};
     bool meta_is_stale_ = false;
+    bool gap_is_unknown_ = false;  // to the metadata
     bool appeared_ = false;
 };
 

@@ -60,6 +60,21 @@ void Connections::note_subscriber(int descriptor) noexcept {
     }
 }
 
+void Connections::note_question(int descriptor) noexcept {
+    if (const auto found = connections_.find(descriptor); found != connections_.end()) {
+        found->second.subscribes = true;
+        ++found->second.questions;
+    }
+}
+
+void Connections::note_answer(int descriptor) noexcept {
+    if (const auto found = connections_.find(descriptor);
+        found != connections_.end() && --found->second.questions <= 0) {
+        found->second.subscribes = false;
+        found->second.number = came_++;
+    }
+}
+
 void Connections::look_for_slow_ones(std::chrono::steady_clock::time_point now) {
     for (auto& [descriptor, connection] : connections_) {
         pollfd state{.fd = descriptor, .events = POLLOUT, .revents = 0};

@@ -40,6 +40,10 @@ public:
 
     /// A message of that connection subscribed to something.
     void note_subscriber(int descriptor) noexcept;
+    /// A message of that connection asks for something: it is as a subscriber until it has all its answers, and then as one
+    /// that has just come.
+    void note_question(int descriptor) noexcept;
+    void note_answer(int descriptor) noexcept;
 
     /// Checks which connections are full, and which of them have taken something since the last check. Call it before
     /// a message is sent, not right after, when the fastest reader is full, too.
@@ -55,6 +59,7 @@ private:
         std::uint64_t number = 0;  // in the order of their coming
         std::optional<std::uint64_t> cookie;
         bool subscribes = false;
+        int questions = 0;  // without an answer so far
         bool cut = false;
         std::uint64_t taken = 0;  // last value of taken_by()
         // Has no room for another byte, and has taken nothing since.

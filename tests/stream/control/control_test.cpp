@@ -203,10 +203,169 @@ TEST(SceneControl, OfWhatWasMergedOnlyTheWrongIsRefused) {
 }
 
 TEST(SceneControl, WithoutRepetitionAChangeFiresABurstAtOnce) {
-    EXPECT_EQ(SimulationSource::change_at({}, 1e6, 17), 17);
-    EXPECT_EQ(SimulationSource::change_at({.repetition_hz = 1000}, 1e6, 1), 1000);
-    EXPECT_EQ(SimulationSource::change_at({1, 500, 0, 1000}, 1e6, 1500), 1500);
-    EXPECT_EQ(SimulationSource::change_at({1, 500, 0, 1000}, 1e6, 1501), 2500);
+    const double burst_s = 3e-4;
+    EXPECT_EQ(SimulationSource::change_at({}, burst_s, 1e6, 17), 17);
+    EXPECT_EQ(SimulationSource::change_at({.repetition_hz = 1000}, burst_s, 1e6, 1), 1000);
+    EXPECT_EQ(SimulationSource::change_at({1, 500, 0, 1000}, burst_s, 1e6, 1500), 1500);
+    EXPECT_EQ(SimulationSource::change_at({1, 500, 0, 1000}, burst_s, 1e6, 1501), 2500);
+}
+
+TEST(SceneControl, NoChangeWaitsForMoreThanASecond) {
+    const Epoch rare{.repetition_hz = 0.01};
+    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 5000), 5000);  // the horn rests
+    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 100), 301);    // it plays
+    EXPECT_EQ(SimulationSource::change_at(rare, 20, 1e6, 100), 100);      // for long
+    EXPECT_EQ(SimulationSource::change_at(rare, 3e-4, 1e6, 99'500'000),
+              100'000'000);  // the next burst is near
+    EXPECT_EQ(SimulationSource::change_at({.repetition_hz = 1e-9}, 3e-4, 1e6, 5000), 5000);
+    EXPECT_EQ(SimulationSource::change_at({1, 700, 0, 0.01}, 3e-4, 1e6, 5700), 5700);
+}
+
+TEST(SceneControl, AnUndoDoesNotWaitForABurstThatIsFarAway) {
+    Controlled stream;
+    const Json rare = stream.ask({{"set", {{"drive.repetition_hz", 1e-9}}}});
+    stream.advance_to(rare["applies_at_sample"].get<std::int64_t>() + 5000);
+    const Json undo = stream.ask({{"undo", true}});
+    ASSERT_EQ(undo["epoch"], 2) << undo;
+    EXPECT_LE(undo["applies_at_sample"].get<std::int64_t>(), stream.source.next_sample() + 2);
+}
+
+TEST(SceneControl, RefusesASceneForWhichTheStreamWouldStand) {
+    Controlled stream;
+    for (const Json& values : {Json{{"chain.damping_kg_per_s", 1e9}}, Json{{"numerics.step_s", 1e-12}},
+                               Json{{"chain.diameter_m", 1e-9}}}) {
+        const Json fault = stream.ask({{"set", values}})["faults"][0];
+        EXPECT_EQ(fault["key"], values.begin().key()) << fault;
+        EXPECT_THAT(fault["found"].get<std::string>(), HasSubstr("a real-time factor of about ")) << values;
+        EXPECT_THAT(fault["allowed"].get<std::string>(), HasSubstr("\"force\": true"));
+    }
+    EXPECT_EQ(stream.ask({{"get", Json::array()}})["epoch"], 0);
+}
+
+/// A controlled stream whose samples are computed in a thread of its own.
+class Running {
+public:
+    ~Running() {
+        stop_ = true;
+        stream.source.interrupt();
+        thread_.join();
+    }
+    /// Asks without simulating meanwhile.
+    Json ask(const Json& request) {
+        std::optional<Json> reply;
+        stream.control.take(request, [&](const Json& json) { reply = json; });
+        EXPECT_TRUE(eventually([&] {
+            stream.control.tick();
+            return reply.has_value();
+        }));
+        return reply.value_or(Json());
+    }
+    /// Waits for the samples of that epoch.
+    void wait_for_epoch(std::int64_t number) {
+        EXPECT_TRUE(eventually([&] {
+            stream.control.tick();
+            return epoch_.load() >= number;
+        }));
+    }
+
+    Controlled stream;
+
+private:
+    void simulate() {
+        while (!stop_) {
+            const std::int64_t most = std::min<std::int64_t>(1000, stream.source.samples_to_change());
+            if (!stream.source.skip(most)) {
+                return;
+            }
+            epoch_ = stream.source.epoch().number;
+        }
+    }
+
+    std::atomic<bool> stop_{false};
+    std::atomic<std::int64_t> epoch_{0};
+    std::thread thread_{[this] { simulate(); }};
+};
+
+TEST(SceneControl, AnEpochThatGivesNoBlockIsGivenUpForTheUndo) {
+    Running running;
+    const Json slow = running.ask({{"set", {{"numerics.step_s", 1e-12}}}, {"force", true}});
+    ASSERT_EQ(slow["epoch"], 1) << slow;
+    EXPECT_THAT(slow["warnings"].dump(), HasSubstr("begins anew from static equilibrium"));
+    const Json undo = running.ask({{"undo", true}});
+    ASSERT_EQ(undo["epoch"], 2) << undo;
+    running.wait_for_epoch(2);
+    const Epoch now{.number = 2, .first_sample = undo["applies_at_sample"], .gave_up = true};
+    const std::vector<EpochOfChange> epochs = running.stream.control.take_epochs(now);
+    ASSERT_EQ(epochs.size(), 2U);
+    EXPECT_FALSE(epochs[1].change.goes_on);  // though only the step changes
+    EXPECT_GE(epochs[1].change.sample, epochs[0].change.sample);
+}
+
+TEST(SceneControl, AStreamThatStandsFromItsStartCanBeChanged) {
+    Scene slow = small_scene();
+    slow.numerics.step_s = 1e-12;
+    Controlled stream{slow, resolve(slow, std::nullopt).scene};
+    std::atomic<std::int64_t> epoch{0};
+    std::thread simulating([&] {
+        while (epoch < 1) {
+            const std::int64_t most = std::min<std::int64_t>(1000, stream.source.samples_to_change());
+            if (!stream.source.skip(most)) {
+                return;
+            }
+            epoch = stream.source.epoch().number;
+        }
+    });
+    std::optional<Json> reply;
+    stream.control.take({{"set", {{"numerics.step_s", nullptr}}}}, [&](const Json& json) { reply = json; });
+    EXPECT_TRUE(eventually([&] {
+        stream.control.tick();
+        return epoch >= 1;
+    }));
+    stream.source.interrupt();
+    simulating.join();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ((*reply)["applies_at_sample"], 1) << *reply;  // its first sample is at rest
+}
+
+TEST(SceneControl, WhoAsksForMoreThanTheStreamHasIsToldSo) {
+    Scene scene = small_scene();
+    scene.drive.repetition_hz = 2;
+    const Scene resolved = resolve(scene, std::nullopt).scene;
+    SimulationSource source(resolved, TapSet());
+    SceneControl control(scene, resolved, source, 300'000);
+    std::vector<Json> replies;
+    const auto note = [&](const Json& json) { replies.push_back(json); };
+    control.take({{"set", {{"drive.amplitude_m", 1e-6}}}}, note);
+    ASSERT_TRUE(eventually([&] {
+        control.tick();
+        source.skip(std::min<std::int64_t>(10, source.samples_to_change()));
+        return replies.size() == 1;
+    }));
+    control.take({{"undo", true}}, note);  // at once: nothing changes any more
+    ASSERT_EQ(replies.size(), 2U);
+    for (const Json& reply : replies) {
+        EXPECT_EQ(reply["faults"][0]["message"], "the stream ends at sample 300000, before this change");
+    }
+}
+
+TEST(SceneControl, TheReplyHasTheErrorAndTheWarningsOfItsScene) {
+    Controlled stream;
+    const Json reply = stream.ask({{"set", {{"drive.amplitude_m", 1e-2}}}});
+    EXPECT_TRUE(reply["estimated_error"].is_number() || reply["estimated_error"].is_null()) << reply;
+    EXPECT_TRUE(reply.contains("estimated_over_s")) << reply;
+    EXPECT_FALSE(reply["warnings"].empty()) << reply;
+}
+
+TEST(SceneControl, SaysWhichAccuracyWasAskedFor) {
+    Controlled stream;
+    const auto accuracy = [&] {
+        return stream.ask({{"get", {"numerics.accuracy"}}})["values"]["numerics.accuracy"]["value"];
+    };
+    EXPECT_EQ(accuracy(), nullptr);
+    ASSERT_EQ(stream.ask({{"set", {{"numerics.accuracy", 1e-6}}}})["epoch"], 1);
+    EXPECT_EQ(accuracy(), 1e-6);
+    EXPECT_TRUE(stream.ask({{"set", {{"numerics.step_s", 1e-7}}}}).contains("faults"));
+    EXPECT_EQ(stream.ask({{"set", {{"numerics.step_s", 1e-7}, {"numerics.accuracy", nullptr}}}})["epoch"], 2);
 }
 
 TEST(ControlledStream, FramesKeepToTheirEpochAndNothingIsMissing) {
@@ -305,6 +464,118 @@ TEST(ControlServer, AnswersNonsenseAndOutlivesStrangers) {
     }
     const std::atomic<bool> never{false};
     EXPECT_EQ(ask_control({.endpoint = server.endpoint()}, {{"get", Json::array()}}, never)["epoch"], 0);
+}
+
+/// The message for a controller that gets no reply.
+std::string refusal(const ControlConnection& connection) {
+    const std::atomic<bool> never{false};
+    try {
+        return "a reply: " + ask_control(connection, {{"get", Json::array()}}, never).dump();
+    } catch (const std::runtime_error& error) {
+        return error.what();
+    }
+}
+
+TEST(ControlServer, WhoGetsNoReplyIsToldWhy) {
+    const double long_s = std::chrono::duration<double>(patience).count();
+    const KeyPair server_keys = make_key_pair();
+    const KeyPair own = make_key_pair();
+    Controlled stream;
+    ControlServer plain("tcp://127.0.0.1:*", std::nullopt, stream.control);
+    Controlled other;
+    ControlServer encrypted("tcp://127.0.0.1:*", CurveServer{server_keys, {make_key_pair().public_key}},
+                            other.control);
+    Publisher publisher("tcp://127.0.0.1:*");
+    EXPECT_THAT(refusal({"tcp://127.0.0.1:9", std::nullopt, 0.2}), HasSubstr("nothing is there"));
+    EXPECT_THAT(refusal({encrypted.endpoint(), CurveClient{own, server_keys.public_key}, long_s}),
+                HasSubstr("it refused our key"));
+    EXPECT_THAT(refusal({encrypted.endpoint(), CurveClient{own, own.public_key}, long_s}),
+                HasSubstr("--server-key is not its key"));
+    EXPECT_THAT(refusal({encrypted.endpoint(), std::nullopt, long_s}), HasSubstr("encrypt"));
+    EXPECT_THAT(refusal({plain.endpoint(), CurveClient{own, server_keys.public_key}, long_s}),
+                HasSubstr("it does not encrypt"));
+    EXPECT_THAT(refusal({publisher.endpoint(), std::nullopt, long_s}),
+                HasSubstr("not the control of a stream"));
+}
+
+TEST(ControlServer, AnswersThoseThatWaitWhenTheStreamEnds) {
+    Controlled stream;  // nothing is simulated, so a change waits for ever
+    auto server = std::make_unique<ControlServer>("tcp://127.0.0.1:*", std::nullopt, stream.control);
+    zmq::context_t context;
+    const auto ask = [&] {
+        zmq::socket_t socket(context, zmq::socket_type::dealer);
+        socket.set(zmq::sockopt::linger, 0);
+        socket.set(zmq::sockopt::rcvtimeo, 60'000);
+        socket.connect(server->endpoint());
+        socket.send(zmq::str_buffer(R"({"get": ["drive.cycles"]})"), zmq::send_flags::none);
+        zmq::message_t reply;
+        EXPECT_TRUE(socket.recv(reply));  // so the connection stands
+        socket.send(zmq::str_buffer(R"({"set": {"drive.cycles": 4}})"), zmq::send_flags::none);
+        return socket;
+    };
+    zmq::socket_t one = ask();
+    zmq::socket_t two = ask();
+    server->end(1234);
+    zmq::socket_t three = ask();
+    server.reset();
+    for (zmq::socket_t* socket : {&one, &two, &three}) {
+        zmq::message_t reply;
+        ASSERT_TRUE(socket->recv(reply));
+        EXPECT_EQ(Json::parse(reply.to_string_view())["faults"][0]["message"],
+                  "the stream ends at sample 1234, before this change");
+    }
+}
+
+/// Controllers that have been answered, as many as a stream serves.
+class ManyControllers {
+public:
+    explicit ManyControllers(const std::string& endpoint) {
+        for (std::size_t i = 0; i < most_controllers; ++i) {
+            zmq::socket_t& socket = sockets_.emplace_back(context_, zmq::socket_type::dealer);
+            socket.set(zmq::sockopt::linger, 0);
+            socket.set(zmq::sockopt::rcvtimeo, 60'000);
+            socket.set(zmq::sockopt::reconnect_ivl, -1);  // who is sent away stays away
+            socket.connect(endpoint);
+            EXPECT_TRUE(is_answered(i));
+        }
+    }
+    void send(std::size_t i, std::string_view text) {
+        sockets_[i].send(zmq::buffer(text), zmq::send_flags::dontwait);
+    }
+    bool is_answered(std::size_t i, int within_ms = 60'000) {
+        send(i, R"({"get": ["drive.cycles"]})");
+        sockets_[i].set(zmq::sockopt::rcvtimeo, within_ms);
+        zmq::message_t reply;
+        return sockets_[i].recv(reply).has_value();
+    }
+
+private:
+    zmq::context_t context_;
+    std::vector<zmq::socket_t> sockets_;
+};
+
+TEST(ControlServer, OneMoreThanItServesTakesThePlaceOfTheOneThatWasSilentLongest) {
+    Controlled stream;
+    ControlServer server("tcp://127.0.0.1:*", std::nullopt, stream.control);
+    ManyControllers controllers(server.endpoint());
+    ASSERT_TRUE(controllers.is_answered(0));  // so the second one was silent longest
+    for (int more = 0; more < 3; ++more) {
+        EXPECT_THAT(refusal({.endpoint = server.endpoint()}), HasSubstr("a reply"));
+    }
+    EXPECT_TRUE(controllers.is_answered(0));
+    EXPECT_TRUE(controllers.is_answered(most_controllers - 1));
+    EXPECT_FALSE(controllers.is_answered(1, 500));
+}
+
+TEST(ControlServer, OneMoreThanItServesIsRefusedWhileAllOthersWait) {
+    Controlled stream;  // nothing is simulated, so changes wait for ever
+    ControlServer server("tcp://127.0.0.1:*", std::nullopt, stream.control);
+    ManyControllers controllers(server.endpoint());
+    for (std::size_t i = 0; i < most_controllers; ++i) {
+        controllers.send(i, R"({"set": {"drive.cycles": 4}})");
+        EXPECT_TRUE(controllers.is_answered(i));  // what came before has been taken, too
+    }
+    EXPECT_THAT(refusal({.endpoint = server.endpoint()}), HasSubstr("as many controllers as it serves (32)"));
 }
 
 TEST(ControlServer, LetsInListedControllersOnly) {

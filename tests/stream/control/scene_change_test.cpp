@@ -38,18 +38,48 @@ TEST(SceneChange, ComesBackFromItsJson) {
                              .set = {{"drive.cycles", 3.0}},
                              .was = {{"drive.cycles", 5.0}},
                              .goes_on = true,
-                             .scene_hash = "0123456789abcdef"};
+                             .scene_hash = "0123456789abcdef",
+                             .estimate = ErrorEstimate{.error = 1e-5, .over_s = 2e-3}};
     const auto changes =
         changes_in(Json::array({change_json(change), {{"sample", 30}, {"set", {{"drive.cycles", 4}}}}}));
     ASSERT_TRUE(changes);
     EXPECT_EQ(change_json(changes->at(0))["was"], change_json(change)["was"]);
     EXPECT_EQ(changes->at(0).scene_hash, change.scene_hash);
+    EXPECT_EQ(changes->at(0).estimate->error, 1e-5);
+    EXPECT_EQ(changes->at(0).estimate->over_s, 2e-3);
     EXPECT_EQ(changes->at(1).epoch, 2);
     EXPECT_FALSE(changes_in(Json::object()));
     EXPECT_FALSE(changes_in(Json::array({{{"sample", 0}, {"set", Json::object()}}})));
     EXPECT_FALSE(changes_in(Json::array({{{"sample", 9}}})));
     EXPECT_FALSE(changes_in(
         Json::array({{{"sample", 9}, {"set", Json::object()}}, {{"sample", 9}, {"set", Json::object()}}})));
+}
+
+std::string fault_of(const Json& list) {
+    const auto changes = changes_in(list);
+    return changes ? "none" : changes.error();
+}
+
+TEST(SceneChange, FaultsNameWhatIsWrong) {
+    using testing::HasSubstr;
+    const Json set = Json::object();
+    EXPECT_THAT(fault_of(Json::array({{{"sample", 0}, {"set", set}}})),
+                HasSubstr("sample: found \"0\", allowed: a whole number from 1 on"));
+    EXPECT_THAT(fault_of(Json::array({{{"set", set}}})), HasSubstr("sample: found none"));
+    EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}}, {{"sample", 9}, {"set", set}}})),
+                HasSubstr("change 2: sample: found \"9\", allowed: a whole number from 10 on"));
+    EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}, {"foo", 1}}})),
+                HasSubstr("the member \"foo\""));
+    EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"sets", set}}})), HasSubstr("the member \"sets\""));
+}
+
+TEST(SceneChange, ASceneThatGaveNoSamplesMayHaveNone) {
+    const Json set = Json::object();
+    const auto changes = changes_in(Json::array(
+        {{{"sample", 9}, {"set", set}}, {{"sample", 9}, {"set", set}, {"motion", "begins anew"}}}));
+    ASSERT_TRUE(changes) << changes.error();
+    EXPECT_TRUE(changes->at(0).goes_on);
+    EXPECT_FALSE(changes->at(1).goes_on);
 }
 
 TEST(SceneChange, ProvenanceTellsTheEpochs) {
