@@ -10,11 +10,16 @@ Debian: python3-numpy python3-matplotlib, for sweeps that end in .h5 python3-h5p
 import argparse
 import csv
 import json
+import os
 import sys
 
 MODULES_MISSING = 3  # exit status
 NOT_A_SWEEP = 4
 
+FOLDER = os.getcwd()
+if __name__ == "__main__":  # a user's settings may ask for LaTeX or a window; matplotlib looks for them in the folder first
+    os.chdir("/")
+    os.environ.update(MATPLOTLIBRC=os.devnull, MPLBACKEND="agg")
 try:
     import matplotlib
     import matplotlib.pyplot as plt
@@ -22,11 +27,13 @@ try:
 except ImportError as error:
     print(error, file=sys.stderr)
     sys.exit(MODULES_MISSING)
+os.chdir(FOLDER)
 
 SPAN_DB = (-60, 6)
 HARMONICS = 10
 COLOURS = ["#0b6e8a", "#c46a1b", "#5f7f96", "#b03a2e", "#4f7a3a", "#6b4c8a"]
 STYLE = {
+    "text.usetex": False,
     "font.family": "DejaVu Sans",
     "axes.edgecolor": "#8a8a8a",
     "axes.linewidth": 0.7,

@@ -27,7 +27,7 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
     constexpr std::int64_t longest_reply = 16 << 20;
     socket.set(zmq::sockopt::linger, 0);
     socket.set(zmq::sockopt::maxmsgsize, longest_reply);
-    socket.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+    socket.set(zmq::sockopt::ipv6, reached_over_ipv6(endpoint).value_or(false));
     try {
         socket.connect(endpoint);
     } catch (const zmq::error_t& error) {
@@ -39,7 +39,10 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
 Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop) {
     using Clock = std::chrono::steady_clock;
     constexpr long nap_ms = 50;
-    zmq::context_t context;
+    if (const auto known = reached_over_ipv6(connection.endpoint); !known) {
+        throw std::runtime_error(known.error());
+    }
+    zmq::context_t context = new_context();
     zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve);
     const std::string text = request.dump(-1, ' ', true, Json::error_handler_t::replace);
     const std::array parts{std::as_bytes(std::span(text))};
