@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdlib>
 #include <exception>
 #include <memory>
 #include <new>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "apps/allocator.hpp"
 #include "apps/command.hpp"
 #include "apps/console/help.hpp"
 #include "apps/console/messages.hpp"
@@ -24,6 +27,7 @@
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
 #include "measures/provenance.hpp"
+#include "measures/resources.hpp"
 #include "recordings/recording_thread.hpp"
 #include "stream/control/scene_control.hpp"
 
@@ -116,7 +120,18 @@ std::string fault_of(const CLI::ParseError& error, int argc, char** argv) {
                        argc > 1 && is_subcommand(argv[1]) ? argv[1] + std::string(" ") : "");
 }
 
+/// The libraries end the program with a signal where they run out of address space.
+void refuse_small_limits() {
+    constexpr double address_bytes = 32 << 20;
+    constexpr std::uint64_t descriptors = 4;
+    if (const auto shortage = measures::limit_shortage("hertzline", address_bytes, descriptors)) {
+        throw std::runtime_error(*shortage);
+    }
+    start_allocator_thread();
+}
+
 Exit parse_and_run(int argc, char** argv) {
+    refuse_small_limits();
     CLI::App app{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
     app.set_version_flag("--version",
                          fmt::format("hertzline {} ({})", measures::program_version(), measures::git_hash()));

@@ -5,12 +5,15 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <memory>
 #include <string>
 
 #include <sched.h>
+#include <sys/resource.h>
 #include <sys/statvfs.h>
+#include <unistd.h>
 
 namespace hertzline::measures {
 namespace fs = std::filesystem;
@@ -130,6 +133,13 @@ std::optional<std::uint64_t> processors_of_affinity() {
     return std::nullopt;
 }
 
+/// Memory that a limit of the address space leaves for data, beside threads' stacks and the allocator's reserves.
+std::optional<std::uint64_t> left_by_address_space() {
+    constexpr std::uint64_t for_threads = 64 << 20;
+    const auto left = address_space_left();
+    return left ? std::optional(*left - std::min(*left, for_threads)) : std::nullopt;
+}
+
 bool fits(double needed, std::optional<std::uint64_t> available) {
     return std::isfinite(needed) && (!available || needed <= static_cast<double>(*available));
 }
@@ -145,7 +155,42 @@ std::optional<std::uint64_t> available_memory_bytes(const fs::path& root) {
     if (available) {
         *available *= 1024;
     }
-    return smaller(available, left_by_control_groups(root));
+    return smaller(smaller(available, left_by_control_groups(root)), left_by_address_space());
+}
+
+std::optional<std::uint64_t> address_space_left() {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
+        return std::nullopt;
+    }
+    const std::uint64_t pages = number_in("/proc/self/statm", "").value_or(0);
+    const std::uint64_t used = pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+    return limit.rlim_cur - std::min<std::uint64_t>(used, limit.rlim_cur);
+}
+
+std::uint64_t descriptors_left() {
+    rlimit limit{};
+    ::getrlimit(RLIMIT_NOFILE, &limit);
+    std::error_code error;
+    const fs::directory_iterator open("/proc/self/fd", error);
+    if (error) {
+        return 0;  // it takes a descriptor itself
+    }
+    const auto used = static_cast<std::uint64_t>(std::distance(begin(open), end(open)));
+    return limit.rlim_cur - std::min<std::uint64_t>(used, limit.rlim_cur);
+}
+
+std::optional<std::string> limit_shortage(std::string_view purpose, double address_bytes,
+                                          std::uint64_t descriptors) {
+    if (const auto left = address_space_left(); !fits(address_bytes, left)) {
+        return std::string(purpose) + " needs " + human_bytes(address_bytes) +
+               " of address space, the limit of this process (ulimit -v) leaves " + amount(left);
+    }
+    if (const std::uint64_t left = descriptors_left(); descriptors > left) {
+        return std::string(purpose) + " needs " + std::to_string(descriptors) +
+               " file descriptors, the limit of this process (ulimit -n) leaves " + std::to_string(left);
+    }
+    return std::nullopt;
 }
 
 int usable_processors(const fs::path& root) {

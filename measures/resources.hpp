@@ -11,9 +11,21 @@
 namespace hertzline::measures {
 
 /// Memory that this process may still take without swapping [bytes]: MemAvailable of /proc/meminfo, or less where a
-/// control group (v2 or v1: a container, a systemd slice) allows less. Absent when the system does not report it.
+/// control group (v2 or v1: a container, a systemd slice) or the limit of its address space (ulimit -v), less what threads
+/// and libraries take, allows less. Absent when the system does not report it.
 /// `root` is the root of the system's files.
 std::optional<std::uint64_t> available_memory_bytes(const std::filesystem::path& root = "/");
+
+/// Address space that the limit of this process leaves (ulimit -v) [bytes]; absent without a limit.
+std::optional<std::uint64_t> address_space_left();
+
+/// File descriptors that the limit of this process leaves (ulimit -n).
+std::uint64_t descriptors_left();
+
+/// Returns the shortage when `purpose` needs more than these limits leave: "a ZeroMQ socket needs 24 file descriptors, the
+/// limit of this process (ulimit -n) leaves 9". Libraries end the program where they run out of either.
+std::optional<std::string> limit_shortage(std::string_view purpose, double address_bytes,
+                                          std::uint64_t descriptors);
 
 /// Processors that this process may use at a time, at least 1: those of its affinity, or fewer where the quota of a control
 /// group (v2 or v1) allows fewer; a part of one counts as one. `root` as above.

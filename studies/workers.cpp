@@ -7,6 +7,7 @@
 #include <mutex>
 #include <numeric>
 #include <optional>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -139,8 +140,15 @@ std::string PointCounts::faults() const {
 
 PointCounts run_points(const Study& study, Journal& journal, std::span<const std::int64_t> points, int jobs,
                        const std::atomic<bool>& stop, const OnProgress& progress) {
+    constexpr double address_bytes_of_each = 24 << 20;
+    const std::size_t threads = std::min(static_cast<std::size_t>(jobs), points.size());
+    if (const auto shortage =
+            measures::limit_shortage(fmt::format("a study on {} threads (--jobs)", threads),
+                                     address_bytes_of_each * static_cast<double>(threads), 8)) {
+        throw std::runtime_error(*shortage);
+    }
     PointCounts counts;
-    Workers workers(study, points, std::min(static_cast<std::size_t>(jobs), points.size()), stop);
+    Workers workers(study, points, threads, stop);
     for (bool ended = false; !ended;) {
         ended = workers.wait();
         for (const PointResult& result : workers.fetch()) {

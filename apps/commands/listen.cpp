@@ -180,8 +180,11 @@ Wanted checked(const ListenOptions& options) {
 void listen_to_the_end(stream::Listener& listener, ListenSession& session, ProgressLine& line,
                        const ListenOptions& options) {
     constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the stop flag
+    constexpr auto patience = std::chrono::seconds(2);
     const std::atomic<bool>& stop = stop_asked();
     const steady_clock::time_point start = steady_clock::now();
+    const std::string waiting = "waiting for " + options.stream + " from " + options.endpoint;
+    bool told = line.is_on_terminal();  // again and again
     while (!listener.ended()) {
         if (const stream::ReceivedFrame* frame = listener.receive(nap)) {
             session.take(*frame);
@@ -189,11 +192,15 @@ void listen_to_the_end(stream::Listener& listener, ListenSession& session, Progr
         if (stop) {
             listener.end(stream::EndReason::stopped);
         }
+        if (!told && !listener.run().has_samples() && steady_clock::now() - start > patience) {
+            told = true;
+            spdlog::info(waiting);
+        }
         if (line.due()) {
             const double passed_s = std::chrono::duration<double>(steady_clock::now() - start).count();
             line.show(listener.run().has_samples()
                           ? progress_text({session.simulated_s(), options.duration_s, passed_s})
-                          : "waiting for " + options.stream + " from " + options.endpoint);
+                          : waiting);
         }
     }
 }

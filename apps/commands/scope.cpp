@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <spdlog/spdlog.h>
 
@@ -27,12 +28,14 @@ constexpr const char* scope_examples =
     "Examples:\n"
     "  hertzline scope\n"
     "  hertzline scope --connect ipc:///tmp/hertzline --http 127.0.0.1:0\n"
+    "  hertzline scope --scope-allow localhost:9000\n"
     "  hertzline scope --record-to /data/bursts";
 
 struct ScopeOptions {
     std::string endpoint = "tcp://127.0.0.1:5573";
     std::string control;
     std::string http = "127.0.0.1:8573";
+    std::vector<std::string> allowed;
     std::string folder = ".";
     bool to_others = false;
     CurveClientRequest curve;
@@ -66,9 +69,15 @@ std::pair<scope::ScopeTargets, scope::PageAddress> checked(const ScopeOptions& o
         faults.add("--control", stream::endpoint_fault(options.control, stream::EndpointUse::connect));
         targets.control = options.control;
     }
-    const auto address = faults.value_of("--http", scope::page_address(options.http));
+    auto address = faults.value_of("--http", scope::page_address(options.http));
     if (address) {
         check_address(options, *address, faults);
+    }
+    for (const std::string& host : options.allowed) {
+        if (const auto allowed = faults.value_of("--scope-allow", scope::allowed_host(host));
+            allowed && address) {
+            address->allowed.push_back(*allowed);
+        }
     }
     check_folder(options.folder, faults);
     targets.curve = curve_of(options.curve, faults);
@@ -108,6 +117,11 @@ Run scope_command(CLI::App& app) {
         ->capture_default_str();
     app.add_flag("--http-to-others", options->to_others,
                  "allow an --http address that other machines reach, unencrypted");
+    add_repeatable_option(
+        app, "--scope-allow", options->allowed,
+        "a further host and port under which a browser reaches the page, through a forwarded port or a "
+        "proxy; repeatable")
+        ->type_name("HOST:PORT");
     app.add_option("--record-to", options->folder, "folder for the recordings that a page asks for")
         ->type_name("FOLDER")
         ->capture_default_str();

@@ -15,6 +15,8 @@ public:
     ProgressLine(const ProgressLine&) = delete;
     ProgressLine& operator=(const ProgressLine&) = delete;
 
+    bool is_on_terminal() const noexcept { return terminal_; }
+
     /// Whether there is a terminal and the line is old enough to be updated.
     bool due() const noexcept;
 

@@ -19,6 +19,10 @@ MODULES_MISSING = 3  # exit status
 NOT_A_SWEEP = 4
 WRONG_USE = 5
 
+FOLDER = os.getcwd()
+if __name__ == "__main__":  # a user's settings may ask for LaTeX or a window; matplotlib looks for them in the folder first
+    os.chdir("/")
+    os.environ.update(MATPLOTLIBRC=os.devnull, MPLBACKEND="agg")
 try:
     import matplotlib
     import matplotlib.pyplot as plt
@@ -27,6 +31,7 @@ try:
 except ImportError as error:
     print(error, file=sys.stderr)
     sys.exit(MODULES_MISSING)
+os.chdir(FOLDER)
 
 SPAN_DB = (-60, 6)
 HARMONICS = 10
@@ -36,6 +41,7 @@ MAX_NUMBERED = 30  # epochs
 MAX_WAVEFORMS = 200
 COLOURS = ["#0b6e8a", "#c46a1b", "#5f7f96", "#b03a2e", "#4f7a3a", "#6b4c8a"]
 STYLE = {
+    "text.usetex": False,
     "font.family": "DejaVu Sans",
     "axes.edgecolor": "#8a8a8a",
     "axes.linewidth": 0.7,

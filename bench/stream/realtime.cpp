@@ -5,12 +5,14 @@
 //
 // A case is a number of streams, or STREAMSxLISTENERS: listeners in processes of their own, each subscribed to all
 // streams. The name of a shipped scene applies to the cases after it; the first cases use paper-stream. A single
-// listener has a core of its own. A listener keeps a fingerprint of every frame. When the stream has ended it
+// listener has a core of its own. "+all" after a case adds a subscriber to every topic that reads all it gets, "+frozen" one that
+// reads nothing: bench_realtime 20 1 1+all 1+frozen. The path of another hertzline program applies to the cases after it. A listener keeps a fingerprint of every frame. When the stream has ended it
 // simulates the same scene and compares: every float32 must equal that of `hertzline run`. The listener must have
 // received each sent frame, or have counted it as missing; other frames are unaccounted for.
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <functional>
@@ -24,6 +26,7 @@
 
 #include <fcntl.h>
 #include <sched.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -74,6 +77,11 @@ public:
         output_ = ends[0];
     }
 
+    void kill() const {
+        ::kill(pid_, SIGKILL);
+        waitpid(pid_, nullptr, 0);
+    }
+
     /// Returns all that the child writes until it ends.
     std::string result() const {
         std::string text;
@@ -92,10 +100,11 @@ private:
 };
 
 /// Runs `hertzline stream` in a child, which writes its summary to the pipe.
-void stream_for(const std::string& seconds, const std::string& scene, int summary) {
+void stream_for(const std::string& program, const std::string& seconds, const std::string& scene,
+                int summary) {
     dup2(summary, STDOUT_FILENO);
     dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
-    execl(HERTZLINE_PROGRAM, "hertzline", "stream", scene.c_str(), "--bind", endpoint, "--duration",
+    execl(program.c_str(), "hertzline", "stream", scene.c_str(), "--bind", endpoint, "--duration",
           seconds.c_str(), "--wait-for-subscriber", "--json", nullptr);
     _exit(127);
 }
@@ -230,6 +239,22 @@ Accounts listen(const ShippedScene& scene, std::size_t streams) {
     return accounts;
 }
 
+enum class Greedy { no, reads, frozen };
+
+/// Subscribes to every topic, until the parent ends.
+[[noreturn]] void want_everything(Greedy greedy) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    Subscriber subscriber(endpoint);
+    subscriber.subscribe("");
+    subscriber.receive(std::chrono::seconds(10));
+    if (greedy == Greedy::frozen) {
+        raise(SIGSTOP);
+    }
+    while (true) {
+        subscriber.receive(std::chrono::seconds(1));
+    }
+}
+
 /// Runs a listener in a child, which writes its accounts to the pipe.
 void tell_accounts(const ShippedScene& scene, std::size_t streams, int result) {
     const Accounts accounts = listen(scene, streams);
@@ -262,29 +287,44 @@ Json report(const Accounts& accounts, const nlohmann::json& summary, std::size_t
             {"frames_that_differ", wrong}, {"end_heard", ended},        {"frames_unaccounted", unaccounted}};
 }
 
-/// Runs and prints a case. @param words "4" or "4x3"
-void measure(const std::string& seconds, const ShippedScene& scene, const std::string& words) {
+/// Runs and prints a case. @param words "4", "4x3" or "1+all"
+void measure(const std::string& hertzline, const std::string& seconds, const ShippedScene& scene,
+             const std::string& words) {
+    const Greedy greedy = words.ends_with("+all")      ? Greedy::reads
+                          : words.ends_with("+frozen") ? Greedy::frozen
+                                                       : Greedy::no;
     const std::size_t streams = std::stoul(words);
     const std::size_t x = words.find('x');
     const std::size_t listeners = x == std::string::npos ? 1 : std::stoul(words.substr(x + 1));
     if (streams < 1 || streams > offered.size()) {
         throw std::runtime_error("found " + words + ", allowed: 1 to 4 streams");
     }
-    const auto core = [alone = listeners == 1](int number) {
+    const auto core = [alone = listeners == 1 && greedy == Greedy::no](int number) {
         return alone ? std::optional(number) : std::nullopt;
     };
-    const Child program(core(0), [&](int summary) { stream_for(seconds, std::string(scene.name), summary); });
+    const Child program(
+        core(0), [&](int summary) { stream_for(hertzline, seconds, std::string(scene.name), summary); });
     std::vector<Child> all;
+    std::optional<Child> everything;
+    if (greedy != Greedy::no) {
+        everything.emplace(std::nullopt, [&](int /*result*/) { want_everything(greedy); });
+    }
     for (std::size_t i = 0; i < listeners; ++i) {
         all.emplace_back(core(1), [&](int result) { tell_accounts(scene, streams, result); });
     }
     const auto summary = Json::parse(program.result());
+    if (everything) {
+        everything->kill();
+    }
     Json heard = Json::array();
     for (const Child& listener : all) {
         heard.push_back(report(accounts_of(listener), summary, streams));
     }
-    const Json result{
-        {"scene", scene.name}, {"streams", streams}, {"listeners", heard}, {"program", summary}};
+    const Json result{{"case", words},
+                      {"scene", scene.name},
+                      {"streams", streams},
+                      {"listeners", heard},
+                      {"program", summary}};
     std::cout << result.dump(1) << std::endl;
 }
 
@@ -295,12 +335,15 @@ int main(int argc, char** argv) {
         const std::string seconds = argc > 1 ? argv[1] : "60";
         const std::vector<std::string> cases(argv + std::min(argc, 2), argv + argc);
         const ShippedScene* scene = find_shipped_scene("paper-stream");
+        std::string program = HERTZLINE_PROGRAM;
         const std::vector<std::string> usual{"1", "4", "4x3", "paper-stream-symplectic", "1", "4"};
         for (const std::string& words : cases.empty() ? usual : cases) {
             if (const ShippedScene* named = find_shipped_scene(words)) {
                 scene = named;
+            } else if (words.find('/') != std::string::npos) {
+                program = words;
             } else {
-                measure(seconds, *scene, words);
+                measure(program, seconds, *scene, words);
             }
         }
         return 0;

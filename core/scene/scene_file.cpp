@@ -10,6 +10,7 @@
 
 #include "core/scene/text.hpp"
 #include "core/scene/toml_entries.hpp"
+#include "core/scene/toml_guard.hpp"
 
 namespace hertzline {
 

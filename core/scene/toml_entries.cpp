@@ -1,8 +1,3 @@
-// Scene text comes from anywhere, and toml++ 3.3.0 has crashes of its own, so nothing reaches it that a scene does
-// not need. It aborts on NUL and has undefined behaviour on some non-ASCII text: only printable ASCII, tabs and
-// line ends pass, 64 KiB at most. It recurses once per part of a dotted key, and 32 000 parts overflow the stack: a
-// line may hold 32 single dots. (It limits the depth of brackets and braces itself, to 256.)
-
 #include "core/scene/toml_entries.hpp"
 
 #include <algorithm>
@@ -14,54 +9,14 @@
 #include <toml++/toml.h>
 
 #include "core/scene/text.hpp"
+#include "core/scene/toml_guard.hpp"
 
 namespace hertzline {
 
 namespace {
 
-constexpr int max_dots = 32;
-
 Fault fault_in_line(int line, std::string found, std::string allowed) {
     return {"", std::move(found), std::move(allowed), Place{"", line}};
-}
-
-bool passes(char c) {
-    return (c >= 0x20 && c <= 0x7E) || c == '\t' || c == '\n' || c == '\r';
-}
-
-Fault refused_byte(char c, int line, std::size_t column) {
-    constexpr std::string_view hex = "0123456789ABCDEF";
-    const auto byte = static_cast<unsigned char>(c);
-    return fault_in_line(
-        line,
-        std::string("byte 0x") + hex[byte / 16] + hex[byte % 16] + " in column " + std::to_string(column),
-        "printable ASCII, tabs and line ends");
-}
-
-std::optional<Fault> guard_fault(std::string_view text) {
-    if (text.size() > max_scene_bytes) {
-        return fault_in_line(0, std::to_string(text.size()) + " bytes",
-                             "at most " + std::to_string(max_scene_bytes) + " bytes");
-    }
-    int line = 1;
-    std::size_t line_start = 0;
-    int dots = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if (!passes(text[i])) {
-            return refused_byte(text[i], line, i - line_start + 1);
-        }
-        // "..." is no dotted key, and welcome in a comment.
-        const bool single_dot = text[i] == '.' && !text.substr(i + 1).starts_with('.');
-        if (single_dot && ++dots > max_dots) {
-            return fault_in_line(line, "more than 32 dots in a line", "section.key, and decimal points");
-        }
-        if (text[i] == '\n') {
-            ++line;
-            line_start = i + 1;
-            dots = 0;
-        }
-    }
-    return std::nullopt;
 }
 
 TomlValue value_of(const toml::node& node) {
@@ -108,11 +63,12 @@ Fault syntax_error(const toml::parse_error& error) {
 
 // toml++ as Debian builds it reports by throwing; nothing but this function sees that.
 tl::expected<toml::table, Fault> parsed(std::string_view text) {
-    if (auto fault = guard_fault(text)) {
-        return tl::unexpected(*std::move(fault));
+    const auto guarded = guarded_toml(text);
+    if (!guarded) {
+        return tl::unexpected(guarded.error());
     }
     try {
-        return toml::parse(text);
+        return toml::parse(*guarded);
     } catch (const toml::parse_error& error) {
         return tl::unexpected(syntax_error(error));
     }

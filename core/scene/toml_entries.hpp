@@ -14,9 +14,6 @@
 
 namespace hertzline {
 
-/// Longer texts of scenes are refused [bytes].
-inline constexpr std::size_t max_scene_bytes = 65'536;
-
 /// A section or a table.
 struct TomlTable {};
 

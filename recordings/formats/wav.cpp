@@ -227,7 +227,11 @@ private:
     void save_changes() {
         const std::filesystem::path beside = wav_changes_path(path());
         if (!head().provenance.contains("changes")) {
-            std::filesystem::remove(beside);  // another recording's
+            std::error_code error;
+            std::filesystem::remove(beside, error);                // another recording's
+            if (error && error != std::errc::filename_too_long) {  // no file can have that name
+                throw std::filesystem::filesystem_error("cannot remove", beside, error);
+            }
             return;
         }
         OutputFile file(beside, StagedFile::Devices::refused);
@@ -454,7 +458,8 @@ private:
     /// The changes of the scene, where they are those of this run.
     void take_changes() {
         const std::filesystem::path beside = wav_changes_path(path_);
-        if (!std::filesystem::is_regular_file(beside)) {
+        std::error_code none;
+        if (!std::filesystem::is_regular_file(beside, none)) {
             return;
         }
         InputFile file(beside);

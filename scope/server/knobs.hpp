@@ -14,6 +14,7 @@
 #include "core/scene/json.hpp"
 #include "scope/server/page_server.hpp"
 #include "stream/wire/security/curve.hpp"
+#include "stream/wire/sockets.hpp"
 
 namespace hertzline::scope {
 
@@ -54,7 +55,7 @@ private:
 
     std::string endpoint_;
     std::optional<stream::CurveClient> curve_;
-    zmq::context_t context_;
+    zmq::context_t context_ = stream::new_context();
     zmq::socket_t socket_;
     std::deque<Question> waiting_;  // the first one has been sent
     Clock::time_point sent_at_;

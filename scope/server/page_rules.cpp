@@ -1,5 +1,6 @@
 #include "scope/server/page_rules.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -56,7 +57,17 @@ std::string without_brackets(std::string_view host) {
     return std::string(bracketed ? host.substr(1, host.size() - 2) : host);
 }
 
+bool is_name(std::string_view text) {
+    const auto fits = [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '.' || c == '_';
+    };
+    return !text.empty() && text.size() <= 253 && std::ranges::all_of(text, fits);
+}
+
 bool is_ours(std::string_view host_header, const PageAddress& address) {
+    if (const auto host = allowed_host(host_header); host && std::ranges::count(address.allowed, *host) > 0) {
+        return true;
+    }
     const auto [host, port_text] = host_and_port(host_header);
     const auto port = port_text.empty() ? std::optional(default_port) : port_in(port_text);
     if (!port || *port != address.port) {
@@ -106,6 +117,22 @@ tl::expected<PageAddress, std::string> page_address(std::string_view text) {
     return PageAddress{name, static_cast<std::uint16_t>(*port), loopback};
 }
 
+tl::expected<std::string, std::string> allowed_host(std::string_view text) {
+    std::string lower(text);
+    std::ranges::transform(lower, lower.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    const auto [host, port_text] = host_and_port(lower);
+    const auto port =
+        port_text.empty() && !lower.ends_with(':') ? std::optional(default_port) : port_in(port_text);
+    const bool good = host.starts_with('[') ? is_ipv6(without_brackets(host)) : is_name(host);
+    if (!good || !port || *port == 0) {
+        return tl::unexpected(
+            "found " + quoted_briefly(text) +
+            ", allowed: HOST:PORT as in the browser's address, as localhost:9000; without a port it is 80");
+    }
+    return fmt::format("{}:{}", host, *port);
+}
+
 std::string host_in_url(const PageAddress& address) {
     return address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]";
 }
@@ -113,7 +140,10 @@ std::string host_in_url(const PageAddress& address) {
 tl::expected<std::string, PageRefusal> admitted(const PageRequest& request, const PageAddress& address,
                                                 std::string_view token) {
     if (!is_ours(request.host, address)) {
-        return refused(421, "This is not the host that was asked for.");
+        return refused(421,
+                       "The scope is not known under this name and port. To reach it through a forwarded "
+                       "port or another "
+                       "name, start it with --scope-allow HOST:PORT, as in the browser's address.");
     }
     if (!request.origin.empty() && request.origin != "http://" + std::string(request.host)) {
         return refused(403, "Pages of another origin are not served.");

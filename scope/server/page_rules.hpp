@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <tl/expected.hpp>
 
@@ -14,10 +15,16 @@ struct PageAddress {
     std::string host;  ///< an address as numbers, IPv6 without brackets
     std::uint16_t port = 0;
     bool loopback = true;  ///< only this machine reaches it
+    /// Further hosts under which browsers reach it, through a forwarded port or a proxy: as allowed_host() returns them.
+    std::vector<std::string> allowed{};
 };
 
 /// Reads "127.0.0.1:8573", "[::1]:8573" or "localhost:8573"; port 0 is any free one. The error is a sentence.
 tl::expected<PageAddress, std::string> page_address(std::string_view text);
+
+/// Reads "localhost:9000", "scope.example.org" (port 80) or "[::1]:9000" as a browser's Host header has it, in lower case and with
+/// the port. The error is a sentence.
+tl::expected<std::string, std::string> allowed_host(std::string_view text);
 
 /// Returns the host as it stands in a URL: IPv6 in brackets.
 std::string host_in_url(const PageAddress& address);
@@ -39,7 +46,7 @@ struct PageRefusal {
 
 /// Checks a request. @returns the name that follows the token in its target, or the refusal
 ///
-/// - Host is an address of this server, not a name that another name server may point here (DNS rebinding).
+/// - Host is an address of this server or allowed, not a name that another name server may point here (DNS rebinding).
 /// - A WebSocket's Origin is this page, not a foreign page in the same browser.
 /// - The target begins with the token, which only the user who started the scope has.
 tl::expected<std::string, PageRefusal> admitted(const PageRequest& request, const PageAddress& address,

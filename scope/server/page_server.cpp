@@ -1,6 +1,7 @@
 #include "scope/server/page_server.hpp"
 
 #include <algorithm>
+#include <list>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -130,6 +131,7 @@ private:
         });
     }
     void receive(tcp::socket socket);
+    bool make_room();
     void open_page(beast::tcp_stream stream, HttpRequest request) {
         std::erase_if(pages_, [](const auto& page) { return page.second.expired(); });
         const auto connection = std::make_shared<PageConnection>(std::move(stream), ++last_page_, events_);
@@ -143,6 +145,7 @@ private:
     std::shared_ptr<PageEvents> events_ = std::make_shared<PageEvents>();
     std::map<PageId, std::weak_ptr<PageConnection>> pages_;
     PageId last_page_ = 0;
+    std::list<std::weak_ptr<Visitor>> visitors_;  // the oldest first
     asio::io_context context_{1};
     tcp::acceptor acceptor_;
     asio::steady_timer pause_{context_};
@@ -160,6 +163,9 @@ public:
     Visitor(const Visitor&) = delete;
     Visitor& operator=(const Visitor&) = delete;
 
+    bool is_stranger() const noexcept { return !has_token_; }
+    void close() { stream_.close(); }
+
     void read() {
         parser_.emplace();
         parser_->header_limit(most_header_bytes);
@@ -175,6 +181,7 @@ public:
 private:
     void take(HttpRequest request) {
         const auto name = admitted(page_request(request), work_.address_, work_.token_);
+        has_token_ = has_token_ || name.has_value();
         if (!name) {
             write(answer(name.error().status, "text/plain", name.error().text, request));
         } else if (!websocket::is_upgrade(request)) {
@@ -205,15 +212,31 @@ private:
     beast::flat_buffer buffer_{most_header_bytes};
     std::optional<http::request_parser<http::empty_body>> parser_;
     HttpAnswer answer_;
+    bool has_token_ = false;
 };
 
 void PageServer::Work::receive(tcp::socket socket) {
     // Else a part of an update would wait until the page's system has confirmed the one before, 40 ms.
     beast::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
-    if (events_->connections < PageLimits::connections) {
-        std::make_shared<Visitor>(*this, std::move(socket))->read();
+    if (events_->connections < PageLimits::connections || make_room()) {
+        const auto visitor = std::make_shared<Visitor>(*this, std::move(socket));
+        std::erase_if(visitors_, [](const auto& each) { return each.expired(); });
+        visitors_.push_back(visitor);
+        visitor->read();
     }
+}
+
+/// Closes the oldest connection that has not shown the token. Returns whether there was one.
+bool PageServer::Work::make_room() {
+    for (auto each = visitors_.begin(); each != visitors_.end(); ++each) {
+        if (const std::shared_ptr<Visitor> visitor = each->lock(); visitor && visitor->is_stranger()) {
+            visitor->close();
+            visitors_.erase(each);
+            return true;
+        }
+    }
+    return false;
 }
 
 PageServer::PageServer(PageAddress address, std::string token)

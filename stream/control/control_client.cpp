@@ -83,7 +83,7 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
     constexpr std::int64_t longest_reply = 16 << 20;
     socket.set(zmq::sockopt::linger, 0);
     socket.set(zmq::sockopt::maxmsgsize, longest_reply);
-    socket.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+    socket.set(zmq::sockopt::ipv6, reached_over_ipv6(endpoint).value_or(false));
     if (monitor != nullptr) {
         monitor->emplace(context, socket, what_becomes_of_the_connection);
     }
@@ -98,7 +98,10 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
 Json ask_control(const ControlConnection& connection, const Json& request, const std::atomic<bool>& stop) {
     using Clock = std::chrono::steady_clock;
     constexpr long nap_ms = 50;
-    zmq::context_t context;
+    if (const auto known = reached_over_ipv6(connection.endpoint); !known) {
+        throw std::runtime_error(known.error());
+    }
+    zmq::context_t context = new_context();
     std::optional<SocketMonitor> monitor;
     zmq::socket_t socket = control_socket(context, connection.endpoint, connection.curve, &monitor);
     const std::string text = request.dump(-1, ' ', true, Json::error_handler_t::replace);

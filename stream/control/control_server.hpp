@@ -54,7 +54,7 @@ private:
 
     SceneControl& control_;
     std::string endpoint_;
-    zmq::context_t context_;
+    zmq::context_t context_ = new_context();
     std::optional<ZapHandler> zap_;
     zmq::socket_t socket_;                    // the thread's from its start to its end
     Connections connections_;                 // the same

@@ -172,7 +172,8 @@ void RunReceiver::take_end(const Message& message) {
             missing_at_end_ = total - next_sample_;
             notify_(fmt::format("{} samples are missing before the end", missing_at_end_));
         }
-        if (const std::uint64_t dropped = check_.take_end(count("dropped_frames")); dropped > 0) {
+        const std::string of_topic = fmt::format("{}_np_dropped", row_of(tap_).name);
+        if (const std::uint64_t dropped = check_.take_end(count(of_topic)); dropped > 0) {
             notify_(fmt::format("{} frames were dropped by the sender before the end", dropped));
         }
     }

@@ -43,20 +43,28 @@ FrameSender::FrameSender(Publisher& publisher, const StreamFormat& format, const
 }
 
 void FrameSender::send(const Block& block, const TopicDemand& demand, StreamMeters& meters) {
-    for (const Tap tap : demand.met_by(block.demand)) {
+    const TapForms asked = demand.asked_of(block.demand);
+    const TapForms sent = demand.sent_of(block.demand);
+    for (const Tap tap : sent.all()) {
         zmq::message_t payload = payload_of(publisher_, block, tap);
-        if (demand.raw().contains(tap)) {
+        if (sent.raw.contains(tap)) {
             add(meters.raw(tap), publisher_.send_frame(topics_of(tap).raw, shared(payload)));
         }
-        if (demand.np().contains(tap)) {
-            describe(block, tap);
+        if (sent.np.contains(tap)) {
+            describe(block, tap, meters.np(tap));
             add(meters.np(tap), publisher_.send_frame(topics_of(tap).np, header_, std::move(payload)));
         }
+    }
+    for (const Tap tap : asked.raw - sent.raw) {
+        add(meters.raw(tap), false);
+    }
+    for (const Tap tap : asked.np - sent.np) {
+        add(meters.np(tap), false);
     }
 }
 
 /// Writes the header of the tap's frame.
-void FrameSender::describe(const Block& block, Tap tap) {
+void FrameSender::describe(const Block& block, Tap tap, const TopicCount& count) {
     const TapRow& row = row_of(tap);
     frame_.stream = row.name;
     frame_.unit = row.unit;
@@ -66,7 +74,7 @@ void FrameSender::describe(const Block& block, Tap tap) {
     frame_.burst = static_cast<std::uint64_t>(place.burst);
     frame_.burst_sample = static_cast<std::uint64_t>(place.sample);
     frame_.seq = block.seq;
-    frame_.dropped = block.dropped;
+    frame_.dropped = static_cast<std::uint64_t>(count.dropped);
     frame_.n = block.samples().count;
     frame_.channels = block.samples()[tap].size() / block.samples().count;
     encode_header(frame_, header_);

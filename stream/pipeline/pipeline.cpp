@@ -42,10 +42,11 @@ Pipeline::Pipeline(StreamOptions options, SampleSource& source, Publisher& publi
       producer_(source, pacer_, ring_size(format_, options_.pace), options_.samples,
                 options_.pace.is_flat_out() ? OnOverrun::wait : options_.on_overrun),
       demand_(format_.taps, recorder != nullptr ? recorder->taps() : TapSet()),
+      shedder_(format_),
       frames_(publisher, format_, options_.run),
       monitor_(producer_.origin(), format_.sample_rate_hz) {
     options_.about["security"] = word(publisher.security());
-    demand_.update(publisher, producer_);  // the first block has the recorded taps, too
+    demand_.update(publisher, producer_, {});  // the first block has the recorded taps, too
 }
 
 StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& events) {
@@ -94,6 +95,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
         if (stop.load(std::memory_order_relaxed)) {
             return;
         }
+        judge_load(*block, lateness);
         // The last moment: a subscriber that came meanwhile gets meta before this block.
         if (!pacer_.flat_out() || now - listened >= subscriptions_period) {
             listen_for_subscriptions();
@@ -163,6 +165,22 @@ Nanoseconds Pipeline::hold_until_due(const Block& block, const std::atomic<bool>
     return pacer_.lateness(MonotonicClock::now(), deadline);
 }
 
+/// Sheds taps that there is not time for. A stream that may fall behind needs none of that.
+void Pipeline::judge_load(const Block& block, Nanoseconds lateness) {
+    if (pacer_.flat_out() || options_.on_overrun == OnOverrun::wait) {
+        return;
+    }
+    shedder_.judge(demand_.taken(), lateness, block.dropped, MonotonicClock::now());
+    if (const TapSet shed = shedder_.shed(); !shed.empty() && !told_of_shedding_) {
+        told_of_shedding_ = true;
+        events_->warn(
+            fmt::format("there is not time for all streams that subscribers want: frames of the largest are "
+                        "left out, first of {0}, "
+                        "and counted in {0}_np_dropped and {0}_raw_dropped of meters and end",
+                        row_of(*shed.begin()).name));
+    }
+}
+
 /// Frames of another epoch follow, and meta comes before them.
 void Pipeline::enter(const Epoch& epoch) {
     options_.epoch = epoch;
@@ -185,8 +203,8 @@ void Pipeline::release(const Block& block) {
 
 void Pipeline::listen_for_subscriptions() {
     const std::size_t news = publisher_.poll_subscriptions();
-    demand_.update(publisher_, producer_);
-    if (!first_subscription_ && !demand_.empty()) {
+    demand_.update(publisher_, producer_, shedder_.shed());
+    if (!first_subscription_ && !demand_.asked().all().empty()) {
         first_subscription_ = MonotonicClock::now();
     }
     if (news > 0) {

@@ -18,9 +18,11 @@
 #include "recordings/columns.hpp"
 #include "stream/inputs/sample_source.hpp"
 #include "stream/pipeline/frame_sender.hpp"
+#include "stream/pipeline/load_shedder.hpp"
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/stream_monitor.hpp"
+#include "stream/pipeline/topic_demand.hpp"
 #include "stream/threads.hpp"
 #include "stream/wire/publisher.hpp"
 
@@ -81,6 +83,7 @@ private:
     Nanoseconds hold_until_due(const Block& block, const std::atomic<bool>& stop);
     void enter(const Epoch& epoch);
     void release(const Block& block);
+    void judge_load(const Block& block, Nanoseconds lateness);
     void listen_for_subscriptions();
     void report(Nanoseconds now);
     void watch();
@@ -94,6 +97,7 @@ private:
     Pacer pacer_;
     Producer producer_;
     TopicDemand demand_;
+    LoadShedder shedder_;
     FrameSender frames_;
     StreamMonitor monitor_;
     const StreamEvents* events_ = nullptr;  // those of run()
@@ -101,6 +105,7 @@ private:
     std::optional<Nanoseconds> start_time_;
     std::optional<Nanoseconds> first_subscription_;
     bool told_of_too_many_clients_ = false;
+    bool told_of_shedding_ = false;
     Nanoseconds next_meters_{0};
     Nanoseconds next_meta_{0};
 };

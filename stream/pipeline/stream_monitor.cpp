@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <chrono>
 
-#include "stream/wire/topics.hpp"
-
 namespace hertzline::stream {
 
 namespace {
@@ -42,10 +40,10 @@ void StreamMonitor::count_dropped(std::uint64_t dropped, const TopicDemand& dema
     const auto more = static_cast<std::int64_t>(dropped - dropped_counted_);
     dropped_counted_ = dropped;
     meters_.dropped_frames += more;
-    for (const Tap tap : demand.raw()) {
+    for (const Tap tap : demand.asked().raw) {
         meters_.raw(tap).dropped += more;
     }
-    for (const Tap tap : demand.np()) {
+    for (const Tap tap : demand.asked().np) {
         meters_.np(tap).dropped += more;
     }
 }
@@ -66,29 +64,6 @@ void StreamMonitor::measure(Nanoseconds now, Nanoseconds start, Nanoseconds busy
 void StreamMonitor::measure_all(Nanoseconds now, Nanoseconds start, Nanoseconds busy) noexcept {
     measured_at_ = busy_then_ = Nanoseconds{0};
     measure(now, start, busy);
-}
-
-void TopicDemand::update(const Publisher& publisher, Producer& producer) noexcept {
-    const TapSet before = raw_ | np_;
-    raw_ = np_ = TapSet();
-    for (const Tap tap : taps_) {
-        const TapTopics& topics = topics_of(tap);
-        raw_ |= publisher.wanted(topics.raw) ? TapSet(tap) : TapSet();
-        np_ |= publisher.wanted(topics.np) ? TapSet(tap) : TapSet();
-    }
-    const TapSet wanted = raw_ | np_;
-    const std::uint32_t generation = producer.want(wanted | always_);
-    for (const Tap tap : wanted - before) {
-        since_[static_cast<std::size_t>(tap)] = generation;
-    }
-}
-
-TapSet TopicDemand::met_by(const Demand& made_for) const noexcept {
-    TapSet met;
-    for (const Tap tap : made_for.taps&(raw_ | np_)) {
-        met |= made_for.generation >= since_[static_cast<std::size_t>(tap)] ? TapSet(tap) : TapSet();
-    }
-    return met;
 }
 
 }  // namespace hertzline::stream

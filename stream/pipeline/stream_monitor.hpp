@@ -1,5 +1,5 @@
 #pragma once
-// The state of a stream for its sending thread: the topics with subscribers, and the meters.
+// The meters of a stream, for its sending thread.
 
 #include <array>
 #include <cstdint>
@@ -9,35 +9,9 @@
 #include "stream/pipeline/pacer.hpp"
 #include "stream/pipeline/producer.hpp"
 #include "stream/pipeline/ring_buffer.hpp"
-#include "stream/wire/publisher.hpp"
+#include "stream/pipeline/topic_demand.hpp"
 
 namespace hertzline::stream {
-
-/// The taps of the stream that have subscribers. For the sending thread.
-class TopicDemand {
-public:
-    /// @param always taps that are computed without subscribers, too: recorded ones
-    TopicDemand(TapSet taps, TapSet always) noexcept : taps_(taps), always_(always & taps) {}
-
-    /// Takes subscriptions from the publisher, and requests their taps from the producer.
-    void update(const Publisher& publisher, Producer& producer) noexcept;
-
-    /// Taps with a subscriber of their raw topic, and of their np topic.
-    TapSet raw() const noexcept { return raw_; }
-    TapSet np() const noexcept { return np_; }
-    bool empty() const noexcept { return (raw_ | np_).empty(); }
-
-    /// The demanded taps among those that a block was made for. An older block may hold a tap for a subscriber that
-    /// has left: later blocks may lack it, so it is not sent to a new subscriber.
-    TapSet met_by(const Demand& made_for) const noexcept;
-
-private:
-    TapSet taps_;
-    TapSet always_;
-    TapSet raw_;
-    TapSet np_;
-    std::array<std::uint32_t, tap_count> since_{};  // generation of the demand that began it, by tap
-};
 
 /// A frame is late when it goes out this long after it was due. Shorter delays are the scheduler's business.
 inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
@@ -45,7 +19,7 @@ inline constexpr Nanoseconds late_after = std::chrono::milliseconds(5);
 /// Frames of a topic.
 struct TopicCount {
     std::int64_t sent = 0;     ///< handed to ZeroMQ while the topic had subscribers
-    std::int64_t dropped = 0;  ///< discarded by the program while the topic had subscribers
+    std::int64_t dropped = 0;  ///< discarded by the program, or not made, while the topic had subscribers
 };
 
 /// The state of the stream, for the meters topic and the summary.

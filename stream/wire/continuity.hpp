@@ -42,7 +42,7 @@ public:
     /// Takes the topic's next frame, as it arrived.
     Arrival take(const FrameHeader& frame);
 
-    /// Takes the sender's summary: the number of frames of the run that it discarded. Those that no frame has
+    /// Takes the sender's summary: the number of frames of the topic that it discarded. Those that no frame has
     /// reported were the last ones. @returns how many these are
     std::uint64_t take_end(std::uint64_t dropped) noexcept;
 

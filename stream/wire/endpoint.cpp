@@ -188,6 +188,25 @@ bool is_ipv6(std::string_view endpoint) noexcept {
     return endpoint.starts_with("tcp://[");
 }
 
+tl::expected<bool, std::string> reached_over_ipv6(std::string_view endpoint) {
+    if (is_ipv6(endpoint) || !endpoint.starts_with(tcp_scheme)) {
+        return is_ipv6(endpoint);
+    }
+    addrinfo wanted{};
+    wanted.ai_socktype = SOCK_STREAM;
+    addrinfo* found = nullptr;
+    if (const int error = ::getaddrinfo(std::string(host_of(endpoint)).c_str(), nullptr, &wanted, &found)) {
+        return tl::unexpected(fmt::format("endpoint {}: the name of its host is not known ({})",
+                                          in_quotes(endpoint), ::gai_strerror(error)));
+    }
+    bool only_ipv6 = true;
+    for (const addrinfo* each = found; each != nullptr; each = each->ai_next) {
+        only_ipv6 = only_ipv6 && each->ai_family == AF_INET6;
+    }
+    ::freeaddrinfo(found);
+    return only_ipv6;
+}
+
 std::string bind_address(std::string_view endpoint) {
     constexpr std::string_view localhost = "tcp://localhost:";
     if (!endpoint.starts_with(localhost)) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <tl/expected.hpp>
+
 namespace hertzline::stream {
 
 enum class EndpointUse { bind, connect };
@@ -26,6 +28,10 @@ std::optional<std::string> occupied_fault(std::string_view endpoint);
 
 /// Whether the endpoint's host is an IPv6 address, for which ZeroMQ needs an option set.
 bool is_ipv6(std::string_view endpoint) noexcept;
+
+/// Whether the endpoint is connected to over IPv6, for which ZeroMQ needs the same option: its host is such an address, or
+/// a name with no other addresses. The fault: the name is not known at present. Asks the system's name servers.
+tl::expected<bool, std::string> reached_over_ipv6(std::string_view endpoint);
 
 /// The endpoint as ZeroMQ binds it: it knows interfaces and addresses there, but not the name localhost.
 std::string bind_address(std::string_view endpoint);

@@ -21,12 +21,13 @@ struct FrameHeader {
     std::uint64_t burst =
         0;  ///< the horn's burst that the first sample lies in, from 0; 0 where bursts do not repeat
     std::uint64_t burst_sample = 0;  ///< index of the first sample since that burst's first sample
-    std::uint64_t epoch = 0;    ///< counts the changes of the scene; the same for all samples of the frame
-    double fs = 0;              ///< samples a second [Hz], positive
-    std::uint64_t dropped = 0;  ///< frames of this run that the program itself had to discard before this one
-    std::string run;            ///< the run's id, a UUID
-    std::size_t n = 0;          ///< samples in the frame, at least 1
-    std::size_t channels = 1;   ///< numbers per sample, at least 1
+    std::uint64_t epoch = 0;  ///< counts the changes of the scene; the same for all samples of the frame
+    double fs = 0;            ///< samples a second [Hz], positive
+    std::uint64_t dropped =
+        0;              ///< frames of the topic that the program discarded, or did not make, before this one
+    std::string run;    ///< the run's id, a UUID
+    std::size_t n = 0;  ///< samples in the frame, at least 1
+    std::size_t channels = 1;  ///< numbers per sample, at least 1
 
     /// Time of the first sample since the run's start [s].
     double t() const noexcept { return static_cast<double>(sample) / fs; }

@@ -94,8 +94,9 @@ Publisher::Publisher(const std::string& endpoint, std::span<const std::string_vi
 void Publisher::set_options(const std::string& endpoint) {
     socket_.set(zmq::sockopt::sndhwm, queue_length(options_));
     socket_.set(zmq::sockopt::linger, static_cast<int>(options_.linger.count()));
-    // Reports every subscriber, not only the first one of a topic: each has to be sent the meta message.
-    socket_.set(zmq::sockopt::xpub_verbose, true);
+    // Reports every subscriber, not only the first one of a topic: each has to be sent the meta message. And every
+    // cancellation, not only the last one.
+    socket_.set(zmq::sockopt::xpub_verboser, true);
     // Bounds incoming messages: a peer that subscribes to endless prefixes would fill our memory. The handshake of
     // CURVE counts, too: its longest command has 257 bytes and the peer's metadata.
     socket_.set(zmq::sockopt::maxmsgsize, std::int64_t{options_.curve ? 1024 : 256});
@@ -120,41 +121,60 @@ void Publisher::set_options(const std::string& endpoint) {
 std::size_t Publisher::poll_subscriptions() {
     constexpr int max_per_call = 1000;
     std::size_t subscribed = 0;
-    connections_.update();
+    update_connections();
     for (int i = 0; i < max_per_call; ++i) {
         if (zmq_msg_recv(incoming_.handle(), socket_.handle(), ZMQ_DONTWAIT) < 0) {
             break;  // nothing more, or a signal came: the rest is taken in by the next call
         }
-        const auto* data = static_cast<const std::byte*>(incoming_.data());
-        switch (subscriptions_.apply({data, incoming_.size()})) {
-            case Subscriptions::Change::subscribed:
-                ++subscribed;
-                connections_.note_subscriber(zmq_msg_get(incoming_.handle(), ZMQ_SRCFD));
-                break;
-            case Subscriptions::Change::unsubscribed:
-                break;
-            case Subscriptions::Change::foreign:
-            case Subscriptions::Change::malformed:
-                quota_.charge(incoming_);
-                break;
-        }
+        subscribed += take_subscription() ? 1 : 0;
     }
-    keep_queues_within_memory();
+    look_for_slow_ones();
     return subscribed;
 }
 
-/// Disconnects slow subscribers. ZeroMQ does not report whose queue a message waits in, but a connection that takes
-/// nothing is behind.
-void Publisher::keep_queues_within_memory() {
+void Publisher::update_connections() {
+    connections_.update([this](int descriptor) { subscriptions_.forget(descriptor); });
+}
+
+/// Takes the incoming message. @returns whether it subscribes to one of our topics
+bool Publisher::take_subscription() {
+    const int descriptor = zmq_msg_get(incoming_.handle(), ZMQ_SRCFD);
+    if (descriptor < 0) {
+        return false;  // libzmq's own: it cancels the subscriptions of a peer that left
+    }
+    update_connections();  // its connection may be a new one, with the descriptor of one that has ended
+    if (!connections_.knows(descriptor)) {
+        return false;
+    }
+    const auto* data = static_cast<const std::byte*>(incoming_.data());
+    switch (subscriptions_.apply(descriptor, {data, incoming_.size()})) {
+        case Subscriptions::Change::subscribed:
+            connections_.note_subscriber(descriptor);
+            return true;
+        case Subscriptions::Change::unsubscribed:
+            return false;
+        case Subscriptions::Change::foreign:
+        case Subscriptions::Change::malformed:
+            quota_.charge(incoming_);
+            return false;
+    }
+    return false;
+}
+
+/// Finds subscribers that take nothing, and disconnects some of them when the queues take too much memory. ZeroMQ does not
+/// report whose queue a message waits in, but a connection that takes nothing is behind.
+void Publisher::look_for_slow_ones() {
+    constexpr std::chrono::milliseconds period{20};  // a cut takes effect within it, too
     const auto queued = static_cast<double>(queued_.load(std::memory_order_relaxed));
-    if (queued < options_.queue_bytes / 4) {
-        connections_.forget_slow_ones();
+    const auto now = std::chrono::steady_clock::now();
+    if (queued < options_.queue_bytes / 4 && now - last_look_ < period) {
         return;
     }
-    constexpr std::chrono::milliseconds to_take_effect{20};
-    const auto now = std::chrono::steady_clock::now();
+    last_look_ = now;
     connections_.look_for_slow_ones(now);
-    if (queued > options_.queue_bytes / 4 * 3 && now - last_cut_ > to_take_effect) {
+    subscriptions_.judge([&](int descriptor) { return connections_.takes_nothing(descriptor, now); },
+                         static_cast<std::uint64_t>(queue_length(options_)));
+    if (queued > options_.queue_bytes / 4 * 3 && now - last_cut_ > period) {
         connections_.cut_off_the_slowest(now);
         last_cut_ = now;
     }

@@ -81,12 +81,17 @@ public:
     /// Whether the topic has a subscriber, as of the last poll_subscriptions().
     bool wanted(std::string_view topic) const noexcept { return subscriptions_.wanted(topic); }
 
+    /// Whether it has one that takes messages. One that has stopped reading and whose queue is full does not: each
+    /// further message to it would vanish.
+    bool taken(std::string_view topic) const noexcept { return subscriptions_.taken(topic); }
+
     /// Sends one message: the topic, then each part (any contiguous range of plain values: std::string_view,
     /// span of float). Never waits. False when ZeroMQ refused it, which no subscriber's behaviour can cause.
     template <class... Parts>
     bool send(std::string_view topic, const Parts&... parts) noexcept {
         const std::array<std::span<const std::byte>, 1 + sizeof...(parts)> message{bytes_of(topic),
                                                                                    bytes_of(parts)...};
+        subscriptions_.note_sent(topic);
         return send_parts(socket_, message);
     }
 
@@ -97,9 +102,11 @@ public:
 
     /// Sends a message with a payload(), which is handed over, not copied.
     bool send_frame(std::string_view topic, zmq::message_t payload) noexcept {
+        subscriptions_.note_sent(topic);
         return send_parts(socket_, std::array{bytes_of(topic)}, std::move(payload));
     }
     bool send_frame(std::string_view topic, std::string_view header, zmq::message_t payload) noexcept {
+        subscriptions_.note_sent(topic);
         return send_parts(socket_, std::array{bytes_of(topic), bytes_of(header)}, std::move(payload));
     }
 
@@ -127,14 +134,17 @@ private:
         return std::as_bytes(std::span(part));
     }
     void set_options(const std::string& endpoint);
-    void keep_queues_within_memory();
+    void update_connections();
+    bool take_subscription();
+    void look_for_slow_ones();
 
     PublisherOptions options_;
     std::atomic<std::size_t> queued_{0};  // bytes of payloads that ZeroMQ has; outlives the context
-    zmq::context_t context_;
+    zmq::context_t context_ = new_context();
     std::optional<ZapHandler> gate_;  // before the socket, which must never be reachable without it
     zmq::socket_t socket_;
     Connections connections_;
+    std::chrono::steady_clock::time_point last_look_{};
     std::chrono::steady_clock::time_point last_cut_{};
     Subscriptions subscriptions_;
     PeerQuota quota_{100};  // far more than any client has use for

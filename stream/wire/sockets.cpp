@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <stdexcept>
+
+#include "measures/resources.hpp"
 
 namespace hertzline::stream {
 
@@ -25,6 +28,15 @@ bool send_part(zmq::socket_t& socket, std::span<const std::byte> part, int flags
 }
 
 }  // namespace
+
+zmq::context_t new_context() {
+    constexpr double address_bytes = 64 << 20;  // for three threads
+    constexpr std::uint64_t descriptors = 24;
+    if (const auto shortage = measures::limit_shortage("a ZeroMQ socket", address_bytes, descriptors)) {
+        throw std::runtime_error(*shortage);
+    }
+    return {};
+}
 
 bool send_parts(zmq::socket_t& socket, std::span<const std::span<const std::byte>> parts) noexcept {
     for (std::size_t i = 0; i < parts.size(); ++i) {

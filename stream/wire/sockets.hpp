@@ -11,6 +11,10 @@
 
 namespace hertzline::stream {
 
+/// Makes a context. @throws std::runtime_error when this process may not have the threads and descriptors of its sockets, for want
+/// of which ZeroMQ ends the program
+zmq::context_t new_context();
+
 /// Sends the parts as one message. False when ZeroMQ refused one of them: then no subscriber gets the message.
 bool send_parts(zmq::socket_t& socket, std::span<const std::span<const std::byte>> parts) noexcept;
 

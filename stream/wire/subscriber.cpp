@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -76,11 +77,15 @@ void Subscriber::set_options(const std::string& endpoint, const SubscriberOption
     socket_.set(zmq::sockopt::tcp_keepalive_cnt, 2);
     socket_.set(zmq::sockopt::handshake_ivl, handshake);
     socket_.set(zmq::sockopt::connect_timeout, handshake);
-    socket_.set(zmq::sockopt::ipv6, is_ipv6(endpoint));
+    const auto over_ipv6 = reached_over_ipv6(endpoint);
+    socket_.set(zmq::sockopt::ipv6, over_ipv6.value_or(false));
+    if (!over_ipv6) {
+        unknown_host_ = {over_ipv6.error(), false};
+    }
 }
 
 std::optional<Refusal> Subscriber::refusal() {
-    std::optional<Refusal> last;
+    std::optional<Refusal> last = std::exchange(unknown_host_, {});
     while (const auto event = connections_.next()) {
         if (event->kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
             introduced_ = true;

@@ -72,17 +72,19 @@ public:
     /// Messages of more parts than any of ours (8) are passed over.
     const Message* receive(std::chrono::milliseconds timeout);
 
-    /// The last connection that failed since this was asked before: in its handshake, or without a message after it.
+    /// The last connection that failed since this was asked before: in its handshake, or without a message after it. First of all
+    /// that the host's name is not known.
     std::optional<Refusal> refusal();
 
 private:
     void set_options(const std::string& endpoint, const SubscriberOptions& options);
 
-    zmq::context_t context_;
+    zmq::context_t context_ = new_context();
     zmq::socket_t socket_;
     SocketMonitor connections_;
     bool introduced_ = false;  // the handshake of the present connection is done
     bool heard_ = false;       // since the last one ended
+    std::optional<Refusal> unknown_host_;
     Message message_;
 };
 

@@ -72,8 +72,10 @@ public:
         EXPECT_TRUE(publisher_.send(to, std::string_view(parts)...));
     }
     Outcome end(std::int64_t samples, std::int64_t dropped_frames = 0) {
-        send_text("end",
-                  json{{"run", frame_.run}, {"samples", samples}, {"dropped_frames", dropped_frames}}.dump());
+        send_text(
+            "end",
+            json{{"run", frame_.run}, {"samples", samples}, {frame_.stream + "_np_dropped", dropped_frames}}
+                .dump());
         return fall_silent();
     }
     Outcome fall_silent() { return listener_.wait(); }
@@ -313,6 +315,21 @@ TEST(Listen, AFloodThatFillsTheQueueIsCountedHonestly) {
     const double last = times.back() * account["fs"].get<double>();
     const double due = last + 1 - account["first_sample"].get<double>();  // from the first to the last
     EXPECT_NEAR(account["samples"].get<double>() + account["missing_samples"].get<double>(), due, 1e-3);
+}
+
+TEST(Listen, SaysAtOnceThatAHostIsNotKnownAndWhatItWaitsFor) {
+    const Program unknown({"listen", "--connect", "tcp://no-such-host.invalid:5573"});
+    unknown.messages_with("the name of its host is not known");
+    unknown.messages_with("waiting for v_out from tcp://no-such-host.invalid:5573");
+    for (const char* command : {"get", "set"}) {
+        Words words{command, "--connect", "tcp://no-such-host.invalid:5574", "--timeout", "86400"};
+        if (command == std::string("set")) {
+            words.emplace_back("drive.amplitude_m=1e-6");
+        }
+        const Outcome outcome = hertzline(words);
+        EXPECT_EQ(outcome.status, 1);
+        EXPECT_THAT(outcome.err, testing::HasSubstr("the name of its host is not known"));
+    }
 }
 
 }  // namespace

@@ -57,6 +57,36 @@ TEST(Plot, DrawsARecordingOfAnyFormatWithItsGaps) {
     }
 }
 
+TEST(Plot, SettingsOfTheUserTakeNoPictureAway) {
+    const TemporaryFolder folder;
+    const RecordingHead head = recording_head({"v_out_m_per_s"}, 1e6, NumberType::float32);
+    const auto writer = open_recording(folder.file("a.csv"), head);
+    write_rows(*writer, {recorded_rows(head, 0, 500)});
+    writer->commit();
+    const fs::path before = fs::current_path();
+    fs::current_path(folder.file("."));  // matplotlib reads the file of this folder first
+    const auto draw = [] {
+        fs::remove("a.png");
+        const Outcome outcome = hertzline({"plot", "a.csv", "-o", "a.png"});
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_THAT(outcome.out + outcome.err, IsEmpty());
+        return contents("a.png");
+    };
+    const std::string picture = draw();
+    EXPECT_THAT(picture, StartsWith(png_begin));
+    for (const char* settings :
+         {"text.usetex: True", "backend: QtAgg", "axes.labelsize: 60\nfigure.facecolor: red",
+          "savefig.dpi: 10000", "font.family: no such font", "\xff\xfe not UTF-8", "nonsense",
+          "interactive: True", "svg.fonttype: none"}) {
+        write_text("matplotlibrc", settings);
+        EXPECT_EQ(draw(), picture) << settings;
+        const Variable elsewhere("MATPLOTLIBRC", folder.file("matplotlibrc"));
+        const Variable backend("MPLBACKEND", "QtAgg");
+        EXPECT_EQ(draw(), picture) << settings;
+    }
+    fs::current_path(before);
+}
+
 TEST(Plot, RunDrawsWhatItMeasures) {
     const TemporaryFolder folder;
     const Outcome outcome = hertzline(

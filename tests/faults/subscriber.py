@@ -41,7 +41,7 @@ if words.save:
     numpy.save(words.save, numpy.concatenate(samples))
 first = headers[0]["sample"]
 got = sum(h["shape"][0] for h in headers)
-dropped = summary["dropped_frames"] - headers[0]["dropped"]
+dropped = summary[f'{headers[0]["stream"]}_np_dropped'] - headers[0]["dropped"]
 behind_the_last = -(-(summary["samples"] - headers[-1]["sample"] - headers[-1]["shape"][0]) // headers[0]["shape"][0])
 due = headers[-1]["seq"] + 1 + behind_the_last - headers[0]["seq"]
 print(json.dumps({"first_sample": first, "samples": got, "missing_samples": summary["samples"] - first - got,

@@ -140,6 +140,15 @@ TEST_P(StagedFormat, AppearsUnderItsNameOnlyAtCommit) {
     EXPECT_THAT(listing(), testing::ElementsAre(fs::path(file).filename()));
 }
 
+TEST_P(StagedFormat, HasANameAsLongAsTheFileSystemAllows) {
+    const std::string ending = std::string(".") + GetParam().ending;
+    const auto longest = static_cast<std::size_t>(::pathconf(folder.file(".").c_str(), _PC_NAME_MAX));
+    file = folder.file(std::string(longest - ending.size(), 'n') + ending);
+    record(head(), {recorded_rows(head(), 0, 10)});
+    expect_same(read_rows(*open_reader(file)), {recorded_rows(head(), 0, 10)});
+    EXPECT_THAT(listing(), testing::ElementsAre(fs::path(file).filename()));
+}
+
 TEST_P(StagedFormat, KilledWriterLeavesOnlyTheTemporary) {
     const pid_t child = ::fork();
     if (child == 0) {

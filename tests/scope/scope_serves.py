@@ -3,6 +3,7 @@
 import json
 import pathlib
 import signal
+import socket
 import struct
 import subprocess
 import sys
@@ -248,6 +249,58 @@ def strangers_are_refused(stand):
     for http in ("0.0.0.0:0", "192.0.2.1:8573", "example.org:8573", "127.0.0.1:99999", "[::1:1"):
         done = subprocess.run([stand.program, "scope", "--http", http], capture_output=True, text=True, timeout=LONG_ENOUGH_S)
         assert done.returncode == 2 and "--http" in done.stderr, (http, done)
+
+
+def hosts_that_are_allowed_are_served(stand):
+    """As through `ssh -L 9000:...`, or behind a name."""
+    with stand.scope("--scope-allow", "localhost:9000", "--scope-allow", "Scope.Example.org", "--scope-allow", "[::1]:9000") as scope:
+        own = urllib.parse.urlsplit(scope.url)
+        for host in "localhost:9000", "LOCALHOST:9000", "scope.example.org", "scope.example.org:80", "[::1]:9000", own.netloc:
+            with urllib.request.urlopen(urllib.request.Request(scope.url, headers={"Host": host}), timeout=LONG_ENOUGH_S) as answer:
+                assert f"ws://{host};" in answer.headers["Content-Security-Policy"], answer.headers
+            with PageSocket(scope.url, host=host, origin=f"http://{host}"):
+                pass
+        for host in "localhost:9001", "scope.example.org:9000", "evil.example.org", "127.0.0.1:9000", "localhost:9000.evil.org", "":
+            try:
+                urllib.request.urlopen(urllib.request.Request(scope.url, headers={"Host": host}), timeout=LONG_ENOUGH_S)
+                raise AssertionError(f"served under {host}")
+            except urllib.error.HTTPError as refusal:
+                assert refusal.code == 421 and b"--scope-allow HOST:PORT" in refusal.read(), host
+        try:
+            PageSocket(scope.url, host="localhost:9000", origin="http://evil.example.org")
+            raise AssertionError("a foreign origin is served")
+        except Refused:
+            pass
+    for wrong in "localhost:0", "localhost:x", "localhost:", "", "a b:1", "http://localhost:9000", "[::1:9000", "localhost:70000":
+        refused = subprocess.run([stand.program, "scope", "--scope-allow", wrong], stderr=subprocess.PIPE, text=True, timeout=LONG_ENOUGH_S)
+        assert refused.returncode == 2 and "--scope-allow" in refused.stderr and "allowed: HOST:PORT" in refused.stderr, (wrong, refused)
+
+
+def strangers_that_trickle_keep_nobody_out(stand):
+    """64 connections without the address's secret that never finish their request, and come again when they are closed."""
+    with stand.scope() as scope:
+        own = urllib.parse.urlsplit(scope.url)
+        strangers = []
+
+        def come():
+            stranger = socket.create_connection((own.hostname, own.port), timeout=LONG_ENOUGH_S)
+            stranger.sendall(b"GET / HTTP/1.1\r\nX:")
+            strangers.append(stranger)
+        for _ in range(64):
+            come()
+        with PageSocket(scope.url) as page:
+            for _ in range(100):
+                come()
+                with urllib.request.urlopen(scope.url, timeout=LONG_ENOUGH_S) as answer:
+                    assert answer.status == 200
+            page.say({"view": {"span_s": 1e-3}})
+            page.receive()  # an open page is not a stranger
+        for stranger in strangers[:64]:
+            try:
+                assert stranger.recv(1) == b""
+            except ConnectionResetError:
+                pass
+            stranger.close()
 
 
 def who_does_not_read_is_dropped(stand):

@@ -2,6 +2,7 @@
 // A source of v_out and v_chain that costs nothing: every channel of sample k has the value k.
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 #include "stream/inputs/sample_source.hpp"
@@ -21,6 +22,7 @@ public:
         samples.count = std::min(count, static_cast<std::size_t>(end_ - next_));
         samples.holds = wanted & format_.taps;
         asked_for_ |= wanted;
+        asked_last_ = wanted;
         next_ += static_cast<std::int64_t>(samples.count);
         for (const Tap tap : samples.holds) {
             number(samples, samples.room(tap), format_.channels(tap));
@@ -37,6 +39,8 @@ public:
 
     /// Returns the union of the taps that the reads so far asked for.
     TapSet asked_for() const noexcept { return asked_for_; }
+    /// Returns the taps that the last read asked for; from any thread.
+    TapSet asked_last() const noexcept { return asked_last_; }
 
 private:
     static void number(const Samples& samples, std::span<double> values, std::size_t channels) noexcept {
@@ -52,6 +56,7 @@ private:
     std::int64_t end_;
     std::int64_t next_ = 0;
     TapSet asked_for_;
+    std::atomic<TapSet> asked_last_{TapSet()};
 };
 
 }  // namespace hertzline::test

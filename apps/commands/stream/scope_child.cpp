@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "apps/arguments/options.hpp"
 #include "scope/server/page_rules.hpp"
 
 namespace hertzline::app {
@@ -36,10 +37,20 @@ void add_scope_child_options(CLI::App& app, ScopeChildRequest& request) {
     app.add_flag("--scope", request.wanted, "show the stream in a browser: hertzline scope beside it");
     app.add_option("--scope-http", request.http, "the same, with the page at this address")
         ->type_name("ADDRESS:PORT");
+    add_repeatable_option(
+        app, "--scope-allow", request.allowed,
+        "with --scope: a further host and port under which a browser reaches the page; repeatable")
+        ->type_name("HOST:PORT");
 }
 
 void check_scope(const ScopeChildRequest& request, const CurveServerRequest& stream, Faults& faults) {
     const bool wanted = request.wanted || !request.http.empty();
+    if (!wanted && !request.allowed.empty()) {
+        faults.add("--scope-allow needs --scope");
+    }
+    for (const std::string& host : request.allowed) {
+        faults.value_of("--scope-allow", scope::allowed_host(host));
+    }
     if (wanted && !stream.key.empty()) {
         faults.add(
             "--scope: found an encrypted stream, whose listeners need keys of their own, allowed: a stream "
@@ -65,6 +76,9 @@ std::unique_ptr<ScopeChild> scope_beside(const ScopeChildRequest& request, const
     }
     if (!request.http.empty()) {
         words.insert(words.end(), {"--http", request.http});
+    }
+    for (const std::string& host : request.allowed) {
+        words.insert(words.end(), {"--scope-allow", host});
     }
     return std::make_unique<ScopeChild>(std::move(words));
 }

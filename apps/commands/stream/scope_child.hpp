@@ -15,10 +15,11 @@ namespace hertzline::app {
 /// The options of `stream` for a scope.
 struct ScopeChildRequest {
     bool wanted = false;
-    std::string http;  ///< --http of the scope; empty: its default
+    std::string http;                  ///< --http of the scope; empty: its default
+    std::vector<std::string> allowed;  ///< --scope-allow of the scope
 };
 
-/// Adds --scope and --scope-http.
+/// Adds --scope, --scope-http and --scope-allow.
 void add_scope_child_options(CLI::App& app, ScopeChildRequest& request);
 
 /// Adds the fault of a scope whose stream is encrypted, or whose address is wrong.

@@ -12,6 +12,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "core/scene/text.hpp"
@@ -69,6 +70,11 @@ struct Certificate {
     std::optional<CurveKey> secret_key;
 };
 
+bool is_mounted_read_only(int descriptor) noexcept {
+    struct statvfs system {};
+    return ::fstatvfs(descriptor, &system) == 0 && (system.f_flag & ST_RDONLY) != 0;
+}
+
 /// Returns the text of a file that is not too large. Its permissions are checked on the opened file, not on its name.
 tl::expected<std::string, std::string> read_text(const fs::path& file, bool secret) {
     // Non-blocking: a FIFO would wait for its writer.
@@ -81,11 +87,14 @@ tl::expected<std::string, std::string> read_text(const fs::path& file, bool secr
     if (!S_ISREG(status.st_mode)) {
         return tl::unexpected{fmt::format("{} is not a regular file", file.string())};
     }
-    if (secret && status.st_uid != ::geteuid()) {
+    // Where it cannot be changed, it is as whoever mounted it decided: secrets of containers are root's, and readable for all
+    // in the container.
+    const bool judged = secret && !is_mounted_read_only(descriptor.number());
+    if (judged && status.st_uid != ::geteuid()) {
         return tl::unexpected{
             fmt::format("{} belongs to another user; a secret key must be your own", file.string())};
     }
-    if (secret && (status.st_mode & others) != 0) {
+    if (judged && (status.st_mode & others) != 0) {
         return tl::unexpected{
             fmt::format("{0}: other users may use this secret key (mode {1:04o}): chmod 600 {0}",
                         file.string(), status.st_mode & 07777)};

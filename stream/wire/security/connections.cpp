@@ -40,10 +40,12 @@ std::uint64_t taken_by(int descriptor) noexcept {
 Connections::Connections(zmq::context_t& context, zmq::socket_t& socket, std::size_t most)
     : monitor_(context, socket, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED), most_(most) {}
 
-void Connections::update() {
+void Connections::update(const std::function<void(int)>& has_ended) {
     while (const auto event = monitor_.next()) {
         const auto descriptor = static_cast<int>(event->value);
-        connections_.erase(descriptor);
+        if (connections_.erase(descriptor) > 0) {
+            has_ended(descriptor);
+        }
         if (event->kind == ZMQ_EVENT_ACCEPTED) {
             connections_[descriptor] = {
                 .number = came_++, .cookie = socket_cookie(descriptor), .full_since = {}};
@@ -89,10 +91,10 @@ void Connections::look_for_slow_ones(std::chrono::steady_clock::time_point now) 
     }
 }
 
-void Connections::forget_slow_ones() noexcept {
-    for (auto& each : connections_) {
-        each.second.full_since.reset();
-    }
+bool Connections::takes_nothing(int descriptor,
+                                std::chrono::steady_clock::time_point last_check) const noexcept {
+    const auto found = connections_.find(descriptor);
+    return found != connections_.end() && found->second.full_since && *found->second.full_since < last_check;
 }
 
 void Connections::cut_off_the_slowest(std::chrono::steady_clock::time_point now) {

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <unordered_map>
 
@@ -33,10 +34,14 @@ public:
 
     /// Takes in new and closed connections. Beyond the limit, connections without a subscription are cut off first,
     /// the oldest before the others; then the newest.
-    void update();
+    /// @param has_ended takes the descriptors of closed connections, before a new one has it
+    void update(const std::function<void(int)>& has_ended = [](int /*descriptor*/) {});
 
     /// Whether a connection was cut off because of the limit.
     bool have_been_too_many() const noexcept { return have_been_too_many_; }
+
+    /// Whether there is such a connection.
+    bool knows(int descriptor) const noexcept { return connections_.contains(descriptor); }
 
     /// A message of that connection subscribed to something.
     void note_subscriber(int descriptor) noexcept;
@@ -48,8 +53,8 @@ public:
     /// Checks which connections are full, and which of them have taken something since the last check. Call it before
     /// a message is sent, not right after, when the fastest reader is full, too.
     void look_for_slow_ones(std::chrono::steady_clock::time_point now);
-    /// Whether no connection is slow.
-    void forget_slow_ones() noexcept;
+    /// Whether the connection was full at the last check and has taken nothing since an earlier one.
+    bool takes_nothing(int descriptor, std::chrono::steady_clock::time_point last_check) const noexcept;
     /// Cuts off the full connection that has taken nothing for longest, and others that have taken nothing for half
     /// as long, but for 20 ms at least: on a busy machine a reader has to wait for a processor.
     void cut_off_the_slowest(std::chrono::steady_clock::time_point now);

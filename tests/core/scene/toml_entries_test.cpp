@@ -28,26 +28,68 @@ std::string repeated(std::string_view text, int times) {
     return result;
 }
 
+bool refused_by_guard(const std::string& text) {
+    const auto found = messages(text);
+    return !found.empty() && (found[0].find("found byte 0x") != std::string::npos ||
+                              found[0].find("found the character U+") != std::string::npos);
+}
+
 TEST(SceneTextGuard, OnlyPrintableAsciiTabsAndLineEndsPass) {
     for (int byte = 0; byte < 256; ++byte) {
         const char c = static_cast<char>(byte);
         const bool passes = byte == 9 || byte == 10 || byte == 13 || (byte >= 0x20 && byte <= 0x7E);
-        const auto found = messages("# \n# "s + c + "\n");
-        const bool refused = !found.empty() && found[0].find("found byte 0x") != std::string::npos;
-        EXPECT_EQ(refused, !passes) << byte;
+        EXPECT_EQ(refused_by_guard("# \n# "s + c + "\n"), !passes) << byte << " alone is no UTF-8";
+        EXPECT_EQ(refused_by_guard("\n"s + c + "\n"), !passes) << byte;
     }
 }
 
-TEST(SceneTextGuard, ARefusedByteIsNamedWithLineAndColumn) {
+TEST(SceneTextGuard, ARefusedByteOrCharacterIsNamedWithLineAndColumn) {
     EXPECT_THAT(messages("[\0"s),
                 ElementsAre("scene.toml:1: found byte 0x00 in column 2, allowed: printable ASCII, "
-                            "tabs and line ends"));
-    EXPECT_THAT(messages("\xEF\xBB\xBF[drive]\n"),
-                ElementsAre(HasSubstr("scene.toml:1: found byte 0xEF in column 1")));
+                            "tabs and line ends; UTF-8 in comments"));
     EXPECT_THAT(messages("\n\xEF\xBB\xBF"),
-                ElementsAre(HasSubstr("scene.toml:2: found byte 0xEF in column 1")));
-    EXPECT_THAT(messages("[drive]\n# caf\xC3\xA9\n"),
-                ElementsAre(HasSubstr(":2: found byte 0xC3 in column 6")));
+                ElementsAre(HasSubstr("scene.toml:2: found the character U+FEFF in column 1")));
+    EXPECT_THAT(messages("[end]\r\nkind = \xE2\x80\x9Cwall\xE2\x80\x9D\n"),
+                ElementsAre(HasSubstr(":2: found the character U+201C in column 8")));
+    EXPECT_THAT(messages("[drive]\n# caf\xE9\n"),
+                ElementsAre(HasSubstr(":2: found byte 0xE9 in column 6, allowed: UTF-8 in comments")));
+}
+
+TEST(SceneTextGuard, TakesAFileAsAnyEditorSavesIt) {
+    for (
+        const std::string& text : {
+            "\xEF\xBB\xBF[chain]\nspheres = 7\n"s,      // Notepad
+            "\xEF\xBB\xBF[chain]\r\nspheres = 7\r\n"s,  // with the lines of Windows
+            "[chain]\rspheres = 7"s,                    // of an old Macintosh
+            "# 5 \xC2\xB5m, K\xC3\xBCgelchen \xF0\x9F\x94\xA9\n[chain]\nspheres = 7 # \xE2\x80\x9Cseven\xE2\x80\x9D"s,
+        }) {
+        EXPECT_THAT(messages(text), IsEmpty()) << text;
+        const auto parsed = parse_scene(text, "scene.toml");
+        ASSERT_TRUE(parsed) << text;
+        EXPECT_EQ(parsed->scene.chain.spheres, 7) << text;
+    }
+}
+
+TEST(SceneTextGuard, Utf16IsCalledByItsName) {
+    for (const std::string& text : {"\xFF\xFE[\0c\0"s, "\xFE\xFF\0[\0c"s, "[\0c\0h\0a\0"s, "\0[\0c\0h"s}) {
+        EXPECT_THAT(messages(text),
+                    ElementsAre(HasSubstr("scene.toml:1: found text in UTF-16, allowed: UTF-8")));
+    }
+}
+
+// A wrong guess would lose a part of a string.
+TEST(SceneTextGuard, StringsHoldNumberSignsAndCommentsHoldQuotes) {
+    const std::string e = "\xC3\xA9";
+    for (const std::string& text : {"a = \"# " + e + "\"", "a = '# " + e + "'", "a = \"\\\" # " + e + "\"",
+                                    "a = \"\"\"\n\" # " + e + "\"\"\"", "a = '''\n' # " + e + "'''",
+                                    "a = '\\' + " + e, "a = \"\" " + e, "a = \"\"\"\"\"\" " + e}) {
+        EXPECT_TRUE(refused_by_guard(text)) << text;
+    }
+    for (const std::string& text :
+         {"# \" ' \"\"\" " + e, "a = '\\' # " + e, "a = \"\\\"\" # " + e, "a = \"\" # " + e,
+          "a = \"open\nb = 1 # " + e, "a = \"\"\"x\n\"\"\" # " + e}) {
+        EXPECT_FALSE(refused_by_guard(text)) << text;
+    }
 }
 
 TEST(SceneTextGuard, ATextMayHave64KiB) {

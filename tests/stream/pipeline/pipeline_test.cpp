@@ -2,6 +2,8 @@
 
 #include "stream/pipeline/pipeline.hpp"
 
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -19,6 +21,7 @@
 #include "stream/wire/topics.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/counting_source.hpp"
+#include "tests/support/sockets.hpp"
 
 namespace hertzline::test {
 
@@ -330,6 +333,133 @@ TEST(Pipeline, OnlyWhatSomebodySubscribesToIsSampled) {
     };
     EXPECT_EQ(asked_for({}), TapSet());
     EXPECT_EQ(asked_for({Tap::v_chain}), TapSet(Tap::v_chain));
+}
+
+/// A subscriber to everything that reads nothing until it is told to.
+class Greedy {
+public:
+    explicit Greedy(const std::string& endpoint) : socket_(context_, zmq::socket_type::sub) {
+        socket_.set(zmq::sockopt::linger, 0);
+        socket_.set(zmq::sockopt::rcvhwm, 1);  // then the system's buffers fill
+        socket_.set(zmq::sockopt::subscribe, "");
+        socket_.connect(endpoint);
+    }
+    void begin_to_read() {
+        thread_ = std::jthread([this](const std::stop_token& stop) { read(stop); });
+    }
+    void join() { thread_.join(); }
+
+    ContinuityCheck chain;  // of v_chain/np
+    std::atomic<bool> hears_of_dropped_frames{false};
+
+private:
+    void read(const std::stop_token& stop) {
+        socket_.set(zmq::sockopt::rcvtimeo, 100);
+        std::array<zmq::message_t, 3> parts;
+        while (!stop.stop_requested()) {
+            std::size_t count = 0;
+            while (count < parts.size() && socket_.recv(parts[count]) && parts[count++].more()) {
+            }
+            if (count == 3 && parts[0].to_string_view() == topics_of(Tap::v_chain).np) {
+                chain.take(*decode_header(parts[1].to_string_view(), parts[2].size()));
+                hears_of_dropped_frames = chain.totals().dropped_by_sender > 0;
+            } else if (count > 0 && parts[0].to_string_view() == end_topic) {
+                return;
+            }
+        }
+    }
+
+    zmq::context_t context_;
+    zmq::socket_t socket_;
+    std::jthread thread_;
+};
+
+// The stream is ten times slower than real time, and may fall behind, so that this machine's load does not matter.
+TEST(Pipeline, WhatWhoStopsReadingAskedForIsNotComputedUntilItReadsAgain) {
+    CountingSource source({.taps = everything, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1000});
+    Publisher publisher("tcp://127.0.0.1:*");
+    Greedy greedy(publisher.endpoint());
+    Listener listener(publisher.endpoint(), {Tap::v_out});
+    subscriptions_until_wanted(publisher, "v_chain/raw");
+    subscriptions_until_wanted(publisher, "v_out/np");
+    StreamOptions patient = options(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once);
+    patient.on_overrun = OnOverrun::wait;
+    Pipeline pipeline(std::move(patient), source, publisher, nullptr);
+    std::atomic<bool> stop{false};
+    bool frozen = false;
+    const StreamMeters meters =
+        pipeline.run(stop, {.progress =
+                                [&](const StreamMeters& now) {
+                                    if (!frozen && source.asked_last() == TapSet(Tap::v_out)) {
+                                        frozen = true;
+                                        greedy.begin_to_read();
+                                    }
+                                    stop = greedy.hears_of_dropped_frames || now.frames > 60'000;
+                                },
+                            .warn = [](const std::string&) {},
+                            .summary = [](const StreamMeters&) { return "{}"; }});
+    ASSERT_TRUE(frozen);
+    listener.join();
+    greedy.join();
+    EXPECT_EQ(source.asked_last(), everything) << "it reads again";
+    EXPECT_TRUE(listener.checks[Tap::v_out].gapless());
+    EXPECT_EQ(meters.np(Tap::v_out).sent, meters.frames);
+    for (const Tap tap : {Tap::v_chain, Tap::v_horn}) {
+        EXPECT_GT(meters.np(tap).dropped, 0);
+        EXPECT_EQ(meters.np(tap).sent + meters.np(tap).dropped, meters.frames);
+        EXPECT_EQ(meters.raw(tap).sent + meters.raw(tap).dropped, meters.frames);
+    }
+    const ContinuityTotals& heard = greedy.chain.totals();
+    EXPECT_GT(heard.dropped_by_sender, 0U);
+    EXPECT_EQ(heard.inconsistent, 0U);
+    EXPECT_EQ(heard.missing_samples, 1000 * (heard.dropped_by_sender + heard.lost_on_the_way));
+}
+
+/// Takes three times as long as there is for the taps of the chain.
+class SlowWithTheChain : public CountingSource {
+public:
+    using CountingSource::CountingSource;
+    bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override {
+        if (!(wanted & format().of_chain()).empty()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(3));
+        }
+        return CountingSource::read(samples, count, wanted);
+    }
+};
+
+TEST(Pipeline, WithoutTimeForAllTheLargestTapsAreLeftOutAndCounted) {
+    SlowWithTheChain source({.taps = everything, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1000});
+    Publisher publisher("tcp://127.0.0.1:*");
+    Listener greedy(publisher.endpoint(), {Tap::v_out, Tap::v_chain});
+    Listener listener(publisher.endpoint(), {Tap::v_out});
+    subscriptions_until_wanted(publisher, "v_chain/np");
+    subscriptions_until_wanted(publisher, "v_out/np");
+    Pipeline pipeline(options(Pace::factor(0.1), 1'000'000'000, StreamStart::at_once), source, publisher,
+                      nullptr);
+    std::atomic<bool> stop{false};
+    std::vector<std::string> warnings;
+    const StreamMeters meters = pipeline.run(
+        stop, {.progress =
+                   [&](const StreamMeters& now) {
+                       stop = now.np(Tap::v_chain).dropped - now.dropped_frames >= 200 || now.frames > 10'000;
+                   },
+               .warn = [&](const std::string& text) { warnings.push_back(text); },
+               .summary = [](const StreamMeters&) { return "{}"; }});
+    listener.join();
+    greedy.join();
+    EXPECT_GE(meters.np(Tap::v_chain).dropped - meters.dropped_frames, 200);
+    const std::int64_t all = meters.frames + meters.dropped_frames;
+    EXPECT_EQ(meters.np(Tap::v_chain).sent + meters.np(Tap::v_chain).dropped, all);
+    EXPECT_EQ(meters.np(Tap::v_out).sent, meters.frames) << "one that has time";
+    for (Listener* each : {&listener, &greedy}) {
+        EXPECT_EQ(each->checks[Tap::v_out].totals().frames, static_cast<std::uint64_t>(meters.frames));
+        EXPECT_EQ(each->checks[Tap::v_out].totals().lost_on_the_way, 0U);
+    }
+    const ContinuityTotals& heard = greedy.checks[Tap::v_chain].totals();
+    EXPECT_EQ(heard.frames, static_cast<std::uint64_t>(meters.np(Tap::v_chain).sent));
+    EXPECT_EQ(heard.lost_on_the_way, 0U);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].find("v_chain_np_dropped"), std::string::npos);
 }
 
 TEST(Pipeline, DiscardsNothingOfALongChainWhoseSpheresNobodyWants) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+#include <netdb.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -193,6 +194,25 @@ TEST(Endpoint, TheFileOfAnIpcEndpointHasTheModeThatTheUmaskLeaves) {
 
 TEST(Endpoint, TcpIsNeverJudgedOccupied) {
     EXPECT_EQ(occupied_fault("tcp://127.0.0.1:5573"), std::nullopt);
+}
+
+TEST(Endpoint, IsReachedOverIpv6WhereItsHostHasNoOtherAddress) {
+    for (const char* endpoint : {"ipc:///tmp/s", "tcp://127.0.0.1:5573", "tcp://localhost:5573"}) {
+        EXPECT_EQ(reached_over_ipv6(endpoint), false) << endpoint;
+    }
+    EXPECT_EQ(reached_over_ipv6("tcp://[::1]:5573"), true);
+    for (const char* host : {"ip6-localhost", "ip6-loopback"}) {  // names in the usual /etc/hosts
+        addrinfo wanted{};
+        addrinfo* found = nullptr;
+        if (::getaddrinfo(host, nullptr, &wanted, &found) == 0) {
+            EXPECT_EQ(reached_over_ipv6(std::string("tcp://") + host + ":5573"),
+                      found->ai_family == AF_INET6);
+            ::freeaddrinfo(found);
+        }
+    }
+    const auto unknown = reached_over_ipv6("tcp://no-such-host.invalid:5573");
+    ASSERT_FALSE(unknown);
+    EXPECT_THAT(unknown.error(), testing::HasSubstr("the name of its host is not known ("));
 }
 
 }  // namespace

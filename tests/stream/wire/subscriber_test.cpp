@@ -23,6 +23,16 @@ TEST(Subscriber, RefusesEndpointsToWhichNobodyConnects) {
     EXPECT_THAT(error_of([] { Subscriber("tcp://127.0.0.1:*"); }), HasSubstr("port \"*\""));
 }
 
+TEST(Subscriber, SaysAtOnceThatAHostIsNotKnown) {
+    Subscriber subscriber("tcp://no-such-host.invalid:5573");
+    const auto refusal = subscriber.refusal();
+    ASSERT_TRUE(refusal);
+    EXPECT_THAT(refusal->reason,
+                HasSubstr("\"tcp://no-such-host.invalid:5573\": the name of its host is not known"));
+    EXPECT_FALSE(refusal->final) << "it may be known later";
+    EXPECT_FALSE(subscriber.refusal()) << "said once";
+}
+
 TEST(Subscriber, MayConnectBeforeThePublisherBinds) {
     const TemporaryFolder folder;
     const std::string endpoint = "ipc://" + folder.file("s");

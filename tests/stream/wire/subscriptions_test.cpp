@@ -17,14 +17,14 @@ namespace {
 
 using Change = Subscriptions::Change;
 
-Change deliver(Subscriptions& subscriptions, std::string_view message) {
-    return subscriptions.apply(std::as_bytes(std::span(message)));
+Change deliver(Subscriptions& subscriptions, std::string_view message, int peer = 1) {
+    return subscriptions.apply(peer, std::as_bytes(std::span(message)));
 }
-Change subscribe(Subscriptions& subscriptions, const std::string& prefix) {
-    return deliver(subscriptions, "\1" + prefix);
+Change subscribe(Subscriptions& subscriptions, const std::string& prefix, int peer = 1) {
+    return deliver(subscriptions, "\1" + prefix, peer);
 }
-Change cancel(Subscriptions& subscriptions, const std::string& prefix) {
-    return deliver(subscriptions, std::string(1, '\0') + prefix);
+Change cancel(Subscriptions& subscriptions, const std::string& prefix, int peer = 1) {
+    return deliver(subscriptions, std::string(1, '\0') + prefix, peer);
 }
 
 TEST(Subscriptions, NothingIsWantedAtFirst) {
@@ -100,6 +100,7 @@ TEST(Subscriptions, AFloodOfPrefixesTakesNoMemoryAndCrowdsOutNobody) {
     Subscriptions subscriptions(all_topics);
     std::string message("\1v_out/raw????????");
     const std::string real = "\1v_last/np";
+    subscribe(subscriptions, "meta");  // from here on the peer is known
     const std::size_t before = test::allocations();
     for (unsigned i = 0; i < 100'000; ++i) {
         for (unsigned k = 0; k < 8; ++k) {
@@ -111,6 +112,68 @@ TEST(Subscriptions, AFloodOfPrefixesTakesNoMemoryAndCrowdsOutNobody) {
     EXPECT_EQ(test::allocations(), before);
     EXPECT_TRUE(subscriptions.wanted("v_last/np"));
     EXPECT_FALSE(subscriptions.wanted("v_out/raw"));
+}
+
+TEST(Subscriptions, ATopicIsWantedUntilItsLastPeerCancelsOrLeaves) {
+    Subscriptions subscriptions(all_topics);
+    for (const int peer : {1, 2, 3}) {
+        subscribe(subscriptions, "v_out", peer);
+    }
+    subscribe(subscriptions, "", 3);
+    cancel(subscriptions, "v_out", 1);
+    subscriptions.forget(2);
+    subscriptions.forget(7);
+    EXPECT_TRUE(subscriptions.wanted("v_out/np"));
+    cancel(subscriptions, "", 3);
+    EXPECT_FALSE(subscriptions.wanted("meta"));
+    EXPECT_TRUE(subscriptions.wanted("v_out/np"));
+    subscriptions.forget(3);
+    EXPECT_FALSE(subscriptions.wanted("v_out/np"));
+}
+
+/// Sends so many messages, of which `frozen` takes none.
+void send(Subscriptions& subscriptions, std::string_view topic, int messages, int frozen) {
+    const auto takes_nothing = [frozen](int peer) { return peer == frozen; };
+    for (int i = 0; i < messages; ++i) {
+        subscriptions.note_sent(topic);
+        subscriptions.judge(takes_nothing, 10);
+    }
+}
+
+TEST(Subscriptions, WhoTakesNothingWantsNothingOnceItsQueueIsFull) {
+    Subscriptions subscriptions(all_topics);
+    subscribe(subscriptions, "", 1);
+    subscribe(subscriptions, "v_out", 2);
+    send(subscriptions, "v_chain/np", 9, 1);
+    EXPECT_TRUE(subscriptions.taken("v_chain/np")) << "there is room for one more";
+    send(subscriptions, "v_out/np", 1, 1);
+    EXPECT_FALSE(subscriptions.taken("v_chain/np"));
+    EXPECT_TRUE(subscriptions.wanted("v_chain/np")) << "it has a subscriber still";
+    EXPECT_TRUE(subscriptions.taken("v_out/np")) << "another one takes it";
+    subscriptions.forget(2);
+    EXPECT_FALSE(subscriptions.taken("v_out/np"));
+}
+
+TEST(Subscriptions, WhoTakesSomethingAgainOrAsksForSomethingCounts) {
+    Subscriptions subscriptions(all_topics);
+    const auto freeze = [&] { send(subscriptions, "v_chain/np", 20, 1); };
+    subscribe(subscriptions, "v_chain");
+    freeze();
+    EXPECT_FALSE(subscriptions.taken("v_chain/np"));
+    send(subscriptions, "v_chain/np", 1, /*frozen=*/0);
+    EXPECT_TRUE(subscriptions.taken("v_chain/np"));
+    freeze();
+    EXPECT_FALSE(subscriptions.taken("v_chain/np"));
+    subscribe(subscriptions, "meta");
+    EXPECT_TRUE(subscriptions.taken("v_chain/np"));
+    EXPECT_TRUE(subscriptions.taken("meta"));
+}
+
+TEST(Subscriptions, ATopicThatIsNotSubscribedToFillsNoQueue) {
+    Subscriptions subscriptions(all_topics);
+    subscribe(subscriptions, "v_out");
+    send(subscriptions, "v_chain/np", 100, 1);
+    EXPECT_TRUE(subscriptions.taken("v_out/np"));
 }
 
 }  // namespace

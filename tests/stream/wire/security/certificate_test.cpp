@@ -9,7 +9,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/support/ordinary_user.hpp"
@@ -205,6 +208,30 @@ TEST_F(Certificates, EveryFaultOfAFolderIsTold) {
     EXPECT_THAT(said, HasSubstr("broken.key is not a certificate"));
     EXPECT_THAT(said, HasSubstr("\n" + clients + "/careless.key holds a secret key"));
     EXPECT_THAT(said, Not(HasSubstr("alice")));
+}
+
+// As secrets of Docker, Podman, Kubernetes and systemd are: a mount of their own, read-only, root's, readable for all.
+TEST_F(Certificates, ASecretThatIsMountedReadOnlyIsTakenAsItIs) {
+    const std::string file = written("own.key_secret", body(public_, secret_));
+    std::filesystem::permissions(file, std::filesystem::perms(0444));
+    EXPECT_THAT(fault_of_pair(file), HasSubstr("other users may use this secret key (mode 0444)"));
+    const std::string mounted = folder_.file("mounted");
+    std::ofstream(mounted).close();
+    const pid_t child = ::fork();
+    if (child == 0) {  // mounts for itself alone
+        const bool can =
+            (::unshare(CLONE_NEWNS) == 0 || ::unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0) &&
+            ::mount(nullptr, "/", nullptr, MS_REC | MS_PRIVATE, nullptr) == 0 &&
+            ::mount(file.c_str(), mounted.c_str(), nullptr, MS_BIND, nullptr) == 0 &&
+            ::mount(nullptr, mounted.c_str(), nullptr, MS_BIND | MS_REMOUNT | MS_RDONLY, nullptr) == 0;
+        ::_exit(!can ? 77 : fault_of_pair(mounted) == "none" ? 0 : 1);
+    }
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 77) {
+        GTEST_SKIP() << "the system allows no mounts";
+    }
+    EXPECT_EQ(status, 0);
 }
 
 }  // namespace

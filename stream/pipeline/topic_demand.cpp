@@ -1,0 +1,43 @@
+#include "stream/pipeline/topic_demand.hpp"
+
+#include "stream/wire/topics.hpp"
+
+namespace hertzline::stream {
+
+void TopicDemand::update(const Publisher& publisher, Producer& producer, TapSet shed) noexcept {
+    const TapSet before = asked_.all();
+    asked_ = taken_ = {};
+    for (const Tap tap : taps_) {
+        const TapTopics& topics = topics_of(tap);
+        asked_.raw |= publisher.wanted(topics.raw) ? TapSet(tap) : TapSet();
+        asked_.np |= publisher.wanted(topics.np) ? TapSet(tap) : TapSet();
+        taken_.raw |= publisher.taken(topics.raw) ? TapSet(tap) : TapSet();
+        taken_.np |= publisher.taken(topics.np) ? TapSet(tap) : TapSet();
+    }
+    shed_ = shed;
+    const std::uint32_t generation = producer.want((taken_.all() - shed_) | always_);
+    for (const Tap tap : asked_.all() - before) {
+        since_[static_cast<std::size_t>(tap)] = generation;
+    }
+}
+
+TapForms TopicDemand::asked_of(const Demand& made_for) const noexcept {
+    const TapSet known = known_to(made_for);
+    return {.raw = asked_.raw & known, .np = asked_.np & known};
+}
+
+TapForms TopicDemand::sent_of(const Demand& made_for) const noexcept {
+    const TapSet made = (known_to(made_for) & made_for.taps) - shed_;
+    return {.raw = taken_.raw & made, .np = taken_.np & made};
+}
+
+/// The asked taps that had a subscriber when the block was made.
+TapSet TopicDemand::known_to(const Demand& made_for) const noexcept {
+    TapSet known;
+    for (const Tap tap : asked_.all()) {
+        known |= made_for.generation >= since_[static_cast<std::size_t>(tap)] ? TapSet(tap) : TapSet();
+    }
+    return known;
+}
+
+}  // namespace hertzline::stream
