@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,7 +30,7 @@ enum class NumberType { float32, float64 };
 /// The description of a recording's samples.
 struct RecordingHead {
     std::vector<Column> columns;  ///< at least one; the time is not among them
-    double sample_rate_hz = 0;
+    double sample_rate_hz = 0;    ///< of a file that was read 0: it does not tell
     NumberType numbers = NumberType::float64;
     Json
         provenance;  ///< an object (measures/provenance); with "changes" where the scene may change on the way
@@ -80,6 +81,20 @@ public:
     virtual const KeptRows& kept() const noexcept = 0;
     /// Returns a sentence about samples that other programs would misread; empty: none. Known at its end.
     virtual std::string warning() const { return {}; }
+};
+
+/// The wishes of whoever reads a recording.
+struct ReadOptions {
+    /// The sample rate where the file does not tell its own.
+    std::optional<double> sample_rate_hz;
+    /// Takes sentences about samples that are left out, or that may be others than the reader believes; empty: nobody does.
+    std::function<void(const std::string&)> warn;
+
+    void tell(const std::string& warning) const {
+        if (warn) {
+            warn(warning);
+        }
+    }
 };
 
 /// A recording that is being read. Its contents come from outside and are not trusted.

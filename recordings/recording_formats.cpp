@@ -8,7 +8,7 @@
 
 #include "core/scene/text.hpp"
 #include "recordings/files/output_file.hpp"
-#include "recordings/formats/csv.hpp"
+#include "recordings/formats/csv/csv.hpp"
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/npy.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
@@ -30,9 +30,9 @@ Writer when_complete(const fs::path& path, const RecordingHead& head, Appearance
 
 struct Format {
     std::string_view ending;
-    double bytes_per_number;  // upper bound
-    Writer (*write)(const fs::path&, const RecordingHead&, Appearance);
-    std::unique_ptr<RecordingReader> (*read)(const fs::path&);
+    double bytes_per_number;                                             // upper bound
+    Writer (*write)(const fs::path&, const RecordingHead&, Appearance);  // nullptr: only read
+    std::unique_ptr<RecordingReader> (*read)(const fs::path&, const ReadOptions&);
 };
 
 constexpr std::array formats{
@@ -41,6 +41,7 @@ constexpr std::array formats{
     Format{sigmf_meta_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_data_ending, 4, open_sigmf_writer, open_sigmf_reader},
     Format{sigmf_collection_ending, 4, open_sigmf_collection_writer, open_sigmf_collection_reader},
+    Format{sigmf_archive_ending, 4, nullptr, open_sigmf_archive_reader},
     Format{".h5", 8, when_complete<open_hdf5_writer>, open_hdf5_reader},
     Format{".wav", 4, when_complete<open_wav_writer>, open_wav_reader},
     Format{".npy", 8, when_complete<open_npy_writer>, open_npy_reader},
@@ -56,12 +57,15 @@ const Format* format_of(const fs::path& path) {
     return found != formats.end() ? found : nullptr;
 }
 
-const Format& format_or_refuse(const fs::path& path) {
-    const Format* format = format_of(path);
-    if (format == nullptr) {
-        throw std::runtime_error(*recording_fault(path));
+bool is_allowed(const Format& format, Access access) {
+    return access == Access::reading || format.write != nullptr;
+}
+
+const Format& format_or_refuse(const fs::path& path, Access access) {
+    if (const auto fault = recording_fault(path, access)) {
+        throw std::runtime_error(*fault);
     }
-    return *format;
+    return *format_of(path);
 }
 
 }  // namespace
@@ -73,20 +77,23 @@ std::string recording_ending(const fs::path& path) {
     return ending;
 }
 
-std::string recording_endings() {
+std::string recording_endings(Access access) {
     std::string endings;
     for (const Format& format : formats) {
-        endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
+        if (is_allowed(format, access)) {
+            endings += (endings.empty() ? "" : ", ") + std::string(format.ending);
+        }
     }
     return endings;
 }
 
-std::optional<std::string> recording_fault(const fs::path& path) {
-    if (format_of(path) != nullptr) {
+std::optional<std::string> recording_fault(const fs::path& path, Access access) {
+    const Format* const format = format_of(path);
+    if (format != nullptr && is_allowed(*format, access)) {
         return std::nullopt;
     }
     return path.string() + ": found the ending \"" + recording_ending(path) +
-           "\", allowed: " + recording_endings();
+           "\", allowed: " + recording_endings(access);
 }
 
 fs::path recording_name(const fs::path& path) {
@@ -111,11 +118,11 @@ void require_writable(const fs::path& path) {
 
 std::unique_ptr<RecordingWriter> open_recording(const fs::path& path, const RecordingHead& head,
                                                 Appearance appearance) {
-    return format_or_refuse(path).write(path, head, appearance);
+    return format_or_refuse(path, Access::writing).write(path, head, appearance);
 }
 
-std::unique_ptr<RecordingReader> open_reader(const fs::path& path) {
-    return format_or_refuse(path).read(path);
+std::unique_ptr<RecordingReader> open_reader(const fs::path& path, const ReadOptions& options) {
+    return format_or_refuse(path, Access::reading).read(path, options);
 }
 
 }  // namespace hertzline::recordings

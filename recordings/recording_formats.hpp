@@ -10,14 +10,18 @@
 
 namespace hertzline::recordings {
 
-/// Returns all endings of recordings: ".csv, .sigmf-meta, .sigmf-data".
-std::string recording_endings();
+/// The purpose for which a recording is named. Some formats are only read.
+enum class Access { writing, reading };
+
+/// Returns the endings of recordings: ".csv, .sigmf-meta, .sigmf-data".
+std::string recording_endings(Access access = Access::writing);
 
 /// Returns the ending that picks a file's format, in small letters: ".csv".
 std::string recording_ending(const std::filesystem::path& path);
 
 /// Returns the fault of a name that has no known ending. A device or FIFO without an ending gets a CSV.
-std::optional<std::string> recording_fault(const std::filesystem::path& path);
+std::optional<std::string> recording_fault(const std::filesystem::path& path,
+                                           Access access = Access::writing);
 
 /// Returns the name that all names of one recording share: x.sigmf-meta for x.sigmf-data.
 std::filesystem::path recording_name(const std::filesystem::path& path);
@@ -34,6 +38,7 @@ std::unique_ptr<RecordingWriter> open_recording(const std::filesystem::path& pat
                                                 Appearance appearance = Appearance::early);
 
 /// Opens a recording for reading. @throws std::runtime_error like above.
-std::unique_ptr<RecordingReader> open_reader(const std::filesystem::path& path);
+std::unique_ptr<RecordingReader> open_reader(const std::filesystem::path& path,
+                                             const ReadOptions& options = {});
 
 }  // namespace hertzline::recordings

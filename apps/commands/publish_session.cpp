@@ -206,6 +206,8 @@ void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& pub
                                         return json_text(summary);
                                     }});
     line.clear();
+    summary["samples"] =
+        summary.value("samples", source.first_sample) - source.first_sample;  // an index until here
     print_summary(format == Format::text ? without_unused_topics(std::move(summary)) : summary, format);
 }
 

@@ -57,6 +57,7 @@ struct PublishedSource {
     std::function<void(Json&, const stream::StreamMeters&)> add_to_summary;
     std::function<Json(const MotionExtremes&)> watch = {};  ///< as in StreamEvents
     EpochBegins epoch_begins = {};                          ///< as in StreamEvents
+    std::int64_t first_sample = 0;                          ///< from which the summary counts samples
 };
 
 /// Publishes to the end, shows progress and warnings, and prints the summary.

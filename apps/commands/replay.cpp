@@ -5,6 +5,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
@@ -77,10 +78,12 @@ Exit replay(const ReplayOptions& arguments) {
                    fmt::format("found {} Hz, allowed: at most {} Hz", number_text(*arguments.sample_rate_hz),
                                number_text(stream::max_sample_rate_hz)));
     }
-    faults.add(recordings::recording_fault(arguments.file));
+    faults.add(recordings::recording_fault(arguments.file, recordings::Access::reading));
     const std::optional<stream::CurveServer> curve = checked_curve(arguments.publish, faults);
     faults.refuse<WrongUse>();
-    std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(arguments.file);
+    std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(
+        arguments.file, {.sample_rate_hz = arguments.sample_rate_hz,
+                         .warn = [](const std::string& warning) { spdlog::warn("{}", warning); }});
     const recordings::RecordingHead head = reader->head();
     const double rate = sample_rate(head, arguments);
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
@@ -94,12 +97,15 @@ Exit replay(const ReplayOptions& arguments) {
     stop_asked();
     stream::Publisher publisher(arguments.publish.endpoint, stream::all_topics, publishing);
     ProgressLine line;
+    const std::int64_t first_sample = source.next_sample();
     stream::Pipeline pipeline(options, source, publisher, nullptr);
     publish_to_the_end(pipeline, publisher, line, arguments.publish.format,
-                       {[&](Json& summary, const stream::StreamMeters&) {
-                           summary["replay"] = arguments.file;
-                           summary["version"] = measures::program_version();
-                       }});
+                       {.add_to_summary =
+                            [&](Json& summary, const stream::StreamMeters&) {
+                                summary["replay"] = arguments.file;
+                                summary["version"] = measures::program_version();
+                            },
+                        .first_sample = first_sample});
     return Exit::done;
 }
 
@@ -107,10 +113,12 @@ Exit replay(const ReplayOptions& arguments) {
 
 Run replay_command(CLI::App& app) {
     auto arguments = std::make_shared<ReplayOptions>();
-    app.add_option("FILE", arguments->file, "a recording: " + recordings::recording_endings())
+    app.add_option("FILE", arguments->file,
+                   "a recording: " + recordings::recording_endings(recordings::Access::reading))
         ->required()
         ->check(missing_name);
-    app.add_option("--sample-rate", arguments->sample_rate_hz, "sample rate of a file without one")
+    app.add_option("--sample-rate", arguments->sample_rate_hz,
+                   "sample rate of a file without one, or in place of its own")
         ->type_name("HZ");
     add_publish_options(app, arguments->publish);
     app.footer(replay_examples);

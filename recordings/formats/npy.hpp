@@ -12,7 +12,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <vector>
 
+#include "recordings/formats/npy_header.hpp"
 #include "recordings/recording.hpp"
 
 namespace hertzline::recordings {
@@ -21,8 +23,13 @@ namespace hertzline::recordings {
 std::unique_ptr<RecordingWriter> open_npy_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
-/// Reads files of the writer, and one- or two-dimensional arrays of float32 or float64 in C order by others: those
-/// have columns channel_1, channel_2... without units, and sample_rate_hz 0, which the file lacks.
-std::unique_ptr<RecordingReader> open_npy_reader(const std::filesystem::path& path);
+/// Returns the fields of the writer's array: t_s and the columns.
+std::vector<NpyField> npy_fields(const RecordingHead& head);
+
+/// Reads files of the writer, and arrays of others: of one dimension, of two (rows are samples), or structured, of any numbers
+/// that NumPy saves (integers as in file_numbers.hpp; a complex number makes two columns). Columns have the names of the fields,
+/// or channel_1, channel_2... Without a field of times (t_s, time...) the file lacks a sample rate.
+std::unique_ptr<RecordingReader> open_npy_reader(const std::filesystem::path& path,
+                                                 const ReadOptions& options = {});
 
 }  // namespace hertzline::recordings

@@ -18,6 +18,7 @@ using namespace std::string_view_literals;
 
 constexpr std::string_view magic = "\x93NUMPY"sv;
 constexpr std::size_t alignment = 64;                            // of the data, as the format asks for
+constexpr std::uint64_t max_count = std::uint64_t{1} << 32;      // numbers of a field
 constexpr std::size_t max_count_digits = 20;                     // of a uint64_t
 constexpr std::size_t max_header_bytes = std::size_t{64} << 20;  // a million spheres
 
@@ -48,7 +49,8 @@ std::string type_text(const std::vector<NpyField>& fields) {
     }
     std::string text = "[";
     for (const NpyField& field : fields) {
-        text += (text.size() > 1 ? ", ('" : "('") + field.name + "', '" + field.type + "')";
+        const std::string shape = field.count > 1 ? ", " + shape_text({field.count}) : "";
+        text += (text.size() > 1 ? ", ('" : "('") + field.name + "', '" + field.type + "'" + shape + ")";
     }
     return text + "]";
 }
@@ -126,6 +128,18 @@ private:
         return std::string(content);
     }
 
+    /// Takes the name of a field, or its title and name.
+    std::string name() {
+        if (!take("(")) {
+            return string();
+        }
+        string();
+        expect(",");
+        std::string name = string();
+        expect(")");
+        return name;
+    }
+
     std::vector<NpyField> fields() {
         if (!take("[")) {
             return {{"", string()}};
@@ -133,10 +147,19 @@ private:
         std::vector<NpyField> fields;
         while (!take("]")) {
             expect("(");
-            std::string name = string();
+            NpyField field{name(), {}};
             expect(",");
-            fields.push_back({std::move(name), string()});
+            field.type = string();
+            if (take(",")) {
+                for (const std::uint64_t length : shape()) {
+                    if (length > max_count / std::max<std::uint64_t>(1, field.count)) {
+                        fail("fewer numbers");
+                    }
+                    field.count *= length;
+                }
+            }
             expect(")");
+            fields.push_back(std::move(field));
             if (!take(",")) {
                 expect("]");
                 break;
@@ -157,6 +180,7 @@ private:
                 fail("a length");
             }
             at_ = static_cast<std::size_t>(end - text_.data());
+            take("L");  // of Python 2
             shape.push_back(length);
             if (!take(",")) {
                 expect(")");

@@ -1,5 +1,5 @@
 #pragma once
-// The header of a .npy array (format versions 1.0 and 2.0): a Python dictionary of type,
+// The header of a .npy array (format versions 1.0 to 3.0): a Python dictionary of type,
 // order and shape. https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html
 
 #include <cstdint>
@@ -14,7 +14,8 @@ class InputFile;
 /// A field of a structured array.
 struct NpyField {
     std::string name;
-    std::string type;  ///< "<f8"
+    std::string type;         ///< "<f8"
+    std::uint64_t count = 1;  ///< of numbers in a row
     bool operator==(const NpyField&) const = default;
 };
 

@@ -18,7 +18,7 @@
 #include "core/scene/text.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/output_file.hpp"
-#include "recordings/formats/csv.hpp"
+#include "recordings/formats/csv/csv.hpp"
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/npy_header.hpp"
 #include "recordings/recording_formats.hpp"

@@ -17,17 +17,18 @@
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
 #include "recordings/checked_writer.hpp"
+#include "recordings/file_numbers.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/files/shared_library.hpp"
 #include "recordings/files/staged_file.hpp"
+#include "recordings/formats/wav_file.hpp"
 #include "recordings/recording_head.hpp"
 
-// The functions of libsndfile, which is loaded when the first WAV is opened. In this namespace they are pointers.
+// The functions of libsndfile, which is loaded when the first WAV is written. In this namespace they are pointers.
 // clang-format off
 #define HERTZLINE_SNDFILE_FUNCTIONS(X) \
-    X(sf_close) X(sf_command) X(sf_error) X(sf_get_chunk_data) X(sf_get_chunk_iterator) X(sf_get_chunk_size) X(sf_get_string) \
-    X(sf_open) X(sf_open_virtual) X(sf_readf_double) X(sf_set_chunk) X(sf_set_string) X(sf_strerror) X(sf_write_float)
+    X(sf_close) X(sf_command) X(sf_error) X(sf_open_virtual) X(sf_set_chunk) X(sf_set_string) X(sf_strerror) X(sf_write_float)
 // clang-format on
 
 namespace hertzline::recordings {
@@ -61,6 +62,8 @@ struct CloseSound {
 using SoundFile = std::unique_ptr<SNDFILE, CloseSound>;
 
 constexpr std::size_t max_columns = 1024;  // libsndfile's
+constexpr std::size_t word = 4;
+constexpr sf_count_t alignment = 8;  // of the samples in the file, for programs that map it
 constexpr sf_count_t sample_bytes = sizeof(float);
 constexpr std::size_t max_comment_bytes = 2040;  // libsndfile 1.2 reads back no longer one
 
@@ -91,24 +94,42 @@ struct Output {
     }
 };
 
+/// An output that only counts its bytes.
+struct CountedOutput {
+    sf_count_t bytes = 0;
+    sf_count_t at = 0;
+
+    static CountedOutput& of(void* user) { return *static_cast<CountedOutput*>(user); }
+    static sf_count_t length(void* user) { return of(user).bytes; }
+    static sf_count_t tell(void* user) { return of(user).at; }
+    static sf_count_t seek(sf_count_t offset, int whence, void* user) {
+        of(user).at = offset + (whence == SEEK_SET ? 0 : whence == SEEK_CUR ? of(user).at : of(user).bytes);
+        return of(user).at;
+    }
+    static sf_count_t read(void* /*bytes*/, sf_count_t /*size*/, void* /*user*/) { return 0; }
+    static sf_count_t write(const void* /*bytes*/, sf_count_t size, void* user) {
+        of(user).at += size;
+        of(user).bytes = std::max(of(user).bytes, of(user).at);
+        return size;
+    }
+};
+
+template <class Kind>
+SF_VIRTUAL_IO functions_of() {
+    return {Kind::length, Kind::seek, Kind::read, Kind::write, Kind::tell};
+}
+
 class WavWriter final : public CheckedWriter {
 public:
     WavWriter(const std::filesystem::path& path, const RecordingHead& head)
         : CheckedWriter(path, as_float32(head)), output_{{path, StagedFile::Devices::refused}} {
         require_possible();
         load_sndfile();
-        SF_INFO info{};
-        info.samplerate = static_cast<int>(head.sample_rate_hz);
-        info.channels = static_cast<int>(head.columns.size());
-        info.format = SF_FORMAT_RF64 | SF_FORMAT_FLOAT;
-        SF_VIRTUAL_IO functions{Output::length, Output::seek, Output::read, Output::write, Output::tell};
-        sound_.reset(sf_open_virtual(&functions, SFM_WRITE, &info, &output_));
-        if (sound_ == nullptr) {
-            cannot_write(path, sf_strerror(nullptr));
-        }
-        sf_command(sound_.get(), SFC_RF64_AUTO_DOWNGRADE, nullptr, SF_TRUE);
-        sf_set_string(sound_.get(), SF_STR_SOFTWARE, "hertzline");
-        set_description();
+        CountedOutput header;
+        const SoundFile trial = begun(header, 0);
+        sf_command(trial.get(), SFC_UPDATE_HEADER_NOW, nullptr, 0);
+        const auto beyond = static_cast<std::size_t>(header.bytes % alignment);
+        sound_ = begun(output_, beyond == 0 ? 0 : alignment - beyond);
     }
 
 private:
@@ -149,9 +170,29 @@ private:
         }
     }
 
-    void set_description() {
+    /// Begins a sound with its description. @param padding bytes that its header shall be longer, an even number
+    template <class Kind>
+    SoundFile begun(Kind& output, std::size_t padding) const {
+        SF_VIRTUAL_IO functions = functions_of<Kind>();
+        SF_INFO info{};
+        info.samplerate = static_cast<int>(head().sample_rate_hz);
+        info.channels = static_cast<int>(head().columns.size());
+        info.format = SF_FORMAT_RF64 | SF_FORMAT_FLOAT;
+        SoundFile sound(sf_open_virtual(&functions, SFM_WRITE, &info, &output));
+        if (sound == nullptr) {
+            cannot_write(path(), sf_strerror(nullptr));
+        }
+        sf_command(sound.get(), SFC_RF64_AUTO_DOWNGRADE, nullptr, SF_TRUE);
+        const std::size_t half_word = padding % word;
+        sf_set_string(sound.get(), SF_STR_SOFTWARE, ("hertzline" + std::string(half_word, ' ')).c_str());
+        set_description(sound.get(), padding - half_word);
+        return sound;
+    }
+
+    void set_description(SNDFILE* sound, std::size_t padding) const {
         std::string text = text_of(describe_without_changes(head()));
-        text.resize((text.size() + 3) / 4 * 4, ' ');  // libsndfile writes whole words, read from here
+        text.resize((text.size() + word - 1) / word * word + padding,
+                    ' ');  // libsndfile writes whole words, read from here
         if (text.size() > max_wav_description_bytes) {
             cannot_write(path(),
                          fmt::format("columns and provenance are {} bytes of text, allowed in WAV: {}",
@@ -162,8 +203,8 @@ private:
         chunk.id_size = wav_chunk.size();
         chunk.datalen = static_cast<unsigned>(text.size());
         chunk.data = text.data();
-        if (sf_set_chunk(sound_.get(), &chunk) != SF_ERR_NO_ERROR) {
-            cannot_write(path(), sf_strerror(sound_.get()));
+        if (sf_set_chunk(sound, &chunk) != SF_ERR_NO_ERROR) {
+            cannot_write(path(), sf_strerror(sound));
         }
     }
 
@@ -309,31 +350,6 @@ private:
 constexpr std::uint64_t largest_changes = 64 << 20;
 constexpr std::size_t read_bytes = std::size_t{1} << 20;
 
-/// Refuses other formats, since libsndfile would open many, and files shorter than their header's size, since
-/// libsndfile would read the rest.
-void require_whole_wav(const std::filesystem::path& path) {
-    InputFile file(path);
-    const std::string kind = file.text(4, "the RIFF header");
-    std::uint64_t size = 0;
-    const auto read_size = [&](std::size_t bytes) {
-        file.read(std::as_writable_bytes(std::span(&size, 1)).first(bytes), "the RIFF header");
-    };
-    read_size(4);
-    if ((kind != "RIFF" && kind != "RF64") || file.text(4, "the RIFF header") != "WAVE") {
-        cannot_read(path, "not a WAV: it does not begin with RIFF or RF64 and WAVE");
-    }
-    if (kind == "RF64") {
-        if (file.text(8, "the ds64 chunk").substr(0, 4) != "ds64") {
-            cannot_read(path, "damaged: an RF64 without a ds64 chunk");
-        }
-        read_size(8);
-    }
-    if (size > file.size() - 8) {
-        cannot_read(path, fmt::format("cut short: {} bytes after the eighth by the header, {} in the file",
-                                      size, file.size() - 8));
-    }
-}
-
 std::int64_t whole(const Json& number) {
     if (!number.is_number_integer()) {
         throw std::runtime_error("damaged: a capture is not a pair of integers");
@@ -343,26 +359,29 @@ std::int64_t whole(const Json& number) {
 
 class WavReader final : public RecordingReader {
 public:
-    explicit WavReader(std::filesystem::path path) : path_(std::move(path)) {
-        require_whole_wav(path_);
-        load_sndfile();
-        SF_INFO info{};
-        sound_.reset(sf_open(path_.c_str(), SFM_READ, &info));
-        if (sound_ == nullptr) {
-            cannot_read(path_, sf_strerror(nullptr));
-        }
-        const NumberType numbers = number_type(info.format & SF_FORMAT_SUBMASK);
+    WavReader(const std::filesystem::path& path, const ReadOptions& options)
+        : path_(path), file_(path), wav_(read_wav(file_)) {
+        const NumberType numbers = number_type_of(wav_.numbers);
+        const auto rows = static_cast<std::int64_t>(wav_.rows);
         try {
-            if (const std::string description = description_of(); !description.empty()) {
-                take(description, info, numbers);
+            if (!wav_.description.empty()) {
+                take(wav_.description, numbers);
                 take_changes();
             } else {
-                head_ = head_of_channels(static_cast<std::size_t>(info.channels), info.samplerate, numbers);
-                rows_ = CaptureCursor({{0, 0}}, info.frames);
+                const auto rate = static_cast<double>(wav_.sample_rate_hz);
+                head_ = head_of_channels(wav_.channels, rate > 0 ? rate : options.sample_rate_hz.value_or(0),
+                                         numbers);
+                rows_ = CaptureCursor({{0, 0}}, rows);
             }
         } catch (const std::runtime_error& error) {
             cannot_read(path_, error.what());
         }
+        if (wav_.left_out_bytes > 0) {
+            options.tell(
+                fmt::format("{}: {} bytes behind the samples are left out: the header counts {} rows",
+                            path_.string(), wav_.left_out_bytes, rows));
+        }
+        file_.seek(wav_.begin);
     }
 
     const RecordingHead& head() const noexcept override { return head_; }
@@ -374,10 +393,10 @@ public:
             std::min<std::int64_t>(rows_.left(), static_cast<std::int64_t>(std::min(most, portion)));
         rows.first = rows_.sample();
         rows.values.resize(static_cast<std::size_t>(count) * columns);
-        if (sf_readf_double(sound_.get(), rows.values.data(), count) != count) {
-            cannot_read(path_,
-                        fmt::format("damaged: it ends within the {} rows after row {}", count, rows_.row()));
-        }
+        bytes_.resize(rows.values.size() * wav_.numbers.bytes);
+        rows.values.clear();
+        file_.read(bytes_, "the samples");
+        append_numbers(wav_.numbers, bytes_, rows.values);
         if (head_.full_scale != 1) {
             for (double& value : rows.values) {
                 value *= head_.full_scale;
@@ -389,57 +408,20 @@ public:
     }
 
 private:
-    NumberType number_type(int format) const {
-        switch (format) {
-            case SF_FORMAT_PCM_U8:
-            case SF_FORMAT_PCM_16:
-            case SF_FORMAT_PCM_24:
-            case SF_FORMAT_FLOAT:
-                return NumberType::float32;
-            case SF_FORMAT_PCM_32:
-            case SF_FORMAT_DOUBLE:
-                return NumberType::float64;
-            default:
-                cannot_read(path_, "found a compressed WAV, allowed: PCM, float32 or float64");
-        }
-    }
-
-    /// Returns the chunk hzln; empty when the file has none.
-    std::string description_of() const {
-        SF_CHUNK_INFO chunk{};
-        std::ranges::copy(wav_chunk, chunk.id);
-        chunk.id_size = wav_chunk.size();
-        SF_CHUNK_ITERATOR* const found = sf_get_chunk_iterator(sound_.get(), &chunk);
-        if (found == nullptr) {
-            return {};
-        }
-        if (sf_get_chunk_size(found, &chunk) != SF_ERR_NO_ERROR ||
-            chunk.datalen > max_wav_description_bytes) {
-            throw std::runtime_error(fmt::format("damaged: chunk hzln of {} bytes, allowed: {}",
-                                                 chunk.datalen, max_wav_description_bytes));
-        }
-        std::string text(chunk.datalen, '\0');
-        chunk.data = text.data();
-        if (sf_get_chunk_data(found, &chunk) != SF_ERR_NO_ERROR) {
-            throw std::runtime_error("damaged: chunk hzln cannot be read");
-        }
-        return text;
-    }
-
-    void take(const std::string& description, const SF_INFO& info, NumberType numbers) {
+    void take(const std::string& description, NumberType numbers) {
         head_ = head_of(json_from_outside(description), numbers);
-        if (head_.columns.size() != static_cast<std::size_t>(info.channels) ||
-            head_.sample_rate_hz != info.samplerate) {
+        const auto rate = static_cast<double>(wav_.sample_rate_hz);
+        if (head_.columns.size() != wav_.channels || head_.sample_rate_hz != rate) {
             throw std::runtime_error(
                 fmt::format("the description has {} columns of {} Hz, the WAV has {} of {} Hz",
-                            head_.columns.size(), head_.sample_rate_hz, info.channels, info.samplerate));
+                            head_.columns.size(), head_.sample_rate_hz, wav_.channels, rate));
         }
-        const char* const comment = sf_get_string(sound_.get(), SF_STR_COMMENT);
-        const Json noted = json_from_outside(comment != nullptr ? comment : "");
+        const Json noted = json_from_outside(wav_.comment);
+        const auto rows = static_cast<std::int64_t>(wav_.rows);
         try {
-            if (noted.at("rows") != info.frames) {
-                throw std::runtime_error(fmt::format("damaged: {} rows where the comment has {}", info.frames,
-                                                     noted.at("rows").dump()));
+            if (noted.at("rows") != rows) {
+                throw std::runtime_error(
+                    fmt::format("damaged: {} rows where the comment has {}", rows, noted.at("rows").dump()));
             }
             head_.full_scale = noted.value("full_scale", 1.0);
             if (!(head_.full_scale > 0) || !std::isfinite(head_.full_scale)) {
@@ -449,7 +431,7 @@ private:
             for (const Json& capture : noted.at("captures")) {
                 captures.push_back({whole(capture.at(0)), whole(capture.at(1))});
             }
-            rows_ = CaptureCursor(std::move(captures), info.frames);
+            rows_ = CaptureCursor(std::move(captures), rows);
         } catch (const Json::exception&) {
             throw std::runtime_error("damaged: the comment does not name rows and captures");
         }
@@ -473,9 +455,11 @@ private:
     }
 
     std::filesystem::path path_;
-    SoundFile sound_;
+    InputFile file_;
+    WavContents wav_;
     RecordingHead head_;
     CaptureCursor rows_;
+    std::vector<std::byte> bytes_;
 };
 
 }  // namespace
@@ -489,8 +473,9 @@ std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& pa
     return std::make_unique<WavWriter>(path, head);
 }
 
-std::unique_ptr<RecordingReader> open_wav_reader(const std::filesystem::path& path) {
-    return std::make_unique<WavReader>(path);
+std::unique_ptr<RecordingReader> open_wav_reader(const std::filesystem::path& path,
+                                                 const ReadOptions& options) {
+    return std::make_unique<WavReader>(path, options);
 }
 
 }  // namespace hertzline::recordings

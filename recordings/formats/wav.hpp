@@ -26,9 +26,10 @@ std::filesystem::path wav_changes_path(std::filesystem::path wav);
 std::unique_ptr<RecordingWriter> open_wav_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
-/// Reads files of the writer, and WAV and RF64 of others with PCM or floating-point samples: those have columns
+/// Reads files of the writer, and WAV of others (wav_file.hpp) with PCM or floating-point samples: those have columns
 /// channel_1, channel_2... without units, PCM scaled to -1...1. Samples are read as they were written, times the full
 /// scale.
-std::unique_ptr<RecordingReader> open_wav_reader(const std::filesystem::path& path);
+std::unique_ptr<RecordingReader> open_wav_reader(const std::filesystem::path& path,
+                                                 const ReadOptions& options = {});
 
 }  // namespace hertzline::recordings

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -111,7 +112,7 @@ TEST(Replay, WhatWasLostIsMissingAgainAndAListenerKnows) {
     EXPECT_EQ(replayed.replay.status, 0) << replayed.replay.err;
     EXPECT_EQ(replayed.listener.status, 1);
     const json account = replayed.listener.json();
-    EXPECT_EQ(replayed.replay.json()["samples"], 8500);  // an index, as in every stream's end
+    EXPECT_EQ(replayed.replay.json()["samples"], 4500);  // from the first on
     EXPECT_EQ(account["first_sample"], 4000);
     EXPECT_EQ(account["samples"], 3000);
     EXPECT_EQ(account["missing_samples"], 1500);
@@ -133,6 +134,46 @@ TEST(Replay, AFileWithoutARateNeedsOne) {
     EXPECT_EQ(replayed.listener.status, 0) << replayed.listener.err;
     EXPECT_EQ(replayed.listener.json()["samples"], 2);
     EXPECT_EQ(replayed.listener.json()["fs"], 1e6);
+}
+
+TEST(Replay, SamplesOfARecordingThatBeginsLateAreThoseThatAreSent) {
+    const TemporaryFolder folder;
+    write_text(folder.file("l.csv"), "t_s,v_out_m_per_s\n300,1\n300.0000001,2\n300.0000002,3\n");
+    const Replayed replayed = replay(folder.file("l.csv"), {});
+    EXPECT_EQ(replayed.replay.json()["samples"], 3);
+    EXPECT_EQ(replayed.listener.json()["samples"], 3);
+    EXPECT_EQ(replayed.listener.json()["first_sample"], 3'000'000'000);
+}
+
+TEST(Replay, AGivenRateIsTheRateOfRoundedTimesToo) {
+    const TemporaryFolder folder;
+    std::string text = "t_s,v\n";
+    for (int i = 0; i < 10'000; ++i) {
+        text += fmt::format("{:.6f},1\n", i / 48'000.0);
+    }
+    write_text(folder.file("a.csv"), text);
+    for (const Words& words : {Words{}, Words{"--sample-rate", "48000"}}) {
+        const Replayed replayed = replay(folder.file("a.csv"), {}, words);
+        EXPECT_EQ(replayed.listener.status, 0) << replayed.listener.err;
+        EXPECT_EQ(replayed.listener.json()["fs"], 48'000);
+        EXPECT_EQ(replayed.listener.json()["samples"], 10'000);
+    }
+}
+
+TEST(Replay, ASingleRowAsksForItsRate) {
+    const TemporaryFolder folder;
+    write_text(folder.file("o.csv"), "t_s,v\n0,1\n");
+    const Outcome outcome = hertzline({"replay", folder.file("o.csv")});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("has no sample rate: give --sample-rate"));
+}
+
+TEST(Replay, WarnsOfALastLineThatWasCut) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), "t_s,v\n0,1\n1e-6,2\n2e-6,3");
+    const Replayed replayed = replay(folder.file("a.csv"), {});
+    EXPECT_EQ(replayed.replay.json()["samples"], 2);
+    EXPECT_THAT(replayed.replay.err, HasSubstr("a.csv:4: left out"));
 }
 
 TEST(Replay, ARateBeyondAllRatesIsWrongUse) {

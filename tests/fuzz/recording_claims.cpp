@@ -63,6 +63,12 @@ void claim_replay(std::unique_ptr<RecordingReader> reader, std::int64_t rows) {
 
 }  // namespace
 
+std::unique_ptr<RecordingReader> open_as_a_user(const std::filesystem::path& path) {
+    return open_reader(path, {.sample_rate_hz = std::nullopt, .warn = [](const std::string& warning) {
+                                  claim_message(warning, longest_message);
+                              }});
+}
+
 void claim_recording_or_fault(const std::filesystem::path& path, const OpenRecording& open) {
     try {
         const auto reader = open(path);

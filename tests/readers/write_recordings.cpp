@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "recordings/formats/csv.hpp"
+#include "recordings/formats/csv/csv.hpp"
 #include "recordings/formats/hdf5/hdf5.hpp"
 #include "recordings/formats/npy.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"

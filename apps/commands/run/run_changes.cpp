@@ -231,7 +231,8 @@ void warn_of_differences(const Json& provenance, const std::string& origin) {
 
 bool is_recording(const std::string& scene) {
     std::error_code error;
-    return !recordings::recording_ending(scene).empty() && !recordings::recording_fault(scene) &&
+    return !recordings::recording_ending(scene).empty() &&
+           !recordings::recording_fault(scene, recordings::Access::reading) &&
            fs::is_regular_file(scene, error);
 }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,16 @@ from . import _native
 from ._samples import Floats, Samples
 
 
-def load(path: str | os.PathLike[str]) -> Recording:
-    """Reads a recording, whole: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-data, .sigmf-collection.
+def load(path: str | os.PathLike[str], *, sample_rate_hz: float | None = None) -> Recording:
+    """Reads a recording, whole: .h5, .csv, .npy, .wav, .sigmf-meta, .sigmf-data, .sigmf-collection, .sigmf.
 
+    `sample_rate_hz` is the rate of a file without one, or another one than its own. Warns of samples that are left out.
     Raises ValueError for another ending, OSError for a file that cannot be read or is damaged.
     """
-    return Recording(_native.load(os.fspath(path)))
+    native = _native.load(os.fspath(path), sample_rate_hz)
+    for warning in native.warnings:
+        warnings.warn(warning, stacklevel=2)
+    return Recording(native)
 
 
 class Recording(Samples):
@@ -30,8 +35,13 @@ class Recording(Samples):
 
     @property
     def t(self) -> Floats:
-        """Time of each sample since the start of its simulation [s], shape [sample]."""
+        """Time of each sample since the start of its simulation [s], shape [sample].
+
+        Raises ValueError when the file has no sample rate and load() was given none.
+        """
         if self._t is None:
+            if not self.sample_rate_hz > 0:
+                raise ValueError("t: the file has no sample rate, allowed: load(path, sample_rate_hz=...)")
             samples = np.arange(self._native.rows)
             for first, row in self._native.stretches:
                 samples[row:] = first + np.arange(self._native.rows - row)
@@ -50,7 +60,7 @@ class Recording(Samples):
 
     @property
     def sample_rate_hz(self) -> float:
-        """Samples a second [Hz]."""
+        """Samples a second [Hz]; 0 when the file does not tell."""
         return self._native.sample_rate_hz
 
     @property

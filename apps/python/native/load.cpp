@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -12,6 +14,7 @@
 #include "apps/python/native/module.hpp"
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/json.hpp"
+#include "core/scene/text.hpp"
 #include "hertzline/taps.hpp"
 #include "recordings/recording.hpp"
 #include "recordings/recording_formats.hpp"
@@ -32,6 +35,7 @@ struct Recording {
     recordings::RecordingHead head;
     std::vector<double> values;  ///< row-major, [row][column]
     std::vector<Stretch> stretches;
+    std::vector<std::string> warnings;  ///< of the reader
 
     std::size_t rows() const { return values.size() / head.columns.size(); }
 };
@@ -48,14 +52,21 @@ void read_rows(recordings::RecordingReader& reader, Recording& recording, const 
     }
 }
 
-std::shared_ptr<Recording> load(const std::string& path) {
-    if (const auto fault = recordings::recording_fault(path)) {
+std::shared_ptr<Recording> load(const std::string& path, std::optional<double> sample_rate_hz) {
+    if (const auto fault = recordings::recording_fault(path, recordings::Access::reading)) {
         throw py::value_error(*fault);
     }
+    if (sample_rate_hz && !(*sample_rate_hz > 0 && std::isfinite(*sample_rate_hz))) {
+        throw py::value_error("sample_rate_hz: found " + number_text(*sample_rate_hz) +
+                              ", allowed: more than 0");
+    }
     auto recording = std::make_shared<Recording>();
+    recordings::ReadOptions options{.sample_rate_hz = sample_rate_hz, .warn = {}};
+    options.warn = [&](const std::string& warning) { recording->warnings.push_back(warning); };
     with_os_errors([&] {
-        const std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(path);
+        const std::unique_ptr<recordings::RecordingReader> reader = recordings::open_reader(path, options);
         recording->head = reader->head();
+        recording->head.sample_rate_hz = sample_rate_hz.value_or(recording->head.sample_rate_hz);
         interruptible([&](const std::atomic<bool>& stop) { read_rows(*reader, *recording, stop); },
                       [&] { reader->interrupt(); });
     });
@@ -142,6 +153,7 @@ void add_load(py::module_& module) {
         .def_property_readonly("sample_rate_hz",
                                [](const Recording& recording) { return recording.head.sample_rate_hz; })
         .def_property_readonly("rows", &Recording::rows)
+        .def_readonly("warnings", &Recording::warnings)
         .def_property_readonly(
             "columns",
             [](const Recording& recording) {
@@ -163,7 +175,7 @@ void add_load(py::module_& module) {
              [](const Recording& recording) { return python_object(recording.head.provenance); })
         .def("samples", &samples_of, py::arg("name"))
         .def(py::pickle(&state_of_recording, &restored_recording));
-    module.def("load", &load, py::arg("path"));
+    module.def("load", &load, py::arg("path"), py::arg("sample_rate_hz") = py::none());
 }
 
 }  // namespace hertzline::python

@@ -17,6 +17,7 @@
 
 #include "core/scene/json.hpp"
 #include "recordings/checked_writer.hpp"
+#include "recordings/file_numbers.hpp"
 #include "recordings/files/input_file.hpp"
 #include "recordings/files/staged_file.hpp"
 #include "recordings/formats/hdf5/hdf5_file.hpp"
@@ -260,16 +261,6 @@ private:
     std::vector<double> part_;
 };
 
-/// Appends numbers as they lie in the file.
-template <class Number>
-void append_numbers(std::span<const std::byte> bytes, std::vector<double>& numbers) {
-    for (; !bytes.empty(); bytes = bytes.subspan(sizeof(Number))) {
-        Number number{};
-        std::memcpy(&number, bytes.data(), sizeof number);
-        numbers.push_back(static_cast<double>(number));
-    }
-}
-
 class Hdf5Reader final : public RecordingReader {
 public:
     explicit Hdf5Reader(const std::filesystem::path& path) : path_(path) {
@@ -318,38 +309,38 @@ private:
         description["provenance"] = json_from_outside(file_->text("provenance"));
         head_ = head_of(std::move(description), NumberType::float32);
         quantities_ = quantities_of(head_);
+        bool narrow = true;
         for (const Quantity& quantity : quantities_) {
             datasets_.push_back(file_->dataset(quantity.name, quantity.rank(), quantity.columns.size()));
             const Hdf5Dataset& dataset = datasets_.back();
-            if (dataset.numbers != Hdf5Number::float32 && dataset.numbers != Hdf5Number::float64) {
-                throw std::runtime_error(
-                    fmt::format("dataset {}: numbers are neither float32 nor float64", quantity.name));
-            }
-            if (dataset.rows != datasets_.front().rows || dataset.numbers != datasets_.front().numbers) {
-                throw std::runtime_error(
-                    fmt::format("dataset {}: rows or number type differ from the others", quantity.name));
+            narrow = narrow && number_type_of(dataset.numbers) == NumberType::float32;
+            if (dataset.rows != datasets_.front().rows) {
+                throw std::runtime_error(fmt::format("dataset {}: found {} rows, the others have {}",
+                                                     quantity.name, dataset.rows, datasets_.front().rows));
             }
         }
         const Hdf5Dataset& first = datasets_.front();
-        head_.numbers = first.numbers == Hdf5Number::float32 ? NumberType::float32 : NumberType::float64;
+        head_.numbers = narrow ? NumberType::float32 : NumberType::float64;
         rows_ = CaptureCursor(captures(), static_cast<std::int64_t>(first.rows));
         take_changes();
     }
 
     /// Returns all bytes of a small dataset.
-    std::vector<std::byte> bytes_of(const char* name, Hdf5Number numbers, int rank, std::size_t columns) {
+    std::vector<std::byte> bytes_of(const char* name, FileNumber::Kind kind, std::size_t number_bytes,
+                                    int rank, std::size_t columns) {
         const Hdf5Dataset dataset = file_->dataset(name, rank, columns);
-        if (dataset.numbers != numbers) {
+        if (dataset.numbers != FileNumber{kind, number_bytes, std::endian::little}) {
             throw std::runtime_error(fmt::format("dataset {}: numbers of another type", name));
         }
-        std::vector<std::byte> bytes(dataset.rows * columns * dataset.number_bytes);  // the file has as many
+        std::vector<std::byte> bytes(dataset.rows * columns * dataset.numbers.bytes);  // the file has as many
         file_->read(dataset, 0, bytes);
         return bytes;
     }
 
     std::vector<Capture> captures() {
         static_assert(sizeof(Capture) == 2 * sizeof(std::int64_t));
-        const std::vector<std::byte> bytes = bytes_of(captures_name, Hdf5Number::int64, 2, 2);
+        const std::vector<std::byte> bytes =
+            bytes_of(captures_name, FileNumber::Kind::integer, sizeof(std::int64_t), 2, 2);
         std::vector<Capture> captures(bytes.size() / sizeof(Capture));
         std::memcpy(captures.data(), bytes.data(), bytes.size());
         return captures;
@@ -362,7 +353,7 @@ private:
             return;
         }
         head_.provenance["changes"] = Json::array();
-        const std::vector<std::byte> bytes = bytes_of(changes_name, Hdf5Number::uint8, 1, 1);
+        const std::vector<std::byte> bytes = bytes_of(changes_name, FileNumber::Kind::natural, 1, 1, 1);
         if (bytes.size() > max_change_bytes) {
             throw std::runtime_error(fmt::format("dataset {}: {} bytes, allowed: at most {}", changes_name,
                                                  bytes.size(), max_change_bytes));
@@ -376,11 +367,10 @@ private:
     /// Reads the rows that are next into their places.
     void take(const Quantity& quantity, const Hdf5Dataset& dataset, std::vector<double>& values) {
         const std::size_t columns = head_.columns.size();
-        bytes_.resize(values.size() / columns * quantity.columns.size() * dataset.number_bytes);
+        bytes_.resize(values.size() / columns * quantity.columns.size() * dataset.numbers.bytes);
         file_->read(dataset, static_cast<std::uint64_t>(rows_.row()), bytes_);
         numbers_.clear();
-        dataset.numbers == Hdf5Number::float32 ? append_numbers<float>(bytes_, numbers_)
-                                               : append_numbers<double>(bytes_, numbers_);
+        append_numbers(dataset.numbers, bytes_, numbers_);
         auto number = numbers_.begin();
         for (std::size_t row = 0; row < values.size(); row += columns) {
             for (const std::size_t column : quantity.columns) {
@@ -406,7 +396,8 @@ std::unique_ptr<RecordingWriter> open_hdf5_writer(const std::filesystem::path& p
     return std::make_unique<Hdf5Writer>(path, head);
 }
 
-std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path) {
+std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path,
+                                                  const ReadOptions& /*options*/) {
     return std::make_unique<Hdf5Reader>(path);
 }
 

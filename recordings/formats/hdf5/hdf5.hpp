@@ -29,7 +29,8 @@ std::unique_ptr<RecordingWriter> open_hdf5_writer(const std::filesystem::path& p
                                                   const RecordingHead& head);
 
 /// Reads the files of the writer, without the library: see hdf5_file.hpp. Other HDF5 files are refused.
-std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path);
+std::unique_ptr<RecordingReader> open_hdf5_reader(const std::filesystem::path& path,
+                                                  const ReadOptions& options = {});
 
 /// Columns of a table as of recordings: [[name, quantity, unit]...].
 Json table_columns_json(const Table& table);

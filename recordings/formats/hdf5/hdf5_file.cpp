@@ -1,7 +1,9 @@
 #include "recordings/formats/hdf5/hdf5_file.hpp"
 
 #include <algorithm>
-#include <bit>
+#include <array>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
@@ -30,21 +32,6 @@ constexpr std::uint64_t symbol_table_message = 0x11;
 
 constexpr unsigned tree_of_names = 0;
 constexpr unsigned tree_of_chunks = 1;
-
-/// The messages that describe the types, version 1.
-struct TypeRow {
-    Hdf5Number numbers;
-    std::size_t bytes;
-    std::string_view message;
-};
-constexpr std::array types{
-    TypeRow{Hdf5Number::float32, 4, "\x11\x20\x1f\0\4\0\0\0\0\0\x20\0\x17\x08\0\x17\x7f\0\0\0"sv},
-    TypeRow{Hdf5Number::float64, 8, "\x11\x20\x3f\0\x08\0\0\0\0\0\x40\0\x34\x0b\0\x34\xff\3\0\0"sv},
-    TypeRow{Hdf5Number::int64, 8, "\x10\x08\0\0\x08\0\0\0\0\0\x40\0"sv},
-    TypeRow{Hdf5Number::uint8, 1, "\x10\0\0\0\1\0\0\0\0\0\x08\0"sv},
-};
-constexpr std::string_view float64_type = types[1].message;
-constexpr std::string_view text_type = "\x19\x01"sv;  // variable length, a string
 
 [[noreturn]] void refuse(const std::string& reason) {
     throw std::runtime_error(reason);
@@ -88,6 +75,70 @@ public:
 private:
     std::string_view bytes_;
 };
+
+/// Classes of types.
+constexpr unsigned integer_class = 0;
+constexpr unsigned floating_class = 1;
+constexpr unsigned text_class = 3;
+constexpr unsigned variable_length_class = 9;
+
+/// The beginning of a message that describes a type.
+struct TypeHead {
+    explicit TypeHead(Fields& fields)
+        : kind(static_cast<unsigned>(fields.number(1)) & 0xf),
+          bits(fields.number(3)),
+          bytes(fields.number(4)) {}
+
+    unsigned kind;  ///< its class
+    std::uint64_t bits;
+    std::uint64_t bytes;
+};
+
+/// Returns the type of numbers; nothing for other types, and numbers that no processor has.
+std::optional<FileNumber> number_type(std::string_view message) {
+    /// Places and lengths of exponent and fraction, and the exponent's bias, as IEEE 754 has them.
+    struct Floating {
+        std::uint64_t bytes;
+        std::array<std::uint64_t, 5> form;
+    };
+    constexpr std::array forms{Floating{2, {10, 5, 0, 10, 15}}, Floating{4, {23, 8, 0, 23, 127}},
+                               Floating{8, {52, 11, 0, 52, 1023}}};
+    Fields fields(message);
+    const TypeHead head(fields);
+    if (head.kind != integer_class && head.kind != floating_class) {
+        return std::nullopt;
+    }
+    FileNumber type{FileNumber::Kind::floating, head.bytes,
+                    (head.bits & 1) != 0 ? std::endian::big : std::endian::little};
+    const bool fills_its_bytes = fields.number(2) == 0 && fields.number(2) == 8 * head.bytes;
+    bool is_usual = fills_its_bytes;
+    if (head.kind == integer_class) {
+        type.kind = (head.bits & 8) != 0 ? FileNumber::Kind::integer : FileNumber::Kind::natural;
+    } else {
+        const std::array<std::uint64_t, 5> form{fields.number(1), fields.number(1), fields.number(1),
+                                                fields.number(1), fields.number(4)};
+        const auto* const known = std::ranges::find(forms, head.bytes, &Floating::bytes);
+        is_usual = fills_its_bytes && known != forms.end() && known->form == form;
+    }
+    return is_usual && is_known(type) ? std::optional(type) : std::nullopt;
+}
+
+/// Returns the lengths of all dimensions. Versions 1 and 2.
+std::vector<std::uint64_t> dimensions_of(std::string_view space) {
+    Fields fields(space);
+    const std::uint64_t version = fields.number(1);
+    const std::uint64_t rank = fields.number(1);
+    fields.bytes(version == 1 ? 6 : 2);  // flags; in version 2 the kind
+    constexpr std::uint64_t most = 32;
+    if (version < 1 || version > 2 || rank > most) {
+        refuse(fmt::format("found a dataspace of version {} with {} dimensions", version, rank));
+    }
+    std::vector<std::uint64_t> dimensions;
+    for (std::uint64_t i = 0; i < rank; ++i) {
+        dimensions.push_back(fields.number(8));
+    }
+    return dimensions;
+}
 
 constexpr std::uint64_t padded(std::uint64_t size) {
     return (size + 7) / 8 * 8;
@@ -231,43 +282,67 @@ void Hdf5File::list_members() {
     }
 }
 
-/// @param type the beginning of the message that describes it
-std::string Hdf5File::attribute_data(const std::string& name, std::string_view type) {
+Hdf5File::Attribute Hdf5File::attribute(const std::string& name) {
     for (const Message& message : root_) {
-        if (message.type != attribute_message || !message.bytes.starts_with('\1')) {
+        if (message.type != attribute_message) {
             continue;
         }
         Fields fields(message.bytes);
-        fields.bytes(2);  // version
+        const std::uint64_t version = fields.number(1);
+        const std::uint64_t flags = fields.number(1);
         const std::uint64_t name_bytes = fields.number(2);
         const std::uint64_t type_bytes = fields.number(2);
         const std::uint64_t space_bytes = fields.number(2);
-        const std::string_view its_name = fields.bytes(padded(name_bytes));
+        fields.bytes(version == 3 ? 1 : 0);  // the name's character set
+        const auto part = [&](std::uint64_t size) {
+            return fields.bytes(version == 1 ? padded(size) : size);
+        };
+        const std::string_view its_name = part(name_bytes);
         if (its_name.substr(0, its_name.find('\0')) != name) {
             continue;
         }
-        const std::string_view its_type = fields.bytes(padded(type_bytes));
-        const std::string_view space = fields.bytes(padded(space_bytes));
-        if (!its_type.starts_with(type) || !space.starts_with("\1\0"sv)) {  // version 1, no dimension
-            refuse(fmt::format("attribute {} is not {}", name, type == text_type ? "a string" : "a float64"));
+        if (version < 1 || version > 3 || (version > 1 && flags != 0)) {
+            refuse(fmt::format("attribute {}: of a form that is not read", name));
         }
-        return std::string(fields.bytes(fields.left()));
+        const std::string_view type = part(type_bytes);
+        const auto dimensions = dimensions_of(part(space_bytes));
+        if (std::ranges::any_of(dimensions, [](std::uint64_t length) { return length != 1; })) {
+            refuse(fmt::format("attribute {}: found several values, allowed: one", name));
+        }
+        return {std::string(type), std::string(fields.bytes(fields.left()))};
     }
     refuse(fmt::format("attribute {} is missing", name));
 }
 
-double Hdf5File::number(const std::string& attribute) {
-    const std::string data = attribute_data(attribute, float64_type);
-    return std::bit_cast<double>(Fields(data).number(sizeof(double)));
+double Hdf5File::number(const std::string& name) {
+    const Attribute found = attribute(name);
+    const auto type = number_type(found.type);
+    if (!type) {
+        refuse(fmt::format("attribute {} is not a number", name));
+    }
+    Fields fields(found.data);
+    return number_in(*type, std::as_bytes(std::span(fields.bytes(type->bytes))));
 }
 
-std::string Hdf5File::text(const std::string& attribute) {
-    const std::string data = attribute_data(attribute, text_type);
-    Fields fields(data);
+std::string Hdf5File::text(const std::string& name) {
+    const Attribute found = attribute(name);
+    Fields type(found.type);
+    Fields fields(found.data);
+    const TypeHead head(type);
+    if (head.kind == text_class) {
+        const std::string_view padding = (head.bits & 0xf) == 2 ? " "sv : "\0"sv;
+        const std::string_view text = fields.bytes(head.bytes);
+        return std::string((head.bits & 0xf) == 0 ? text.substr(0, text.find('\0'))
+                                                  : text.substr(0, text.find_last_not_of(padding) + 1));
+    }
+    if (head.kind != variable_length_class || (head.bits & 0xf) != 1) {
+        refuse(fmt::format("attribute {} is not a string", name));
+    }
     const std::uint64_t length = fields.number(4);
     const std::uint64_t heap = fields.address();
     const std::string object = length == 0 ? "" : object_of_heap(heap, fields.number(4));
-    return std::string(Fields(object).bytes(length));
+    const std::string_view text = Fields(object).bytes(length);
+    return std::string(text.substr(0, text.find('\0')));
 }
 
 std::string Hdf5File::object_of_heap(std::uint64_t address, std::uint64_t index) {
@@ -309,37 +384,35 @@ Hdf5Dataset Hdf5File::dataset(const std::string& name, int rank, std::uint64_t c
     };
     Hdf5Dataset dataset;
     dataset.columns = columns;
-    const std::string_view type = message(datatype_message);
-    const auto* const row =
-        std::ranges::find_if(types, [type](const TypeRow& known) { return type.starts_with(known.message); });
-    if (row == types.end()) {
+    const auto type = number_type(message(datatype_message));
+    if (!type) {
         refuse_it("its numbers are of an unknown type");
     }
-    dataset.numbers = row->numbers;
-    dataset.number_bytes = row->bytes;
-
-    Fields space(message(dataspace_message));
-    const bool has_rank =
-        space.left() > 1 && space.number(1) == 1 && space.number(1) == static_cast<unsigned>(rank);
-    if (has_rank) {
-        space.bytes(6);  // flags
-        dataset.rows = space.number(8);
-    }
-    if (!has_rank || (rank == 2 ? space.number(8) : 1) != columns) {
+    dataset.numbers = *type;
+    const auto dimensions = dimensions_of(message(dataspace_message));
+    if (dimensions.size() != static_cast<std::size_t>(rank) || (rank == 2 && dimensions[1] != columns)) {
         refuse_it(fmt::format("allowed: {} dimensions and {} columns", rank, columns));
     }
+    dataset.rows = dimensions[0];
 
     Fields layout(message(layout_message));
-    constexpr std::string_view chunked = "\3\2";  // version, class
-    if (!message(filters_message).empty() || layout.left() < chunked.size() ||
-        layout.bytes(chunked.size()) != chunked || layout.number(1) != static_cast<unsigned>(rank) + 1) {
-        refuse_it("allowed: chunks without filters");
+    constexpr std::string_view in_one_piece = "\3\1"sv;  // version, class
+    constexpr std::string_view chunked = "\3\2"sv;
+    const std::string_view form = layout.left() >= 2 ? layout.bytes(2) : "";
+    if (form == in_one_piece) {
+        const std::uint64_t address = layout.address();
+        take_piece(dataset, address, layout.number(8));
+        return dataset;
+    }
+    if (!message(filters_message).empty() || form != chunked ||
+        layout.number(1) != static_cast<unsigned>(rank) + 1) {
+        refuse_it("allowed: chunks without filters, or a single piece");
     }
     const std::uint64_t tree = layout.address();
     dataset.chunk = {layout.number(4), rank == 2 ? layout.number(4) : 1};
-    const std::uint64_t most = max_chunk_bytes / dataset.number_bytes;
+    const std::uint64_t most = max_chunk_bytes / dataset.numbers.bytes;
     if (dataset.chunk[0] == 0 || dataset.chunk[1] == 0 || dataset.chunk[0] > most ||
-        dataset.chunk[1] > most / dataset.chunk[0] || layout.number(4) != dataset.number_bytes) {
+        dataset.chunk[1] > most / dataset.chunk[0] || layout.number(4) != dataset.numbers.bytes) {
         refuse_it(fmt::format("found chunks of {} x {}, allowed: 1 number to {} bytes", dataset.chunk[0],
                               dataset.chunk[1], max_chunk_bytes));
     }
@@ -351,10 +424,24 @@ Hdf5Dataset Hdf5File::dataset(const std::string& name, int rank, std::uint64_t c
     return dataset;
 }
 
+/// Takes the place of a dataset whose rows follow one another.
+void Hdf5File::take_piece(Hdf5Dataset& dataset, std::uint64_t address, std::uint64_t bytes) const {
+    const std::uint64_t row_bytes = dataset.columns * dataset.numbers.bytes;
+    const bool fits = dataset.rows == 0 || (row_bytes > 0 && dataset.rows <= file_.size() / row_bytes &&
+                                            bytes >= dataset.rows * row_bytes &&
+                                            address <= file_.size() - dataset.rows * row_bytes);
+    if (!fits) {
+        refuse(fmt::format("damaged: {} rows at byte {}, the file ends at {}", dataset.rows, address,
+                           file_.size()));
+    }
+    dataset.chunk = {std::max<std::uint64_t>(1, dataset.rows), dataset.columns};
+    dataset.chunks = {address};
+}
+
 void Hdf5File::find_chunks(Hdf5Dataset& dataset, int rank, std::uint64_t tree) {
     const std::uint64_t across = pieces(dataset.columns, dataset.chunk[1]);
     const std::uint64_t down = pieces(dataset.rows, dataset.chunk[0]);
-    const std::uint64_t chunk_bytes = dataset.chunk[0] * dataset.chunk[1] * dataset.number_bytes;
+    const std::uint64_t chunk_bytes = dataset.chunk[0] * dataset.chunk[1] * dataset.numbers.bytes;
     const std::uint64_t room = file_.size() / chunk_bytes;
     if (dataset.rows > max_rows || down > room / across) {
         refuse(fmt::format("damaged: at most {} of its {} x {} chunks are there", room, down, across));
@@ -382,7 +469,7 @@ void Hdf5File::find_chunks(Hdf5Dataset& dataset, int rank, std::uint64_t tree) {
 void Hdf5File::read(const Hdf5Dataset& dataset, std::uint64_t row, std::span<std::byte> rows) {
     const auto& [chunk_rows, chunk_columns] = dataset.chunk;
     const std::uint64_t across = pieces(dataset.columns, chunk_columns);
-    const std::size_t row_bytes = dataset.columns * dataset.number_bytes;
+    const std::size_t row_bytes = dataset.columns * dataset.numbers.bytes;
     while (!rows.empty()) {
         const std::uint64_t in_chunk = row % chunk_rows;
         // Rows that fill their chunk's width follow one another in the file.
@@ -391,9 +478,9 @@ void Hdf5File::read(const Hdf5Dataset& dataset, std::uint64_t row, std::span<std
         const std::span<std::byte> part = rows.first(count * row_bytes);
         for (std::uint64_t piece = 0, at = 0; piece < across; ++piece) {
             const std::size_t bytes =
-                std::min<std::uint64_t>(chunk_columns * dataset.number_bytes * count, part.size() - at);
+                std::min<std::uint64_t>(chunk_columns * dataset.numbers.bytes * count, part.size() - at);
             file_.seek(dataset.chunks[row / chunk_rows * across + piece] +
-                       in_chunk * chunk_columns * dataset.number_bytes);
+                       in_chunk * chunk_columns * dataset.numbers.bytes);
             file_.read(part.subspan(at, bytes), "the rows");
             at += bytes;
         }

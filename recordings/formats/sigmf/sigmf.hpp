@@ -28,6 +28,7 @@ namespace hertzline::recordings {
 inline constexpr std::string_view sigmf_meta_ending = ".sigmf-meta";
 inline constexpr std::string_view sigmf_data_ending = ".sigmf-data";
 inline constexpr std::string_view sigmf_collection_ending = ".sigmf-collection";
+inline constexpr std::string_view sigmf_archive_ending = ".sigmf";  ///< read, not written
 
 /// The specification's maximum.
 inline constexpr std::size_t sigmf_max_channels = 1000;
@@ -53,12 +54,19 @@ std::unique_ptr<RecordingWriter> open_sigmf_collection_writer(const std::filesys
                                                               const RecordingHead& head,
                                                               Appearance appearance = Appearance::early);
 
-/// Reads recordings of one or more channels in rf32_le. Half a sample at the end, which a kill in the midst
-/// of writing may leave, is passed over.
-std::unique_ptr<RecordingReader> open_sigmf_reader(const std::filesystem::path& either);
+/// Reads recordings of any type and number of channels (integers as in file_numbers.hpp; a complex channel makes two
+/// columns), with datasets of other formats, and refuses samples with another core:sha512 than theirs. Half a sample at the
+/// end, which a kill in the midst of writing may leave, is passed over.
+std::unique_ptr<RecordingReader> open_sigmf_reader(const std::filesystem::path& either,
+                                                   const ReadOptions& options = {});
+
+/// Reads an archive with one recording.
+std::unique_ptr<RecordingReader> open_sigmf_archive_reader(const std::filesystem::path& archive,
+                                                           const ReadOptions& options = {});
 
 /// Reads a collection whose recordings have one rate and the same samples, up to the end of the shortest: a kill may
 /// leave them of different lengths. Hashes are not checked, because annotating a recording changes them.
-std::unique_ptr<RecordingReader> open_sigmf_collection_reader(const std::filesystem::path& collection);
+std::unique_ptr<RecordingReader> open_sigmf_collection_reader(const std::filesystem::path& collection,
+                                                              const ReadOptions& options = {});
 
 }  // namespace hertzline::recordings

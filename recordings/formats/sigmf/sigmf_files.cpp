@@ -1,9 +1,11 @@
 #include "recordings/formats/sigmf/sigmf_files.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <sodium.h>
@@ -19,12 +21,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::string digits_of(const std::array<unsigned char, crypto_hash_sha512_BYTES>& hash) {
+    std::array<char, 2 * crypto_hash_sha512_BYTES + 1> digits{};
+    return sodium_bin2hex(digits.data(), digits.size(), hash.data(), hash.size());
+}
+
 /// Returns the SHA-512 of the text in hexadecimal digits, by which a collection names the state of its files.
 std::string sha512(const std::string& text) {
     std::array<unsigned char, crypto_hash_sha512_BYTES> hash{};
     crypto_hash_sha512(hash.data(), reinterpret_cast<const unsigned char*>(text.data()), text.size());
-    std::array<char, 2 * hash.size() + 1> digits{};
-    return sodium_bin2hex(digits.data(), digits.size(), hash.data(), hash.size());
+    return digits_of(hash);
 }
 
 Json global_of(const RecordingHead& head, const std::vector<std::size_t>& chosen) {
@@ -69,6 +75,21 @@ std::string SigmfList::text() const {
 
 Json sigmf_extensions() {
     return Json::array({Json{{"name", "hertzline"}, {"version", "1.0.0"}, {"optional", true}}});
+}
+
+std::string sha512_of(InputFile& file, const ArchivedFile& part) {
+    crypto_hash_sha512_state state{};
+    crypto_hash_sha512_init(&state);
+    file.seek(part.begin);
+    std::vector<std::byte> bytes(std::size_t{1} << 20);
+    for (std::uint64_t left = part.size; left > 0; left -= bytes.size()) {
+        bytes.resize(std::min<std::uint64_t>(left, bytes.size()));
+        file.read(bytes, "the samples");
+        crypto_hash_sha512_update(&state, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+    }
+    std::array<unsigned char, crypto_hash_sha512_BYTES> hash{};
+    crypto_hash_sha512_final(&state, hash.data());
+    return digits_of(hash);
 }
 
 std::string sigmf_text(const Json& json) {

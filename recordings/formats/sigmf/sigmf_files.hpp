@@ -12,6 +12,7 @@
 #include "core/scene/json.hpp"
 #include "recordings/files/output_file.hpp"
 #include "recordings/formats/sigmf/sigmf.hpp"
+#include "recordings/formats/sigmf/sigmf_archive.hpp"
 #include "recordings/recording.hpp"
 
 namespace hertzline::recordings {
@@ -44,6 +45,9 @@ private:
     std::string text_;
     std::size_t before_last_ = 0;
 };
+
+/// Returns the SHA-512 of a part of a file in hexadecimal digits. Leaves the file at its end.
+std::string sha512_of(InputFile& file, const ArchivedFile& part);
 
 /// The part of the metadata that changes while samples are written.
 struct SigmfProgress {

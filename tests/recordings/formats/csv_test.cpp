@@ -1,4 +1,4 @@
-#include "recordings/formats/csv.hpp"
+#include "recordings/formats/csv/csv.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -218,6 +218,8 @@ TEST(CsvReader, APipeNeedsMetadata) {
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
     std::jthread writer([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
     EXPECT_THAT(error_of([&] { open_csv_reader(pipe); }), HasSubstr("no metadata"));
+    std::jthread another([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
+    EXPECT_EQ(read_rows(*open_csv_reader(pipe, {.sample_rate_hz = 1, .warn = {}})).at(0).values.size(), 2U);
 }
 
 TEST(CsvReader, ALineMayBeLongerThanTheBuffer) {
@@ -244,7 +246,14 @@ TEST(CsvReader, NamesTheLineThatIsWrong) {
         return error_of([&] { read_rows(*open_csv_reader(file)); });
     };
     EXPECT_THAT(fault(""), HasSubstr("a.csv:1"));
-    EXPECT_THAT(fault("time,v\n"), HasSubstr("allowed: t_s"));
+    EXPECT_THAT(fault("when,v\n"), HasSubstr("a.csv:1: found the column names \"when,v\", allowed: t_s"));
+    EXPECT_THAT(fault("Time (h),v\n0,1\n"), HasSubstr("allowed: t_s"));
+    EXPECT_THAT(fault("time,v\nh,V\n0,1\n"),
+                HasSubstr("a.csv:2: found the unit \"h\" of the times, allowed: s, ms"));
+    EXPECT_THAT(fault("t_s;v\n0,5;1,5\n1.5;2,5\n"), HasSubstr("a.csv:3: found a decimal comma beside"));
+    EXPECT_THAT(fault("t_s;v\n0;1.234,5\n1;1\n"), HasSubstr("a.csv:2: found a decimal comma beside"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n1,nan\n"), HasSubstr("a.csv:3: found a number that is not finite"));
+    EXPECT_THAT(fault("\xff\xfet\0_\0s\0"), HasSubstr("UTF-16"));
     EXPECT_THAT(fault("t_s\n0\n"), HasSubstr("a.csv:1"));
     EXPECT_THAT(fault("t_s,v\n0,1\n1,\n"), HasSubstr("a.csv:3: expected 2 numbers"));
     EXPECT_THAT(fault("t_s,v\n0,1\n1,2,3\n"), HasSubstr("a.csv:3"));
@@ -252,12 +261,140 @@ TEST(CsvReader, NamesTheLineThatIsWrong) {
     EXPECT_THAT(fault("t_s,v\n0,1\n0,1\n"), HasSubstr("does not increase"));
     EXPECT_THAT(fault("t_s,v\n0,1\n1,1\n2,1\n1,1\n"), HasSubstr("a.csv:5: the time does not increase"));
     EXPECT_THAT(fault("t_s,v\n0,1\n1,1\n2.5,1\n"), HasSubstr("a.csv:4: found the time 2.5"));
-    EXPECT_THAT(fault("t_s,v\n-1,1\n0,1\n"), HasSubstr("a.csv:2: found the time -1"));
+    EXPECT_THAT(fault("t_s,v\n0,1\n0.0103,1\n0.0199,1\n0.0302,1\n"),
+                HasSubstr("a.csv:4: found the time 0.0199, which is not a sample's at"));
+    EXPECT_EQ(fault("t_s,v\n-1,1\n0,1\n"), "");
     EXPECT_THAT(fault("t_s,v\nnan,1\n0,1\n"), HasSubstr("a.csv"));
     EXPECT_THAT(fault("t_s,v\n0,inf\n1,1\n"), HasSubstr("a.csv"));
     EXPECT_EQ(fault("t_s,v\n0,1\n"), "");
     EXPECT_EQ(fault("t_s,v\n"), "");
     EXPECT_THAT(error_of([&] { open_csv_reader(folder.file("none.csv")); }), HasSubstr("none.csv"));
+}
+
+struct Read {
+    RecordingHead head;
+    std::vector<RecordedRows> rows;
+    std::vector<std::string> warnings;
+};
+
+Read read_csv(const std::string& text, std::optional<double> rate = std::nullopt) {
+    const TemporaryFolder folder;
+    write_text(folder.file("a.csv"), text);
+    Read read;
+    const auto reader = open_csv_reader(folder.file("a.csv"),
+                                        {.sample_rate_hz = rate, .warn = [&](const std::string& warning) {
+                                             read.warnings.push_back(warning);
+                                         }});
+    read.head = reader->head();
+    read.rows = read_rows(*reader);
+    return read;
+}
+
+class CsvDialect : public testing::TestWithParam<const char*> {};
+
+TEST_P(CsvDialect, IsRead) {
+    const Read read = read_csv(GetParam());
+    ASSERT_EQ(read.rows.size(), 1U);
+    EXPECT_THAT(read.rows[0].values, ElementsAre(0.5, -1.5, 2));
+    EXPECT_EQ(read.head.sample_rate_hz, 1000);
+    EXPECT_THAT(read.warnings, testing::IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    OfEachKind, CsvDialect,
+    testing::Values("t_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n", "\xef\xbb\xbft_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+                    "t_s,v\r0,0.5\r1e-3,-1.5\r2e-3,2\r", "t_s,v\r\n0,0.5\r\n1e-3,-1.5\r\n2e-3,2\r\n\r\n",
+                    "t_s,v\n0,+0.5\n+1e-3,-1.5\n\n2e-3,+2\n \n,\n", "t_s;v\n0;0,5\n0,001;-1,5\n0,002;2\n",
+                    "t_s;v\n0;,5\n0,001;-1,5\n0,002;2\n", "t_s\tv\n0\t0,5\n0,001\t-1,5\n0,002\t2\n",
+                    "\"t_s\",\"v\"\n\"0\",\"0,5\"\n\"0,001\",\"-1,5\"\n\"0,002\",\"2\"\n",
+                    "sep=;\nt_s;v\n0;0.5\n1e-3;-1.5\n2e-3;2\n", "# t_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+                    "% made by hand\n\nModel,X\nTIME,CH1\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+                    "Time,A\n(ms),(V)\n\n0,0.5\n1,-1.5\n2,2\n", "in s,C1 in V\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+                    "Time (\xc2\xb5s),A\n0,0.5\n1000,-1.5\n2000,2\n",
+                    ",t_s,v\n0,0,0.5\n1,1e-3,-1.5\n2,2e-3,2\n", "t_s,v,\n0,0.5,\n1e-3,-1.5,\n2e-3,2,\n",
+                    " t_s , v\n 0 , 0.5\n 1e-3 ,\t-1.5\n2e-3, 2 \n",
+                    "x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n"));
+
+TEST(CsvReader, TakesNamesAndUnitsThatAnyFormatCanHold) {
+    const Read read = read_csv("Time (s),Channel 1 (V),Channel 1 (V),v_out_m_per_s,,t_s\n0,1,2,3,4,5\n");
+    std::vector<std::string> names;
+    for (const Column& column : read.head.columns) {
+        names.push_back(column.name);
+    }
+    EXPECT_THAT(names, ElementsAre("Channel_1", "Channel_1_2", "v_out_m_per_s", "channel_4", "t_s_2"));
+    EXPECT_EQ(read.head.columns[0].unit, "V");
+    EXPECT_EQ(read.head.columns[2].quantity, "v_out");
+}
+
+/// Times of rows as a program prints them that rounds.
+std::string rounded_times(double rate, int decimals, int rows, double from_s = 0) {
+    std::string text = "t_s,v\n";
+    for (int i = 0; i < rows; ++i) {
+        text += fmt::format("{:.{}f},{}\n", from_s + i / rate, decimals, i);
+    }
+    return text;
+}
+
+TEST(CsvReader, TheRateIsThePlainestThatRoundedTimesKeepTo) {
+    for (const double rate : {48'000.0, 44'100.0, 96'000.0, 22'050.0, 250'000.0, 1 / 0.0003}) {
+        const Read read = read_csv(rounded_times(rate, 6, 10'000));
+        EXPECT_DOUBLE_EQ(read.head.sample_rate_hz, rate);
+        ASSERT_EQ(read.rows.size(), 1U) << rate;
+        EXPECT_EQ(read.rows[0].values.size(), 10'000U);
+        EXPECT_EQ(read.rows[0].first, 0);
+    }
+}
+
+TEST(CsvReader, AGivenRateIsTheRateWhereTheTimesKeepToIt) {
+    const Read fine = read_csv(rounded_times(48'001, 6, 10'000), 48'001);
+    EXPECT_EQ(fine.head.sample_rate_hz, 48'001);
+    EXPECT_EQ(fine.rows.at(0).values.size(), 10'000U);
+    const Read coarser_than_samples = read_csv(rounded_times(2e6, 6, 1000), 2e6);
+    EXPECT_EQ(coarser_than_samples.rows.at(0).values.size(), 1000U);
+    EXPECT_THAT(error_of([] { read_csv(rounded_times(2e6, 6, 1000)); }),
+                HasSubstr("the time does not increase"));
+    const Read another = read_csv(rounded_times(1000, 3, 100), 2000);
+    EXPECT_EQ(another.head.sample_rate_hz, 1000) << "the samples are those of the times";
+    EXPECT_EQ(another.rows.at(0).values.size(), 100U);
+    EXPECT_EQ(read_csv("t_s,v\n0,1\n", 50).head.sample_rate_hz, 50);
+}
+
+TEST(CsvReader, AGapIsSeenInTimesOfFewDigits) {
+    const Read read = read_csv("t_s,v\n0,1\n1,2\n3,3\n4,4\n");
+    EXPECT_EQ(read.head.sample_rate_hz, 1);
+    ASSERT_EQ(read.rows.size(), 2U);
+    EXPECT_EQ(read.rows[1].first, 3);
+}
+
+TEST(CsvReader, SamplesAreCountedFromTheFirstRowWhereItsTimeIsBeforeZeroOrBetweenTwo) {
+    for (const double from_s : {-0.01, 0.01003}) {
+        const Read read = read_csv(rounded_times(10'000, 6, 100, from_s));
+        EXPECT_EQ(read.head.sample_rate_hz, 10'000);
+        EXPECT_EQ(read.rows.at(0).first, 0);
+        EXPECT_EQ(read.rows.at(0).values.size(), 100U);
+    }
+    EXPECT_EQ(read_csv(rounded_times(10'000, 6, 100, 0.01)).rows.at(0).first, 100);
+}
+
+TEST(CsvReader, ASingleRowTellsNoRate) {
+    const Read read = read_csv("t_s,v\n300,1\n");
+    EXPECT_EQ(read.head.sample_rate_hz, 0);
+    EXPECT_THAT(read.rows.at(0).values, ElementsAre(1));
+}
+
+TEST(CsvReader, ALastLineWithoutItsEndIsLeftOutWithAWarning) {
+    const Read read = read_csv("t_s,v\n0,1\n1,2\n2,3.25");
+    EXPECT_THAT(read.rows.at(0).values, ElementsAre(1, 2));
+    ASSERT_EQ(read.warnings.size(), 1U);
+    EXPECT_THAT(read.warnings[0], HasSubstr("a.csv:4: left out"));
+    const TemporaryFolder folder;
+    const RecordingHead head = recording_head({"v"}, 1000);
+    const auto writer = open_csv_writer(folder.file("a.csv"), head);
+    writer->write(0, std::vector<double>(10, 1.0 / 3));
+    writer->commit();
+    fs::resize_file(folder.file("a.csv"), fs::file_size(folder.file("a.csv")) - 10);
+    EXPECT_THAT(read_rows(*open_csv_reader(folder.file("a.csv"))).at(0).values,
+                testing::AllOf(testing::SizeIs(9), testing::Each(1.0 / 3)));
 }
 
 TEST(CsvReader, RefusesMetadataThatAreNone) {

@@ -235,7 +235,7 @@ TEST_F(Hdf5, DatasetsThatDoNotFitTogetherAreRefused) {
         H5Dset_extent(dataset, &size);
         H5Dclose(dataset);
     });
-    EXPECT_THAT(refusal(), HasSubstr("dataset v_out: rows or number type"));
+    EXPECT_THAT(refusal(), HasSubstr("dataset v_out: found 99 rows, the others have 100"));
     record({test::recorded_rows(head, 0, 100)});
     change([](hid_t id) { H5Adelete(id, "columns"); });
     EXPECT_THAT(refusal(), testing::StartsWith("cannot read " + file + ": "));

@@ -1,5 +1,6 @@
 #include "recordings/formats/npy.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <fstream>
 
@@ -85,18 +86,72 @@ TEST_F(Npy, PlainArraysOfOthersHaveChannels) {
 }
 
 TEST_F(Npy, WhatIsNotAcceptedIsNamed) {
-    put<float>({{{"", "<f4"}}, {2, 3}, true}, {1, 2, 3, 4, 5, 6});
-    EXPECT_THAT(refusal(), HasSubstr("Fortran order"));
-    put<std::int32_t>({{{"", "<i4"}}, {2}, false}, {1, 2});
-    EXPECT_THAT(refusal(), HasSubstr("type \"<i4\""));
+    put<std::int32_t>({{{"", "<U1"}}, {2}, false}, {1, 2});
+    EXPECT_THAT(refusal(), HasSubstr("type \"<U1\", allowed: float16"));
+    put<float>({{{"v", "<f4"}, {"at", "<M8[ns]"}}, {1}, false}, {1, 2, 3});
+    EXPECT_THAT(refusal(), HasSubstr("type \"<M8[ns]\" in field \"at\""));
+    put<float>({{{"", "<f4"}}, {1, 1, 1}, false}, {1});
+    EXPECT_THAT(refusal(), HasSubstr("3 dimensions"));
+    put<double>({{{"t_s", "<f8"}, {"v", "<f8"}}, {3}, false}, {0, 1, 1, 2, 1.3, 3});
+    EXPECT_THAT(refusal(), HasSubstr("row 2: found the time 1.3, which is not a sample's at 1 Hz"));
     put<float>({{{"", "<f4"}}, {3}, false}, {1, 2});
     EXPECT_THAT(refusal(), HasSubstr("cut short: 3 rows of 4 bytes, 8 bytes are there"));
     put<float>({{{"", "<f4"}}, {1ULL << 62, 1ULL << 62}, false}, {1, 2});
     EXPECT_THAT(refusal(), HasSubstr("columns"));
     put<double>({{{"", "<f8"}}, {3}, false}, {1, std::nan(""), 3});
     EXPECT_THAT(refusal(), HasSubstr("row 1, column 1 is nan"));
-    put<double>({{{"t_s", "<f8"}, {"v", "<f8"}}, {1}, false}, {0, 1});
-    EXPECT_THAT(refusal(), HasSubstr("magic number"));  // no description behind it
+    put<double>({{{"t_s", "<f8"}, {"v", "<f8"}}, {1}, false}, {0, 1, 2});
+    EXPECT_THAT(refusal(), HasSubstr("does not begin with"));  // no description behind it
+}
+
+TEST_F(Npy, OtherTypesAndOrdersAreRead) {
+    put<float>({{{"", "<f4"}}, {2, 3}, true}, {1, 4, 2, 5, 3, 6});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(1, 2, 3, 4, 5, 6));
+    put<std::int16_t>({{{"", "<i2"}}, {3}, false}, {16384, -32768, 1});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values,
+                testing::ElementsAre(0.5, -1, 1 / 32768.0));
+    put<std::uint8_t>({{{"", "|u1"}}, {2}, false}, {0, 192});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(-1, 0.5));
+    put<std::uint8_t>({{{"", ">i2"}}, {1}, false}, {0x40, 0});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(0.5));
+    put<std::uint16_t>({{{"", "<f2"}}, {4}, false}, {0x3c00, 0xc000, 0x0001, 0x3555});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values,
+                testing::ElementsAre(1, -2, std::ldexp(1.0, -24), 0.333251953125));
+    put<std::int64_t>({{{"", "<i8"}}, {2}, false}, {7, -7});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(7, -7));
+    put<std::uint8_t>({{{"", "|b1"}}, {2}, false}, {1, 0});
+    EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(1, 0));
+    put<float>({{{"", "<c8"}}, {2}, false}, {1, 2, 3, 4});
+    const auto complex = open_npy_reader(file);
+    EXPECT_EQ(complex->head().columns.at(1).name, "channel_1_im");
+    EXPECT_THAT(test::read_rows(*complex).at(0).values, testing::ElementsAre(1, 2, 3, 4));
+}
+
+TEST_F(Npy, StructuresOfOthersHaveTheNamesOfTheirFieldsAndTheRateOfTheirTimes) {
+    put<double>({{{"t_s", "<f8"}, {"v_out_m_per_s", "<f8"}, {"an other", "<f8", 2}}, {3}, false},
+                {0.001, 1, 2, 3, 0.002, 4, 5, 6, 0.004, 7, 8, 9});
+    const auto reader = open_npy_reader(file);
+    EXPECT_EQ(reader->head().sample_rate_hz, 1000);
+    EXPECT_EQ(reader->head().columns.at(0).unit, "m/s");
+    EXPECT_EQ(reader->head().columns.at(2).name, "an_other_2");
+    const auto rows = test::read_rows(*reader);
+    ASSERT_EQ(rows.size(), 2U);
+    EXPECT_EQ(rows[0].first, 1);
+    EXPECT_THAT(rows[0].values, testing::ElementsAre(1, 2, 3, 4, 5, 6));
+    EXPECT_EQ(rows[1].first, 4);
+    put<double>({{{"v", "<f8"}}, {2}, false}, {1, 2});
+    EXPECT_EQ(open_npy_reader(file)->head().sample_rate_hz, 0);
+    EXPECT_EQ(open_npy_reader(file, {.sample_rate_hz = 5, .warn = {}})->head().sample_rate_hz, 5);
+}
+
+TEST_F(Npy, MoreChannelsThanSamplesAreWarnedOf) {
+    put<float>({{{"", "<f4"}}, {2, 3}, false}, {1, 2, 3, 4, 5, 6});
+    std::string warning;
+    open_npy_reader(file, {.sample_rate_hz = {}, .warn = [&](const std::string& text) { warning = text; }});
+    EXPECT_THAT(warning, HasSubstr("found 3 channels of 2 samples"));
+    put<float>({{{"", "<f4"}}, {1}, false}, {1, 2});
+    open_npy_reader(file, {.sample_rate_hz = {}, .warn = [&](const std::string& text) { warning = text; }});
+    EXPECT_THAT(warning, HasSubstr("4 bytes behind the array are left out"));
 }
 
 TEST_F(Npy, HostileHeadersAreRefused) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <csignal>
+#include <numeric>
 #include <thread>
 
 #include <fcntl.h>
@@ -333,6 +334,73 @@ TEST_F(Sigmf, ReadsRecordingsOfOthers) {
     EXPECT_THAT(read[0].values, testing::ElementsAre(1, 2, 3));
 }
 
+class SigmfOfOthers : public Sigmf {
+protected:
+    /// Reads 20 float32 from 0 on with these metadata.
+    std::vector<RecordedRows> read(const std::string& global, const std::string& captures,
+                                   const ReadOptions& options = {}) {
+        std::vector<float> samples(20);
+        std::iota(samples.begin(), samples.end(), 0.0F);
+        write_text(data_file, std::string(reinterpret_cast<const char*>(samples.data()), 80));
+        write_text(meta_file, R"({"global": {"core:datatype": "rf32_le")" + global + R"(}, "captures": [)" +
+                                  captures + R"(], "annotations": []})");
+        const auto reader = open_sigmf_reader(meta_file, options);
+        rate_hz = reader->head().sample_rate_hz;
+        return read_rows(*reader);
+    }
+    double rate_hz = 0;
+    const std::string rate = R"(, "core:sample_rate": 1000)";
+};
+
+TEST_F(SigmfOfOthers, SamplesBeforeTheFirstCaptureAreNobodys) {
+    const auto rows = read(rate, R"({"core:sample_start": 5})");
+    ASSERT_THAT(rows, SizeIs(1));
+    EXPECT_EQ(rows[0].first, 5);
+    EXPECT_THAT(rows[0].values, testing::AllOf(SizeIs(15), testing::Contains(5), testing::Contains(19)));
+}
+
+TEST_F(SigmfOfOthers, AnOffsetIsTheNumberOfTheFirstSample) {
+    EXPECT_EQ(read(rate + R"(, "core:offset": 100)", R"({"core:sample_start": 102})").at(0).first, 102);
+    EXPECT_EQ(read(rate + R"(, "core:offset": 100)", R"({"core:sample_start": 102})").at(0).values[0], 2);
+    EXPECT_EQ(read(rate + R"(, "core:offset": 100)", "").at(0).first, 100);
+}
+
+TEST_F(SigmfOfOthers, HeadersAndTrailersAreNoSamples) {
+    const auto rows = read(rate + R"(, "core:trailing_bytes": 12)",
+                           R"({"core:sample_start": 0, "core:header_bytes": 8},
+                              {"core:sample_start": 4, "core:header_bytes": 4})");
+    ASSERT_THAT(rows, SizeIs(1));
+    EXPECT_THAT(rows[0].values, testing::ElementsAre(2, 3, 4, 5, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16));
+}
+
+TEST_F(SigmfOfOthers, ARateThatIsMissingIsTheGivenOne) {
+    EXPECT_THAT(read("", "", {.sample_rate_hz = 2e6, .warn = {}}), SizeIs(1));
+    EXPECT_EQ(rate_hz, 2e6);
+    read("", "");
+    EXPECT_EQ(rate_hz, 0);
+    read(rate, "", {.sample_rate_hz = 2e6, .warn = {}});
+    EXPECT_EQ(rate_hz, 1000);
+}
+
+TEST_F(SigmfOfOthers, ADatasetMayHaveAnotherName) {
+    write_text(folder.file("b.raw"), std::string(8, '\0'));
+    EXPECT_THAT(read(rate + R"(, "core:dataset": "b.raw")", "").at(0).values, SizeIs(2));
+}
+
+TEST_F(SigmfOfOthers, SamplesWithAnotherHashAreRefused) {
+    EXPECT_THAT(error_of([&] { read(rate + R"(, "core:sha512": ")" + std::string(128, '0') + '"', ""); }),
+                HasSubstr("core:sha512: the samples in a.sigmf-data are not those"));
+}
+
+TEST_F(Sigmf, AnArchiveThatIsNoneIsRefusedByName) {
+    const std::string archive = folder.file("a.sigmf");
+    for (const std::string& text :
+         {std::string(), std::string(512, 'x'), std::string(700, '\0'), std::string(5, 'x')}) {
+        write_text(archive, text);
+        EXPECT_THAT(error_of([&] { open_sigmf_archive_reader(archive); }), HasSubstr(archive));
+    }
+}
+
 TEST_F(Sigmf, MetadataThatAreNoneAreRefusedByName) {
     write_text(data_file, std::string(80, '\0'));
     const std::string global =
@@ -351,14 +419,18 @@ TEST_F(Sigmf, MetadataThatAreNoneAreRefusedByName) {
         R"({"global": 3, "captures": []})",
         R"({"global": {}})",
         std::string(100'000, '['),
-        with(R"("core:datatype": "cf32_le", "core:sample_rate": 1e6)", "[]"),
+        with(R"("core:datatype": "xf32_le", "core:sample_rate": 1e6)", "[]"),
+        with(R"("core:datatype": "rf32", "core:sample_rate": 1e6)", "[]"),
+        with(R"("core:datatype": "ri8_le", "core:sample_rate": 1e6)", "[]"),
+        with(global + R"(, "core:metadata_only": true)", "[]"),
+        with(global + R"(, "core:dataset": "../a.sigmf-data")", "[]"),
+        with(global + R"(, "core:sha512": "00")", "[]"),
         with(R"("core:datatype": 5, "core:sample_rate": 1e6)", "[]"),
-        with(R"("core:datatype": "rf32_le")", "[]"),
         with(R"("core:datatype": "rf32_le", "core:sample_rate": -1)", "[]"),
         with(global + R"(, "core:num_channels": 0)", "[]"),
         with(global + R"(, "core:num_channels": 1e9)", "[]"),
         with(global + R"(, "core:num_channels": "2")", "[]"),
-        with(global + R"(, "core:offset": 5)", "[]"),
+        with(global + R"(, "core:offset": 5)", R"([{"core:sample_start": 4}])"),
         with(global + R"(, "hertzline:columns": 5)", "[]"),
         with(global + R"(, "hertzline:columns": [{"name": 5}])", "[]"),
         with(global, "{}"),
@@ -369,7 +441,7 @@ TEST_F(Sigmf, MetadataThatAreNoneAreRefusedByName) {
         with(global, "[" + capture("0", "99999999999999999999") + "]"),
         with(global, "[" + capture("5", "5") + "," + capture("0", "9") + "]"),
         with(global, "[" + capture("0", "0") + "," + capture("5", "3") + "]"),
-        with(global, R"([{"core:sample_start": 0, "core:header_bytes": 8}])"),
+        with(global, R"([{"core:sample_start": 0, "core:header_bytes": -8}])"),
     };
     for (const std::string& text : wrong) {
         write_text(meta_file, text);

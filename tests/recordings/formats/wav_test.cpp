@@ -174,6 +174,61 @@ TEST_F(Wav, PcmOfOthersHasChannelsFromMinusOneToOne) {
     EXPECT_THAT(test::read_rows(*reader).at(0).values, testing::ElementsAre(0.5, -1));
 }
 
+TEST_F(Wav, SamplesBeginAtAMultipleOfEightBytes) {
+    for (int spheres = 0; spheres < 12; ++spheres) {
+        RecordingHead head = test::recording_head(NumberType::float32, spheres);
+        head.provenance["scene"] = std::string(static_cast<std::size_t>(spheres), 's');
+        const auto writer = open_wav_writer(file, head);
+        const RecordedRows rows = test::recorded_rows(head, 0, 10);
+        writer->write(0, rows.values);
+        writer->commit();
+        const std::vector<float> samples(rows.values.begin(), rows.values.end());
+        const std::string text = test::contents(file);
+        const std::size_t at =
+            text.find(std::string(reinterpret_cast<const char*>(samples.data()), 4 * samples.size()));
+        ASSERT_NE(at, std::string::npos);
+        EXPECT_EQ(at % 8, 0U) << spheres;
+        EXPECT_EQ(test::read_rows(*open_wav_reader(file)).at(0).values, rows.values);
+    }
+}
+
+/// A WAV of 16 bits, with these lengths in its header.
+std::string pcm16(std::uint32_t riff_bytes, std::uint32_t data_bytes, const std::string& samples) {
+    return "RIFF" + bytes(riff_bytes, 4) + "WAVEfmt " + bytes(16, 4) + bytes(1, 2) + bytes(1, 2) +
+           bytes(48'000, 4) + bytes(96'000, 4) + bytes(2, 2) + bytes(16, 2) + "data" + bytes(data_bytes, 4) +
+           samples;
+}
+
+TEST_F(Wav, ALengthThatIsNotKnownReachesToTheEnd) {
+    const std::string samples = bytes(0x4000, 2) + bytes(0x8000, 2) + bytes(0x2000, 2);
+    for (const std::uint32_t told : {0xffffffffU, 0x80000000U, 0x7fffffffU, 0x7ffff000U, 0x7fffeff9U, 0U}) {
+        for (const std::uint32_t riff : {told, told == 0 ? 36U : 0xffffffffU}) {
+            test::write_text(file, pcm16(riff, told, samples));
+            EXPECT_THAT(test::read_rows(*open_wav_reader(file)).at(0).values,
+                        testing::ElementsAre(0.5, -1, 0.25))
+                << told;
+        }
+    }
+    test::write_text(file, pcm16(42, 6, samples));
+    EXPECT_EQ(test::read_rows(*open_wav_reader(file)).at(0).values.size(), 3U);
+    test::write_text(file, pcm16(1000, 964, samples));
+    EXPECT_THAT(test::error_of([&] { open_wav_reader(file); }), HasSubstr("cut short"));
+    test::write_text(file, pcm16(0xffffffff, 964, samples));
+    EXPECT_THAT(test::error_of([&] { open_wav_reader(file); }),
+                HasSubstr("cut short: chunk \"data\" of 964 bytes"));
+    test::write_text(file, pcm16(44, 0, "LIST" + bytes(0, 4)));
+    EXPECT_THAT(test::read_rows(*open_wav_reader(file)), testing::IsEmpty());
+}
+
+TEST_F(Wav, BytesBehindTheSamplesThatAreNoChunkAreWarnedOf) {
+    test::write_text(file, pcm16(38, 2, bytes(0x4000, 2) + std::string(100, 'x')));
+    std::string warning;
+    const auto reader = open_wav_reader(
+        file, {.sample_rate_hz = {}, .warn = [&](const std::string& text) { warning = text; }});
+    EXPECT_THAT(warning, HasSubstr("100 bytes behind the samples are left out"));
+    EXPECT_THAT(test::read_rows(*reader).at(0).values, testing::ElementsAre(0.5));
+}
+
 TEST_F(Wav, OtherSoundFilesAreNone) {
     std::ofstream(file, std::ios::binary) << ".snd" << std::string(100, '\0');
     EXPECT_THROW(open_wav_reader(file), std::runtime_error);

@@ -45,7 +45,9 @@ void commit_csv(OutputFile& csv, OutputFile& metadata, const std::filesystem::pa
 std::unique_ptr<RecordingWriter> open_csv_writer(const std::filesystem::path& path,
                                                  const RecordingHead& head);
 
-/// Reads a CSV whose first column is t_s. Without its metadata the rate is taken from the first times, up to a thousand.
-std::unique_ptr<RecordingReader> open_csv_reader(const std::filesystem::path& path);
+/// Reads a CSV with a column of times, in the dialects of csv_dialect.hpp. Without its metadata the rate is given, or that
+/// of the first times. A last line without its end is left out, with a warning: it may be cut within a number.
+std::unique_ptr<RecordingReader> open_csv_reader(const std::filesystem::path& path,
+                                                 const ReadOptions& options = {});
 
 }  // namespace hertzline::recordings

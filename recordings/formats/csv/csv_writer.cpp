@@ -7,7 +7,7 @@
 #include "core/scene/json.hpp"
 #include "recordings/checked_writer.hpp"
 #include "recordings/files/output_file.hpp"
-#include "recordings/formats/csv.hpp"
+#include "recordings/formats/csv/csv.hpp"
 
 namespace hertzline::recordings {
 

@@ -1,0 +1,259 @@
+#include "recordings/formats/csv/csv_dialect.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/scene/text.hpp"
+#include "recordings/columns.hpp"
+#include "recordings/formats/csv/csv.hpp"
+#include "recordings/recording_head.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+constexpr int max_lines_before_names = 200;
+constexpr std::string_view blanks = " \t\r";
+constexpr std::string_view separators = ",;\t";
+constexpr std::array<std::string_view, 3> comments{"#", "%", "//"};
+
+std::string_view without_quotes(std::string_view cell) {
+    cell = trimmed(cell, blanks);
+    const bool in_quotes = cell.size() >= 2 && cell.front() == '"' && cell.back() == '"';
+    return in_quotes ? trimmed(cell.substr(1, cell.size() - 2), blanks) : cell;
+}
+
+/// Returns the cells of a line of words. A separator between quotes is none.
+std::vector<std::string_view> words_of(std::string_view line, char separator) {
+    std::vector<std::string_view> words;
+    bool in_quotes = false;
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i <= line.size(); ++i) {
+        if (i == line.size() || (line[i] == separator && !in_quotes)) {
+            words.push_back(without_quotes(line.substr(begin, i - begin)));
+            begin = i + 1;
+        } else if (line[i] == '"') {
+            in_quotes = !in_quotes;
+        }
+    }
+    return words;
+}
+
+/// The column of a name such as "Channel 1 (V)".
+Column column_of_words(std::string_view name) {
+    const std::size_t open = name.find_last_of("([");
+    const bool has_unit = open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
+    Column column = column_named(std::string(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
+    if (has_unit) {
+        column.unit = printable(name.substr(open + 1, name.size() - open - 2));
+    }
+    return column;
+}
+
+/// Takes the names if the line is one of names, of which the first, or the one behind row numbers, is a time's.
+bool take_names(std::string_view line, char separator, CsvNames& names) {
+    const auto words = words_of(line, separator);
+    for (std::size_t place = 0; place < 2 && place + 1 < words.size(); ++place) {
+        if (const auto unit = unit_of_time_column(words[place]); unit && (place == 0 || words[0].empty())) {
+            names.separator = separator;
+            names.time_column = place;
+            names.time_unit_s = *unit;
+            const std::size_t trailing = words.back().empty() && words.size() > place + 2 ? 1 : 0;
+            for (const std::string_view word : std::span(words).subspan(place + 1, words.size() - place - 1 - trailing)) {
+                names.columns.push_back(column_of_words(word));
+            }
+            return true;
+        }
+    }
+    return false;
+}
+
+bool begins_as_a_number(std::string_view word) {
+    constexpr std::string_view signs = "0123456789+-.,";
+    constexpr std::array<std::string_view, 4> none{"nan", "NaN", "inf", "Inf"};
+    return word.find_first_of(signs) == 0 ||
+           std::ranges::any_of(none, [word](std::string_view sign) { return word.starts_with(sign); });
+}
+
+/// Whether a line has words alone, which are the units of the columns.
+bool is_of_units(std::string_view line, char separator) {
+    return std::ranges::none_of(words_of(line, separator), begins_as_a_number);
+}
+
+void take_units(const CsvLines& lines, CsvNames& names) {
+    const auto words = words_of(lines.line(), names.separator);
+    if (words.size() <= names.time_column + 1) {
+        lines.fail(fmt::format("expected {} numbers separated by \"{}\"", names.columns.size() + 1,
+                               names.separator == '\t' ? "tab" : std::string(1, names.separator)));
+    }
+    const auto unit = unit_of_time(words[names.time_column]);
+    if (!unit) {
+        lines.fail(fmt::format("found the unit {} of the times, allowed: s, ms, us, ns, ps",
+                               quoted_briefly(words[names.time_column])));
+    }
+    names.time_unit_s = words[names.time_column].empty() ? names.time_unit_s : *unit;
+    for (std::size_t i = 0; i < names.columns.size(); ++i) {
+        const std::size_t place = names.time_column + 1 + i;
+        if (place < words.size() && !words[place].empty()) {
+            names.columns[i].unit = printable(trimmed(words[place], " ()[]"));
+        }
+    }
+}
+
+std::string_view without_comment_sign(std::string_view line) {
+    for (const std::string_view sign : comments) {
+        if (line.starts_with(sign)) {
+            return line.substr(sign.size());
+        }
+    }
+    return line;
+}
+
+}  // namespace
+
+CsvNames read_csv_names(CsvLines& lines) {
+    CsvNames names;
+    std::string_view tried = separators;
+    std::string first;
+    std::string place = lines.name();
+    bool found = false;
+    for (int i = 0; i < max_lines_before_names && !found && lines.next(); ++i) {
+        const std::string_view line = lines.line();
+        first = first.empty() ? quoted_briefly(line) : first;
+        if (line.starts_with("sep=") && line.size() == 5) {  // a spreadsheet's own
+            tried = separators.substr(std::min(separators.find(line[4]), separators.size() - 1), 1);
+            continue;
+        }
+        found = std::ranges::any_of(
+            tried, [&](char separator) { return take_names(without_comment_sign(line), separator, names); });
+    }
+    if (!found) {
+        throw std::runtime_error(
+            fmt::format("{}: found the column names {}, allowed: {} (or a time with its unit, \"Time (ms)\") and others "
+                        "after it",
+                        place, first.empty() ? "\"\"" : first, csv_time_column));
+    }
+    name_usably(names.columns);
+    names.first_row = lines.place();
+    names.has_rows = CsvNumbers::next(lines);
+    if (names.has_rows && is_of_units(lines.line(), names.separator)) {
+        take_units(lines, names);
+        names.first_row = lines.place();
+        names.has_rows = CsvNumbers::next(lines);
+    }
+    return names;
+}
+
+bool CsvNumbers::next(CsvLines& lines) {
+    while (lines.next()) {
+        const std::string_view line = lines.line();
+        const bool is_comment =
+            std::ranges::any_of(comments, [line](std::string_view sign) { return line.starts_with(sign); });
+        if (!is_comment && line.find_first_not_of(" \t\r,;") != std::string_view::npos) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void CsvNumbers::refuse(const CsvLines& lines) const {
+    if (mixed_) {
+        lines.fail("found a decimal comma beside a decimal point, allowed: one of them in a file");
+    }
+    lines.fail(fmt::format("expected {} numbers separated by {}", count_,
+                           separator_ == ',' ? "commas" : separator_ == ';' ? "semicolons" : "tabs"));
+}
+
+void CsvNumbers::read(const CsvLines& lines, double& time, std::vector<double>& row) {
+    const std::string_view line = lines.line();
+    const char* at = line.data();
+    const char* const end = at + line.size();
+    for (std::size_t i = 0; i < passed_over_; ++i) {
+        at = std::find(at, end, separator_) + 1;
+    }
+    for (std::size_t i = 0; i < count_; ++i) {
+        double& value = i == 0 ? time : row[i - 1];
+        at = at < end ? number(at, end, value) : nullptr;
+        const bool last = i + 1 == count_;
+        if (at == nullptr || (at == end ? !last : *at != separator_)) {
+            refuse(lines);
+        }
+        if (!std::isfinite(value)) {
+            lines.fail("found a number that is not finite");
+        }
+        ++at;
+    }
+    if (std::any_of(std::min(at, end), end, [](char c) { return std::string_view(" \t,;").find(c) == std::string_view::npos; })) {
+        refuse(lines);
+    }
+}
+
+double CsvNumbers::time(const CsvLines& lines, TimeDigits& digits) {
+    const std::string_view line = lines.line();
+    const char* begin = line.data();
+    const char* const end = begin + line.size();
+    for (std::size_t i = 0; i < passed_over_; ++i) {
+        begin = std::min(end, std::find(begin, end, separator_) + 1);
+    }
+    double value = 0;
+    const char* const behind = begin < end ? number(begin, end, value) : nullptr;
+    if (behind == nullptr) {
+        refuse(lines);
+    }
+    if (!std::isfinite(value)) {
+        lines.fail("found a number that is not finite");
+    }
+    digits.count({begin, static_cast<std::size_t>(behind - begin)});
+    return value;
+}
+
+void CsvNumbers::keep_to(char decimal) {
+    mixed_ = mixed_ || (decimal_ != 0 && decimal_ != decimal);
+    decimal_ = decimal;
+}
+
+/// Reads a number, the blanks around it and its quotes. Returns its end; nullptr when there is none.
+const char* CsvNumbers::number(const char* at, const char* end, double& number) {
+    const auto is_blank = [this](char c) { return c == ' ' || (c == '\t' && separator_ != '\t'); };
+    at = std::find_if_not(at, end, is_blank);
+    if (at == end) {
+        return nullptr;
+    }
+    if (*at == '"' || separator_ != ',') {
+        at = cell_number(at, end, number);
+    } else {
+        at += *at == '+' && at + 1 < end && at[1] != '-' ? 1 : 0;
+        const auto [rest, error] = std::from_chars(at, end, number);
+        at = error == std::errc() ? rest : nullptr;
+    }
+    return at == nullptr ? nullptr : std::find_if_not(at, end, is_blank);
+}
+
+/// Reads a cell that may have a decimal comma.
+const char* CsvNumbers::cell_number(const char* at, const char* end, double& number) {
+    const char ending = *at == '"' ? '"' : separator_;
+    const char* const begin = *at == '"' ? at + 1 : at;
+    const char* const behind = std::find(begin, end, ending);
+    spelled_ = trimmed({begin, static_cast<std::size_t>(behind - begin)}, blanks);
+    for (char& c : spelled_) {
+        if (c == ',' || c == '.') {
+            keep_to(c);
+            c = '.';
+        }
+    }
+    const char* const from = spelled_.data() + (spelled_.starts_with('+') && !spelled_.starts_with("+-") ? 1 : 0);
+    const char* const to = spelled_.data() + spelled_.size();
+    const auto [rest, error] = std::from_chars(from, to, number);
+    if (error != std::errc() || rest != to || mixed_ || (ending == '"' && behind == end)) {
+        return nullptr;
+    }
+    return ending == '"' ? behind + 1 : behind;
+}
+
+}  // namespace hertzline::recordings

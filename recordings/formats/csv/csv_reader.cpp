@@ -1,0 +1,172 @@
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+#include "core/scene/json.hpp"
+#include "recordings/files/input_file.hpp"
+#include "recordings/formats/csv/csv.hpp"
+#include "recordings/formats/csv/csv_dialect.hpp"
+#include "recordings/formats/csv/csv_lines.hpp"
+#include "recordings/time_axis.hpp"
+
+namespace hertzline::recordings {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t largest_metadata = 64 << 20;
+constexpr std::size_t rows_of_a_pipe = 16;  // at a time: few, as they may come slowly
+
+class CsvReader final : public RecordingReader {
+public:
+    CsvReader(fs::path path, ReadOptions options)
+        : path_(std::move(path)),
+          options_(std::move(options)),
+          lines_(path_),
+          names_(read_csv_names(lines_)),
+          numbers_(names_),
+          row_(names_.columns.size()) {
+        head_.columns = names_.columns;
+        if (!read_metadata()) {
+            take_rate_from_times();
+        }
+        ahead_ = names_.has_rows && read_row();
+    }
+
+    const RecordingHead& head() const noexcept override { return head_; }
+
+    bool read(RecordedRows& rows, std::size_t most) override {
+        rows.values.clear();
+        most = std::min(most, lines_.is_pipe() ? rows_of_a_pipe : most);
+        for (std::size_t count = 0; count < most && ahead_; ++count) {
+            if (count == 0) {
+                rows.first = sample_;
+            } else if (sample_ != due_) {
+                break;  // a gap
+            }
+            rows.values.insert(rows.values.end(), row_.begin(), row_.end());
+            due_ = sample_ + 1;
+            ahead_ = CsvNumbers::next(lines_) && read_row();
+        }
+        return !rows.values.empty() && !lines_.interrupted();
+    }
+
+    void interrupt() noexcept override { lines_.interrupt(); }
+
+private:
+    /// Reads the metadata. Returns false when there are none.
+    bool read_metadata() {
+        const fs::path path = csv_metadata_path(path_);
+        std::error_code unknown;
+        if (!fs::is_regular_file(path, unknown)) {
+            return false;
+        }
+        try {
+            take_metadata(path);
+        } catch (const std::exception& error) {
+            cannot_read(path, error.what());
+        }
+        if (!(head_.sample_rate_hz > 0) || !std::isfinite(head_.sample_rate_hz)) {
+            cannot_read(path, "urn:hertzline:sample_rate_hz: found no number above 0");
+        }
+        axis_ = TimeAxis(head_.sample_rate_hz, digits_of_float64);
+        return true;
+    }
+
+    void take_metadata(const fs::path& path) {
+        InputFile file(path);
+        const Json metadata =
+            json_from_outside(file.text(std::min(file.size(), largest_metadata), "the metadata"));
+        metadata.at("urn:hertzline:sample_rate_hz").get_to(head_.sample_rate_hz);
+        head_.provenance = metadata.at("urn:hertzline:provenance");
+        const bool single = metadata.at("tableSchema").at("columns").at(1).at("datatype") == "float";
+        head_.numbers = single ? NumberType::float32 : NumberType::float64;
+    }
+
+    /// Reads the numbers of the present line; false when the file stops within it.
+    bool read_row() {
+        if (!lines_.is_ended()) {
+            options_.tell(lines_.name() +
+                          ": left out, because the file ends within this line or right behind it");
+            return false;
+        }
+        double time = 0;
+        numbers_.read(lines_, time, row_);
+        try {
+            sample_ = axis_.sample_of(time * names_.time_unit_s);
+        } catch (const std::runtime_error& error) {
+            lines_.fail(error.what());
+        }
+        return true;
+    }
+
+    /// Looks at the first rows and goes back.
+    void take_rate_from_times() {
+        if (lines_.is_pipe() && !options_.sample_rate_hz) {
+            cannot_read(path_,
+                        "it has no metadata, and the first times of a pipe cannot be read twice: give its "
+                        "sample rate");
+        }
+        if (lines_.is_pipe()) {
+            axis_ = TimeAxis(*options_.sample_rate_hz, digits_of_float64);
+        } else {
+            TimeDigits digits;
+            const std::vector<double> times = first_times(digits);
+            try {
+                axis_ = TimeAxis(options_.sample_rate_hz, times, digits);
+            } catch (const TimeFault& fault) {
+                go_to_row(fault.row());
+                lines_.fail(fault.what());
+            }
+            go_to_row(0);
+        }
+        head_.sample_rate_hz = axis_.sample_rate_hz();
+    }
+
+    void go_to_row(std::size_t row) {
+        lines_.go_back(names_.first_row);
+        for (std::size_t i = 0; i <= row; ++i) {
+            CsvNumbers::next(lines_);
+        }
+    }
+
+    /// Returns the times of the first rows, up to one that is not above the one before.
+    std::vector<double> first_times(TimeDigits& digits) {
+        constexpr std::size_t enough_rows = 100'000;
+        constexpr std::int64_t enough_bytes = 16 << 20;
+        std::vector<double> times;
+        CsvNumbers numbers(names_);
+        for (bool more = names_.has_rows; more && lines_.is_ended() && times.size() < enough_rows;) {
+            times.push_back(numbers.time(lines_, digits) * names_.time_unit_s);
+            const bool increases = times.size() < 2 || times.back() > times[times.size() - 2];
+            more = increases && lines_.place().byte - names_.first_row.byte < enough_bytes &&
+                   CsvNumbers::next(lines_);
+        }
+        digits.decimals -= static_cast<int>(std::round(std::log10(names_.time_unit_s)));
+        return times;
+    }
+
+    fs::path path_;
+    ReadOptions options_;
+    CsvLines lines_;
+    CsvNames names_;
+    CsvNumbers numbers_;
+    TimeAxis axis_;
+    RecordingHead head_;
+    bool ahead_ = false;  // the next row is in sample_ and row_
+    std::int64_t sample_ = 0;
+    std::vector<double> row_;
+    std::int64_t due_ = 0;  // the sample that follows
+};
+
+}  // namespace
+
+std::unique_ptr<RecordingReader> open_csv_reader(const fs::path& path, const ReadOptions& options) {
+    return std::make_unique<CsvReader>(path, options);
+}
+
+}  // namespace hertzline::recordings
