@@ -17,22 +17,22 @@ namespace hertzline::recordings {
 
 namespace {
 
-constexpr double max_samples = 5e14;   // times up to there distinguish samples
+constexpr double max_samples = 5e14;    // times up to there distinguish samples
 constexpr double max_deviation = 0.25;  // of a time from its sample's, in samples
 constexpr double usual_noise = 1e-3;    // of times that were summed up, in samples
 
 /// Names of a column of times, in small letters, before a unit.
-constexpr std::array<std::string_view, 9> time_names{"t",      "time",  "zeit", "temps", "tiempo",
+constexpr std::array<std::string_view, 9> time_names{"t",     "time",   "zeit", "temps", "tiempo",
                                                      "tempo", "x-axis", "in",   "__time"};
 
 struct TimeUnit {
     std::string_view name;
     double seconds;
 };
-constexpr std::array time_units{TimeUnit{"", 1},        TimeUnit{"s", 1},          TimeUnit{"sec", 1},
-                                TimeUnit{"second", 1},  TimeUnit{"seconds", 1},    TimeUnit{"ms", 1e-3},
-                                TimeUnit{"us", 1e-6},   TimeUnit{"\u00b5s", 1e-6}, TimeUnit{"\u03bcs", 1e-6},
-                                TimeUnit{"ns", 1e-9},   TimeUnit{"ps", 1e-12}};
+constexpr std::array time_units{TimeUnit{"", 1},       TimeUnit{"s", 1},          TimeUnit{"sec", 1},
+                                TimeUnit{"second", 1}, TimeUnit{"seconds", 1},    TimeUnit{"ms", 1e-3},
+                                TimeUnit{"us", 1e-6},  TimeUnit{"\u00b5s", 1e-6}, TimeUnit{"\u03bcs", 1e-6},
+                                TimeUnit{"ns", 1e-9},  TimeUnit{"ps", 1e-12}};
 
 std::string lower(std::string_view text) {
     std::string small(text);
@@ -105,10 +105,11 @@ bool keeps_to(double rate, std::span<const double> times, const TimeDigits& digi
     TimeAxis axis(rate, digits);
     try {
         const std::int64_t first = axis.sample_of(times[0]);
-        return axis.sample_of(times[1]) == first + 1 && std::ranges::all_of(times.subspan(2), [&](double time) {
-            axis.sample_of(time);
-            return true;
-        });
+        return axis.sample_of(times[1]) == first + 1 &&
+               std::ranges::all_of(times.subspan(2), [&](double time) {
+                   axis.sample_of(time);
+                   return true;
+               });
     } catch (const std::runtime_error&) {
         return false;
     }
@@ -126,7 +127,8 @@ std::optional<double> unit_of_time_column(std::string_view name) {
     const std::string text = lower(name);
     for (const std::string_view base : time_names) {
         const bool ends = text.size() == base.size() ||
-                          (text.starts_with(base) && std::string_view(" ([_/,").find(text[base.size()]) != std::string_view::npos);
+                          (text.starts_with(base) &&
+                           std::string_view(" ([_/,").find(text[base.size()]) != std::string_view::npos);
         if (text.starts_with(base) && ends) {
             return unit_of_time(std::string_view(text).substr(base.size()));
         }
@@ -183,11 +185,12 @@ std::optional<double> rate_of_times(std::span<const double> times, const TimeDig
         }
     }
     kept = std::min(kept, times.size() - 1);
-    throw TimeFault(kept, times[kept] > times[kept - 1]
-                              ? fmt::format("found the time {}, which is not a sample's at {} Hz, the rate of the times "
-                                            "before",
-                                            number_text(times[kept]), number_text(rate))
-                              : "the time does not increase");
+    throw TimeFault(
+        kept, times[kept] > times[kept - 1]
+                  ? fmt::format("found the time {}, which is not a sample's at {} Hz, the rate of the times "
+                                "before",
+                                number_text(times[kept]), number_text(rate))
+                  : "the time does not increase");
 }
 
 TimeAxis::TimeAxis(std::optional<double> given_hz, std::span<const double> times, const TimeDigits& digits)
@@ -213,7 +216,8 @@ double TimeAxis::tolerance(double time) const noexcept {
 }
 
 std::int64_t TimeAxis::sample_of(double time) {
-    if (rate_ == 0 || (due_ > 0 && std::abs((time - origin_) * rate_ - static_cast<double>(due_)) <= max_deviation)) {
+    if (rate_ == 0 ||
+        (due_ > 0 && std::abs((time - origin_) * rate_ - static_cast<double>(due_)) <= max_deviation)) {
         return due_++;
     }
     const double absolute = time * rate_;

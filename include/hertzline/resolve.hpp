@@ -62,7 +62,8 @@ struct Resolution {
     bool step_set_by_scene = false;
     StepAdvice advice;
     int pilots = 0;  ///< all that ran: the reference, those of the advice, that of the step in use
-    double pilot_body_steps = 0;  ///< that they took, times spheres and end: a million or two take a tenth of a second
+    double pilot_body_steps =
+        0;  ///< that they took, times spheres and end: a million or two take a tenth of a second
     /// Error of the step in use: the difference of a pilot at that step from the reference, over the first 500 spheres. For a run that
     /// is longer than pilots watch, the difference from a run with shorter steps if that is larger. None if the pilot would take too
     /// long, or fails.

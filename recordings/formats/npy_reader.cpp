@@ -28,7 +28,7 @@ namespace {
 
 constexpr std::uint64_t max_description_bytes = std::uint64_t{64} << 20;
 constexpr std::uint64_t max_columns = std::uint64_t{1} << 21;  // two for each of a million spheres
-constexpr std::uint64_t max_columns_of_none = 10'000;           // of an array without rows
+constexpr std::uint64_t max_columns_of_none = 10'000;          // of an array without rows
 constexpr std::size_t npy_read_bytes = std::size_t{1} << 20;
 constexpr std::size_t enough_times = 100'000;  // to know the rate
 
@@ -85,7 +85,8 @@ public:
         } else {
             take_foreign(options);
             if (behind > 0) {
-                options.tell(fmt::format("{}: {} bytes behind the array are left out", path.string(), behind));
+                options.tell(
+                    fmt::format("{}: {} bytes behind the array are left out", path.string(), behind));
             }
         }
     }
@@ -109,7 +110,9 @@ public:
 
 private:
     void take_fields(const NpyHeader& array) {
-        const auto is_time = [](const NpyField& field) { return unit_of_time_column(field.name).has_value(); };
+        const auto is_time = [](const NpyField& field) {
+            return unit_of_time_column(field.name).has_value();
+        };
         const auto time = std::ranges::find_if(array.fields, is_time);
         bool narrow = true;
         for (auto field = array.fields.begin(); field != array.fields.end(); ++field) {
@@ -133,10 +136,11 @@ private:
     }
 
     [[noreturn]] void refuse_type(const NpyField& field) const {
-        cannot_read(file_.path(),
-                    fmt::format("array of type {}{}, allowed: float16, 32 and 64, complex64 and 128, integers, bool",
-                                quoted_briefly(field.type),
-                                field.name.empty() ? "" : " in field " + quoted_briefly(field.name)));
+        cannot_read(
+            file_.path(),
+            fmt::format("array of type {}{}, allowed: float16, 32 and 64, complex64 and 128, integers, bool",
+                        quoted_briefly(field.type),
+                        field.name.empty() ? "" : " in field " + quoted_briefly(field.name)));
     }
 
     void take_time(const NpyField& field, const FileNumber& number) {
@@ -186,9 +190,8 @@ private:
         const std::uint64_t rows = array.shape[0];
         const std::uint64_t across = dimensions == 2 ? array.shape[1] : 1;
         if (head_.columns.empty() || across == 0 || across > max_columns) {
-            cannot_read(file_.path(),
-                        fmt::format("array of {} columns, allowed: 1 to {}",
-                                    head_.columns.empty() ? 0 : across, max_columns));
+            cannot_read(file_.path(), fmt::format("array of {} columns, allowed: 1 to {}",
+                                                  head_.columns.empty() ? 0 : across, max_columns));
         }
         if (rows > file_.left() / (row_bytes_ * across) || (rows == 0 && across > max_columns_of_none)) {
             cannot_read(file_.path(), fmt::format("cut short: {} rows of {} bytes, {} bytes are there", rows,
@@ -232,8 +235,9 @@ private:
         name_usably(head_.columns);
         if (time_) {
             const TimeDigits digits =
-                time_->type.kind == FileNumber::Kind::floating && time_->bytes < sizeof(double) ? digits_of_float32
-                                                                                                : digits_of_float64;
+                time_->type.kind == FileNumber::Kind::floating && time_->bytes < sizeof(double)
+                    ? digits_of_float32
+                    : digits_of_float64;
             try {
                 axis_ = TimeAxis(options.sample_rate_hz, first_times(), digits);
             } catch (const TimeFault& fault) {
@@ -242,8 +246,9 @@ private:
         } else {
             axis_ = TimeAxis(options.sample_rate_hz.value_or(0), digits_of_float64);
             if (static_cast<std::int64_t>(head_.columns.size()) > rows_ && channels_ > 1) {
-                options.tell(fmt::format("{}: found {} channels of {} samples: rows are samples, columns are channels",
-                                         file_.path().string(), channels_, rows_));
+                options.tell(
+                    fmt::format("{}: found {} channels of {} samples: rows are samples, columns are channels",
+                                file_.path().string(), channels_, rows_));
             }
         }
         head_.sample_rate_hz = axis_.sample_rate_hz();
@@ -322,8 +327,8 @@ private:
             return sample;
         } catch (const std::runtime_error& error) {
             cannot_read(file_.path(),
-                        fmt::format("damaged: row {} has the time {} s, allowed: that of a later sample ({})", row_,
-                                    t, error.what()));
+                        fmt::format("damaged: row {} has the time {} s, allowed: that of a later sample ({})",
+                                    row_, t, error.what()));
         }
     }
 
@@ -349,9 +354,9 @@ private:
     std::size_t item_bytes_ = 0;  // in Fortran order; 0: in C order
     std::uint64_t data_ = 0;      // the byte at which the rows begin
     std::int64_t rows_ = 0;
-    std::int64_t row_ = 0;                // the next
+    std::int64_t row_ = 0;               // the next
     std::optional<std::int64_t> ahead_;  // its sample, once it is known
-    std::int64_t due_ = 0;                // the sample that follows the last
+    std::int64_t due_ = 0;               // the sample that follows the last
     std::vector<std::byte> buffer_;
     std::size_t at_ = 0;  // in the buffer
     std::vector<double> times_;
@@ -359,7 +364,8 @@ private:
 
 }  // namespace
 
-std::unique_ptr<RecordingReader> open_npy_reader(const std::filesystem::path& path, const ReadOptions& options) {
+std::unique_ptr<RecordingReader> open_npy_reader(const std::filesystem::path& path,
+                                                 const ReadOptions& options) {
     return std::make_unique<NpyReader>(path, options);
 }
 

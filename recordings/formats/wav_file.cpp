@@ -72,8 +72,8 @@ private:
         }
         const bool known = is_large_ || !is_placeholder(riff_bytes_);
         if (known && riff_bytes_ > file_.size() - 8) {
-            refuse(fmt::format("cut short: {} bytes after the eighth by the header, {} in the file", riff_bytes_,
-                               file_.size() - 8));
+            refuse(fmt::format("cut short: {} bytes after the eighth by the header, {} in the file",
+                               riff_bytes_, file_.size() - 8));
         }
     }
 
@@ -87,8 +87,8 @@ private:
         if (kind == "data" && !has_samples_) {
             size = samples_size(size);
         }
-        const bool is_chunk = std::ranges::all_of(kind, [](char c) { return c >= ' ' && c <= '~'; }) &&
-                              ++chunks_ <= max_chunks;
+        const bool is_chunk =
+            std::ranges::all_of(kind, [](char c) { return c >= ' ' && c <= '~'; }) && ++chunks_ <= max_chunks;
         if (size > file_.left() || !is_chunk) {
             if (has_samples_) {
                 contents_.left_out_bytes = file_.size() - begin;
@@ -148,12 +148,15 @@ private:
         if (tag == pcm) {
             type.kind = bits <= 8 ? FileNumber::Kind::natural : FileNumber::Kind::integer;
         }
-        const bool readable = (tag == pcm && bits >= 1 && bits <= 32) || (tag == ieee && (bits == 32 || bits == 64));
+        const bool readable =
+            (tag == pcm && bits >= 1 && bits <= 32) || (tag == ieee && (bits == 32 || bits == 64));
         if (!readable) {
-            refuse(fmt::format("found a WAV of format {} with {} bits, allowed: PCM, float32 or float64", tag, bits));
+            refuse(fmt::format("found a WAV of format {} with {} bits, allowed: PCM, float32 or float64", tag,
+                               bits));
         }
         if (contents_.channels == 0 || row_bytes != contents_.channels * type.bytes) {
-            refuse(fmt::format("damaged: {} channels of {} bits in {} bytes", contents_.channels, bits, row_bytes));
+            refuse(fmt::format("damaged: {} channels of {} bits in {} bytes", contents_.channels, bits,
+                               row_bytes));
         }
     }
 

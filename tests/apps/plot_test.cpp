@@ -215,6 +215,20 @@ TEST(Plot, DrawsSeveralRecordingsOverEachOther) {
     EXPECT_THAT(wrong.err, HasSubstr("allowed: v_last, v_plate, v_out"));
 }
 
+TEST(Plot, JudgesTimesByTheGivenRateAndWarnsAsReplayDoes) {
+    const TemporaryFolder folder;
+    // two samples have one time: its digits are too few
+    write_text(folder.file("a.csv"), "Time (s),Channel 1 (V)\n0.0,1\n0.0,2\n0.1,3\n0.1,4\n0.2,5");
+    const Outcome without = hertzline({"plot", folder.file("a.csv"), "-o", folder.file("a.svg")});
+    EXPECT_EQ(without.status, 1);
+    EXPECT_THAT(without.err, HasSubstr("a.csv:3: the time does not increase"));
+    const Outcome with =
+        hertzline({"plot", folder.file("a.csv"), "-o", folder.file("a.svg"), "--sample-rate", "20"});
+    EXPECT_EQ(with.status, 0) << with.err;
+    EXPECT_THAT(with.err, HasSubstr("a.csv:6: left out"));
+    EXPECT_THAT(contents(folder.file("a.svg")), HasSubstr("peak 4"));
+}
+
 TEST(Plot, TakesTheRateOfAFileWithoutOne) {
     const TemporaryFolder folder;
     const std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (4,), }";

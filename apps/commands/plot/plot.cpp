@@ -251,7 +251,9 @@ Exit plot_any(const PlotOptions& options, const Window& window) {
     for (const std::string& file : options.recordings) {
         std::unique_ptr<recordings::RecordingReader> reader;
         try {
-            reader = recordings::open_reader(file);
+            reader = recordings::open_reader(
+                file, {.sample_rate_hz = options.sample_rate_hz,
+                       .warn = [](const std::string& warning) { spdlog::warn("{}", warning); }});
         } catch (const std::runtime_error& error) {
             if (const auto drawn = plot_sweep_instead(options, error.what())) {
                 return *drawn;
@@ -268,7 +270,7 @@ Exit plot_any(const PlotOptions& options, const Window& window) {
 Exit plot(const PlotOptions& options) {
     Faults faults;
     for (const std::string& file : options.recordings) {
-        faults.add(recordings::recording_fault(file));
+        faults.add(recordings::recording_fault(file, recordings::Access::reading));
         if (options.recordings.size() > 1 && is_csv_of_sweep(file)) {
             faults.add(printable(file),
                        "found a sweep among several files, allowed: recordings, or one sweep");
@@ -300,8 +302,9 @@ Exit plot(const PlotOptions& options) {
 
 Run plot_command(CLI::App& app) {
     auto options = std::make_shared<PlotOptions>();
-    app.add_option("RECORDING", options->recordings,
-                   "recordings (" + recordings::recording_endings() + "), or a sweep")
+    app.add_option(
+           "RECORDING", options->recordings,
+           "recordings (" + recordings::recording_endings(recordings::Access::reading) + "), or a sweep")
         ->required()
         ->check(missing_name)
         ->type_name("");

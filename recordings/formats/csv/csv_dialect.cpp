@@ -48,7 +48,8 @@ std::vector<std::string_view> words_of(std::string_view line, char separator) {
 /// The column of a name such as "Channel 1 (V)".
 Column column_of_words(std::string_view name) {
     const std::size_t open = name.find_last_of("([");
-    const bool has_unit = open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
+    const bool has_unit =
+        open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
     Column column = column_named(std::string(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
     if (has_unit) {
         column.unit = printable(name.substr(open + 1, name.size() - open - 2));
@@ -65,7 +66,8 @@ bool take_names(std::string_view line, char separator, CsvNames& names) {
             names.time_column = place;
             names.time_unit_s = *unit;
             const std::size_t trailing = words.back().empty() && words.size() > place + 2 ? 1 : 0;
-            for (const std::string_view word : std::span(words).subspan(place + 1, words.size() - place - 1 - trailing)) {
+            for (const std::string_view word :
+                 std::span(words).subspan(place + 1, words.size() - place - 1 - trailing)) {
                 names.columns.push_back(column_of_words(word));
             }
             return true;
@@ -134,10 +136,10 @@ CsvNames read_csv_names(CsvLines& lines) {
             tried, [&](char separator) { return take_names(without_comment_sign(line), separator, names); });
     }
     if (!found) {
-        throw std::runtime_error(
-            fmt::format("{}: found the column names {}, allowed: {} (or a time with its unit, \"Time (ms)\") and others "
-                        "after it",
-                        place, first.empty() ? "\"\"" : first, csv_time_column));
+        throw std::runtime_error(fmt::format(
+            "{}: found the column names {}, allowed: {} (or a time with its unit, \"Time (ms)\") and others "
+            "after it",
+            place, first.empty() ? "\"\"" : first, csv_time_column));
     }
     name_usably(names.columns);
     names.first_row = lines.place();
@@ -167,7 +169,9 @@ void CsvNumbers::refuse(const CsvLines& lines) const {
         lines.fail("found a decimal comma beside a decimal point, allowed: one of them in a file");
     }
     lines.fail(fmt::format("expected {} numbers separated by {}", count_,
-                           separator_ == ',' ? "commas" : separator_ == ';' ? "semicolons" : "tabs"));
+                           separator_ == ','   ? "commas"
+                           : separator_ == ';' ? "semicolons"
+                                               : "tabs"));
 }
 
 void CsvNumbers::read(const CsvLines& lines, double& time, std::vector<double>& row) {
@@ -189,7 +193,8 @@ void CsvNumbers::read(const CsvLines& lines, double& time, std::vector<double>& 
         }
         ++at;
     }
-    if (std::any_of(std::min(at, end), end, [](char c) { return std::string_view(" \t,;").find(c) == std::string_view::npos; })) {
+    if (std::any_of(std::min(at, end), end,
+                    [](char c) { return std::string_view(" \t,;").find(c) == std::string_view::npos; })) {
         refuse(lines);
     }
 }
@@ -247,7 +252,8 @@ const char* CsvNumbers::cell_number(const char* at, const char* end, double& num
             c = '.';
         }
     }
-    const char* const from = spelled_.data() + (spelled_.starts_with('+') && !spelled_.starts_with("+-") ? 1 : 0);
+    const char* const from =
+        spelled_.data() + (spelled_.starts_with('+') && !spelled_.starts_with("+-") ? 1 : 0);
     const char* const to = spelled_.data() + spelled_.size();
     const auto [rest, error] = std::from_chars(from, to, number);
     if (error != std::errc() || rest != to || mixed_ || (ending == '"' && behind == end)) {

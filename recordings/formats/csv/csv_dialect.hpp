@@ -49,8 +49,8 @@ private:
     char separator_;
     std::size_t passed_over_;
     std::size_t count_;
-    char decimal_ = 0;      // the decimal separator seen; 0: none yet
-    bool mixed_ = false;    // another one, too
+    char decimal_ = 0;     // the decimal separator seen; 0: none yet
+    bool mixed_ = false;   // another one, too
     std::string spelled_;  // a number with a decimal point
 };
 

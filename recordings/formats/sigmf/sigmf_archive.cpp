@@ -78,13 +78,15 @@ std::vector<ArchivedFile> files_of_tar(InputFile& tar) {
         }
         const auto told = size_in(std::string_view(header).substr(124, 12));
         if (!told || !has_its_sum(header) || files.size() == max_files) {
-            cannot_read(tar.path(), fmt::format("not an archive (an uncompressed tar), or damaged, at byte {}", at));
+            cannot_read(tar.path(),
+                        fmt::format("not an archive (an uncompressed tar), or damaged, at byte {}", at));
         }
         const std::uint64_t size = long_size == not_told ? *told : long_size;
         const std::uint64_t begin = at + block;
         if (size > tar.left()) {
-            cannot_read(tar.path(), fmt::format("cut short: a file of {} bytes at byte {}, the archive ends at {}", size,
-                                                begin, tar.size()));
+            cannot_read(tar.path(),
+                        fmt::format("cut short: a file of {} bytes at byte {}, the archive ends at {}", size,
+                                    begin, tar.size()));
         }
         const char kind = header[156];
         if ((kind == 'x' || kind == 'L') && size <= max_extension) {
@@ -95,8 +97,9 @@ std::vector<ArchivedFile> files_of_tar(InputFile& tar) {
                 take_attributes(text, long_name, long_size);
             }
         } else {
-            std::string name =
-                long_name.empty() ? std::string(up_to_nul(std::string_view(header).substr(0, 100))) : long_name;
+            std::string name = long_name.empty()
+                                   ? std::string(up_to_nul(std::string_view(header).substr(0, 100)))
+                                   : long_name;
             if (kind == '0' || kind == '\0' || kind == '7') {
                 files.push_back({name.substr(name.find_last_of('/') + 1), begin, size});
             }
