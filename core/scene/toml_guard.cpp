@@ -1,10 +1,11 @@
 #include "core/scene/toml_guard.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <optional>
+#include <string>
 #include <utility>
-
-#include <fmt/format.h>
 
 namespace hertzline {
 
@@ -102,11 +103,15 @@ private:
             pass(found.bytes);
             return std::nullopt;
         }
+        std::array<char, 32> name{};
+        if (found.bytes > 0) {
+            std::snprintf(name.data(), name.size(), "the character U+%04X",
+                          static_cast<unsigned>(found.code));
+        } else {
+            std::snprintf(name.data(), name.size(), "byte 0x%02X", byte);
+        }
         return fault_in(
-            line_,
-            found.bytes > 0 ? fmt::format("the character U+{:04X} in column {}",
-                                          static_cast<unsigned>(found.code), column_)
-                            : fmt::format("byte 0x{:02X} in column {}", byte, column_),
+            line_, name.data() + (" in column " + std::to_string(column_)),
             in_comment_ ? "UTF-8 in comments" : "printable ASCII, tabs and line ends; UTF-8 in comments");
     }
 
