@@ -19,12 +19,12 @@ namespace hertzline::recordings {
 namespace {
 
 /// Names become field names, links and keys: nothing that any of these formats would have to escape.
-bool is_usable(char c) {
-    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
-}
-
 bool usable_name(std::string_view name) {
-    return !name.empty() && std::ranges::all_of(name, is_usable);
+    constexpr std::string_view others = "_-";
+    return !name.empty() && std::ranges::all_of(name, [&](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               others.find(c) != std::string_view::npos;
+    });
 }
 
 }  // namespace
@@ -95,18 +95,13 @@ RecordingHead head_of(Json description, NumberType numbers) {
     return head;
 }
 
-void name_usably(std::vector<Column>& columns) {
-    constexpr std::size_t longest = 100;
+void name_apart(std::vector<Column>& columns) {
     std::set<std::string> names{"t_s"};
     std::map<std::string, int> uses;  // of a name
     for (std::size_t i = 0; i < columns.size(); ++i) {
         Column& column = columns[i];
-        if (!usable_name(column.name) || column.name.size() > longest) {
-            std::ranges::replace_if(
-                column.name, [](char c) { return !is_usable(c); }, '_');
-            column.name =
-                column.name.empty() ? fmt::format("channel_{}", i + 1) : column.name.substr(0, longest);
-            column.quantity = column.name;
+        if (column.name.empty()) {
+            column.name = column.quantity = fmt::format("channel_{}", i + 1);
         }
         for (const std::string name = column.name; !names.insert(column.name).second;) {
             column.name = fmt::format("{}_{}", name, uses[name]++ + 2);

@@ -29,8 +29,8 @@ RecordingHead head_of(Json description, NumberType numbers);
 /// Makes a head for a file of another program: columns channel_1, channel_2... without units.
 RecordingHead head_of_channels(std::size_t channels, double sample_rate_hz, NumberType numbers);
 
-/// Gives columns of another program names that any file can have: letters, digits, _ and -; no two are the same.
-void name_usably(std::vector<Column>& columns);
+/// Gives columns of another program names where they have none, and tells those of the same name apart: v, v_2.
+void name_apart(std::vector<Column>& columns);
 
 /// Returns JSON on one line, in ASCII.
 std::string text_of(const Json& json);

@@ -232,7 +232,7 @@ private:
     }
 
     void take_foreign(const ReadOptions& options) {
-        name_usably(head_.columns);
+        name_apart(head_.columns);
         if (time_) {
             const TimeDigits digits =
                 time_->type.kind == FileNumber::Kind::floating && time_->bytes < sizeof(double)

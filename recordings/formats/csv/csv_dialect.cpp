@@ -50,7 +50,7 @@ Column column_of_words(std::string_view name) {
     const std::size_t open = name.find_last_of("([");
     const bool has_unit =
         open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
-    Column column = column_named(std::string(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
+    Column column = column_named(printable(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
     if (has_unit) {
         column.unit = printable(name.substr(open + 1, name.size() - open - 2));
     }
@@ -141,7 +141,7 @@ CsvNames read_csv_names(CsvLines& lines) {
             "after it",
             place, first.empty() ? "\"\"" : first, csv_time_column));
     }
-    name_usably(names.columns);
+    name_apart(names.columns);
     names.first_row = lines.place();
     names.has_rows = CsvNumbers::next(lines);
     if (names.has_rows && is_of_units(lines.line(), names.separator)) {

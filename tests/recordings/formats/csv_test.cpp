@@ -315,13 +315,13 @@ INSTANTIATE_TEST_SUITE_P(
                     " t_s , v\n 0 , 0.5\n 1e-3 ,\t-1.5\n2e-3, 2 \n",
                     "x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n"));
 
-TEST(CsvReader, TakesNamesAndUnitsThatAnyFormatCanHold) {
+TEST(CsvReader, TakesNamesAndUnitsAndTellsColumnsApart) {
     const Read read = read_csv("Time (s),Channel 1 (V),Channel 1 (V),v_out_m_per_s,,t_s\n0,1,2,3,4,5\n");
     std::vector<std::string> names;
     for (const Column& column : read.head.columns) {
         names.push_back(column.name);
     }
-    EXPECT_THAT(names, ElementsAre("Channel_1", "Channel_1_2", "v_out_m_per_s", "channel_4", "t_s_2"));
+    EXPECT_THAT(names, ElementsAre("Channel 1", "Channel 1_2", "v_out_m_per_s", "channel_4", "t_s_2"));
     EXPECT_EQ(read.head.columns[0].unit, "V");
     EXPECT_EQ(read.head.columns[2].quantity, "v_out");
 }

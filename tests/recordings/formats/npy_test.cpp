@@ -133,7 +133,7 @@ TEST_F(Npy, StructuresOfOthersHaveTheNamesOfTheirFieldsAndTheRateOfTheirTimes) {
     const auto reader = open_npy_reader(file);
     EXPECT_EQ(reader->head().sample_rate_hz, 1000);
     EXPECT_EQ(reader->head().columns.at(0).unit, "m/s");
-    EXPECT_EQ(reader->head().columns.at(2).name, "an_other_2");
+    EXPECT_EQ(reader->head().columns.at(2).name, "an other_2");
     const auto rows = test::read_rows(*reader);
     ASSERT_EQ(rows.size(), 2U);
     EXPECT_EQ(rows[0].first, 1);
