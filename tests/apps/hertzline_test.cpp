@@ -49,7 +49,7 @@ TEST_P(WrongUse, GivesAClearMessageAndTheRightStatus) {
     write_text(folder.file("scene.toml"), "[chain]\nspheres = 0\n\n[numerics]\nstep_s = 1e-3 # too long\n");
     write_text(folder.file("step.toml"), "# step_s is below\n[numerics]\n\nstep_s = 1e-3\n");
     write_text(folder.file("huge.toml"), std::string(70'000, '#'));
-    write_text(folder.file("accent.toml"), "# caf\xc3\xa9\n");
+    write_text(folder.file("accent.toml"), "caf\xc3\xa9 = 1\n");
     Words arguments;
     for (const std::string& word : GetParam().arguments) {
         arguments.push_back(placed(word, path));

@@ -115,8 +115,8 @@ void begin_or_compare(Journal& journal, const Study& study, bool resume) {
 
 void refuse_shortages(const SweepOptions& options, std::string_view study, int jobs,
                       const StudyNeeds& needs) {
-    if (const auto shortage =
-            measures::memory_shortage(fmt::format("{} with {} jobs", study, jobs), needs.memory_bytes)) {
+    if (const auto shortage = measures::memory_shortage(
+            fmt::format("{} with {} job{}", study, jobs, jobs == 1 ? "" : "s"), needs.memory_bytes)) {
         throw std::runtime_error(*shortage + "; fewer --jobs take less");
     }
     if (options.files.empty()) {
