@@ -29,32 +29,10 @@ std::string duration_setting(double seconds) {
     return fmt::format("output.duration_s={:.2g}", rounded_up(seconds));
 }
 
-/// When the ringing will have fallen to its share of the peak, extrapolated from the second half of its record, with
-/// a margin of a twentieth; absent where it does not fall.
-std::optional<double> ringing_over_s(std::span<const double> after_burst, double duration_s, double rate_hz,
-                                     double last, double peak) {
-    const std::span<const double> late =
-        after_burst.subspan(after_burst.size() / 2);  // at first it falls faster
-    const std::size_t half = late.size() / 2;
-    if (half == 0) {
-        return std::nullopt;
-    }
-    const double decline = std::log(peak_of(late.first(half)) / peak_of(late.subspan(half)));
-    const double decline_per_s = decline * rate_hz / static_cast<double>(half);
-    if (!(decline_per_s > 0) || !std::isfinite(decline_per_s)) {
-        return std::nullopt;
-    }
-    return 1.05 * (duration_s + std::log(last / (ringing_share * peak)) / decline_per_s);
-}
-
-/// Samples in the burst, and in a period of the drive.
+/// Samples in the burst.
 std::size_t burst_samples(const Scene& scene) noexcept {
     return static_cast<std::size_t>(burst_s(scene.drive) * scene.output.sample_rate_hz);
 }
-std::size_t period_samples(const Scene& scene) noexcept {
-    return static_cast<std::size_t>(std::ceil(scene.output.sample_rate_hz / scene.drive.frequency_hz));
-}
-
 /// Whether the record covers two periods after the burst.
 bool shows_ringing(const Scene& scene, std::size_t samples) noexcept {
     return samples >= burst_samples(scene) + 2 * period_samples(scene);
@@ -65,7 +43,8 @@ double horn_velocity(const Drive& drive) noexcept {
     return 2 * std::numbers::pi * drive.frequency_hz * std::abs(drive.amplitude_m);
 }
 
-std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out, double peak) {
+std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out,
+                                   std::optional<double> rung_down_s) {
     if (!shows_ringing(scene, v_out.size())) {
         return fmt::format(
             "the run ends before its ringing shows, less than two periods of the drive after the burst; a "
@@ -76,15 +55,12 @@ std::optional<std::string> ringing(const Scene& scene, std::span<const double> v
     if (!ratio || *ratio <= ringing_share) {
         return std::nullopt;
     }
-    const auto enough = ringing_over_s(v_out.subspan(burst_samples(scene)), scene.output.duration_s,
-                                       scene.output.sample_rate_hz, *ratio * peak, peak);
     return fmt::format(
         "v_out still rings at {:.1f} % of its peak when the run ends, which changes its spectrum "
         "(ringing_ratio); {}",
         100 * *ratio,
-        enough
-            ? "about " + duration_setting(*enough) + " would let it fall to 1 %"
-            : std::string("it has not fallen since the burst, so nothing can be said of when it will have"));
+        rung_down_s ? duration_setting(*rung_down_s) + " lets it fall to 1 %"
+                    : "a longer output.duration_s shows how far it falls");
 }
 
 std::optional<std::string> cut_off(const Scene& scene) {
@@ -129,7 +105,17 @@ std::vector<std::string> band_warnings(std::string_view output, const SpectrumSu
     return {};
 }
 
-std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out) {
+double next_duration(double seconds) noexcept {
+    constexpr double beyond = 1 + 1e-9;
+    return rounded_up(seconds * beyond);
+}
+
+std::size_t period_samples(const Scene& scene) noexcept {
+    return static_cast<std::size_t>(std::ceil(scene.output.sample_rate_hz / scene.drive.frequency_hz));
+}
+
+std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out,
+                                         std::optional<double> rung_down_s) {
     std::vector<std::string> warnings;
     const Drive& drive = scene.drive;
     const double horn = horn_velocity(drive);
@@ -147,7 +133,7 @@ std::vector<std::string> record_warnings(const Scene& scene, std::span<const dou
             "v_out is silent: the wave does not reach the end of the chain within the run "
             "(output.duration_s), or does not pass the chain");
     } else if (drive.repetition_hz == 0) {
-        if (const auto found = ringing(scene, v_out, peak)) {
+        if (const auto found = ringing(scene, v_out, rung_down_s)) {
             warnings.push_back(*found);
         }
     }

@@ -24,10 +24,18 @@ double burst_shown_ratio(const Scene& scene) noexcept;
 /// where v_out is silent, and where the record ends less than two periods after the burst.
 std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept;
 
+/// Samples in a period of the drive.
+std::size_t period_samples(const Scene& scene) noexcept;
+
+/// Returns the next longer duration that has two digits [s].
+double next_duration(double seconds) noexcept;
+
 /// Returns the reasons why a record of v_out, from the start of the scene on, does not show the whole burst: a burst
 /// that is not over or has not arrived, an end that still rings, harmonics above half the sample rate. A sentence
 /// each, which names the setting that would do.
-std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out);
+/// @param rung_down_s a duration at whose end it no longer rings, if one is known
+std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out,
+                                         std::optional<double> rung_down_s = {});
 
 /// Returns warnings of strong lines below the lower edge of the search for bands and harmonics. Empty: none.
 std::vector<std::string> band_warnings(std::string_view output, const SpectrumSummary& spectrum);

@@ -192,6 +192,42 @@ std::vector<double> switching_of(SpectrumAnalyser& analyser, const Run& run) {
     return level_differences_db(v_out.harmonics, analyser.harmonics(run.v_out_smooth, v_out.fundamental_hz));
 }
 
+/// Continues a run whose end rings, at most ten times as far, to the first duration of two digits at whose end it does not. Where a beat
+/// is at its least an extrapolation would be wrong by factors.
+std::optional<double> rung_down_s(const Run& run, Simulation& simulation) {
+    constexpr std::size_t times = 10;
+    constexpr std::size_t most_samples = 2'000'000;
+    const Scene& scene = run.resolved.scene;
+    const std::vector<double>& v_out = run.taps.front().values;
+    const std::optional<double> ratio = ringing_ratio(scene, v_out);
+    if (!ratio || *ratio <= ringing_share) {
+        return std::nullopt;
+    }
+    const std::size_t period = period_samples(scene);
+    std::vector<double> record(v_out.end() - static_cast<std::ptrdiff_t>(period), v_out.end());
+    const std::size_t before = v_out.size() - record.size();
+    double peak = peak_of(v_out);
+    Samples block = simulation.make_samples(block_of_run(scene, simulation.taps()));
+    for (Scene longer = scene;;) {
+        longer.output.duration_s = next_duration(longer.output.duration_s);
+        const double rows = rows_of_run(longer);
+        if (rows > static_cast<double>(std::min(times * v_out.size(), v_out.size() + most_samples))) {
+            return std::nullopt;
+        }
+        while (static_cast<double>(before + record.size()) < rows) {
+            const auto left = static_cast<std::size_t>(rows) - before - record.size();
+            if (simulation.advance(block, std::min(block.capacity(), left)) != Status::running) {
+                return std::nullopt;
+            }
+            record.insert(record.end(), block[Tap::v_out].begin(), block[Tap::v_out].end());
+        }
+        peak = std::max(peak, peak_of(record));
+        if (peak_of(std::span(record).last(period)) <= ringing_share * peak) {
+            return longer.output.duration_s;
+        }
+    }
+}
+
 void append(Warnings& warnings, const Warnings& more) {
     warnings.insert(warnings.end(), more.begin(), more.end());
 }
@@ -260,6 +296,9 @@ Run simulate(const Resolution& resolved, const RunOptions& options) {
     if (status != Status::running && status != Status::stopped) {
         throw std::runtime_error(sequence.now().failure());
     }
+    if (status == Status::running && options.steps.empty()) {
+        run.rung_down_s = rung_down_s(run, simulation);
+    }
     return run;
 }
 
@@ -292,7 +331,7 @@ void measure(Run& run, SpectrumAnalyser& analyser, std::optional<double> band_fr
     const std::vector<double>& v_out = run.taps.front().values;
     run.switching_db = switching_of(analyser, run);
     run.ringing_ratio = ringing_ratio(scene, v_out);
-    append(run.warnings, record_warnings(scene, v_out));
+    append(run.warnings, record_warnings(scene, v_out, run.rung_down_s));
     append(run.warnings, band_warnings("v_out", run.taps.front().spectrum));
     append(run.warnings, switching_warnings(run.switching_db));
     for (const TapRecord& tap : std::span(run.taps).subspan(1)) {

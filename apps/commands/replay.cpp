@@ -52,7 +52,7 @@ double sample_rate(const recordings::RecordingHead& head, const ReplayOptions& a
         return *arguments.sample_rate_hz;
     }
     if (head.sample_rate_hz == 0) {
-        throw WrongUse(arguments.file + "  has no sample rate: give --sample-rate");
+        throw WrongUse(arguments.file + " has no sample rate: give --sample-rate");
     }
     return head.sample_rate_hz;
 }

@@ -70,7 +70,9 @@ struct Run {
     std::vector<double>
         switching_db;  ///< per harmonic of v_out: gain by the jumps of its formula; empty without a plate
     std::optional<double> ringing_ratio;  ///< ringing_ratio()
-    Warnings warnings;                    ///< warnings of the result; scene_warnings() has those of the scene
+    std::optional<double>
+        rung_down_s;    ///< a duration at whose end v_out no longer rings, where it rings at the run's end
+    Warnings warnings;  ///< warnings of the result; scene_warnings() has those of the scene
 
     Json recordings;  ///< the written files; null: none
 
