@@ -248,6 +248,20 @@ const std::array table{
 
 constexpr std::array headings{"result", "spectrum of v_out", "contacts", "trust", "run"};
 
+/// Which of the spectra of a plate in a fluid answers which question.
+std::string_view meaning_of(Tap tap) noexcept {
+    switch (tap) {
+        case Tap::p_axis:
+            return ", the pressure at the hydrophone: compare measurements in a fluid with this one";
+        case Tap::v_centre:
+            return ", the velocity at the plate's centre: compare those of a vibrometer with this one";
+        case Tap::v_out:
+            return ", the velocity of the face that the fluid feels";
+        default:
+            return "";
+    }
+}
+
 bool is_of_tap(const Quantity& quantity) {
     return quantity.value.index() != 0;
 }
@@ -318,10 +332,13 @@ std::vector<SummaryGroup> summary_of(const Run& run) {
     for (std::size_t i = 0; i < headings.size(); ++i) {
         groups[i] = {headings[i], Json::object(), ""};
     }
+    if (provides(run.scene().end, Requires::modal_plate)) {
+        groups[static_cast<std::size_t>(Group::spectrum)].heading += meaning_of(Tap::v_out);
+    }
     std::vector<SummaryGroup> of_taps;
     for (const TapRecord& tap : std::span(run.taps).subspan(1)) {
         const std::string name(row_of(tap.tap).name);
-        of_taps.push_back({name, Json::object(), name});
+        of_taps.push_back({fmt::format("spectrum of {}{}", name, meaning_of(tap.tap)), Json::object(), name});
     }
     for (const Quantity& quantity : table) {
         if (!exists(quantity, run)) {

@@ -145,5 +145,18 @@ TEST(WholeRun, GivesTheRecordedTapsBlockByBlock) {
     EXPECT_EQ(channels, static_cast<std::size_t>(result.scene().chain.spheres));
 }
 
+TEST(Quantities, ThePressureOfAPlateInAFluidIsNamedAsTheSpectrumToCompareWith) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.output.duration_s = 0.2e-3;
+    scene.drive.cycles = 5;
+    std::string headings;
+    for (const SummaryGroup& group : summary_of(run(scene, {.measured = Tap::p_axis}))) {
+        headings += group.heading + '\n';
+    }
+    EXPECT_THAT(headings, testing::HasSubstr("spectrum of v_out, the velocity of the face"));
+    EXPECT_THAT(headings, testing::HasSubstr("spectrum of p_axis, the pressure at the hydrophone"));
+    EXPECT_EQ(summary_of(run(Scene()))[1].heading, "spectrum of v_out");
+}
+
 }  // namespace
 }  // namespace hertzline
