@@ -338,7 +338,7 @@ std::vector<SummaryGroup> summary_of(const Run& run) {
     std::vector<SummaryGroup> of_taps;
     for (const TapRecord& tap : std::span(run.taps).subspan(1)) {
         const std::string name(row_of(tap.tap).name);
-        of_taps.push_back({fmt::format("spectrum of {}{}", name, meaning_of(tap.tap)), Json::object(), name});
+        of_taps.push_back({name + std::string(meaning_of(tap.tap)), Json::object(), name});
     }
     for (const Quantity& quantity : table) {
         if (!exists(quantity, run)) {
