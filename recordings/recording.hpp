@@ -83,11 +83,11 @@ public:
     virtual std::string warning() const { return {}; }
 };
 
-/// The wishes of whoever reads a recording.
+/// Options of a reader.
 struct ReadOptions {
     /// The sample rate where the file does not tell its own.
     std::optional<double> sample_rate_hz;
-    /// Takes sentences about samples that are left out, or that may be others than the reader believes; empty: nobody does.
+    /// Takes sentences about samples that are left out, or that may not be those of the recording; empty: warnings are dropped.
     std::function<void(const std::string&)> warn;
 
     void tell(const std::string& warning) const {

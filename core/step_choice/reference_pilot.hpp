@@ -69,7 +69,7 @@ public:
         : ReferencePilot(scene, accuracy, piece_error_for(accuracy), stop) {}
 
     /// A pilot with that step, compared with the reference. One that errs by far too much early is not completed: its error is then
-    /// a lower bound. @param rest_tolerance as of a scene: what a sleeping chain leaves out is part of the error. @throws std::bad_alloc
+    /// a lower bound. @param rest_tolerance as of a scene: the motion that sleep cuts off is part of the error. @throws std::bad_alloc
     Trial trial(Integrator integrator, double step_s, double rest_tolerance = 0);
 
     /// The same, or nothing if the pilot would take longer than about a second.

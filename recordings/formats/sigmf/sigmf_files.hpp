@@ -26,7 +26,7 @@ Json sigmf_extensions();
 /// The time in the form of SigMF files.
 std::string sigmf_text(const Json& json);
 
-/// Entries of a list in the metadata, as text: what is there already is not put together anew.
+/// Entries of a list in the metadata, as text, so that earlier entries are not formatted again.
 class SigmfList {
 public:
     /// @param depth of the list in the metadata

@@ -246,7 +246,7 @@ private:
     }
 
     /// Takes the captures at which samples are missing, and the places of the samples in the dataset. Samples before the
-    /// first capture are nobody's. Captures beyond the end belong to samples that a kill has prevented.
+    /// first capture belong to none. Captures beyond the end belong to samples that were not written before a kill.
     void take_captures(const Json& json, const Json& global, std::uint64_t size) {
         if (!json.is_array()) {
             refuse("captures: allowed: an array");
