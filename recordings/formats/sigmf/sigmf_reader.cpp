@@ -87,8 +87,9 @@ public:
             take_global(meta.at("global"), options);
             dataset = dataset_of(meta["global"]);
         });
-        auto [file, window] = source.open(dataset);
-        data_.emplace(std::move(file));
+        auto opened = source.open(dataset);
+        const auto& window = opened.second;
+        data_.emplace(std::move(opened.first));
         begin_ = window.begin;
         naming_the_path([&] {
             require_same_data(meta["global"], window);
