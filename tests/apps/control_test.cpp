@@ -28,8 +28,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string any_port = "tcp://127.0.0.1:*";
-
 /// A stream that is controlled.
 class LiveStream {
 public:

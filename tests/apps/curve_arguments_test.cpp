@@ -23,15 +23,6 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-using Words = std::vector<std::string>;
-
-const std::string any_port = "tcp://127.0.0.1:*";
-
-Words joined(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
 /// Keys of a server, of alice, who is listed, and of eve, who is not.
 class Keys {
 public:
@@ -56,17 +47,17 @@ private:
 
 /// Returns the words for a stream of 2 ms that begins at sample 0 with the first subscriber.
 Words short_stream(const Words& more) {
-    return joined({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
-                   "--wait-for-subscriber", "--json", "--bind", any_port},
-                  more);
+    return with({"stream", "paper-stream", "--pace", "flat-out", "--duration", "2e-3",
+                 "--wait-for-subscriber", "--json", "--bind", any_port},
+                more);
 }
 
 /// Expects that a listener with these words receives the whole stream, with the samples of `run`.
 void expect_whole(Program& stream, const Words& listener_words) {
     const TemporaryFolder folder;
     const Outcome listener =
-        hertzline(joined({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")},
-                         listener_words));
+        hertzline(with({"listen", "--json", "--connect", stream.endpoint(), "-o", folder.file("heard.csv")},
+                       listener_words));
     ASSERT_EQ(listener.status, 0) << listener.err;
     EXPECT_EQ(listener.json()["samples"], 20'000);
     EXPECT_EQ(listener.json()["gapless"], true);
@@ -97,8 +88,8 @@ TEST_P(Strangers, ReceiveNothingAndDisturbNoListener) {
     const Keys keys;
     Program stream(short_stream(keys.of_server()));
     const Outcome stranger = hertzline(
-        joined({"listen", "--connect", stream.endpoint(), "--timeout", "2", "-o", keys.file("stolen.csv")},
-               GetParam().words(keys)));
+        with({"listen", "--connect", stream.endpoint(), "--timeout", "2", "-o", keys.file("stolen.csv")},
+             GetParam().words(keys)));
     EXPECT_EQ(stranger.status, 1);
     EXPECT_EQ(stranger.out, "");
     EXPECT_THAT(stranger.err, HasSubstr(GetParam().says));
@@ -144,8 +135,8 @@ TEST(Security, NoKeyOfItsOwnIsNoWayIn) {
 TEST(Security, AListenerThatEncryptsDoesNotTakeAPlainStream) {
     const Keys keys;
     Program stream(short_stream({}));
-    const Outcome listener = hertzline(joined({"listen", "--connect", stream.endpoint(), "--timeout", "10"},
-                                              keys.of_listener("clients/alice")));
+    const Outcome listener = hertzline(with({"listen", "--connect", stream.endpoint(), "--timeout", "10"},
+                                            keys.of_listener("clients/alice")));
     EXPECT_EQ(listener.status, 1);
     EXPECT_THAT(listener.err, HasSubstr("encrypts"));
     expect_whole(stream, {});
@@ -158,7 +149,7 @@ TEST(Security, MetaSaysWhetherTheStreamIsEncrypted) {
     const Keys keys;
     for (const bool encrypted : {false, true}) {
         Program stream(
-            joined({"stream", "paper-stream", "--bind", any_port}, encrypted ? keys.of_server() : Words{}));
+            with({"stream", "paper-stream", "--bind", any_port}, encrypted ? keys.of_server() : Words{}));
         SubscriberOptions options;
         if (encrypted) {
             options.curve = CurveClient{.own = *read_key_pair(keys.file("clients/alice.key_secret")),
@@ -174,7 +165,7 @@ TEST(Security, MetaSaysWhetherTheStreamIsEncrypted) {
 TEST(Security, EveryInterfaceIsBoundEncryptedOrInsecure) {
     const Keys keys;
     for (const Words& words : {keys.of_server(), Words{"--insecure"}}) {
-        Program stream(joined({"stream", "paper-stream", "--json", "--bind", "tcp://*:0"}, words));
+        Program stream(with({"stream", "paper-stream", "--json", "--bind", "tcp://*:0"}, words));
         EXPECT_THAT(stream.endpoint(), StartsWith("tcp://0.0.0.0:"));
         stream.messages_with("to listen");
         stream.send(SIGINT);

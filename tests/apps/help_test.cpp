@@ -14,8 +14,6 @@ namespace {
 using testing::HasSubstr;
 using testing::MatchesRegex;
 
-using Words = std::vector<std::string>;
-
 TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
     const Outcome program = hertzline({"--help"});
     EXPECT_EQ(program.status, 0);

@@ -19,8 +19,6 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-using Words = std::vector<std::string>;
-
 struct Mistake {
     const char* name;
     Words arguments;  // FOLDER stands for a temporary folder, with scene.toml, huge.toml, accent.toml

@@ -28,8 +28,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-const std::string any_port = "tcp://127.0.0.1:*";
-
 /// A stream that sends messages made by a test to one listener.
 class FakeStream {
 public:
@@ -81,8 +79,6 @@ public:
     Outcome fall_silent() { return listener_.wait(); }
 
 private:
-    using Words = std::vector<std::string>;
-
     Words command(const std::string& timeout_s, const Words& more) const {
         Words words{"listen", "--json", "--connect", publisher_.endpoint()};
         if (!timeout_s.empty()) {

@@ -29,7 +29,7 @@ TEST(Materials, AllAreListedWithTheirNumbersAndSources) {
 }
 
 TEST(Materials, AreWhatTheReadmeCounts) {
-    const std::string readme = file_text(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "scenes/README.md");
+    const std::string readme = contents(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "scenes/README.md");
     std::size_t solids = 0;
     for (const BuiltInMaterial& row : built_in_materials()) {
         solids += std::holds_alternative<Solid>(row.material) ? 1 : 0;

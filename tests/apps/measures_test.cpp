@@ -21,7 +21,7 @@ using nlohmann::json;
 
 /// Returns the names in backticks in docs/measures.md.
 std::string explained() {
-    return file_text(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "docs/measures.md");
+    return contents(std::filesystem::path(HERTZLINE_SOURCE_DIR) / "docs/measures.md");
 }
 
 /// v_out_np_sent is explained as NAME_np_sent, mode_2_wet_hz as mode_N_wet_hz, end_contact_... as KIND_contact_...

@@ -25,13 +25,14 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// A quick search: a short chain on a wall, and few samples.
-const Words scene = with({"optimise"}, quick_points);
-const Words vary{"--vary", "chain.preload_n=0.01..1:log", "--vary", "chain.spheres=3..8"};
-const Words quick = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s", "--evaluations", "120"});
+const Words search_scene = with({"optimise"}, quick_points);
+const Words search_axes{"--vary", "chain.preload_n=0.01..1:log", "--vary", "chain.spheres=3..8"};
+const Words quick_search =
+    with(with(search_scene, search_axes), {"--maximise", "peak_v_out_m_per_s", "--evaluations", "120"});
 
 class Optimise : public testing::Test {
 protected:
-    Outcome optimised(const std::string& name, const Words& more = {}, const Words& words = quick) {
+    Outcome optimised(const std::string& name, const Words& more = {}, const Words& words = quick_search) {
         return hertzline(with(words, with(more, {"-o", folder.file(name)})));
     }
     std::string fault(const Words& words) {
@@ -91,9 +92,9 @@ TEST_F(Optimise, GivesTheSameBytesWhateverTheJobs) {
 
 TEST_F(Optimise, GoesOnWherePointsFail) {
     const Outcome outcome =
-        hertzline(with(scene, {"--vary", "drive.repetition_hz=0,1000,60000", "--vary",
-                               "chain.preload_n=0.1..1", "--minimise", "peak_v_out_m_per_s", "--evaluations",
-                               "60", "--json", "-o", folder.file("m.csv")}));
+        hertzline(with(search_scene, {"--vary", "drive.repetition_hz=0,1000,60000", "--vary",
+                                      "chain.preload_n=0.1..1", "--minimise", "peak_v_out_m_per_s",
+                                      "--evaluations", "60", "--json", "-o", folder.file("m.csv")}));
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_GT(outcome.json()["refused"], 0);
     EXPECT_THAT(outcome.err, HasSubstr("cannot be simulated"));
@@ -143,7 +144,7 @@ protected:
     static constexpr const char* evaluations = "1000";
     std::string file = folder.file("s.csv");
     std::string journal = file + ".journal";
-    Words long_words = with(with(scene, vary), {"--maximise", "peak_v_out_m_per_s"});
+    Words long_words = with(with(search_scene, search_axes), {"--maximise", "peak_v_out_m_per_s"});
     Words words = with(long_words, {"--evaluations", evaluations, "-o", file});
 };
 
@@ -244,16 +245,17 @@ TEST_F(LongSearch, AFullDiskLosesNoRow) {
 
 TEST_F(Optimise, WrongUseIsToldBeforeAnythingRuns) {
     const Words maximise{"--maximise", "peak_v_out_m_per_s"};
-    const Words sound = with(with(scene, vary), maximise);
+    const Words sound = with(with(search_scene, search_axes), maximise);
     const Words output{"-o", folder.file("w.csv")};
     EXPECT_THAT(fault({"optimise", "-o", "x.h5"}), HasSubstr("SCENE is missing"));
     EXPECT_THAT(fault(sound), HasSubstr("-o FILE is missing"));
     EXPECT_THAT(fault(with(sound, {"-o", "a.txt"})), HasSubstr(".csv, .h5"));
-    EXPECT_THAT(fault(with(with(scene, maximise), output)), HasSubstr("--vary is missing"));
-    EXPECT_THAT(fault(with(with(scene, vary), output)), HasSubstr("--maximise or --minimise is missing"));
+    EXPECT_THAT(fault(with(with(search_scene, maximise), output)), HasSubstr("--vary is missing"));
+    EXPECT_THAT(fault(with(with(search_scene, search_axes), output)),
+                HasSubstr("--maximise or --minimise is missing"));
     EXPECT_THAT(fault(with(sound, with(output, {"--minimise", "thd_r"}))),
                 HasSubstr("--maximise and --minimise: found both"));
-    EXPECT_THAT(fault(with(with(scene, vary), with(output, {"--maximise", "peak_v_out"}))),
+    EXPECT_THAT(fault(with(with(search_scene, search_axes), with(output, {"--maximise", "peak_v_out"}))),
                 AllOf(HasSubstr("--maximise: found \"peak_v_out\""),
                       HasSubstr("did you mean 'peak_v_out_m_per_s'?")));
     EXPECT_THAT(fault(with(sound, with(output, {"--subject-to", "thd >= 1"}))),

@@ -25,10 +25,6 @@ using testing::StartsWith;
 
 const std::string png_begin = "\x89PNG\r\n\x1a\n";
 
-std::size_t files_in(const fs::path& folder) {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
-}
-
 /// A variable of the environment, for programs started during its lifetime.
 class Variable {
 public:

@@ -75,7 +75,7 @@ std::string Program::messages_when(Found found, const std::string& wanted) const
     std::string messages;
     const bool in_time = wait_until(
         [&] {
-            messages = file_text(folder_.file("err"));
+            messages = contents(folder_.file("err"));
             return found(messages);
         },
         long_enough);
@@ -106,8 +106,8 @@ Outcome Program::wait(Seconds limit) {
     Outcome outcome;
     int status = 0;
     const bool ended = wait_until([&] { return waitpid(process_, &status, WNOHANG) == process_; }, limit);
-    outcome.out = file_text(folder_.file("out"));
-    outcome.err = file_text(folder_.file("err"));
+    outcome.out = contents(folder_.file("out"));
+    outcome.err = contents(folder_.file("err"));
     if (ended) {
         process_ = -1;
         outcome.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
@@ -137,17 +137,6 @@ nlohmann::json object_of(Subscriber& subscriber, std::string_view topic) {
     }
     ADD_FAILURE() << "no message of " << topic;
     return nullptr;
-}
-
-std::string file_text(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream(file, std::ios::binary) << text;
 }
 
 std::map<std::string, std::vector<double>> csv_of(const std::filesystem::path& file) {

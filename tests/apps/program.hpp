@@ -13,6 +13,7 @@
 #include <sys/types.h>
 
 #include "stream/wire/subscriber.hpp"
+#include "tests/support/files.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -59,6 +60,8 @@ private:
     pid_t process_ = -1;
 };
 
+/// An endpoint with a port that is free.
+inline const std::string any_port = "tcp://127.0.0.1:*";
 using Words = std::vector<std::string>;
 /// Returns the words followed by more.
 Words with(Words words, const Words& more);
@@ -68,9 +71,6 @@ Outcome hertzline(const std::vector<std::string>& arguments);
 
 /// Waits for a message of the topic, passing over others. Fails the test when none comes.
 nlohmann::json object_of(stream::Subscriber& subscriber, std::string_view topic);
-
-std::string file_text(const std::filesystem::path& file);
-void write_text(const std::filesystem::path& file, const std::string& text);
 
 /// Reads a CSV. Returns its columns by name.
 std::map<std::string, std::vector<double>> csv_of(const std::filesystem::path& file);

@@ -25,9 +25,6 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::string any_port = "tcp://127.0.0.1:*";
-using Words = std::vector<std::string>;
-
 /// Returns v_out of `count` samples of paper-stream, by `run`.
 std::vector<double> v_out_of_run(std::size_t count, const TemporaryFolder& folder) {
     const std::string duration = fmt::format("{}", static_cast<double>(count) / 10e6);
@@ -120,7 +117,7 @@ std::string kept_file(const json& recording) {
 
 /// Returns the number of lines of a CSV, without its first.
 std::int64_t rows_of(const std::string& csv) {
-    const std::string text = file_text(csv);
+    const std::string text = contents(csv);
     return std::count(text.begin(), text.end(), '\n') - 1;
 }
 
@@ -131,7 +128,7 @@ TEST(RecordingSet, ARunWhoseOnlyFileFailsLeavesTheOldOneAloneAndWhatItHas) {
     const Outcome outcome = hertzline({"run", "paper-wall", "-o", folder.file("a.csv")});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, AllOf(HasSubstr("a.csv"), HasSubstr("File too large")));
-    EXPECT_EQ(file_text(folder.file("a.csv")), "old");
+    EXPECT_EQ(contents(folder.file("a.csv")), "old");
     EXPECT_FALSE(fs::exists(folder.file("a.csv-metadata.json")));
     std::smatch kept;
     ASSERT_TRUE(std::regex_search(outcome.err, kept, std::regex("(\\d+) samples are in (\\S+)")));
@@ -147,7 +144,7 @@ TEST(RecordingSet, ADiskTooFullForMetadataLeavesTheOldFileAlone) {
         hertzline({"run", "paper-wall", "--set", "output.duration_s=1e-6", "-o", folder.file("a.csv")});
     EXPECT_EQ(outcome.status, 1);
     EXPECT_THAT(outcome.err, HasSubstr("a.csv-metadata.json: File too large"));
-    EXPECT_EQ(file_text(folder.file("a.csv")), "old");
+    EXPECT_EQ(contents(folder.file("a.csv")), "old");
 }
 
 TEST(RecordingSet, TheStreamGoesOnWhenTheDiskIsFull) {
@@ -253,7 +250,7 @@ TEST(RecordingSet, AnInterruptedRunLeavesAnOldRecordingAsItWas) {
     }
     run.send(SIGINT);
     EXPECT_EQ(run.wait().status, 1);
-    EXPECT_EQ(file_text(folder.file("a.sigmf-meta")) + file_text(folder.file("a.sigmf-data")), "oldold");
+    EXPECT_EQ(contents(folder.file("a.sigmf-meta")) + contents(folder.file("a.sigmf-data")), "oldold");
 }
 
 /// A scene whose step turns out to be too long after some milliseconds. The motion is chaotic, so the moment depends on the instruction

@@ -20,8 +20,6 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-using Words = std::vector<std::string>;
-
 struct Replayed {
     json meta;
     Outcome replay;

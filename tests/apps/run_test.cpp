@@ -40,19 +40,13 @@ const std::vector<std::string> contract_names{"simulated_s",
                                               "scene_hash",
                                               "version"};
 
-using Words = std::vector<std::string>;
-
-std::size_t files_in(const std::filesystem::path& folder) {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
-}
-
 TEST(Run, SummaryHasTheContractsNamesInJsonAndText) {
-    const Outcome json = hertzline({"run", "paper-vitreous-carbon", "--json"});
-    ASSERT_EQ(json.status, 0) << json.err;
+    const Outcome printed = hertzline({"run", "paper-vitreous-carbon", "--json"});
+    ASSERT_EQ(printed.status, 0) << printed.err;
     const Outcome text = hertzline({"run", "paper-vitreous-carbon"});
     ASSERT_EQ(text.status, 0) << text.err;
     for (const std::string& name : contract_names) {
-        EXPECT_TRUE(json.json().contains(name)) << name;
+        EXPECT_TRUE(printed.json().contains(name)) << name;
         EXPECT_THAT(text.out, HasSubstr(name));
     }
 }
@@ -112,7 +106,7 @@ TEST(Run, FilesHoldEverySampleUpToAndIncludingTheDuration) {
     EXPECT_EQ(time.front(), 0);
     EXPECT_EQ(time.back(), 500e-6);
     EXPECT_EQ(outcome.json()["rows"], 5001);
-    EXPECT_EQ(file_text(folder.file("a.csv")), file_text(folder.file("b.csv")));
+    EXPECT_EQ(contents(folder.file("a.csv")), contents(folder.file("b.csv")));
     EXPECT_EQ(files_in(std::filesystem::path(folder.file("a.csv")).parent_path()), 4U);  // and their metadata
 }
 

@@ -18,9 +18,6 @@ namespace {
 
 using testing::HasSubstr;
 
-const std::string any_port = "tcp://127.0.0.1:*";
-using Words = std::vector<std::string>;
-
 std::vector<std::string> column_names(const std::string& file) {
     std::vector<std::string> names;
     const auto reader = open_reader(file);

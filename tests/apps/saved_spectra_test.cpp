@@ -58,7 +58,7 @@ TEST(SavedSpectra, SavesTheSpectraFromWhichItsHarmonicsCanBeRead) {
     EXPECT_NEAR(table.at("f_last_n").front(), std::abs(mean), 1e-9);
     EXPECT_GT(std::filesystem::file_size(folder.file("s.npy")), 24 * frequency.size());
     EXPECT_GT(std::filesystem::file_size(folder.file("s.h5")), 24 * frequency.size());
-    EXPECT_THAT(file_text(folder.file("s.csv-metadata.json")), HasSubstr("scene_hash"));
+    EXPECT_THAT(contents(folder.file("s.csv-metadata.json")), HasSubstr("scene_hash"));
 }
 
 TEST(SavedSpectra, AnUnwritablePlaceIsReportedBeforeTheRun) {

@@ -39,7 +39,6 @@ TEST(Scenes, PrintsAFileThatRunsTheSame) {
 }
 
 TEST(Scenes, PrintsAFileThatGivesTheSameBits) {
-    using Words = std::vector<std::string>;
     const TemporaryFolder folder;
     // steps that no short decimal number holds, and steps that the program chooses
     for (const Words& numerics : {Words{"integrator=taylor8", "step_s=0.4567890123456789e-6"},
@@ -61,7 +60,7 @@ TEST(Scenes, PrintsAFileThatGivesTheSameBits) {
             {"run", folder.file("printed.toml"), "--json", "--all", "-o", folder.file("again.csv")});
         ASSERT_EQ(original.status, 0) << original.err;
         ASSERT_EQ(again.status, 0) << again.err;
-        EXPECT_EQ(file_text(folder.file("again.csv")), file_text(folder.file("original.csv")))
+        EXPECT_EQ(contents(folder.file("again.csv")), contents(folder.file("original.csv")))
             << numerics.front();
         for (const char* name : {"step_s", "integrator", "estimated_error", "steps", "scene_hash"}) {
             EXPECT_EQ(again.json()[name], original.json()[name]) << name;

@@ -28,27 +28,18 @@ using testing::HasSubstr;
 using testing::Key;
 using testing::StartsWith;
 
-const std::string any_port = "tcp://127.0.0.1:*";
-
 struct Heard {
     Outcome stream;
     Outcome listener;
 };
 
-using Words = std::vector<std::string>;
-
-Words joined(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-}
-
 /// Streams 2 ms to a listener that receives from sample 0 on.
 Heard hear(const std::string& endpoint, const Words& stream_words, const Words& listener_words,
            const std::string& scene = "paper-stream") {
-    Program stream(joined({"stream", scene, "--pace", "flat-out", "--duration", "2e-3",
-                           "--wait-for-subscriber", "--json", "--bind", endpoint},
-                          stream_words));
-    Program listener(joined({"listen", "--json", "--connect", stream.endpoint()}, listener_words));
+    Program stream(with({"stream", scene, "--pace", "flat-out", "--duration", "2e-3", "--wait-for-subscriber",
+                         "--json", "--bind", endpoint},
+                        stream_words));
+    Program listener(with({"listen", "--json", "--connect", stream.endpoint()}, listener_words));
     Heard heard;
     heard.listener = listener.wait();
     heard.stream = stream.wait();
@@ -273,7 +264,7 @@ TEST(Stream, AsksForAllTheDescriptorsThatItMayHave) {
     Program stream({"stream", "paper-stream", "--bind", any_port});
     few.reset();
     stream.endpoint();
-    const std::string limits = file_text("/proc/" + std::to_string(stream.process()) + "/limits");
+    const std::string limits = contents("/proc/" + std::to_string(stream.process()) + "/limits");
     std::smatch found;
     ASSERT_TRUE(std::regex_search(limits, found, std::regex("Max open files +([0-9]+) +([0-9]+)"))) << limits;
     EXPECT_EQ(found[1], found[2]);

@@ -26,8 +26,6 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-const Words quick = with({"sweep"}, quick_points);
-
 class SweepFiles : public testing::Test {
 protected:
     /// Runs the sweep into a file of that name. Returns the finished file.
@@ -39,7 +37,8 @@ protected:
     }
 
     TemporaryFolder folder;
-    Words words = with(quick, {"--vary", "chain.preload_n=0.01..1:log:8", "--vary", "chain.spheres=3..6:4"});
+    Words words =
+        with(quick_sweep, {"--vary", "chain.preload_n=0.01..1:log:8", "--vary", "chain.spheres=3..6:4"});
 };
 
 TEST_F(SweepFiles, HaveTheSameBytesWhateverTheJobsAndShards) {
@@ -121,7 +120,7 @@ protected:
     TemporaryFolder folder;
     std::string file = folder.file("s.csv");
     std::string journal = file + ".journal";
-    Words words = with(quick, {"--vary", fmt::format("chain.preload_n=0.01..1:log:{}", points)});
+    Words words = with(quick_sweep, {"--vary", fmt::format("chain.preload_n=0.01..1:log:{}", points)});
 };
 
 TEST_F(LongSweep, GoesOnAfterItWasKilled) {
@@ -232,7 +231,7 @@ TEST_F(LongSweep, AFullDiskLosesNoRow) {
 TEST(SweepJournal, AFullDiskAtTheEndKeepsTheJournal) {
     const TemporaryFolder folder;
     const std::string file = folder.file("s.csv");
-    const Words words = with(quick, {"--vary", "chain.preload_n=0.1..1:600", "-o", file});
+    const Words words = with(quick_sweep, {"--vary", "chain.preload_n=0.1..1:600", "-o", file});
     {
         // rows as text are longer than in the journal
         const Limit limit(RLIMIT_FSIZE, 720'000);
@@ -253,7 +252,7 @@ TEST(SweepJournal, WithoutMemoryForTheLargestPointNothingBegins) {
     }
     const TemporaryFolder folder;
     const Words words =
-        with(quick, {"--vary", "chain.spheres=6,1000000,7", "--jobs", "1", "-o", folder.file("s.csv")});
+        with(quick_sweep, {"--vary", "chain.spheres=6,1000000,7", "--jobs", "1", "-o", folder.file("s.csv")});
     std::optional<Program> program;
     {
         const Limit limit(RLIMIT_AS, 200'000'000);

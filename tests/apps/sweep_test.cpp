@@ -24,8 +24,6 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::SizeIs;
 
-const Words quick = with({"sweep"}, quick_points);
-
 /// Returns the rows that --json prints.
 std::vector<json> rows_of(const Outcome& outcome) {
     std::vector<json> rows;
@@ -193,8 +191,8 @@ TEST(Sweep, RunTakesTheStepsOfRows) {
 
 TEST(Sweep, KeepsTheQuantitiesThatAreNamed) {
     const Outcome outcome =
-        hertzline(with(quick, {"--vary", "chain.spheres=3", "--json", "--quantity",
-                               "peak_v_out_m_per_s,harmonics_db", "--quantity", "steps"}));
+        hertzline(with(quick_sweep, {"--vary", "chain.spheres=3", "--json", "--quantity",
+                                     "peak_v_out_m_per_s,harmonics_db", "--quantity", "steps"}));
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const auto row = Json::parse(outcome.out);
     Words names;
@@ -245,7 +243,7 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
     write_text(points, "chain.preload_n\n0.1\n");
     EXPECT_THAT(fault({"paper-wall", "--points", points, "-o", points}),
                 HasSubstr("found the file of --points"));
-    EXPECT_EQ(file_text(points), "chain.preload_n\n0.1\n");
+    EXPECT_EQ(contents(points), "chain.preload_n\n0.1\n");
     const Outcome absent = hertzline({"sweep", "paper-wall", "--points", folder.file("none.csv"), "--json"});
     EXPECT_EQ(absent.status, 1);
     EXPECT_THAT(absent.err, HasSubstr("none.csv"));
@@ -270,7 +268,7 @@ TEST(Sweep, WhatCannotFitIsRefusedBeforeItBegins) {
 TEST(Sweep, TakesAListOfPoints) {
     const TemporaryFolder folder;
     write_text(folder.file("p.csv"), "chain.spheres,chain.preload_n\n3,0.1\n5,0.2\n");
-    const Outcome outcome = hertzline(with(quick, {"--points", folder.file("p.csv"), "--json"}));
+    const Outcome outcome = hertzline(with(quick_sweep, {"--points", folder.file("p.csv"), "--json"}));
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     EXPECT_EQ(rows_of(outcome).at(1)["chain.spheres"], 5);
     EXPECT_EQ(rows_of(outcome).at(1)["chain.preload_n"], 0.2);
@@ -279,7 +277,7 @@ TEST(Sweep, TakesAListOfPoints) {
 TEST(Sweep, IsDrawn) {
     const TemporaryFolder folder;
     const auto drawn = [&](const std::string& table, const Words& sweep, const Words& plot) {
-        const Outcome swept = hertzline(with(with(quick, sweep), {"-o", folder.file(table)}));
+        const Outcome swept = hertzline(with(with(quick_sweep, sweep), {"-o", folder.file(table)}));
         EXPECT_EQ(swept.status, 0) << swept.err;
         const Outcome outcome =
             hertzline(with({"plot", folder.file(table), "-o", folder.file(table + ".svg")}, plot));

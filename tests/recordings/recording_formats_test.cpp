@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/recordings/any_format.hpp"
 #include "tests/support/error_of.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/sanitized.hpp"
@@ -27,31 +28,12 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-struct Format {
-    const char* ending;
-    NumberType numbers;
-    friend void PrintTo(const Format& format, std::ostream* out) { *out << format.ending; }
-};
-
-class RecordingFormat : public testing::TestWithParam<Format> {
+class RecordingFormat : public AnyFormat {
 protected:
-    TemporaryFolder folder;
-    std::string file = folder.file(std::string("recording.") + GetParam().ending);
-
-    RecordingHead head(int spheres = 0) const { return recording_head(GetParam().numbers, spheres); }
-
     void record(const RecordingHead& as, const std::vector<RecordedRows>& rows) const {
         const auto writer = open_recording(file, as);
         write_rows(*writer, rows);
         writer->commit();
-    }
-
-    std::vector<std::string> listing() const {
-        std::vector<std::string> names;
-        for (const auto& entry : fs::directory_iterator(fs::path(file).parent_path())) {
-            names.push_back(entry.path().filename());
-        }
-        return names;
     }
 
     /// Returns the reason why the file cannot be read to its end, or "".
@@ -68,14 +50,6 @@ class LongDescription : public RecordingFormat {};
 
 /// Formats whose reader notices missing or damaged parts.
 class SealedFormat : public RecordingFormat {};
-
-void expect_same(const std::vector<RecordedRows>& read, const std::vector<RecordedRows>& written) {
-    ASSERT_EQ(read.size(), written.size());
-    for (std::size_t i = 0; i < read.size(); ++i) {
-        EXPECT_EQ(read[i].first, written[i].first);
-        EXPECT_TRUE(read[i].values == written[i].values) << "stretch " << i;
-    }
-}
 
 TEST_P(RecordingFormat, ComesBackBitForBitWithItsHeadAndItsGaps) {
     const RecordingHead written = head(3);
@@ -253,13 +227,6 @@ TEST_P(LongDescription, ThatIsMadeToBeSlowIsRefused) {
     record(written, {recorded_rows(written, 0, 10)});
     EXPECT_THAT(refusal(), HasSubstr("too many keys"));
 }
-
-constexpr Format npy_f8{"npy", NumberType::float64}, npy_f4{"npy", NumberType::float32};
-constexpr Format h5_f8{"h5", NumberType::float64}, h5_f4{"h5", NumberType::float32};
-constexpr Format wav{"wav", NumberType::float32};
-constexpr Format csv_f8{"csv", NumberType::float64}, csv_f4{"csv", NumberType::float32};
-constexpr Format sigmf{"sigmf-meta", NumberType::float32};
-constexpr Format sigmf_collection{"sigmf-collection", NumberType::float32};
 
 std::string name_of(const testing::TestParamInfo<Format>& format) {
     std::string ending = format.param.ending;

@@ -20,8 +20,8 @@ PointResult result_of(PointStatus status, double value, double bounded) {
     return result;
 }
 
-const std::vector<NumberColumn> columns{*measures::find_column("occupied_20db_hz"),
-                                        *measures::find_column("peak_v_out_m_per_s")};
+const std::vector<NumberColumn> judged_columns{*measures::find_column("occupied_20db_hz"),
+                                               *measures::find_column("peak_v_out_m_per_s")};
 
 TEST(Constraint, IsReadWithOrWithoutBlanks) {
     for (const char* text :
@@ -46,7 +46,7 @@ TEST(Constraint, ThatDoesNotParseIsRefused) {
 TEST(Score, PutsFeasiblePointsBeforeOthersAndThoseWithoutNumbersLast) {
     const Goal goal{"occupied_20db_hz", true, {*parse_constraint("peak_v_out_m_per_s >= 0.3")}};
     const auto merit = [&](PointStatus status, double value, double bounded) {
-        return merit_of(score_of(goal, columns, result_of(status, value, bounded)), true);
+        return merit_of(score_of(goal, judged_columns, result_of(status, value, bounded)), true);
     };
     const std::vector<double> merits{
         merit(PointStatus::ok, 2e5, 0.3), merit(PointStatus::inaccurate, 1e5, 0.4),
@@ -67,13 +67,13 @@ TEST(Score, MinimisesTheValueAndAddsUpWhatIsViolated) {
         "occupied_20db_hz",
         false,
         {*parse_constraint("peak_v_out_m_per_s <= 2"), *parse_constraint("occupied_20db_hz >= 100")}};
-    EXPECT_EQ(merit_of(score_of(goal, columns, result_of(PointStatus::ok, 120, 1)), false), 120);
-    EXPECT_DOUBLE_EQ(score_of(goal, columns, result_of(PointStatus::ok, 75, 3)).violation, 0.25 + 0.5);
+    EXPECT_EQ(merit_of(score_of(goal, judged_columns, result_of(PointStatus::ok, 120, 1)), false), 120);
+    EXPECT_DOUBLE_EQ(score_of(goal, judged_columns, result_of(PointStatus::ok, 75, 3)).violation, 0.25 + 0.5);
 }
 
 TEST(MeasureFaults, NameTheOptionAndAMeasureThatIsLikeIt) {
     const Goal goal{"occupied_20db", false, {*parse_constraint("thd_r >= 1")}};
-    const std::vector<SearchFault> faults = measure_faults(goal, columns);
+    const std::vector<SearchFault> faults = measure_faults(goal, judged_columns);
     ASSERT_THAT(faults, SizeIs(2));
     EXPECT_EQ(faults[0].subject, "minimise");
     EXPECT_THAT(faults[0].text,

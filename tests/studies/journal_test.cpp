@@ -30,13 +30,13 @@ using testing::AnyOf;
 using testing::HasSubstr;
 
 constexpr std::size_t samples = 3;
-constexpr std::int64_t points = 10;
+constexpr std::int64_t study_points = 10;
 
-const std::vector<TableColumn> columns{{{"point", "", ""}, CellKind::integer},
-                                       {{"chain.spheres", "", ""}, CellKind::integer},
-                                       {{"status", "", ""}, CellKind::text, 12},
-                                       {{"thd_r", "", ""}},
-                                       {{"message", "", ""}, CellKind::text, 504}};
+const std::vector<TableColumn> study_columns{{{"point", "", ""}, CellKind::integer},
+                                             {{"chain.spheres", "", ""}, CellKind::integer},
+                                             {{"status", "", ""}, CellKind::text, 12},
+                                             {{"thd_r", "", ""}},
+                                             {{"message", "", ""}, CellKind::text, 504}};
 
 TableRow row_of(std::int64_t point, double number, PointStatus status = PointStatus::ok) {
     return {{point, point * 31, std::string(word_of(status)), number, std::string("a \"message\", one")},
@@ -48,8 +48,8 @@ protected:
     /// Makes a journal with rows of these points.
     Journal begun(const std::vector<std::int64_t>& rows) const {
         Journal journal(path, Journal::Use::begin);
-        journal.begin("what is studied", columns);
-        journal.load(columns, samples, points);
+        journal.begin("what is studied", study_columns);
+        journal.load(study_columns, samples, study_points);
         for (const std::int64_t point : rows) {
             journal.append(PointStatus::ok, row_of(point, 0.5));
         }
@@ -60,7 +60,7 @@ protected:
 
     Journal opened(Journal::Use use) const {
         Journal journal(path, use);
-        journal.load(columns, samples, points);
+        journal.load(study_columns, samples, study_points);
         return journal;
     }
 
@@ -170,8 +170,8 @@ TEST_F(JournalOfAStudy, WithoutRowsBeginsAgain) {
     write({});
     Journal journal(path, Journal::Use::begin);
     EXPECT_TRUE(journal.is_new());
-    journal.begin("again", columns);
-    journal.load(columns, samples, points);
+    journal.begin("again", study_columns);
+    journal.load(study_columns, samples, study_points);
     journal.commit();
     EXPECT_EQ(Journal(path, Journal::Use::read).text(), "again");
 }
@@ -209,7 +209,7 @@ TEST_F(JournalOfAStudy, RowsThatAreNotItsOwnAreRefused) {
         Database(folder.file("copy"), Database::Use::write).run(sql);
         return error_of([&] {
             Journal journal(folder.file("copy"), Journal::Use::read);
-            journal.load(columns, samples, points);
+            journal.load(study_columns, samples, study_points);
             TableRow row;
             journal.read(1, row);
         });
@@ -240,10 +240,10 @@ TEST_F(JournalOfAStudy, DamageIsAnErrorOrAnotherRow) {
         error_of([&] {
             const Journal journal = opened(Journal::Use::resume);
             TableRow row;
-            for (std::int64_t point = 0; point < points; ++point) {
+            for (std::int64_t point = 0; point < study_points; ++point) {
                 if (journal.has(point)) {
                     journal.read(point, row);
-                    EXPECT_EQ(row.cells.size(), columns.size());
+                    EXPECT_EQ(row.cells.size(), study_columns.size());
                 }
             }
         });
@@ -258,8 +258,8 @@ TEST(JournalInMemory, HasNoFile) {
     {
         Journal journal = Journal::in_memory();
         EXPECT_TRUE(journal.is_new() && journal.is_in_memory());
-        journal.begin("text", columns);
-        journal.load(columns, samples, points);
+        journal.begin("text", study_columns);
+        journal.load(study_columns, samples, study_points);
         journal.append(PointStatus::ok, row_of(3, -0.0));
         journal.commit();
         EXPECT_TRUE(std::signbit(number_in(journal, 3)));
@@ -270,12 +270,12 @@ TEST(JournalInMemory, HasNoFile) {
 }
 
 TEST(JournalInMemory, TakesNamesThatDifferInCaseAlone) {
-    std::vector<TableColumn> names = columns;
+    std::vector<TableColumn> names = study_columns;
     names.push_back({{"materials.Glass.density_kg_per_m3", "", ""}});
     names.push_back({{"materials.glass.density_kg_per_m3", "", ""}});
     Journal journal = Journal::in_memory();
     journal.begin("text", names);
-    journal.load(names, samples, points);
+    journal.load(names, samples, study_points);
     TableRow row = row_of(1, 1);
     row.cells.insert(row.cells.end(), {Cell(2.0), Cell(3.0)});
     journal.append(PointStatus::ok, row);

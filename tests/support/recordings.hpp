@@ -3,14 +3,12 @@
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include "recordings/columns.hpp"
 #include "recordings/recording.hpp"
+#include "tests/support/files.hpp"
 
 namespace hertzline::test {
 
@@ -80,18 +78,6 @@ inline std::vector<recordings::RecordedRows> read_rows(recordings::RecordingRead
         }
     }
     return all;
-}
-
-/// Reads the bytes of a file.
-inline std::string contents(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-inline void write_text(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream(file, std::ios::binary) << text;
 }
 
 }  // namespace hertzline::test

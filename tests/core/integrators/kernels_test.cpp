@@ -19,7 +19,7 @@
 namespace hertzline::test {
 namespace {
 
-constexpr double step_s = 50e-9;
+constexpr double common_step_s = 50e-9;
 constexpr std::size_t steps = 700;  // a burst of 27 us and ringing after it
 constexpr std::array<std::int64_t, 18> lengths{1,  2,  5,  6,  7,  13, 14, 15,  16,
                                                29, 30, 31, 61, 62, 63, 64, 100, 300};
@@ -34,10 +34,10 @@ public:
 };
 
 Scene short_burst(Integrator integrator, std::int64_t spheres) {
-    Scene scene = with_step(Scene{}, integrator, step_s);
+    Scene scene = with_step(Scene{}, integrator, common_step_s);
     scene.drive.cycles = 2;
     scene.chain.spheres = spheres;
-    scene.output.sample_rate_hz = 1 / step_s;
+    scene.output.sample_rate_hz = 1 / common_step_s;
     return scene;
 }
 
@@ -72,7 +72,7 @@ double difference(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// Returns the velocities of all spheres, [sample][sphere].
 std::vector<double> textbook_velocities(const Scene& scene) {
-    Textbook textbook(scene, step_s);
+    Textbook textbook(scene, common_step_s);
     const auto spheres = static_cast<std::ptrdiff_t>(scene.chain.spheres);
     std::vector<double> velocities;
     for (std::size_t i = 0; i <= steps; ++i) {
@@ -120,7 +120,7 @@ TEST_P(LocatingKernels, ComeToWhatTheTextbookConvergesTo) {
     for (const std::int64_t spheres : {1, 6, 20, 80}) {
         for (const auto& [variant, scene] : variants(GetParam(), spheres)) {
             constexpr int finer = 64;
-            Textbook textbook(scene, step_s / finer);
+            Textbook textbook(scene, common_step_s / finer);
             std::vector<double> expected;
             for (std::size_t i = 0; i <= steps; ++i) {
                 expected.insert(expected.end(), textbook.v.begin(), textbook.v.begin() + spheres);
@@ -161,7 +161,7 @@ TEST(Kernels, AWaveThatRunsIntoSpheresAtRestMovesThemAsTheTextbookSays) {
         scene.drive.amplitude_m = 1e-7;
         constexpr int finer = 16;
         const bool same_method = integrator == Integrator::leapfrog;
-        Textbook textbook(scene, same_method ? step_s : step_s / finer);
+        Textbook textbook(scene, same_method ? common_step_s : common_step_s / finer);
         std::vector<double> expected;
         for (std::size_t i = 0; i < 3000; ++i) {
             expected.insert(expected.end(), textbook.v.begin(), textbook.v.begin() + 600);

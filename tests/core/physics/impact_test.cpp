@@ -125,7 +125,7 @@ TEST_P(Impact, AChainOfCollisionsKeepsMomentumAndEnergy) {
 }
 
 /// Returns the velocities of a single sphere while a wall strikes it.
-std::vector<double> struck(Integrator integrator, Tension tension) {
+std::vector<double> rebounds(Integrator integrator, Tension tension) {
     Scene scene = struck_by_a_wall(integrator);
     scene.chain.damping_kg_per_s = 0.3;
     scene.chain.tension = tension;
@@ -133,8 +133,8 @@ std::vector<double> struck(Integrator integrator, Tension tension) {
 }
 
 TEST_P(Impact, AClampedContactNeverPullsAndAnUnclampedOneDoesBeforeItOpens) {
-    const std::vector<double> clamped = struck(GetParam(), Tension::clamped);
-    const std::vector<double> allowed = struck(GetParam(), Tension::allowed);
+    const std::vector<double> clamped = rebounds(GetParam(), Tension::clamped);
+    const std::vector<double> allowed = rebounds(GetParam(), Tension::allowed);
     EXPECT_TRUE(std::is_sorted(clamped.begin(), clamped.end()));
     EXPECT_FALSE(std::is_sorted(allowed.begin(), allowed.end()));
     EXPECT_GT(clamped.back(), allowed.back() + 0.01 * impact_speed);

@@ -9,12 +9,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr TapSet all = TapSet(Tap::v_out) | Tap::v_last | Tap::v_chain | Tap::f_chain;
+constexpr TapSet all_taps = TapSet(Tap::v_out) | Tap::v_last | Tap::v_chain | Tap::f_chain;
 
 /// A stream that is judged once a period, at times of its own.
 class Judged {
 public:
-    TapSet judge(Nanoseconds lateness, std::uint64_t dropped = 0, TapSet taken = all) {
+    TapSet judge(Nanoseconds lateness, std::uint64_t dropped = 0, TapSet taken = all_taps) {
         now_ += LoadShedder::period;
         shedder_.judge(taken, lateness, dropped, now_);
         return shedder_.shed();
@@ -28,7 +28,7 @@ public:
     void overload() { judge_for(10 * LoadShedder::period, 40ms); }
 
 private:
-    LoadShedder shedder_{{.taps = all, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1024}};
+    LoadShedder shedder_{{.taps = all_taps, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1024}};
     Nanoseconds now_{0};
 };
 
@@ -58,9 +58,9 @@ TEST(LoadShedder, WhoDiscardsBlocksIsBehindHoweverShortItsRingIs) {
 }
 
 TEST(LoadShedder, LooksAtTheStreamOnceAPeriod) {
-    LoadShedder shedder({.taps = all, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1024});
+    LoadShedder shedder({.taps = all_taps, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1024});
     for (int i = 0; i < 100; ++i) {
-        shedder.judge(all, 40ms, 0, 1s + i * 10us);
+        shedder.judge(all_taps, 40ms, 0, 1s + i * 10us);
     }
     EXPECT_EQ(shedder.shed(), TapSet());
 }
