@@ -4,8 +4,8 @@
     scripts/soak.py --program build/release/hertzline --seconds 1800
 
 One subscriber listens from the first sample to the last: it must receive each sent frame or count it as missing. Another is too
-slow from beginning to end. Others come and go: some listen for a while, some record, some are killed. The program's memory and file
-descriptors are sampled. Prints the figures, then the failed demands; exit status 1 if there are any. Debian: python3-zmq
+slow from beginning to end. Others come and go: some listen for a while, some record, some are killed. A controller changes the scene
+every second, and a page watches the stream in its scope. The program's memory and file descriptors are sampled. Prints the figures, then the failed demands; exit status 1 if there are any. Debian: python3-zmq
 python3-numpy.
 """
 import argparse
@@ -23,6 +23,9 @@ import time
 import numpy as np
 import zmq
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests/scope"))
+from page_socket import PageSocket, Picture  # noqa: E402
+
 STREAMS = ["v_out", "v_last", "v_plate"]
 SETTLED_S = 600          # queues are full and the heap has settled: memory is judged from here on
 LONG_ENOUGH_S = 1200     # shortest run whose memory is judged; shorter ones print its growth after their first third
@@ -30,6 +33,7 @@ MOST_MIB_PER_HOUR = 1
 VISITORS_AT_A_TIME = 3
 FRAMES_AT_A_TIME = 250   # frames that the slow subscriber receives
 NAP_S = 0.05             # before it sleeps: half of ten thousand frames a second
+CHANGE_EVERY_S = 1       # a stream keeps the latest 500 changes: their memory is taken before SETTLED_S
 
 
 def busy():
@@ -56,6 +60,14 @@ def slow_subscriber(endpoint, frames):
         time.sleep(NAP_S)
 
 
+def page(address, pictures):
+    """Watches the stream as a browser does, and counts the pictures."""
+    with PageSocket(address) as socket:
+        while True:
+            pictures[0] += isinstance(socket.receive(), Picture)
+            pictures[1] = int(time.monotonic())
+
+
 class Stream:
     """The program under test."""
 
@@ -63,12 +75,15 @@ class Stream:
         said = pathlib.Path(folder, "stderr")
         with said.open("w", encoding="utf-8") as file:
             self.process = subprocess.Popen(
-                [program, "stream", scene, "--json", "--bind", "tcp://127.0.0.1:*", "--wait-for-subscriber"],
+                [program, "stream", scene, "--json", "--bind", "tcp://127.0.0.1:*", "--wait-for-subscriber",
+                 "--control", "tcp://127.0.0.1:*", "--scope-http", "127.0.0.1:0"],
                 stdout=subprocess.PIPE, stderr=file, text=True)
         while self.process.poll() is None:
             lines = said.read_text(encoding="utf-8").splitlines()
-            if "info: waiting for a subscriber" in lines:
-                self.endpoint = next(line.split()[-1] for line in lines if line.startswith("info: endpoint "))
+            found = {name: line.split()[-1] for line in lines for name in ("endpoint", "control", "scope")
+                     if line.startswith(f"info: {name} ")}
+            if len(found) == 3:
+                self.endpoint, self.control, self.page = found["endpoint"], found["control"], found["scope"]
                 return
             time.sleep(0.05)
         sys.exit("soak.py: the stream did not start: " + said.read_text(encoding="utf-8"))
@@ -148,6 +163,36 @@ class Visitors:
         self.odd += not sound
 
 
+class Controller:
+    """Changes the scene, and takes each fourth change back."""
+
+    def __init__(self, program, endpoint):
+        self.command = [program, "set", "--json", "--connect", endpoint]
+        self.next_s = time.monotonic()
+        self.process = None
+        self.asked = self.applied = 0
+
+    def act(self):
+        """Asks for the next change when it is due and the last one is answered."""
+        if self.process is not None and self.process.poll() is None:
+            return
+        self.see_answer()
+        if time.monotonic() < self.next_s:
+            return
+        self.next_s = time.monotonic() + CHANGE_EVERY_S
+        self.asked += 1
+        amplitude_m = 1e-6 * (1 + self.asked % 7)
+        words = ["--undo"] if self.asked % 4 == 0 else [f"drive.amplitude_m={amplitude_m:g}"]
+        self.process = subprocess.Popen([*self.command, *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+
+    def see_answer(self):
+        """Waits for the answer to the last change, and counts it."""
+        if self.process is not None:
+            out, _ = self.process.communicate(timeout=60)
+            self.applied += self.process.returncode == 0 and "applies_at_sample" in json.loads(out)
+            self.process = None
+
+
 def is_in_order(heard):
     return not any(heard[name] for name in
                    ["frames_repeated", "frames_out_of_order", "frames_inconsistent", "messages_malformed"])
@@ -184,14 +229,17 @@ def soak(arguments, folder):
                               stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     time.sleep(1)  # so that its subscription starts the stream
     slow = multiprocessing.Array("q", 2)
-    helpers = [multiprocessing.Process(target=slow_subscriber, args=(stream.endpoint, slow), daemon=True)]
+    pictures = multiprocessing.Array("q", 2)
+    watcher = multiprocessing.Process(target=page, args=(stream.page, pictures), daemon=True)
+    helpers = [watcher, multiprocessing.Process(target=slow_subscriber, args=(stream.endpoint, slow), daemon=True)]
     helpers += [multiprocessing.Process(target=busy, daemon=True) for _ in range(os.cpu_count())]
     for helper in helpers:
         helper.start()
-    until(lambda: slow[0] > 0, 60)
+    until(lambda: slow[0] > 0 and pictures[0] > 0, 60)
     before = stream.descriptors()
 
     visitors = Visitors(arguments.program, stream.endpoint, folder)
+    controller = Controller(arguments.program, stream.control)
     began = time.monotonic()
     memory = [(0, stream.memory_mib())]
     descriptors = [before]
@@ -201,8 +249,12 @@ def soak(arguments, folder):
         descriptors.append(stream.descriptors())
         for _ in range(10):
             visitors.see_off()
+            controller.act()
             time.sleep(0.1)
             memory.append((time.monotonic() - began, stream.memory_mib()))
+    controller.see_answer()
+    last_picture_s = time.monotonic() - pictures[1]
+    watcher.kill()
     until(lambda: visitors.see_off() or not visitors.present, 60)
     until(lambda: stream.descriptors() == before, 20)  # a broken connection is noticed with a delay
     after = stream.descriptors()
@@ -211,6 +263,7 @@ def soak(arguments, folder):
     for helper in helpers:
         helper.kill()
     return {"summary": summary, "heard": heard, "slow": list(slow), "visitors": visitors, "ending_s": ending_s,
+            "controller": controller, "pictures": pictures[0], "last_picture_s": last_picture_s,
             "memory": settled(memory), "long_enough": memory[-1][0] >= LONG_ENOUGH_S,
             "descriptors": (before, max(descriptors), after)}
 
@@ -238,6 +291,8 @@ def account(seen):
         "slow subscriber": f"received {seen['slow'][0]}, knows of {seen['slow'][1]} missing",
         "visitors": f"{visitors.came}, of them {visitors.killed} killed, {visitors.recordings} recording; "
                     f"received {visitors.frames}, lost on the way {visitors.lost}",
+        "controller": f"asked for {seen['controller'].asked} changes, {seen['controller'].applied} applied",
+        "page": f"received {seen['pictures']} pictures, the last {seen['last_picture_s']:.0f} s before the end",
         "memory": f"{np.mean(mib):.1f} MiB ({min(mib):.1f} to {max(mib):.1f}), growing by {slope:.2f} +- {error:.2f} MiB/h"
                   + ("" if seen["long_enough"] else ", too short to judge"),
         "file descriptors": f"{before} before the visitors, {most} at most, {after} after them",
@@ -249,6 +304,8 @@ def account(seen):
         "frames came twice, late or contradictory": is_in_order(heard),
         f"{visitors.odd} visitors received too little or wrong data": visitors.odd == 0 and not visitors.present,
         "the slow subscriber was not slow": seen["slow"][0] > 0 and seen["slow"][1] > 0,
+        "changes were not applied": seen["controller"].asked > 0 and seen["controller"].applied == seen["controller"].asked,
+        "the page stood still": seen["last_picture_s"] < 10,
         f"memory grows by more than {MOST_MIB_PER_HOUR} MiB/h": slope - error < MOST_MIB_PER_HOUR or not seen["long_enough"],
         "file descriptors were left open": after == before,
         "the end took more than a second": seen["ending_s"] < 1,
