@@ -248,18 +248,10 @@ const std::array table{
 
 constexpr std::array headings{"result", "spectrum of v_out", "contacts", "trust", "run"};
 
-/// Which of the spectra of a plate in a fluid answers which question.
-std::string_view meaning_of(Tap tap) noexcept {
-    switch (tap) {
-        case Tap::p_axis:
-            return ", the pressure at the hydrophone: compare measurements in a fluid with this one";
-        case Tap::v_centre:
-            return ", the velocity at the plate's centre: compare those of a vibrometer with this one";
-        case Tap::v_out:
-            return ", the velocity of the face that the fluid feels";
-        default:
-            return "";
-    }
+/// Heads a spectrum of a modal plate with the question that it answers.
+std::string heading_of(std::string_view name, Tap tap) {
+    const std::string_view meaning = row_of(tap).of_wet_plate;
+    return meaning.empty() ? std::string(name) : fmt::format("{}, {}", name, meaning);
 }
 
 bool is_of_tap(const Quantity& quantity) {
@@ -333,12 +325,13 @@ std::vector<SummaryGroup> summary_of(const Run& run) {
         groups[i] = {headings[i], Json::object(), ""};
     }
     if (provides(run.scene().end, Requires::modal_plate)) {
-        groups[static_cast<std::size_t>(Group::spectrum)].heading += meaning_of(Tap::v_out);
+        std::string& heading = groups[static_cast<std::size_t>(Group::spectrum)].heading;
+        heading = heading_of(heading, Tap::v_out);
     }
     std::vector<SummaryGroup> of_taps;
     for (const TapRecord& tap : std::span(run.taps).subspan(1)) {
         const std::string name(row_of(tap.tap).name);
-        of_taps.push_back({name + std::string(meaning_of(tap.tap)), Json::object(), name});
+        of_taps.push_back({heading_of(name, tap.tap), Json::object(), name});
     }
     for (const Quantity& quantity : table) {
         if (!exists(quantity, run)) {

@@ -57,10 +57,10 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
         report.push_back(
             {"contacts", "law of damping", "damping_law", "", std::string(word(scene.chain.damping_law))});
     }
-    const std::array<Kind, 3> kinds{
-        {{"horn - sphere", "horn", 0, true},
-         {"sphere - sphere", "sphere", 1, scene.chain.spheres > 1},
-         {"sphere - end", "end", chain.spheres(), scene.end.kind != EndKind::free}}};
+    const auto exists = existing_contacts(scene);
+    const std::array<Kind, contact_kinds> kinds{{{"horn - sphere", "horn", 0, exists[0]},
+                                                 {"sphere - sphere", "sphere", 1, exists[1]},
+                                                 {"sphere - end", "end", chain.spheres(), exists[2]}}};
     for (const Kind& kind : kinds) {
         report.push_back({"contacts", std::string(kind.label) + ", stiffness",
                           std::string(kind.name) + "_contact_stiffness_n_per_m1_5", "N/m^1.5",

@@ -56,6 +56,10 @@ std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::strin
     return limit;
 }
 
+std::array<bool, contact_kinds> existing_contacts(const Scene& scene) noexcept {
+    return {true, scene.chain.spheres > 1, scene.end.kind != EndKind::free};
+}
+
 PressureLimits pressure_limits(const Scene& scene) {
     const auto sphere = limit_of(scene, scene.chain.material);
     PressureLimits limits{lower(sphere, limit_of(scene, scene.drive.material)), sphere, {}};
@@ -77,8 +81,7 @@ std::optional<double> strength_ratio(const PressureLimits& limits, const Contact
 
 std::optional<std::string> unjudged_contacts(const Scene& scene) {
     const PressureLimits limits = pressure_limits(scene);
-    const std::array<bool, contact_kinds> exists{true, scene.chain.spheres > 1,
-                                                 scene.end.kind != EndKind::free};
+    const auto exists = existing_contacts(scene);
     const std::array<const std::string*, contact_kinds> others{&scene.drive.material, &scene.chain.material,
                                                                &scene.end.material};
     std::vector<std::string_view> materials;

@@ -26,6 +26,9 @@ struct PressureLimit {
 /// the flaws that decided that strength bear more.
 std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::string& name);
 
+/// Which kinds of contact a scene has, in the order of ContactLoad::pressures_pa.
+std::array<bool, contact_kinds> existing_contacts(const Scene& scene) noexcept;
+
 /// For each kind of contact the limit of its weaker material, in the order of ContactLoad::pressures_pa; none where no
 /// strength is known.
 using PressureLimits = std::array<std::optional<PressureLimit>, contact_kinds>;

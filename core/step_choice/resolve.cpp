@@ -26,21 +26,28 @@ Fault beyond_stability(double step_s, const StepAdvice& advice) {
 }
 
 /// A reference that is good enough to judge the accuracy, or a given step, if shorter pieces can make it so. @throws std::bad_alloc
-ReferencePilot reference_for(const Scene& scene, const std::atomic<bool>* stop) {
+/// @param result counts the pilots of those that were not good enough
+ReferencePilot reference_for(const Scene& scene, Resolution& result, const std::atomic<bool>* stop) {
     constexpr double of_a_given_step = 1e-10;  // the error that it may have
     constexpr double helps = 0.5;              // amplified rounding does not fall
     const double accuracy = scene.numerics.accuracy.value_or(default_accuracy);
     const double good = scene.numerics.step_s ? of_a_given_step : accuracy / 2;
     double piece_error = piece_error_for(accuracy);
     ReferencePilot reference(scene, accuracy, piece_error, stop);
+    result.pilots = ReferencePilot::pilots;
     while (reference.error() > good && reference.error() < chaotic_error &&
            piece_error > finest_piece_error) {
         piece_error = std::max(piece_error / 10, finest_piece_error);
-        ReferencePilot better(scene, accuracy, piece_error, stop);
-        if (!(better.error() < helps * reference.error())) {
+        ReferencePilot other(scene, accuracy, piece_error, stop);
+        result.pilots += ReferencePilot::pilots;
+        const bool better = other.error() < helps * reference.error();
+        if (better) {
+            std::swap(reference, other);
+        }
+        result.pilot_body_steps += other.body_steps();
+        if (!better) {
             break;
         }
-        reference = std::move(better);
     }
     return reference;
 }
@@ -144,7 +151,8 @@ double pole_error(const Scene& scene) {
 
 StepAdvice advise_step(const Scene& asked) {
     const Scene scene = with_poles(with_integrator(asked));
-    ReferencePilot reference = reference_for(scene, nullptr);
+    Resolution counted;
+    ReferencePilot reference = reference_for(scene, counted, nullptr);
     return advise(scene, reference).advice;
 }
 
@@ -166,10 +174,10 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     }
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
-    ReferencePilot reference = reference_for(result.scene, stop);
+    ReferencePilot reference = reference_for(result.scene, result, stop);
     AdvisedStep advised = advise(result.scene, reference);
     result.advice = advised.advice;
-    result.pilots = ReferencePilot::pilots + advised.advice.pilots;
+    result.pilots += advised.advice.pilots;
     Numerics& numerics = result.scene.numerics;
     if (numerics.rest_tolerance > 0 && !is_series(*numerics.integrator)) {
         result.faults.push_back({"numerics.rest_tolerance",
@@ -193,7 +201,7 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     if (result.advice.accuracy_met && is_series(*numerics.integrator)) {
         shorten(result, reference, stop);
     }
-    result.pilot_body_steps = reference.body_steps();
+    result.pilot_body_steps += reference.body_steps();
     return result;
 }
 

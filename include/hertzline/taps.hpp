@@ -45,6 +45,7 @@ struct TapRow {
     Recorded recorded;
     bool streamed;
     std::string_view column;  ///< name in a file, with its unit; '#' stands for the sphere's number
+    std::string_view of_wet_plate{};  ///< with a modal plate: what its spectrum is to be compared with
 };
 
 /// All taps, in the order of a recording's columns.
@@ -72,7 +73,8 @@ inline constexpr std::array tap_rows{
            .required = Requires::nothing,
            .recorded = Recorded::with_lumped_plate,
            .streamed = true,
-           .column = "v_out_m_per_s"},
+           .column = "v_out_m_per_s",
+           .of_wet_plate = "the velocity of the face that the fluid feels"},
     TapRow{.tap = Tap::v_centre,
            .name = "v_centre",
            .unit = "m/s",
@@ -80,7 +82,8 @@ inline constexpr std::array tap_rows{
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
-           .column = "v_centre_m_per_s"},
+           .column = "v_centre_m_per_s",
+           .of_wet_plate = "the velocity at the plate's centre: compare those of a vibrometer with this one"},
     TapRow{.tap = Tap::v_face,
            .name = "v_face",
            .unit = "m/s",
@@ -96,7 +99,8 @@ inline constexpr std::array tap_rows{
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
-           .column = "p_axis_pa"},
+           .column = "p_axis_pa",
+           .of_wet_plate = "the pressure at the hydrophone: compare measurements in a fluid with this one"},
     TapRow{.tap = Tap::x_chain,
            .name = "x_chain",
            .unit = "m",

@@ -52,6 +52,12 @@ TEST(Run, CheckAndStreamWarnOnceOfASceneBeyondTheModel) {
     }
 }
 
+TEST(Check, NamesStiffnessWhereStepsAreFarTooShort) {
+    const Outcome outcome = hertzline({"check", "paper-stream", "--set", "chain.damping_kg_per_s=1e9"});
+    EXPECT_THAT(outcome.err, HasSubstr("the scene is too stiff: with its steps of"));
+    EXPECT_THAT(outcome.err, Not(HasSubstr("amplifies rounding")));
+}
+
 TEST(Run, CheckAndStreamWarnOnceOfContactsBeyondTheirMaterials) {
     const auto warned = [](Words words, const std::string& strength) {
         const Words scene{"paper-wall",
