@@ -98,9 +98,11 @@ std::vector<std::string> band_warnings(std::string_view output, const SpectrumSu
             output, *spectrum.below_db, spectrum.lowest_hz)};
     }
     if (spectrum.band_20db && spectrum.band_20db->low_hz <= spectrum.lowest_hz * (1 + 1e-12)) {
-        return {fmt::format(
-            "the -20 dB band of {} begins at {:g} Hz, from where on it is looked for: it goes on below",
-            output, spectrum.lowest_hz)};
+        return {
+            fmt::format("the -20 dB band of {} begins at {:g} Hz, from where on it is looked for: it goes on "
+                        "below, where "
+                        "--band-from 0 looks",
+                        output, spectrum.lowest_hz)};
     }
     return {};
 }

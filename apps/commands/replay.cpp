@@ -24,7 +24,8 @@ namespace {
 
 constexpr const char* replay_examples =
     "The streams are those of hertzline stream that the recording holds. If it holds none, a single "
-    "column is streamed as v_out, several as v_chain. Sample indices are the recording's, with its gaps.\n"
+    "column is streamed as v_out, several as v_chain. Numbers in mm/s become numbers in m/s; those in volts "
+    "stay as they are, with a warning. Sample indices are the recording's, with its gaps.\n"
     "Examples:\n"
     "  hertzline replay burst.sigmf-meta\n"
     "  hertzline replay burst.h5 --pace 0.01 --wait-for-subscriber\n"
@@ -87,6 +88,9 @@ Exit replay(const ReplayOptions& arguments) {
     const recordings::RecordingHead head = reader->head();
     const double rate = sample_rate(head, arguments);
     stream::ReplaySource source(std::move(reader), rate, frame_samples(head.provenance));
+    for (const std::string& warning : source.warnings()) {
+        spdlog::warn("{}: {}", arguments.file, warning);
+    }
     stream::StreamOptions options = stream_options(arguments.publish, rate, stream::OnOverrun::drop);
     options.about = about(head, arguments.file);
     const stream::PublisherOptions publishing = publisher_options(arguments.publish, source.format(), curve);

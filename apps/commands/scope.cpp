@@ -95,6 +95,9 @@ Exit scope(const ScopeOptions& options) {
     scope::PageServer server(address, scope::new_token());
     scope::ScopeSession session(std::move(targets), server, stop);
     spdlog::info("scope {}", server.url());
+    if (address.host == "0.0.0.0" || address.host == "::") {
+        spdlog::info("from another machine, put this one's address in place of {}", address.host);
+    }
     while (!stop) {
         session.advance();
     }

@@ -217,7 +217,7 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
         scene.chain.material != paper.chain.material) {
         warnings.push_back("chain.damping_kg_per_s is " + number_text(scene.chain.damping_kg_per_s) +
                            ", which the paper gives for " + paper.chain.material + "; the spheres are of " +
-                           scene.chain.material);
+                           scene.chain.material + " (docs/model.md, section 3, \"Other spheres\")");
     }
     return warnings;
 }

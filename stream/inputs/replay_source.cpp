@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <iterator>
 #include <limits>
-#include <numeric>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "core/scene/units.hpp"
 #include "measures/provenance.hpp"
 
 namespace hertzline::stream {
 
 ReplaySource::ReplaySource(std::unique_ptr<recordings::RecordingReader> reader, double sample_rate_hz,
                            std::int64_t frame_samples)
-    : reader_(std::move(reader)), columns_(tap_count) {
+    : reader_(std::move(reader)), channels_(tap_count) {
     format_.sample_rate_hz = sample_rate_hz;
     format_.frame_samples = frame_samples;
     // another rate than the recording's makes the bursts faster or slower, too
@@ -42,23 +44,35 @@ void ReplaySource::find_columns() {
             throw std::runtime_error("the recording has two columns of " + columns[i].quantity + ": \"" +
                                      columns[i].name + "\" is the second");
         }
-        columns_[static_cast<std::size_t>(*tap)].push_back(i);
+        add_column(i, *tap);
         format_.taps |= *tap;
     }
     if (format_.taps.empty()) {
         const Tap tap = columns.size() == 1 ? Tap::v_out : Tap::v_chain;
-        std::vector<std::size_t>& all = columns_[static_cast<std::size_t>(tap)];
-        all.resize(columns.size());
-        std::iota(all.begin(), all.end(), std::size_t{0});
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            add_column(i, tap);
+        }
         format_.taps = tap;
     }
     count_spheres();
 }
 
+void ReplaySource::add_column(std::size_t column, Tap tap) {
+    const std::string& unit = head().columns[column].unit;
+    const std::string_view wanted = row_of(tap).unit;
+    const std::optional<double> in_unit =
+        unit.empty() || unit == wanted ? 1 : number_in_unit("1 " + unit, wanted);
+    if (!in_unit) {
+        warnings_.push_back(fmt::format("{} is in {}: its numbers are streamed unchanged as {} in {}",
+                                        head().columns[column].name, unit, row_of(tap).name, wanted));
+    }
+    channels_[static_cast<std::size_t>(tap)].push_back({column, in_unit.value_or(1)});
+}
+
 /// @throws std::runtime_error when the taps of the chain disagree
 void ReplaySource::count_spheres() {
-    const std::size_t velocities = columns_[static_cast<std::size_t>(Tap::v_chain)].size();
-    const std::size_t forces = columns_[static_cast<std::size_t>(Tap::f_chain)].size();
+    const std::size_t velocities = channels_[static_cast<std::size_t>(Tap::v_chain)].size();
+    const std::size_t forces = channels_[static_cast<std::size_t>(Tap::f_chain)].size();
     if (velocities > 0 && forces > 0 && forces != velocities + 1) {
         throw std::runtime_error(fmt::format(
             "found {} columns of f_chain, expected {}: one more than of v_chain", forces, velocities + 1));
@@ -98,11 +112,13 @@ void ReplaySource::pass(std::int64_t rows) noexcept {
 void ReplaySource::put_down(Samples& samples, std::int64_t count) const noexcept {
     const std::int64_t width = std::ssize(head().columns);
     for (const Tap tap : samples.holds) {
-        const std::vector<std::size_t>& columns = columns_[static_cast<std::size_t>(tap)];
-        auto out = samples.room(tap).begin() + static_cast<std::ptrdiff_t>(samples.count * columns.size());
+        const std::vector<Channel>& channels = channels_[static_cast<std::size_t>(tap)];
+        auto out = samples.room(tap).begin() + static_cast<std::ptrdiff_t>(samples.count * channels.size());
         const double* row = rows_.values.data() + row_ * width;
         for (std::int64_t i = 0; i < count; ++i, row += width) {
-            out = std::ranges::transform(columns, out, [row](std::size_t column) { return row[column]; }).out;
+            out = std::ranges::transform(channels, out, [row](const Channel& channel) {
+                      return row[channel.column] * channel.in_unit;
+                  }).out;
         }
     }
 }

@@ -69,6 +69,7 @@ NOT_RUN = {
         "build/release/bench_accuracy 0": MINUTES,
     },
     "examples/README.md": {
+        "scripts/build.sh release hertzline hertzline_python": BUILDS,
         "cmake --install build/release --prefix ~/hertzline": INSTALL,
         "cmake -S examples -B build/examples -D CMAKE_PREFIX_PATH=~/hertzline": INSTALL,
         "cmake --build build/examples": INSTALL,

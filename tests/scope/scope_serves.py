@@ -251,6 +251,18 @@ def strangers_are_refused(stand):
         assert done.returncode == 2 and "--http" in done.stderr, (http, done)
 
 
+def other_machines_are_told_of(stand):
+    with Process(stand.program, "scope", "--connect", stand.endpoint, "--http", "0.0.0.0:0", "--http-to-others") as scope:
+        while "scope http://0.0.0.0:" not in scope.process.stderr.readline():
+            pass
+        scope.interrupt()
+        said = scope.process.stderr.read()
+        assert "this one's address in place of 0.0.0.0" in said, said
+    refused = subprocess.run([stand.program, "stream", "paper-stream", "--bind", stand.endpoint, "--scope-http", "0.0.0.0:8573"],
+                             capture_output=True, text=True, timeout=LONG_ENOUGH_S)
+    assert refused.returncode == 2 and "hertzline scope --http 0.0.0.0:8573 --http-to-others" in refused.stderr, refused
+
+
 def hosts_that_are_allowed_are_served(stand):
     """As through `ssh -L 9000:...`, or behind a name."""
     with stand.scope("--scope-allow", "localhost:9000", "--scope-allow", "Scope.Example.org", "--scope-allow", "[::1]:9000") as scope:

@@ -60,7 +60,8 @@ void check_scope(const ScopeChildRequest& request, const CurveServerRequest& str
         if (address && !address->loopback) {
             faults.add(
                 "--scope-http: found an address that other machines reach, allowed: one of this machine "
-                "alone; or start hertzline scope beside the stream");
+                "alone; or start hertzline scope --http " +
+                request.http + " --http-to-others beside the stream");
         }
     }
 }

@@ -138,7 +138,7 @@ CsvNames read_csv_names(CsvLines& lines) {
     if (!found) {
         throw std::runtime_error(fmt::format(
             "{}: found the column names {}, allowed: {} (or a time with its unit, \"Time (ms)\") and others "
-            "after it",
+            "after it; write such a line above the numbers of a file without it, as \"t_s;v_out_m_per_s\"",
             place, first.empty() ? "\"\"" : first, csv_time_column));
     }
     name_apart(names.columns);

@@ -151,8 +151,10 @@ TEST(Validity, ADeepContactIsNoticedAtRestAndInMotion) {
 }
 
 TEST(Validity, DampingOfAnotherMaterialIsNoticed) {
-    EXPECT_THAT(warnings_after([](Scene& s) { s.chain.material = "steel"; }),
-                ElementsAre(HasSubstr("the paper gives for aluminium; the spheres are of steel")));
+    EXPECT_THAT(
+        warnings_after([](Scene& s) { s.chain.material = "steel"; }),
+        ElementsAre(HasSubstr("the paper gives for aluminium; the spheres are of steel (docs/model.md, "
+                              "section 3, \"Other spheres\")")));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.chain.material = "steel";
                     s.chain.damping_kg_per_s = 0.5;

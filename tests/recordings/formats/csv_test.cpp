@@ -247,6 +247,7 @@ TEST(CsvReader, NamesTheLineThatIsWrong) {
     };
     EXPECT_THAT(fault(""), HasSubstr("a.csv:1"));
     EXPECT_THAT(fault("when,v\n"), HasSubstr("a.csv:1: found the column names \"when,v\", allowed: t_s"));
+    EXPECT_THAT(fault("Model;X\n0,0;1,5\n"), HasSubstr("write such a line above the numbers"));
     EXPECT_THAT(fault("Time (h),v\n0,1\n"), HasSubstr("allowed: t_s"));
     EXPECT_THAT(fault("time,v\nh,V\n0,1\n"),
                 HasSubstr("a.csv:2: found the unit \"h\" of the times, allowed: s, ms"));

@@ -6,6 +6,7 @@
 #include <deque>
 #include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/scene/json.hpp"
@@ -167,6 +168,27 @@ TEST(ReplaySource, OneColumnOfSomebodyElseIsStreamedAsVOutAndSeveralAsVChain) {
     const ReplaySource three = source({{"a", "", ""}, {"b", "", ""}, {"c", "", ""}}, {counted(0, 5, 3)});
     EXPECT_EQ(three.format().taps, TapSet(Tap::v_chain));
     EXPECT_EQ(three.format().spheres, 3U);
+}
+
+TEST(ReplaySource, NumbersComeInTheUnitOfTheStream) {
+    ReplaySource replay =
+        source({{"v_out", "v_out", "mm/s"}, {"f_last", "f_last", "kN"}}, {counted(0, 25, 2)});
+    Samples samples = replay.make_block(replay.format().taps);
+    ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
+    EXPECT_DOUBLE_EQ(samples[Tap::v_out][9], 9e-3);
+    EXPECT_DOUBLE_EQ(samples[Tap::f_last][9], 9.1e3);
+    EXPECT_THAT(replay.warnings(), testing::IsEmpty());
+}
+
+TEST(ReplaySource, NumbersInAnotherUnitAreStreamedUnchangedWithAWarning) {
+    ReplaySource replay = source({{"CH1", "CH1", "mV"}}, {counted(0, 25, 1)});
+    Samples samples = replay.make_block(replay.format().taps);
+    ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
+    EXPECT_EQ(samples[Tap::v_out][9], 9);
+    EXPECT_THAT(replay.warnings(),
+                testing::ElementsAre("CH1 is in mV: its numbers are streamed unchanged as v_out in m/s"));
+    EXPECT_THAT(source({{"CH1", "CH1", ""}}, {counted(0, 25, 1)}).warnings(), testing::IsEmpty())
+        << "nothing is known of the unit";
 }
 
 TEST(ReplaySource, AnEmptyRecordingIsRefused) {
