@@ -355,7 +355,8 @@ std::optional<std::string> missed_accuracy(const Resolution& resolved) {
     const StepAdvice& advice = resolved.advice;
     if (resolved.may_miss_accuracy()) {
         return fmt::format(
-            "the error is estimated over the first {:.3g} s of {:.3g} s; how far it grows after that is not known",
+            "the error is estimated over the first {:.3g} s of {:.3g} s; how far it grows after that is not "
+            "known",
             resolved.estimate->over_s, *resolved.run_s);
     }
     if (!resolved.misses_accuracy()) {

@@ -29,10 +29,11 @@ struct TimeUnit {
     std::string_view name;
     double seconds;
 };
-constexpr std::array time_units{TimeUnit{"", 1},       TimeUnit{"s", 1},          TimeUnit{"sec", 1},
-                                TimeUnit{"second", 1}, TimeUnit{"seconds", 1},    TimeUnit{"ms", 1e-3},
-                                TimeUnit{"us", 1e-6},  TimeUnit{"\u00b5s", 1e-6}, TimeUnit{"\u03bcs", 1e-6},
-                                TimeUnit{"ns", 1e-9},  TimeUnit{"ps", 1e-12}};
+constexpr std::array time_units{TimeUnit{"", 1},         TimeUnit{"s", 1},          TimeUnit{"sec", 1},
+                                TimeUnit{"second", 1},   TimeUnit{"seconds", 1},    TimeUnit{"ms", 1e-3},
+                                TimeUnit{"us", 1e-6},    TimeUnit{"\u00b5s", 1e-6}, TimeUnit{"\u03bcs", 1e-6},
+                                TimeUnit{"\xb5s", 1e-6},  // in Latin-1
+                                TimeUnit{"ns", 1e-9},    TimeUnit{"ps", 1e-12}};
 
 std::string lower(std::string_view text) {
     std::string small(text);
@@ -126,11 +127,11 @@ std::optional<double> unit_of_time(std::string_view text) {
 std::optional<double> unit_of_time_column(std::string_view name) {
     const std::string text = lower(name);
     for (const std::string_view base : time_names) {
-        const bool ends = text.size() == base.size() ||
-                          (text.starts_with(base) &&
-                           std::string_view(" ([_/,").find(text[base.size()]) != std::string_view::npos);
+        const std::string_view unit = std::string_view(text).substr(std::min(base.size(), text.size()));
+        const bool ends = unit.empty() ? base != "in"  // that is an input
+                                       : std::string_view(" ([_/,").find(unit[0]) != std::string_view::npos;
         if (text.starts_with(base) && ends) {
-            return unit_of_time(std::string_view(text).substr(base.size()));
+            return unit_of_time(unit);
         }
     }
     return std::nullopt;
@@ -197,15 +198,18 @@ TimeAxis::TimeAxis(std::optional<double> given_hz, std::span<const double> times
     : digits_(digits) {
     if (given_hz && (times.size() < 2 || keeps_to(*given_hz, times, digits))) {
         rate_ = *given_hz;
-        return;
-    }
-    try {
-        rate_ = rate_of_times(times, digits).value_or(0);
-    } catch (const TimeFault&) {
-        if (!given_hz) {
-            throw;
+    } else {
+        try {
+            rate_ = rate_of_times(times, digits).value_or(0);
+        } catch (const TimeFault&) {
+            if (!given_hz) {
+                throw;
+            }
+            rate_ = *given_hz;
         }
-        rate_ = *given_hz;
+    }
+    if (!times.empty() && times[0] * rate_ > max_samples) {
+        origin_ = times[0];
     }
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -26,9 +27,12 @@ public:
     bool start_array(std::size_t) override { return open(); }
     bool end_object() override { return close(); }
     bool end_array() override { return close(); }
-    bool key(string_t&) override {
-        comparisons_ += keys_[depth_]++;  // an ordered object looks through all keys for a new one
-        return comparisons_ <= max_comparisons || stop("too many keys in one object");
+    bool key(string_t& key) override {
+        comparisons_ += keys_[depth_].size();  // an ordered object looks through all keys for a new one
+        if (comparisons_ > max_comparisons) {
+            return stop("too many keys in one object");
+        }
+        return keys_[depth_].insert(key).second || stop("a key twice in one object");
     }
     bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
         return stop("not JSON");
@@ -48,7 +52,7 @@ private:
         if (depth_ == max_depth) {
             return stop("nested too deeply");
         }
-        keys_[++depth_] = 0;
+        keys_[++depth_].clear();
         return value();
     }
     bool close() {
@@ -56,7 +60,7 @@ private:
         return true;
     }
 
-    std::array<std::size_t, max_depth + 1> keys_{};  // so far, of the objects that are open
+    std::array<std::set<std::string>, max_depth + 1> keys_;  // so far, of the objects that are open
     std::size_t depth_ = 0;
     std::size_t values_ = 0;
     std::size_t comparisons_ = 0;

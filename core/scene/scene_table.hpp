@@ -85,7 +85,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         const auto row = [&](auto& member, const KeyRow& facts) { visit("numerics", member, facts); };
         row(integrator, {"integrator", {}, "the method", {.unset = chosen}});
         row(step_s,
-            {"step_s", {1e-12, 1, "s"}, "the step, or the longest piece of a series", {.unset = chosen}});
+            {"step_s", {1e-15, 1, "s"}, "the step, or the longest piece of a series", {.unset = chosen}});
         row(accuracy,
             {"accuracy", {1e-15, 0.1}, "wanted relative error of the velocities", {.unset = chosen}});
         row(rest_tolerance, {"rest_tolerance", {0, 0.01}, "when a chain may sleep between bursts; 0: never"});

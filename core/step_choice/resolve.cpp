@@ -189,6 +189,10 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     if (!result.step_set_by_scene) {
         numerics.step_s = result.advice.recommended_step_s;
         trial.emplace(std::move(advised.trial));
+        result.faults = validate(result.scene);  // of a scene that is too stiff for any step
+        if (!result.faults.empty()) {
+            return result;
+        }
     } else if (*numerics.step_s > result.advice.largest_stable_step_s) {
         result.faults.push_back(beyond_stability(*numerics.step_s, result.advice));
         return result;

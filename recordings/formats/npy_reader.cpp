@@ -144,8 +144,7 @@ private:
     }
 
     void take_time(const NpyField& field, const FileNumber& number) {
-        const bool audio = number.kind != FileNumber::Kind::floating && number.bytes != sizeof(std::int64_t);
-        if (field.count != 1 || audio) {
+        if (field.count != 1) {
             refuse_type(field);
         }
         time_ = Stretch{number, row_bytes_, number.bytes};
@@ -304,11 +303,7 @@ private:
         return std::span(buffer_).subspan(at_ + stretch.offset, stretch.bytes);
     }
 
-    double time_of_row() {
-        times_.clear();
-        append_numbers(time_->type, bytes_of(*time_), times_);
-        return times_.front() * time_unit_s_;
-    }
+    double time_of_row() const { return number_in(time_->type, bytes_of(*time_)) * time_unit_s_; }
 
     /// The sample of the row that is next.
     std::int64_t sample_of_row() {
@@ -359,7 +354,6 @@ private:
     std::int64_t due_ = 0;               // the sample that follows the last
     std::vector<std::byte> buffer_;
     std::size_t at_ = 0;  // in the buffer
-    std::vector<double> times_;
 };
 
 }  // namespace

@@ -91,7 +91,7 @@ private:
             std::ranges::all_of(kind, [](char c) { return c >= ' ' && c <= '~'; }) && ++chunks_ <= max_chunks;
         if (size > file_.left() || !is_chunk) {
             if (has_samples_) {
-                contents_.left_out_bytes = file_.size() - begin;
+                contents_.left_out_bytes += file_.size() - begin;
                 return false;
             }
             refuse(fmt::format("cut short: chunk {} of {} bytes at byte {}, the file ends at {}",
@@ -102,6 +102,8 @@ private:
             take_format(size);
         } else if (kind == "data" && !has_samples_) {
             take_samples(size);
+        } else if (kind == "data") {  // samples again, as of a recorder that went on
+            contents_.left_out_bytes += size;
         } else if (kind == "hzln") {
             contents_.description = text(size, "chunk hzln");
         } else if (kind == "LIST" && size >= 4 && size <= max_text_bytes) {
@@ -113,10 +115,9 @@ private:
 
     /// Returns the bytes of the samples, of which the header may not tell.
     std::uint64_t samples_size(std::uint64_t told) const {
-        if (is_large_ && told == unknown_size) {
-            return large_bytes_;
-        }
-        const bool is_unknown = is_placeholder(told) && told > file_.left();
+        const bool is_large = is_large_ && told == unknown_size;
+        told = is_large ? large_bytes_ : told;
+        const bool is_unknown = !is_large && is_placeholder(told) && told > file_.left();
         const bool was_cut_off = told == 0 && riff_bytes_ + 8 <= at();
         return is_unknown || was_cut_off ? file_.left() : told;
     }
@@ -166,7 +167,9 @@ private:
         }
         has_samples_ = true;
         contents_.begin = at();
-        contents_.rows = size / (contents_.channels * contents_.numbers.bytes);
+        const std::uint64_t row_bytes = contents_.channels * contents_.numbers.bytes;
+        contents_.rows = size / row_bytes;
+        contents_.left_out_bytes = size % row_bytes;
     }
 
     void take_list(std::string_view list) {

@@ -17,7 +17,7 @@ struct WavContents {
     std::uint64_t sample_rate_hz = 0;
     std::uint64_t begin = 0;  ///< the byte of the first sample
     std::uint64_t rows = 0;
-    std::uint64_t left_out_bytes = 0;  ///< behind the samples, of no chunk
+    std::uint64_t left_out_bytes = 0;  ///< behind the rows: no whole row, of no chunk, or samples again
     std::string description;           ///< of the chunk hzln
     std::string comment;               ///< LIST/INFO, ICMT
 };

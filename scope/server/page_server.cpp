@@ -27,7 +27,9 @@ std::string_view view(boost::string_view text) {
 }
 
 PageRequest page_request(const HttpRequest& request) {
-    return {view(request.method_string()), view(request.target()), view(request[http::field::host]),
+    const bool one_host = request.count(http::field::host) == 1;
+    return {view(request.method_string()), view(request.target()),
+            one_host ? view(request[http::field::host]) : std::string_view(),
             view(request[http::field::origin]), websocket::is_upgrade(request)};
 }
 

@@ -82,12 +82,16 @@ Json values_of_change(const Scene& to, const Json& asked) {
     return values_of_keys(to, keys);
 }
 
+namespace {
+constexpr std::array<std::string_view, 2> motion_words{"goes on", "begins anew"};
+}  // namespace
+
 Json change_json(const SceneChange& change) {
     Json json{{"sample", change.sample}, {"epoch", change.epoch}, {"set", change.set}};
     if (!change.was.is_null()) {
         json["was"] = change.was;
     }
-    json["motion"] = change.goes_on ? "goes on" : "begins anew";
+    json["motion"] = motion_words[change.goes_on ? 0 : 1];
     if (!change.scene_hash.empty()) {
         json["scene_hash"] = change.scene_hash;
     }
@@ -115,7 +119,13 @@ tl::expected<SceneChange, std::string> change_in(const Json& entry, const SceneC
     }
     const OutsideJson outside(entry);
     SceneChange change;
-    change.goes_on = outside.text("motion") != "begins anew";
+    const std::string motion =
+        entry.contains("motion") ? outside.text("motion") : std::string(motion_words[0]);
+    if (std::ranges::find(motion_words, motion) == motion_words.end()) {
+        return tl::unexpected(fmt::format("motion: found {}, allowed: {}", quoted_briefly(motion),
+                                          fmt::join(motion_words, ", ")));
+    }
+    change.goes_on = motion == motion_words[0];
     const std::int64_t earliest = before == nullptr ? 1 : before->sample + (change.goes_on ? 1 : 0);
     change.sample = outside.count("sample").value_or(0);
     if (change.sample < earliest) {

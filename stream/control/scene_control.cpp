@@ -369,6 +369,14 @@ std::vector<EpochOfChange> SceneControl::take_epochs(const Epoch& until) {
         taken.back().change.sample = until.first_sample;
         taken.back().change.goes_on = taken.back().change.goes_on && !until.gave_up;
     }
+    for (std::size_t i = taken.size(); i > 1; --i) {
+        SceneChange& before = taken[i - 2].change;
+        SceneChange& after = taken[i - 1].change;
+        if (before.sample >= after.sample) {  // it gave no sample, and was given up for the one after it
+            before.sample = after.sample;
+            before.goes_on = after.goes_on = false;
+        }
+    }
     return taken;
 }
 

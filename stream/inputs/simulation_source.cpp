@@ -26,7 +26,7 @@ SimulationSource::SimulationSource(const Scene& scene, TapSet always)
       hand_over_(*current_),
       epoch_{.repetition_hz = format_.repetition_hz} {}
 
-/// Lets the present simulation work. If it is given up on the way, the next one begins where the block was to begin.
+/// Lets the present simulation work. As often as it is given up on the way, the next one begins where the block was to begin.
 /// @param work takes the simulation and the most samples @returns false when there are no more samples
 template <class Work>
 bool SimulationSource::proceed(const Work& work) noexcept {
@@ -34,7 +34,7 @@ bool SimulationSource::proceed(const Work& work) noexcept {
     const std::int64_t first = next_sample();
     progress_.fetch_add(1, std::memory_order_relaxed);
     Status status = work(current_->simulation, all);
-    if (status == Status::stopped && take_up_at_once(std::max<std::int64_t>(1, first))) {
+    while (status == Status::stopped && take_up_at_once(std::max<std::int64_t>(1, first))) {
         if (first == 0) {  // its sample at rest comes before, so that every run begins with its first scene
             current_->stop.store(false, std::memory_order_relaxed);
             current_->simulation.reset();

@@ -76,6 +76,8 @@ class Runs(InAFolder):
             short_scene().run(taps=["v_ou", "v_face"], measure=["v_chain"], band_from_hz=-1)
         self.assertEqual(len(str(caught.exception).splitlines()), 4)
         self.assertIn("""taps: found "v_ou", allowed: v_out, """, str(caught.exception))
+        with self.assertRaisesRegex(TypeError, "^taps: found 1, allowed: text in each place of the list$"):
+            short_scene().run(taps=["v_out", 1])
         with self.assertRaisesRegex(TypeError, r'allowed: a list of names, as \["v_out"\]'):
             short_scene().run(taps="v_out")
 

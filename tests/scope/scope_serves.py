@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """Checks the promises of hertzline scope to its pages, without a browser: scope_serves.py PROMISE PROGRAM"""
+import http.client
 import json
 import pathlib
 import signal
@@ -278,6 +279,12 @@ def hosts_that_are_allowed_are_served(stand):
                 raise AssertionError(f"served under {host}")
             except urllib.error.HTTPError as refusal:
                 assert refusal.code == 421 and b"--scope-allow HOST:PORT" in refusal.read(), host
+        twice = http.client.HTTPConnection(own.hostname, own.port, timeout=LONG_ENOUGH_S)
+        twice.putrequest("GET", own.path, skip_host=True)
+        for host in own.netloc, "evil.example.org":
+            twice.putheader("Host", host)
+        twice.endheaders()
+        assert twice.getresponse().status == 421
         try:
             PageSocket(scope.url, host="localhost:9000", origin="http://evil.example.org")
             raise AssertionError("a foreign origin is served")

@@ -169,7 +169,11 @@ def names_in(argument: str, names: Iterable[str]) -> list[str]:
     """A list of names; one by itself, which would be taken letter by letter, is refused."""
     if isinstance(names, str):
         raise TypeError(f'{argument}: found the text "{names}", allowed: a list of names, as ["{names}"]')
-    return list(names)
+    found = list(names)
+    for name in found:
+        if not isinstance(name, str):
+            raise TypeError(f"{argument}: found {name!r}, allowed: text in each place of the list")
+    return found
 
 
 class Result(Samples):

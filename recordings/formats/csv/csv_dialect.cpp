@@ -57,9 +57,17 @@ Column column_of_words(std::string_view name) {
     return column;
 }
 
+/// Whether a word is a time of day, which an oscilloscope notes behind "Time" before the names.
+bool is_time_of_day(std::string_view word) {
+    return word.find_first_of("0123456789") == 0 && word.find(':') != std::string_view::npos;
+}
+
 /// Takes the names if the line is one of names, of which the first, or the one behind row numbers, is a time's.
 bool take_names(std::string_view line, char separator, CsvNames& names) {
     const auto words = words_of(line, separator);
+    if (std::ranges::any_of(words, is_time_of_day)) {
+        return false;
+    }
     for (std::size_t place = 0; place < 2 && place + 1 < words.size(); ++place) {
         if (const auto unit = unit_of_time_column(words[place]); unit && (place == 0 || words[0].empty())) {
             names.separator = separator;
@@ -208,7 +216,7 @@ double CsvNumbers::time(const CsvLines& lines, TimeDigits& digits) {
     }
     double value = 0;
     const char* const behind = begin < end ? number(begin, end, value) : nullptr;
-    if (behind == nullptr) {
+    if (behind == nullptr || (behind != end && *behind != separator_)) {
         refuse(lines);
     }
     if (!std::isfinite(value)) {

@@ -69,6 +69,16 @@ DataType data_type_of(const std::string& name) {
         quoted_briefly(name)));
 }
 
+/// Compares the hash of a file with the one told; "": none is told. Returns how they differ.
+std::optional<std::string> hash_fault(std::string told, InputFile& file, const ArchivedFile& part) {
+    std::ranges::transform(told, told.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string found = told.empty() ? told : sha512_of(file, part);
+    return found == told ? std::nullopt
+                         : std::optional(fmt::format("found {}..., told {}", found.substr(0, 16),
+                                                     quoted_briefly(told.substr(0, 16))));
+}
+
 /// The files of a recording, which may lie in an archive.
 struct SigmfSource {
     fs::path meta_name;  ///< in messages
@@ -93,7 +103,7 @@ public:
         begin_ = window.begin;
         naming_the_path([&] {
             require_same_data(meta["global"], window);
-            take_captures(meta.at("captures"), meta["global"], window.size);
+            take_captures(meta.at("captures"), meta["global"], window.size, options);
         });
     }
 
@@ -206,18 +216,9 @@ private:
 
     /// Compares the hash of the dataset with the one that the metadata have.
     void require_same_data(const Json& global, const ArchivedFile& window) {
-        std::string told = text_at(global, "core:sha512");
-        if (told.empty()) {
-            return;
-        }
-        std::ranges::transform(told, told.begin(),
-                               [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-        if (const std::string found = sha512_of(*data_, window); found != told) {
-            refuse(fmt::format(
-                "core:sha512: the samples in {} are not those that the metadata describe: found {}..., "
-                "told {}",
-                printable(data_->path().filename().string()), found.substr(0, 16),
-                quoted_briefly(told.substr(0, 16))));
+        if (const auto fault = hash_fault(text_at(global, "core:sha512"), *data_, window)) {
+            refuse(fmt::format("core:sha512: the samples in {} are not those that the metadata describe: {}",
+                               printable(data_->path().filename().string()), *fault));
         }
     }
 
@@ -248,7 +249,7 @@ private:
 
     /// Takes the captures at which samples are missing, and the places of the samples in the dataset. Samples before the
     /// first capture belong to none. Captures beyond the end belong to samples that were not written before a kill.
-    void take_captures(const Json& json, const Json& global, std::uint64_t size) {
+    void take_captures(const Json& json, const Json& global, std::uint64_t size, const ReadOptions& options) {
         if (!json.is_array()) {
             refuse("captures: allowed: an array");
         }
@@ -289,7 +290,12 @@ private:
             captures.push_back({0, offset});
             pieces_.push_back({0, 0});
         }
-        const std::uint64_t rows = (usable - std::min(usable, headers)) / row_bytes();
+        const std::uint64_t bytes = usable - std::min(usable, headers);
+        const std::uint64_t rows = bytes / row_bytes();
+        if (bytes % row_bytes() > 0) {
+            options.tell(fmt::format("{}: the last {} bytes are left out: they are no whole row of {} bytes",
+                                     printable(data_->path().string()), bytes % row_bytes(), row_bytes()));
+        }
         cursor_ = CaptureCursor(std::move(captures),
                                 std::max<std::int64_t>(0, static_cast<std::int64_t>(rows) - first));
     }
@@ -367,26 +373,32 @@ SigmfSource source_of_archive(const fs::path& archive) {
 constexpr std::uint64_t largest_collection = 1 << 20;
 constexpr std::size_t max_streams = 1000;
 
-/// Returns the name in an object, or in a pair of name and hash as in version 1.0. It must name files beside the
-/// collection.
-std::string recording_name_of(const Json& stream) {
-    const Json* name = nullptr;
-    if (stream.is_object() && stream.contains("name")) {
-        name = &stream.at("name");
-    } else if (stream.is_array() && !stream.empty()) {
-        name = &stream.front();
-    }
-    std::string text = name != nullptr && name->is_string() ? name->get<std::string>() : "";
-    if (text.empty() || text.find('/') != std::string::npos || printable(text) != text) {
+/// A recording of a collection.
+struct NamedRecording {
+    std::string name;  ///< of files beside the collection
+    std::string hash;  ///< of its metadata; "": not told
+};
+
+/// Reads an object, or a pair of name and hash as in version 1.0.
+NamedRecording named_recording(const Json& stream) {
+    const auto text = [&](const char* key, std::size_t place) {
+        const Json found = stream.is_object()                           ? stream.value(key, Json())
+                           : stream.is_array() && place < stream.size() ? stream[place]
+                                                                        : Json();
+        return found.is_string() ? found.get<std::string>() : "";
+    };
+    NamedRecording named{text("name", 0), text("hash", 1)};
+    if (named.name.empty() || named.name.find('/') != std::string::npos ||
+        printable(named.name) != named.name) {
         throw std::runtime_error(
             fmt::format("core:streams: found {}, allowed: the name of a recording in the same folder",
-                        quoted_briefly(text)));
+                        quoted_briefly(named.name)));
     }
-    return text;
+    return named;
 }
 
 /// @throws std::runtime_error with the fault, without the path
-std::vector<std::string> recording_names(const fs::path& path) {
+std::vector<NamedRecording> recordings_of(const fs::path& path) {
     InputFile file(path);
     if (file.size() > largest_collection) {
         throw std::runtime_error(
@@ -402,9 +414,9 @@ std::vector<std::string> recording_names(const fs::path& path) {
         throw std::runtime_error(
             fmt::format("core:streams: found {} recordings, allowed: 1 to {}", streams.size(), max_streams));
     }
-    std::vector<std::string> names;
-    std::ranges::transform(streams, std::back_inserter(names), recording_name_of);
-    return names;
+    std::vector<NamedRecording> named;
+    std::ranges::transform(streams, std::back_inserter(named), named_recording);
+    return named;
 }
 
 /// A recording of the collection, with the rows that were read ahead.
@@ -446,9 +458,10 @@ private:
 class SigmfCollectionReader final : public RecordingReader {
 public:
     SigmfCollectionReader(fs::path path, const ReadOptions& options) : path_(std::move(path)) {
-        for (const std::string& name : named()) {
-            parts_.emplace_back(
-                open_sigmf_reader(path_.parent_path() / (name + std::string(sigmf_meta_ending)), options));
+        for (const NamedRecording& named : recordings()) {
+            const fs::path meta = path_.parent_path() / (named.name + std::string(sigmf_meta_ending));
+            warn_of_other_metadata(meta, named.hash, options);
+            parts_.emplace_back(open_sigmf_reader(meta, options));
         }
         join_heads();
     }
@@ -479,11 +492,21 @@ public:
     }
 
 private:
-    std::vector<std::string> named() const {
+    std::vector<NamedRecording> recordings() const {
         try {
-            return recording_names(path_);
+            return recordings_of(path_);
         } catch (const std::exception& error) {
             cannot_read(path_, error.what());
+        }
+    }
+
+    /// While a recording is written, its metadata may be newer than the collection.
+    void warn_of_other_metadata(const fs::path& meta, const std::string& hash,
+                                const ReadOptions& options) const {
+        InputFile file(meta);
+        if (const auto fault = hash_fault(hash, file, {"", 0, file.size()})) {
+            options.tell(fmt::format("{}: the metadata in {} are not those that the collection names: {}",
+                                     path_.string(), printable(meta.filename().string()), *fault));
         }
     }
 

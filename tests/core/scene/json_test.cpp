@@ -52,6 +52,12 @@ TEST(JsonFromOutside, RefusesWhatIsNestedTooDeeplyOrNoJson) {
 }
 
 // Read in quadratic time some of them would take hours: the test's own time limit is enough.
+TEST(JsonFromOutside, RefusesAnObjectThatHasAKeyTwice) {
+    EXPECT_THAT(error_of([] { json_from_outside(R"([{"a": 1}, {"b": {"a": 2}, "c": 3, "b": 4}])"); }),
+                HasSubstr("a key twice in one object"));
+    EXPECT_EQ(json_from_outside(R"([{"a": 1}, {"a": {"a": 2}}, {"a": 3}])").size(), 3U);
+}
+
 TEST(JsonFromOutside, AnswersSoonWhateverIsMadeToBeSlow) {
     constexpr std::size_t large = repeated(std::size_t{64} << 20);
     for (const int keys : {5'000'000, 100'000, 10'000, 1000, 100}) {

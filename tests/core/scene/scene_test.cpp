@@ -114,7 +114,7 @@ TEST(Scene, EachBoundIsWhereItShouldBe) {
         {"end.radius_m", 1e-9, 0, [](Scene& s, double x) { s.end.radius_m = x; }},
         {"end.thickness_m", 1e-9, 0, [](Scene& s, double x) { s.end.thickness_m = x; }},
         {"end.stiffness_n_per_m", 0, -1e-9, [](Scene& s, double x) { s.end.stiffness_n_per_m = x; }},
-        {"numerics.step_s", 1e-12, 0, [](Scene& s, double x) { s.numerics.step_s = x; }},
+        {"numerics.step_s", 1e-15, 0, [](Scene& s, double x) { s.numerics.step_s = x; }},
         {"numerics.accuracy", 1e-15, 0, [](Scene& s, double x) { s.numerics.accuracy = x; }},
         {"numerics.accuracy", 0.1, 0.11, [](Scene& s, double x) { s.numerics.accuracy = x; }},
         {"numerics.rest_tolerance", 0, -1e-9, [](Scene& s, double x) { s.numerics.rest_tolerance = x; }},

@@ -137,6 +137,19 @@ std::vector<Scene> unseen_scenes() {
     return scenes;
 }
 
+TEST(Advice, TheStepIsOneThatASceneMayHave) {
+    Scene scene;
+    scene.chain.damping_kg_per_s = 1e9;
+    const Resolution stiff = resolve(scene);
+    EXPECT_LT(stiff.scene.numerics.step_s, 1e-14);
+    EXPECT_TRUE(validate(stiff.scene).empty());  // so it is read back from recordings
+    scene.chain.diameter_m = 1e-6;
+    const Resolution stiffest = resolve(scene);
+    ASSERT_EQ(stiffest.faults.size(), 1U);
+    EXPECT_EQ(stiffest.faults[0].key, "numerics.step_s");
+    EXPECT_THAT(stiffest.faults[0].allowed, testing::HasSubstr("from 1e-15 to 1 s"));
+}
+
 TEST(Advice, ErrorsLieBetweenTheAccuracyAndAThirtiethOfIt) {
     for (Scene scene : unseen_scenes()) {
         const auto samples =

@@ -303,18 +303,20 @@ TEST_P(CsvDialect, IsRead) {
 
 INSTANTIATE_TEST_SUITE_P(
     OfEachKind, CsvDialect,
-    testing::Values("t_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n", "\xef\xbb\xbft_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
-                    "t_s,v\r0,0.5\r1e-3,-1.5\r2e-3,2\r", "t_s,v\r\n0,0.5\r\n1e-3,-1.5\r\n2e-3,2\r\n\r\n",
-                    "t_s,v\n0,+0.5\n+1e-3,-1.5\n\n2e-3,+2\n \n,\n", "t_s;v\n0;0,5\n0,001;-1,5\n0,002;2\n",
-                    "t_s;v\n0;,5\n0,001;-1,5\n0,002;2\n", "t_s\tv\n0\t0,5\n0,001\t-1,5\n0,002\t2\n",
-                    "\"t_s\",\"v\"\n\"0\",\"0,5\"\n\"0,001\",\"-1,5\"\n\"0,002\",\"2\"\n",
-                    "sep=;\nt_s;v\n0;0.5\n1e-3;-1.5\n2e-3;2\n", "# t_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
-                    "% made by hand\n\nModel,X\nTIME,CH1\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
-                    "Time,A\n(ms),(V)\n\n0,0.5\n1,-1.5\n2,2\n", "in s,C1 in V\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
-                    "Time (\xc2\xb5s),A\n0,0.5\n1000,-1.5\n2000,2\n",
-                    ",t_s,v\n0,0,0.5\n1,1e-3,-1.5\n2,2e-3,2\n", "t_s,v,\n0,0.5,\n1e-3,-1.5,\n2e-3,2,\n",
-                    " t_s , v\n 0 , 0.5\n 1e-3 ,\t-1.5\n2e-3, 2 \n",
-                    "x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n"));
+    testing::Values(
+        "t_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n", "\xef\xbb\xbft_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+        "t_s,v\r0,0.5\r1e-3,-1.5\r2e-3,2\r", "t_s,v\r\n0,0.5\r\n1e-3,-1.5\r\n2e-3,2\r\n\r\n",
+        "t_s,v\n0,+0.5\n+1e-3,-1.5\n\n2e-3,+2\n \n,\n", "t_s;v\n0;0,5\n0,001;-1,5\n0,002;2\n",
+        "t_s;v\n0;,5\n0,001;-1,5\n0,002;2\n", "t_s\tv\n0\t0,5\n0,001\t-1,5\n0,002\t2\n",
+        "\"t_s\",\"v\"\n\"0\",\"0,5\"\n\"0,001\",\"-1,5\"\n\"0,002\",\"2\"\n",
+        "sep=;\nt_s;v\n0;0.5\n1e-3;-1.5\n2e-3;2\n", "# t_s,v\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+        "% made by hand\n\nModel,X\nTIME,CH1\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+        "Time,A\n(ms),(V)\n\n0,0.5\n1,-1.5\n2,2\n", "in s,C1 in V\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+        "Time (\xc2\xb5s),A\n0,0.5\n1000,-1.5\n2000,2\n", ",t_s,v\n0,0,0.5\n1,1e-3,-1.5\n2,2e-3,2\n",
+        "t_s,v,\n0,0.5,\n1e-3,-1.5,\n2e-3,2,\n", " t_s , v\n 0 , 0.5\n 1e-3 ,\t-1.5\n2e-3, 2 \n",
+        "Date,1.4.2024\nTime,12:30:45\nSample Interval,1e-3\nTime (s),A\n0,0.5\n1e-3,-1.5\n2e-3,2\n",
+        "Time,A\n(\xb5s),(V)\n0,0.5\n1000,-1.5\n2000,2\n",
+        "x-axis,1\nsecond,Volt\n-5e-3,0.5\n-4e-3,-1.5\n-3e-3,2\n"));
 
 TEST(CsvReader, TakesNamesAndUnitsAndTellsColumnsApart) {
     const Read read = read_csv("Time (s),Channel 1 (V),Channel 1 (V),v_out_m_per_s,,t_s\n0,1,2,3,4,5\n");
@@ -375,6 +377,22 @@ TEST(CsvReader, SamplesAreCountedFromTheFirstRowWhereItsTimeIsBeforeZeroOrBetwee
         EXPECT_EQ(read.rows.at(0).values.size(), 100U);
     }
     EXPECT_EQ(read_csv(rounded_times(10'000, 6, 100, 0.01)).rows.at(0).first, 100);
+}
+
+TEST(CsvReader, TimesOfADateAreCountedFromTheFirstRow) {
+    const Read read = read_csv(rounded_times(1e6, 6, 100, 1'700'000'000));
+    EXPECT_EQ(read.head.sample_rate_hz, 1e6);
+    EXPECT_EQ(read.rows.at(0).first, 0);
+    EXPECT_EQ(read.rows.at(0).values.size(), 100U);
+    EXPECT_EQ(read_csv(rounded_times(1000, 6, 100, 1'700'000'000)).rows.at(0).first, 1'700'000'000'000);
+}
+
+TEST(CsvReader, AColumnThatIsNoTimeIsNotTakenForOne) {
+    for (const char* text : {"in,out\n0.1,0.2\n0.2,0.3\n", "in (V),out (V)\n0.1,0.2\n0.2,0.3\n"}) {
+        EXPECT_THAT(error_of([&] { read_csv(text); }), HasSubstr("found the column names \"in"));
+    }
+    EXPECT_THAT(error_of([] { read_csv("time,v\n2024-01-01 00:00:00,1\n2024-01-01 00:00:01,2\n"); }),
+                HasSubstr("a.csv:2: expected 2 numbers"));
 }
 
 TEST(CsvReader, ASingleRowTellsNoRate) {

@@ -144,6 +144,17 @@ TEST_F(Npy, StructuresOfOthersHaveTheNamesOfTheirFieldsAndTheRateOfTheirTimes) {
     EXPECT_EQ(open_npy_reader(file, {.sample_rate_hz = 5, .warn = {}})->head().sample_rate_hz, 5);
 }
 
+TEST_F(Npy, TimesMayBeIntegers) {
+    put<std::int32_t>({{{"time_us", "<i4"}, {"in", "<f4"}}, {3}, false}, {5, 0, 7, 0, 9, 0});
+    const auto reader = open_npy_reader(file);
+    EXPECT_EQ(reader->head().sample_rate_hz, 5e5);
+    EXPECT_EQ(reader->head().columns.at(0).name, "in");
+    EXPECT_THAT(test::read_rows(*reader).at(0).values, testing::SizeIs(3));
+    put<float>({{{"in", "<f4"}, {"out", "<f4"}}, {2}, false}, {1, 2, 3, 4});
+    EXPECT_EQ(open_npy_reader(file)->head().sample_rate_hz, 0) << "in is no time";
+    EXPECT_EQ(open_npy_reader(file)->head().columns.size(), 2U);
+}
+
 TEST_F(Npy, MoreChannelsThanSamplesAreWarnedOf) {
     put<float>({{{"", "<f4"}}, {2, 3}, false}, {1, 2, 3, 4, 5, 6});
     std::string warning;

@@ -203,7 +203,11 @@ TEST_F(SigmfCollection, ReadsCollectionsOfOthers) {
                                 R"([{"name": "left"}, {"name": "right", "hash": "0"}])"}) {
         write_text(file, R"({"collection": {"core:version": "1.0.0", "core:streams": )" +
                              std::string(streams) + "}}");
-        const auto reader = open_sigmf_collection_reader(file);
+        std::string warning;
+        const auto reader = open_sigmf_collection_reader(
+            file, {.sample_rate_hz = {}, .warn = [&](const std::string& text) { warning = text; }});
+        EXPECT_THAT(warning, HasSubstr("the metadata in right.sigmf-meta are not those that the collection "
+                                       "names: found "));
         EXPECT_EQ(reader->head().columns,
                   (std::vector{column_named("channel_1"), column_named("channel_2")}));
         EXPECT_EQ(reader->head().sample_rate_hz, 48000);

@@ -311,14 +311,17 @@ TEST_F(Sigmf, GapsWithoutEndEndTheRecording) {
     EXPECT_EQ(fs::file_size(data_file), static_cast<std::uintmax_t>(gaps) * 2 * sizeof(float));
 }
 
-TEST_F(Sigmf, HalfASampleAtTheEndIsPassedOver) {
+TEST_F(Sigmf, HalfASampleAtTheEndIsLeftOutWithAWarning) {
     const auto writer = open_sigmf_writer(meta_file, recording_head(two, 1000));
     writer->write(0, numbered_rows(0, 10));
     writer->commit();
     fs::resize_file(data_file, 10 * 8 - 3);
-    const auto read = read_rows(*open_sigmf_reader(meta_file));
+    std::string warning;
+    const auto read = read_rows(*open_sigmf_reader(
+        meta_file, {.sample_rate_hz = {}, .warn = [&](const std::string& text) { warning = text; }}));
     ASSERT_THAT(read, SizeIs(1));
     EXPECT_THAT(read[0].values, SizeIs(9 * 2));
+    EXPECT_THAT(warning, HasSubstr("the last 5 bytes are left out: they are no whole row of 8 bytes"));
 }
 
 TEST_F(Sigmf, ReadsRecordingsOfOthers) {

@@ -220,6 +220,34 @@ TEST_F(Wav, ALengthThatIsNotKnownReachesToTheEnd) {
     EXPECT_THAT(test::read_rows(*open_wav_reader(file)), testing::IsEmpty());
 }
 
+TEST_F(Wav, AnRf64WithoutLengthsReachesToTheEnd) {
+    const std::string samples = bytes(0x4000, 2) + bytes(0x8000, 2);
+    const auto rf64 = [&](std::uint32_t riff_bytes, std::uint32_t data_bytes) {
+        std::string text = pcm16(0xffffffff, 0xffffffff, samples);
+        text.replace(0, 4, "RF64");
+        return text.insert(12, "ds64" + bytes(28, 4) + bytes(riff_bytes, 4) + bytes(0, 4) +
+                                   bytes(data_bytes, 4) + bytes(0, 4) + std::string(12, '\0'));
+    };
+    test::write_text(file, rf64(0, 0));  // as ffmpeg leaves it in a pipe
+    EXPECT_THAT(test::read_rows(*open_wav_reader(file)).at(0).values, testing::ElementsAre(0.5, -1));
+    test::write_text(file, rf64(0, 2));
+    EXPECT_THAT(test::read_rows(*open_wav_reader(file)).at(0).values, testing::ElementsAre(0.5));
+    test::write_text(file, rf64(0, 0xffffffff));
+    EXPECT_THAT(test::error_of([&] { open_wav_reader(file); }), HasSubstr("cut short"));
+}
+
+TEST_F(Wav, SamplesThatAreNotReadAreWarnedOf) {
+    const std::string again = "data" + bytes(4, 4) + bytes(0x2000, 2) + bytes(0x1000, 2);
+    for (const auto& [text, left] : {std::pair{pcm16(50, 2, bytes(0x4000, 2) + again), 4},
+                                     std::pair{pcm16(40, 3, bytes(0x4000, 2) + bytes(0, 2)), 1}}) {
+        test::write_text(file, text);
+        std::string warning;
+        open_wav_reader(file,
+                        {.sample_rate_hz = {}, .warn = [&](const std::string& said) { warning = said; }});
+        EXPECT_THAT(warning, HasSubstr(std::to_string(left) + " bytes behind the samples are left out"));
+    }
+}
+
 TEST_F(Wav, BytesBehindTheSamplesThatAreNoChunkAreWarnedOf) {
     test::write_text(file, pcm16(38, 2, bytes(0x4000, 2) + std::string(100, 'x')));
     std::string warning;

@@ -233,7 +233,7 @@ TEST(SceneControl, AnUndoDoesNotWaitForABurstThatIsFarAway) {
 TEST(SceneControl, RefusesASceneForWhichTheStreamWouldStand) {
     Controlled stream;
     for (const Json& values : {Json{{"chain.damping_kg_per_s", 1e9}}, Json{{"numerics.step_s", 1e-12}},
-                               Json{{"chain.diameter_m", 1e-9}}}) {
+                               Json{{"chain.diameter_m", 1e-5}}}) {
         const Json fault = stream.ask({{"set", values}})["faults"][0];
         EXPECT_EQ(fault["key"], values.begin().key()) << fault;
         EXPECT_THAT(fault["found"].get<std::string>(), HasSubstr("a real-time factor of about ")) << values;
@@ -299,6 +299,24 @@ TEST(SceneControl, AnEpochThatGivesNoBlockIsGivenUpForTheUndo) {
     ASSERT_EQ(epochs.size(), 2U);
     EXPECT_FALSE(epochs[1].change.goes_on);  // though only the step changes
     EXPECT_GE(epochs[1].change.sample, epochs[0].change.sample);
+}
+
+TEST(SceneControl, ManyEpochsOneAfterTheOtherMayBeGivenUp) {
+    Running running;
+    for (const Json& request : {Json{{"set", {{"numerics.step_s", 1e-12}}}, {"force", true}},
+                                Json{{"set", {{"drive.amplitude_m", 1e-6}}}}, Json{{"undo", true}}}) {
+        EXPECT_GT(running.ask(request).value("epoch", 0), 0) << request;  // each of them stands
+    }
+    const Json undo = running.ask({{"undo", true}});
+    ASSERT_EQ(undo["epoch"], 4) << undo;
+    running.wait_for_epoch(4);
+    const Epoch now{.number = 4, .first_sample = undo["applies_at_sample"], .gave_up = true};
+    const std::vector<EpochOfChange> epochs = running.stream.control.take_epochs(now);
+    ASSERT_EQ(epochs.size(), 4U);
+    for (std::size_t i = 1; i < epochs.size(); ++i) {
+        EXPECT_GE(epochs[i].change.sample, epochs[i - 1].change.sample);
+        EXPECT_FALSE(epochs[i].change.goes_on) << i;
+    }
 }
 
 TEST(SceneControl, AStreamThatStandsFromItsStartCanBeChanged) {

@@ -71,6 +71,8 @@ TEST(SceneChange, FaultsNameWhatIsWrong) {
     EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}, {"foo", 1}}})),
                 HasSubstr("the member \"foo\""));
     EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"sets", set}}})), HasSubstr("the member \"sets\""));
+    EXPECT_THAT(fault_of(Json::array({{{"sample", 9}, {"set", set}, {"motion", "begins a new"}}})),
+                HasSubstr("motion: found \"begins a new\", allowed: goes on, begins anew"));
 }
 
 TEST(SceneChange, ASceneThatGaveNoSamplesMayHaveNone) {
