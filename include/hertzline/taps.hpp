@@ -44,7 +44,7 @@ struct TapRow {
     Requires required;
     Recorded recorded;
     bool streamed;
-    std::string_view column;  ///< name in a file, with its unit; '#' stands for the sphere's number
+    std::string_view column;          ///< name in a file, with its unit; '#' stands for the sphere's number
     std::string_view of_wet_plate{};  ///< with a modal plate: what its spectrum is to be compared with
 };
 
