@@ -90,6 +90,7 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
 
 /// Adds the rows of a plate with modes in its fluid, and the errors of its poles.
 void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& scene) {
+    report.push_back({"modes", "theory of plates", "plate_theory", "", std::string(word(scene.end.theory))});
     for (std::size_t n = 0; n < plate.modes.size(); ++n) {
         const PlateMode& mode = plate.modes[n];
         const auto add = [&](const char* label, const char* key, const char* unit, double value) {

@@ -17,10 +17,7 @@ double plate_stiffness(const Solid& material, const End& end) noexcept {
     if (end.stiffness_n_per_m) {
         return *end.stiffness_n_per_m;
     }
-    const double h = end.thickness_m;
-    const double nu = material.poissons_ratio;
-    const double bending_stiffness = material.youngs_modulus_pa * h * h * h / (12 * (1 - nu * nu));
-    return 16 * std::numbers::pi * bending_stiffness / (end.radius_m * end.radius_m);
+    return central_stiffness(plate_section(material, end.thickness_m, end.loss_factor), end.radius_m);
 }
 
 double transmission(double impedance_a, double impedance_b) noexcept {
@@ -94,12 +91,12 @@ double fastest_contact_hz(const Scene& scene) {
 
 PlateParameters plate_parameters(const Scene& scene) {
     const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
-    PlateParameters parameters{.disc = solid_of(scene, scene.end.material),
+    const PlateSection section =
+        plate_section(solid_of(scene, scene.end.material), scene.end.thickness_m, scene.end.loss_factor);
+    PlateParameters parameters{.section = scene.end.theory == PlateTheory::thin ? thin(section) : section,
                                .fluid = fluid,
                                .radius_m = scene.end.radius_m,
-                               .thickness_m = scene.end.thickness_m,
                                .modes = static_cast<int>(scene.end.modes),
-                               .loss_factor = scene.end.loss_factor,
                                .load = scene.medium.load,
                                .hydrophone_m = scene.output.hydrophone_m};
     constexpr double times_contact = 5;

@@ -42,8 +42,7 @@ struct EndModel {
 /// (docs/model.md, section 4).
 double plate_mass(const Solid& material, const End& end) noexcept;
 
-/// Stiffness [N/m] of a clamped disc under a central load: 16 pi D / a^2 with D = E h^3 / (12 (1 - nu^2))
-/// (Timoshenko, Theory of Plates and Shells), unless the scene gives its own.
+/// Stiffness [N/m] of a clamped disc under a central load, by the theory of thin plates unless the scene gives its own.
 double plate_stiffness(const Solid& material, const End& end) noexcept;
 
 /// Power transmission from impedance a into b: 1 - ((Zb - Za)/(Zb + Za))^2.

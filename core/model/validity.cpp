@@ -21,9 +21,10 @@ namespace {
 constexpr double deepest_overlap = 0.05;
 /// Thickness over radius of a disc that bends as a thin plate does.
 constexpr double thickest_disc = 0.2;
-constexpr double beyond_cut_off = 2;     // drive over the chain's highest frequency
-constexpr double shortest_wave = 1.5;    // k_b h of a mode
-constexpr double largest_mass_ka = 0.5;  // of a fluid that is taken for a mass
+constexpr double beyond_cut_off = 2;      // drive over the chain's highest frequency
+constexpr double shortest_in_thin = 1.5;  // k_b h of a mode
+constexpr double shortest_in_thick = 3;   // the same with shear and rotary inertia
+constexpr double largest_mass_ka = 0.5;   // of a fluid that is taken for a mass
 
 /// Two digits.
 std::string briefly(double value) {
@@ -111,14 +112,19 @@ double compliance(const EndModel& end) {
     return sum;
 }
 
-/// Modes whose waves are too short for thin-plate theory, and a fluid that is taken for a mass where it is not.
+constexpr std::string_view remedy = "; end.theory = \"thick\" has the shear that is missing";
+
+/// Modes whose waves are too short for the theory, and a fluid that is taken for a mass where it is not.
 void add_modes(const Scene& scene, const PlateResponse& plate, std::vector<std::string>& warnings) {
+    const bool thin = scene.end.theory == PlateTheory::thin;
     for (std::size_t n = 0; n < plate.modes.size(); ++n) {
-        if (plate.modes[n].kb_h > shortest_wave) {
-            warnings.push_back("mode " + std::to_string(n + 1) +
-                               " of the disc has k_b h = " + briefly(plate.modes[n].kb_h) +
-                               "; thin-plate theory is for less than 1.5, and its frequency of " +
-                               briefly(plate.modes[n].dry_hz) + " Hz is overestimated");
+        if (plate.modes[n].kb_h > (thin ? shortest_in_thin : shortest_in_thick)) {
+            warnings.push_back(
+                "mode " + std::to_string(n + 1) + " of the disc has k_b h = " + briefly(plate.modes[n].kb_h) +
+                (thin ? "; thin-plate theory is for less than 1.5, and its frequency of " +
+                            briefly(plate.modes[n].dry_hz) + " Hz is overestimated" + std::string(remedy)
+                      : "; thick-plate theory is for less than 3: a plate has other waves than bending ones "
+                        "there"));
             break;  // higher ones are worse
         }
     }
@@ -135,10 +141,12 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
         return;
     }
     const double ratio = scene.end.thickness_m / scene.end.radius_m;
-    if (ratio > thickest_disc) {
+    const bool modal = scene.end.model == PlateModel::modal;
+    if (ratio > thickest_disc && !(modal && scene.end.theory == PlateTheory::thick)) {
         warnings.push_back("the disc's thickness is " + briefly(ratio) +
                            " of its radius; above 0.2 it is no thin plate, and its stiffness and frequency "
-                           "are overestimated");
+                           "are overestimated" +
+                           (modal ? std::string(remedy) : ""));
     }
     if (chain.end.plate) {
         add_modes(scene, *chain.end.plate, warnings);

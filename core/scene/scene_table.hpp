@@ -51,8 +51,8 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(tension, {"tension", {}, "whether damping may pull just before a contact opens"});
     }
     {
-        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor] =
-            scene.end;
+        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor,
+               theory] = scene.end;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("end", member, facts); };
         row(kind, {"kind", {}, "a clamped disc, an immovable wall, only the preload"});
         row(material, {"material", {}, "of the disc or wall"});
@@ -73,6 +73,10 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                           {1e-6, 1},
                           "of a modal plate's material: an assumption",
                           {.needs = modal, .hashed = changed}});
+        row(theory, {"theory",
+                     {},
+                     "of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia",
+                     {.needs = modal, .hashed = changed}});
     }
     {
         auto& [material, load] = scene.medium;

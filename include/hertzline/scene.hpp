@@ -21,6 +21,7 @@ enum class Tension { allowed, clamped };
 enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
 enum class PlateModel { lumped, modal };
+enum class PlateTheory { thin, thick };
 enum class FluidLoad { none, added_mass, radiation };
 
 /// Relative L2 error of the velocities that a scene gets when it asks for nothing.
@@ -63,6 +64,8 @@ struct End {
     PlateModel model = PlateModel::lumped;  ///< the paper's mass and spring, or modes of the disc
     std::int64_t modes = 4;                 ///< of a modal plate
     double loss_factor = 0.005;             ///< of a modal plate's material: an assumption
+    /// Of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia.
+    PlateTheory theory = PlateTheory::thin;
     bool operator==(const End&) const = default;
 };
 

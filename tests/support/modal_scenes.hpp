@@ -38,7 +38,10 @@ inline std::vector<Wet> wet_scenes() {
     Scene dry = modal_scene();
     dry.medium.load = FluidLoad::none;
     dry.end.loss_factor = 0.02;
+    Scene thick = tukey;
+    thick.end.theory = PlateTheory::thick;
     return {{"wet_vitreous_carbon", tukey},
+            {"wet_thick", thick},
             {"wet_vitreous_carbon_hann", hann},
             {"wet_aluminium", aluminium},
             {"dry_vitreous_carbon", dry}};

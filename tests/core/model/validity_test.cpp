@@ -11,6 +11,7 @@
 namespace hertzline {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -78,12 +79,14 @@ TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
 
 TEST(Validity, KeysThatNothingAsksForAreNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.theory = PlateTheory::thick;
                     s.end.modes = 2;
                     s.output.hydrophone_m = 20e-3;
                     s.drive.taper = 0.1;
                 }),
                 ElementsAre("drive.taper has no effect without drive.envelope = \"tukey\"",
                             "end.modes has no effect without end.model = \"modal\"",
+                            "end.theory has no effect without end.model = \"modal\"",
                             HasSubstr("output.hydrophone_m has no effect")));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
@@ -105,7 +108,20 @@ TEST(Validity, ModesWithShortWavesAreNoticed) {
                     s.end.model = PlateModel::modal;
                     s.end.thickness_m = 0.8e-3;
                 }),
-                ElementsAre(HasSubstr("mode 3 of the disc has k_b h = 1.5")));
+                ElementsAre(AllOf(HasSubstr("mode 3 of the disc has k_b h = 1.5"),
+                                  HasSubstr("end.theory = \"thick\""))));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.end.theory = PlateTheory::thick;
+                    s.end.thickness_m = 1.1e-3;  // h/a = 0.22
+                }),
+                IsEmpty());
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.end.theory = PlateTheory::thick;
+                    s.end.thickness_m = 2e-3;
+                }),
+                ElementsAre(AllOf(HasSubstr("k_b h = 3."), HasSubstr("thick-plate theory"))));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
                     s.end.thickness_m = 0.8e-3;
