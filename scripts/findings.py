@@ -24,7 +24,7 @@ HARD = ["vitreous_carbon", "pyrex", "aluminium"]
 SOFT = ["acrylic", "silicone_rubber"]
 # The ends of the range that the paper states. It does not assign the values between them to layers.
 STATED_N_PER_M = {**{material: "620e3" for material in HARD}, "silicone_rubber": "2.2e3"}
-WET = ("end.model=modal",)
+WET = ("end.model=modal", "end.theory=thin")
 PAPER_BAND_HZ = 350e3
 
 

@@ -37,8 +37,9 @@ struct Need {
     std::string_view word{};
 };
 
-/// When a hash depends on a key. Where keys that came later have their defaults, a scene has the hash that it had before.
-enum class Hashed { always, when_changed };
+/// When a hash depends on a key. Where keys that came later have their defaults, a scene has the hash that it had before, unless the
+/// default means something new to those scenes on which the key has an effect.
+enum class Hashed { always, when_changed, when_in_effect };
 
 struct KeyTraits {
     std::string_view unset = "none";  ///< of an optional key: its meaning where it is not given

@@ -76,7 +76,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(theory, {"theory",
                      {},
                      "of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia",
-                     {.needs = modal, .hashed = changed}});
+                     {.needs = modal, .hashed = Hashed::when_in_effect}});
     }
     {
         auto& [material, load] = scene.medium;

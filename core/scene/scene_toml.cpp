@@ -88,15 +88,21 @@ std::set<std::string> read_materials(const SceneSettings& settings, Scene& scene
     return unclear;
 }
 
-/// A section's heading comes before its first key. @param defaults keys that are hashed when changed are left out where they have
-/// these values; nullptr: every key is written
+/// Whether a hash does without that value of the key.
+bool changes_nothing(const Scene& scene, const SceneKey& key, const SceneValue& value,
+                     const Scene& defaults) {
+    return (key.traits.hashed == Hashed::when_changed && value == key.value(defaults)) ||
+           (key.traits.hashed == Hashed::when_in_effect && !key.has_effect(scene));
+}
+
+/// A section's heading comes before its first key. @param defaults keys that change nothing beside these values are left out; nullptr:
+/// every key is written
 std::string text_of(const Scene& scene, const Scene* defaults) {
     std::string text;
     std::string section;
     for (const SceneKey& key : keys_of(scene)) {
         auto value = key.value(scene);
-        if (!value || (defaults != nullptr && key.traits.hashed == Hashed::when_changed &&
-                       value == key.value(*defaults))) {
+        if (!value || (defaults != nullptr && changes_nothing(scene, key, *value, *defaults))) {
             continue;
         }
         if (key.section() != section) {

@@ -65,7 +65,7 @@ struct End {
     std::int64_t modes = 4;                 ///< of a modal plate
     double loss_factor = 0.005;             ///< of a modal plate's material: an assumption
     /// Of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia.
-    PlateTheory theory = PlateTheory::thin;
+    PlateTheory theory = PlateTheory::thick;
     bool operator==(const End&) const = default;
 };
 

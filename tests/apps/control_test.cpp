@@ -489,7 +489,8 @@ TEST(Control, AChangedPlateInWaterIsTheSameAgain) {
     const TemporaryFolder folder;
     write_text(
         folder.file("changes.json"),
-        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 200, "set": {"medium.load": "none"}}])");
+        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 200, "set": {"medium.load": "none"}},
+            {"sample": 250, "set": {"end.theory": "thin"}}])");
     const std::string first = folder.file("first.h5");
     const Outcome run = hertzline({"run", "wet-vitreous-carbon", "--set", "output.duration_s=3e-4", "--set",
                                    "output.sample_rate_hz=1e6", "--changes", folder.file("changes.json"),

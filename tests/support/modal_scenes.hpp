@@ -29,13 +29,14 @@ struct Wet {
 };
 
 inline std::vector<Wet> wet_scenes() {
-    Scene tukey = modal_scene();
+    Scene hann = modal_scene();
+    hann.end.theory = PlateTheory::thin;
+    Scene tukey = hann;
     tukey.drive.envelope = Envelope::tukey;
-    const Scene hann = modal_scene();
-    Scene aluminium = modal_scene();
+    Scene aluminium = hann;
     aluminium.end.material = "aluminium";
     aluminium.end.modes = 3;
-    Scene dry = modal_scene();
+    Scene dry = hann;
     dry.medium.load = FluidLoad::none;
     dry.end.loss_factor = 0.02;
     Scene thick = tukey;

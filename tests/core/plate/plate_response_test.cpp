@@ -22,6 +22,7 @@ constexpr double two_pi = 2 * std::numbers::pi;
 Scene modal_scene() {
     Scene scene;
     scene.end.model = PlateModel::modal;
+    scene.end.theory = PlateTheory::thin;
     return scene;
 }
 

@@ -116,6 +116,17 @@ TEST(SceneHash, IsThatOfTheTextWithoutLaterDefaults) {
               scene_hash(Scene{}));
 }
 
+TEST(SceneHash, DependsOnTheTheoryOfAModalPlateAlone) {
+    Scene lumped;
+    lumped.end.theory = PlateTheory::thin;
+    EXPECT_EQ(scene_hash(lumped), scene_hash(Scene{}));
+    Scene thick;
+    thick.end.model = PlateModel::modal;
+    Scene thin = thick;
+    thin.end.theory = PlateTheory::thin;
+    EXPECT_NE(scene_hash(thin), scene_hash(thick));
+}
+
 TEST(SceneHash, ChangesWithEveryValue) {
     Scene scene;
     scene.drive.taper = std::nextafter(0.2, 1);
