@@ -55,7 +55,9 @@ void warn_of_suspicious_units(std::span<const SuspiciousUnit> values, std::vecto
 void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) {
     std::vector<std::string> solids{s.drive.material, s.chain.material};
     if (s.end.kind != EndKind::free) {
-        solids.push_back(s.end.material);
+        const bool layered = s.end.kind == EndKind::plate && !s.end.materials.empty();
+        const std::vector<std::string> disc{s.end.material};
+        std::ranges::copy(layered ? s.end.materials : disc, std::back_inserter(solids));
     }
     std::ranges::sort(solids);
     solids.erase(std::unique(solids.begin(), solids.end()), solids.end());
@@ -77,14 +79,20 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     const std::array values{
         SuspiciousUnit{"chain.diameter_m", s.chain.diameter_m, s.chain.diameter_m >= 0.1, "m", "millimetres"},
         SuspiciousUnit{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
-        SuspiciousUnit{"end.thickness_m", s.end.thickness_m, plate && s.end.thickness_m >= 0.05, "m",
-                       "millimetres"},
+        SuspiciousUnit{"end.thickness_m", s.end.thickness_m,
+                       plate && s.end.thicknesses_m.empty() && s.end.thickness_m >= 0.05, "m", "millimetres"},
         SuspiciousUnit{"drive.amplitude_m", s.drive.amplitude_m, std::abs(s.drive.amplitude_m) >= 1e-3, "m",
                        "micrometres"},
         SuspiciousUnit{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz",
                        "kilohertz"},
     };
     warn_of_suspicious_units(values, warnings);
+    for (std::size_t i = 0; plate && i < s.end.thicknesses_m.size(); ++i) {
+        const std::string key = "end.thicknesses_m[" + std::to_string(i + 1) + "]";
+        const double thickness = s.end.thicknesses_m[i];
+        warn_of_suspicious_units(
+            std::array{SuspiciousUnit{key, thickness, thickness >= 0.05, "m", "millimetres"}}, warnings);
+    }
     add_units_of_materials(s, warnings);
 }
 
@@ -93,9 +101,13 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
     const Scene untouched;
     for (const SceneKey& key : scene_keys()) {
         if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
-            const Need& needs = key.traits.needs;
-            warnings.push_back(key.name + " has no effect without " + std::string(needs.key) + " = " +
-                               hertzline::quoted(needs.word));
+            const KeyTraits& traits = key.traits;
+            const auto list = scene_key_named(scene, traits.replaced_by);
+            const bool replaced = list && list->value(scene);
+            warnings.push_back(key.name + " has no effect " +
+                               (replaced ? "beside " + list->name
+                                         : "without " + std::string(traits.needs.key) + " = " +
+                                               hertzline::quoted(traits.needs.word)));
         }
     }
 }
@@ -140,7 +152,8 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     if (scene.end.kind != EndKind::plate) {
         return;
     }
-    const double ratio = scene.end.thickness_m / scene.end.radius_m;
+    const double thickness = laminate(layers_of(scene)).section.thickness_m;
+    const double ratio = thickness / scene.end.radius_m;
     const bool modal = scene.end.model == PlateModel::modal;
     if (ratio > thickest_disc && !(modal && scene.end.theory == PlateTheory::thick)) {
         warnings.push_back("the disc's thickness is " + briefly(ratio) +
@@ -152,7 +165,7 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
         add_modes(scene, *chain.end.plate, warnings);
     }
     const double sag = scene.chain.preload_n * compliance(chain.end);
-    if (sag > scene.end.thickness_m / 2) {
+    if (sag > thickness / 2) {
         warnings.push_back("the preload bends the disc by " + briefly(sag) +
                            " m, more than half its thickness; a disc that bends so far stiffens, which the "
                            "model leaves out");

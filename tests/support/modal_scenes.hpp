@@ -41,11 +41,12 @@ inline std::vector<Wet> wet_scenes() {
     dry.end.loss_factor = 0.02;
     Scene thick = tukey;
     thick.end.theory = PlateTheory::thick;
-    return {{"wet_vitreous_carbon", tukey},
-            {"wet_thick", thick},
-            {"wet_vitreous_carbon_hann", hann},
-            {"wet_aluminium", aluminium},
-            {"dry_vitreous_carbon", dry}};
+    Scene laminate = tukey;
+    laminate.end.theory = PlateTheory::thin;
+    laminate.end.materials = {"aluminium", "acrylic"};
+    laminate.end.thicknesses_m = {0.2e-3, 0.5e-3};
+    return {{"wet_vitreous_carbon", tukey},     {"wet_thick", thick},         {"wet_laminate", laminate},
+            {"wet_vitreous_carbon_hann", hann}, {"wet_aluminium", aluminium}, {"dry_vitreous_carbon", dry}};
 }
 
 /// Expects the samples of blocks of any size, with skipped stretches, to equal those of a single block.
