@@ -103,7 +103,7 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
         if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
             const KeyTraits& traits = key.traits;
             const auto list = scene_key_named(scene, traits.replaced_by);
-            const bool replaced = list && list->value(scene);
+            const bool replaced = list && list->value(scene) && list->has_effect(scene);
             warnings.push_back(key.name + " has no effect " +
                                (replaced ? "beside " + list->name
                                          : "without " + std::string(traits.needs.key) + " = " +

@@ -316,7 +316,7 @@ bool SceneKey::set(Scene& scene, const std::optional<SceneValue>& value) const {
 bool SceneKey::has_effect(const Scene& scene) const {
     const auto keys = scene_keys();
     const auto list = std::ranges::find(keys, traits.replaced_by, &SceneKey::name);
-    if (list != keys.end() && list->value(scene)) {
+    if (list != keys.end() && list->value(scene) && list->has_effect(scene)) {
         return false;
     }
     const auto needed = std::ranges::find(keys, traits.needs.key, &SceneKey::name);

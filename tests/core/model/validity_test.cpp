@@ -98,6 +98,36 @@ TEST(Validity, KeysThatNothingAsksForAreNoticed) {
                 IsEmpty());
 }
 
+TEST(Validity, KeysThatListsReplaceAreNoticed) {
+    const auto layers = [](Scene& s) {
+        s.end.material = "pyrex";
+        s.end.thickness_m = 1e-3;
+        s.end.loss_factor = 0.01;
+        s.end.materials = {"aluminium", "acrylic"};
+        s.end.thicknesses_m = {0.2e-3, 0.5e-3};
+    };
+    EXPECT_THAT(warnings_after([&](Scene& s) {
+                    layers(s);
+                    s.end.model = PlateModel::modal;
+                    s.end.theory = PlateTheory::thick;
+                    s.end.loss_factors = {0.001, 0.02};
+                }),
+                ElementsAre("end.material has no effect beside end.materials",
+                            "end.thickness_m has no effect beside end.thicknesses_m",
+                            "end.loss_factor has no effect beside end.loss_factors"));
+    EXPECT_THAT(warnings_after([&](Scene& s) {
+                    layers(s);
+                    s.end.kind = EndKind::wall;
+                }),
+                testing::IsSupersetOf({"end.materials has no effect without end.kind = \"plate\"",
+                                       "end.thicknesses_m has no effect without end.kind = \"plate\""}));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.materials = {"aluminium", "acrylic"};
+                    s.end.thicknesses_m = {0.2e-3, 1};
+                }),
+                testing::Contains("end.thicknesses_m[2] is 1 m; were millimetres meant?"));
+}
+
 TEST(Validity, ADriveThatTheChainDoesNotPassOnIsNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) { s.drive.frequency_hz = 3e6; }),
                 ElementsAre(HasSubstr("times the highest that the chain passes on")));
