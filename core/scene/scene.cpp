@@ -107,8 +107,8 @@ void check_layers(const Scene& scene, std::vector<Fault>& faults) {
         const auto text = [](std::size_t number) { return number_text(static_cast<std::int64_t>(number)); };
         if (count != others) {
             faults.push_back({key,
-                              (count == 0 ? "nothing" : text(count) + " entries") + " with " + other +
-                                  " of " + text(others),
+                              (count == 0 ? "nothing" : text(count) + (count == 1 ? " entry" : " entries")) +
+                                  " with " + other + " of " + text(others),
                               others == 0 ? "none, or as many entries of " + std::string(other)
                                           : text(others) + ", one for each layer"});
         }

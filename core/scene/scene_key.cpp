@@ -434,8 +434,10 @@ std::optional<Fault> count_fault(const SceneKey& key, std::size_t count) {
     const EntryCount& allowed = key.counts.front();
     return count >= allowed.least && count <= allowed.most
                ? std::nullopt
-               : std::optional(Fault{key.name, number_text(static_cast<std::int64_t>(count)) + " entries",
-                                     key.allowed()});
+               : std::optional(Fault{
+                     key.name,
+                     number_text(static_cast<std::int64_t>(count)) + (count == 1 ? " entry" : " entries"),
+                     key.allowed()});
 }
 
 SceneValue joined(const SceneKey& key, const std::vector<SceneValue>& entries) {

@@ -144,9 +144,9 @@ TEST(SceneLists, LayersHaveAMaterialAndAThicknessEach) {
     EXPECT_THAT(faults_in("[end]\nthicknesses_m = [1]"),
                 ElementsAre(HasSubstr("end.materials: found nothing with end.thicknesses_m of 1")));
     EXPECT_THAT(faults_in(two_layers, {"end.thicknesses_m=[1]"}),
-                ElementsAre(HasSubstr("end.thicknesses_m: found 1 entries with end.materials of 2")));
+                ElementsAre(HasSubstr("end.thicknesses_m: found 1 entry with end.materials of 2")));
     EXPECT_THAT(faults_in(two_layers, {"end.loss_factors=[0.1]"}),
-                ElementsAre(HasSubstr("end.loss_factors: found 1 entries")));
+                ElementsAre(HasSubstr("end.loss_factors: found 1 entry with")));
     EXPECT_THAT(faults_in("", {"end.loss_factors=[0.1]"}),
                 ElementsAre(HasSubstr("allowed: none, or as many entries of end.materials")));
     EXPECT_THAT(faults_in(two_layers, {"end.loss_factors=[0.1, 0.2]"}), IsEmpty());
