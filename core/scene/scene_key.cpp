@@ -192,12 +192,12 @@ std::string unit_advice(const SceneKey& key, std::string_view text) {
     return key.range.unit.empty() ? ", without a unit" : " (" + units_like(key.range.unit) + ")";
 }
 
-/// The whole number from 1 on that an entry's name has in its brackets; nothing where there is none.
-std::optional<std::size_t> entry_number(std::string_view text) {
+/// The whole number from 1 on that an entry's name has in its brackets; 0: none.
+std::size_t entry_number(std::string_view text) {
     std::size_t number = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     const bool whole = error == std::errc{} && end == text.data() + text.size();
-    return whole && text.front() != '0' ? std::optional(number) : std::nullopt;
+    return whole && text.front() != '0' ? number : 0;
 }
 
 /// The entry of the key. @param entry "[2]", or "[2][3]" of a list of points
@@ -205,23 +205,23 @@ tl::expected<SceneKey, Fault> entry_named(const Scene& scene, SceneKey key, std:
     while (!entry.empty()) {
         const std::size_t end = entry.find(']');
         const std::string name = key.name + std::string(entry.substr(0, std::min(end, entry.size()) + 1));
-        const auto number = end == std::string_view::npos || entry.front() != '['
-                                ? std::nullopt
-                                : entry_number(entry.substr(1, end - 1));
+        const std::size_t number = end == std::string_view::npos || entry.front() != '['
+                                       ? 0
+                                       : entry_number(entry.substr(1, end - 1));
         if (!key.is_list()) {
             return tl::unexpected(Fault{printable(name), "an entry of a single value", key.name});
         }
         const auto value = key.value(scene);
         const std::size_t count = value ? entries_of(*value) : 0;
-        if (!number || *number > count) {
+        if (number == 0 || number > count) {
             const std::string last = number_text(static_cast<std::int64_t>(count));
             return tl::unexpected(Fault{
                 printable(name),
-                number ? "entry " + number_text(static_cast<std::int64_t>(*number)) : "no entry",
+                number > 0 ? "entry " + number_text(static_cast<std::int64_t>(number)) : "no entry",
                 count == 0 ? "none: the scene does not give " + key.name
                            : key.name + "[1]" + (count > 1 ? " to " + key.name + "[" + last + "]" : "")});
         }
-        key = key.entry(*number - 1);
+        key = key.entry(number - 1);
         entry.remove_prefix(end + 1);
     }
     return key;
