@@ -12,11 +12,6 @@
 namespace hertzline::test {
 namespace {
 
-const Solid& solid(const char* name) {
-    static const Scene scene;
-    return std::get<Solid>(*find_material(scene, name));
-}
-
 TEST(Contact, TheStaticOverlapCarriesThePreload) {
     for (const EndKind end : {EndKind::plate, EndKind::wall}) {
         Scene scene;
