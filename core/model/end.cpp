@@ -1,7 +1,9 @@
 #include "core/model/end.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
@@ -140,8 +142,10 @@ std::vector<Fault> plate_faults(const Scene& scene) {
     }
     constexpr double least_shear_ratio = 0.05;
     if (const double ratio = laminate(layers_of(scene)).shear_ratio; !(ratio >= least_shear_ratio)) {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), "%.3g", ratio);
         return {{"end.materials",
-                 "layers whose shear stiffness is " + number_text(ratio) + " of 5/6 of the sum of G h",
+                 std::string("layers whose shear stiffness is ") + text.data() + " of 5/6 of the sum of G h",
                  "at least " + number_text(least_shear_ratio) +
                      ": with a softer layer between stiff ones the disc does not bend as one plate"}};
     }
