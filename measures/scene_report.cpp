@@ -90,6 +90,7 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
 
 /// Adds the rows of a plate with modes in its fluid, and the errors of its poles.
 void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& scene) {
+    report.push_back({"modes", "theory of plates", "plate_theory", "", std::string(word(scene.end.theory))});
     for (std::size_t n = 0; n < plate.modes.size(); ++n) {
         const PlateMode& mode = plate.modes[n];
         const auto add = [&](const char* label, const char* key, const char* unit, double value) {
@@ -112,7 +113,24 @@ void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& sc
     add("travel time to the hydrophone", "travel_s", "s", plate.parameters.travel_s());
 }
 
+/// Adds the rows of a disc with layers, which bends as one plate.
+void add_layers(Report& report, const Scene& scene) {
+    if (scene.end.kind != EndKind::plate || scene.end.materials.empty()) {
+        return;
+    }
+    const Laminate disc = laminate(layers_of(scene));
+    const auto add = [&](const char* label, const char* key, const char* unit, double value) {
+        report.push_back({"layers", label, key, unit, value});
+    };
+    add("bending stiffness D*", "laminate_bending_n_m", "N m", disc.section.bending_n_m);
+    add("mass per area", "laminate_mass_kg_per_m2", "kg/m^2", disc.section.mass_kg_per_m2);
+    add("loss factor", "laminate_loss_factor", "", disc.section.loss_factor);
+    add("neutral plane, from the sphere's side", "laminate_neutral_plane_m", "m", disc.neutral_plane_m);
+    add("shear stiffness over 5/6 sum G h", "laminate_shear_ratio", "", disc.shear_ratio);
+}
+
 void add_end(Report& report, const Scene& scene, const Chain& chain) {
+    add_layers(report, scene);
     if (chain.end.plate) {
         add_modal_plate(report, *chain.end.plate, scene);
         return;
@@ -121,9 +139,8 @@ void add_end(Report& report, const Scene& scene, const Chain& chain) {
     double mass = 0;
     double stiffness = 0;
     if (plate) {
-        const Solid& material = solid_of(scene, scene.end.material);
-        mass = plate_mass(material, scene.end);
-        stiffness = plate_stiffness(material, scene.end);
+        mass = plate_mass(scene);
+        stiffness = plate_stiffness(scene);
     }
     report.push_back({"plate", "mass", "plate_mass_kg", "kg", if_any(plate, mass)});
     report.push_back(

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <unordered_set>
+#include <set>
 #include <utility>
 
 #include "core/scene/text.hpp"
@@ -54,11 +54,11 @@ private:
     const Scene& scene_;
     Sampling sampling_;
     Axis axis_;
-    std::unordered_set<SceneValue> listed_;
+    std::set<SceneValue> listed_;
 };
 
 bool AxisReader::find_key(std::string_view name) {
-    auto key = scene_key_named(scene_, name);
+    auto key = varied_key(scene_, name);
     if (!key) {
         faults.push_back(std::move(key).error());
         return false;
@@ -189,7 +189,6 @@ std::optional<Axis> AxisReader::read(std::string_view key, std::span<const Scene
         return std::nullopt;
     }
     axis_.list.reserve(values.size());
-    listed_.reserve(values.size());
     for (const SceneValue& value : values) {
         add_to_list(allowed_value(scene_, axis_.key, value));
         if (faults.size() == max_faults) {
@@ -200,6 +199,14 @@ std::optional<Axis> AxisReader::read(std::string_view key, std::span<const Scene
 }
 
 }  // namespace
+
+tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view name) {
+    auto key = scene_key_named(scene, name);
+    if (key && key->is_list()) {
+        return tl::unexpected(Fault{key->name, "a list", "an entry of it, as " + key->entry(0).name});
+    }
+    return key;
+}
 
 SceneValue Axis::value(std::int64_t number) const {
     if (!list.empty()) {

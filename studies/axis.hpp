@@ -45,6 +45,9 @@ struct Axis {
     std::string text() const;
 };
 
+/// The key of that name with single values, or its fault: a list varies entry by entry, as end.thicknesses_m[2].
+tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view name);
+
 /// Reads "KEY=FROM..TO:COUNT[:lin|log]" or "KEY=A,B,C"; the spacing may also stand before the count.
 /// With Sampling::anywhere a range has no count.
 /// @param scene the base scene: each value must be allowed for its key by itself

@@ -43,7 +43,7 @@ private:
 };
 
 void PointsReader::read_key(std::string_view name) {
-    auto key = scene_key_named(scene_, name);
+    auto key = varied_key(scene_, name);
     if (!key) {
         refuse(std::move(key).error());
     } else if (std::ranges::find(points.keys, key->name, &SceneKey::name) != points.keys.end()) {

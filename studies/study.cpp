@@ -305,7 +305,13 @@ TableRow row_of(const Study& study, const PointResult& result) {
     TableRow row{{result.point}, result.waveform};
     row.cells.reserve(first_number(study) + result.numbers.size() + 3);
     for (SceneValue& value : study.plan.values(result.point)) {
-        std::visit([&](auto& held) { row.cells.emplace_back(std::move(held)); }, value);
+        std::visit(
+            [&](auto& held) {
+                if constexpr (std::is_constructible_v<Cell, decltype(held)>) {
+                    row.cells.emplace_back(std::move(held));
+                }  // else a list, which does not vary
+            },
+            value);
     }
     row.cells.emplace_back(std::string(word_of(result.status)));
     row.cells.insert(row.cells.end(), result.numbers.begin(), result.numbers.end());

@@ -1,7 +1,9 @@
 #include "core/model/end.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
@@ -9,18 +11,37 @@
 
 namespace hertzline {
 
-double plate_mass(const Solid& material, const End& end) noexcept {
-    return material.density_kg_per_m3 * std::numbers::pi * end.radius_m * end.radius_m * end.thickness_m;
+std::vector<Layer> layers_of(const Scene& scene) {
+    const End& end = scene.end;
+    if (end.materials.empty()) {
+        return {{solid_of(scene, end.material), end.thickness_m, end.loss_factor}};
+    }
+    std::vector<Layer> layers;
+    for (std::size_t i = 0; i < end.materials.size(); ++i) {
+        layers.push_back({solid_of(scene, end.materials[i]), end.thicknesses_m[i],
+                          end.loss_factors.empty() ? end.loss_factor : end.loss_factors[i]});
+    }
+    return layers;
 }
 
-double plate_stiffness(const Solid& material, const End& end) noexcept {
-    if (end.stiffness_n_per_m) {
-        return *end.stiffness_n_per_m;
+const std::string& touched_material(const Scene& scene) noexcept {
+    const End& end = scene.end;
+    return end.kind == EndKind::plate && !end.materials.empty() ? end.materials.front() : end.material;
+}
+
+double plate_mass(const Scene& scene) {
+    double mass = 0;
+    for (const Layer& layer : layers_of(scene)) {
+        mass += layer.solid.density_kg_per_m3 * std::numbers::pi * scene.end.radius_m * scene.end.radius_m *
+                layer.thickness_m;
     }
-    const double h = end.thickness_m;
-    const double nu = material.poissons_ratio;
-    const double bending_stiffness = material.youngs_modulus_pa * h * h * h / (12 * (1 - nu * nu));
-    return 16 * std::numbers::pi * bending_stiffness / (end.radius_m * end.radius_m);
+    return mass;
+}
+
+double plate_stiffness(const Scene& scene) {
+    return scene.end.stiffness_n_per_m
+               ? *scene.end.stiffness_n_per_m
+               : central_stiffness(laminate(layers_of(scene)).section, scene.end.radius_m);
 }
 
 double transmission(double impedance_a, double impedance_b) noexcept {
@@ -30,9 +51,15 @@ double transmission(double impedance_a, double impedance_b) noexcept {
 
 double output_transmission(const Scene& scene) {
     const double sphere = acoustic_impedance(*find_material(scene, scene.chain.material));
-    const double disc = acoustic_impedance(*find_material(scene, scene.end.material));
     const double medium = acoustic_impedance(*find_material(scene, scene.medium.material));
-    return std::sqrt(transmission(sphere, disc) * transmission(disc, medium));
+    double product = 1;
+    double before = sphere;
+    for (const Layer& layer : layers_of(scene)) {
+        const double impedance = acoustic_impedance(layer.solid);
+        product *= transmission(before, impedance);
+        before = impedance;
+    }
+    return std::sqrt(product * transmission(before, medium));
 }
 
 namespace {
@@ -48,16 +75,15 @@ EndModel free_end() {
 EndModel wall(const Scene& scene) {
     EndModel end;
     end.contact_stiffness =
-        flat_sphere_stiffness(solid_of(scene, scene.end.material), solid_of(scene, scene.chain.material),
+        flat_sphere_stiffness(solid_of(scene, touched_material(scene)), solid_of(scene, scene.chain.material),
                               scene.chain.diameter_m / 2);
     return end;
 }
 
 /// The paper's plate: one spring, and a quarter of the disc's mass.
 EndModel plate(const Scene& scene) {
-    const Solid& disc = solid_of(scene, scene.end.material);
     EndModel end = wall(scene);
-    EndMode mode{.inv_mass = 4 / plate_mass(disc, scene.end), .spring = plate_stiffness(disc, scene.end)};
+    EndMode mode{.inv_mass = 4 / plate_mass(scene), .spring = plate_stiffness(scene)};
     if (scene.end.preload == PlatePreload::as_printed) {
         mode.load = scene.chain.preload_n;
     } else {
@@ -94,12 +120,11 @@ double fastest_contact_hz(const Scene& scene) {
 
 PlateParameters plate_parameters(const Scene& scene) {
     const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
-    PlateParameters parameters{.disc = solid_of(scene, scene.end.material),
+    const PlateSection section = laminate(layers_of(scene)).section;
+    PlateParameters parameters{.section = scene.end.theory == PlateTheory::thin ? thin(section) : section,
                                .fluid = fluid,
                                .radius_m = scene.end.radius_m,
-                               .thickness_m = scene.end.thickness_m,
                                .modes = static_cast<int>(scene.end.modes),
-                               .loss_factor = scene.end.loss_factor,
                                .load = scene.medium.load,
                                .hydrophone_m = scene.output.hydrophone_m};
     constexpr double times_contact = 5;
@@ -112,7 +137,19 @@ PlateParameters plate_parameters(const Scene& scene) {
 }
 
 std::vector<Fault> plate_faults(const Scene& scene) {
-    if (scene.end.kind != EndKind::plate || scene.end.model != PlateModel::modal) {
+    if (scene.end.kind != EndKind::plate) {
+        return {};
+    }
+    constexpr double least_shear_ratio = 0.05;
+    if (const double ratio = laminate(layers_of(scene)).shear_ratio; !(ratio >= least_shear_ratio)) {
+        std::array<char, 32> text{};
+        std::snprintf(text.data(), text.size(), "%.3g", ratio);
+        return {{"end.materials",
+                 std::string("layers whose shear stiffness is ") + text.data() + " of 5/6 of the sum of G h",
+                 "at least " + number_text(least_shear_ratio) +
+                     ": with a softer layer between stiff ones the disc does not bend as one plate"}};
+    }
+    if (scene.end.model != PlateModel::modal) {
         return {};
     }
     constexpr double largest_ka = 300;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/plate/laminate.hpp"
 #include "core/plate/plate_response.hpp"
 #include "hertzline/scene.hpp"
 
@@ -38,18 +39,24 @@ struct EndModel {
     }
 };
 
-/// Mass [kg] of the whole disc, rho pi a^2 h. Clamped at its rim, it moves as a quarter of that would
-/// (docs/model.md, section 4).
-double plate_mass(const Solid& material, const End& end) noexcept;
+/// The layers of the disc from the sphere to the medium; one where the scene gives no lists of them.
+std::vector<Layer> layers_of(const Scene& scene);
 
-/// Stiffness [N/m] of a clamped disc under a central load: 16 pi D / a^2 with D = E h^3 / (12 (1 - nu^2))
-/// (Timoshenko, Theory of Plates and Shells), unless the scene gives its own.
-double plate_stiffness(const Solid& material, const End& end) noexcept;
+/// The material that the last sphere touches: of the wall, or of the disc's first layer.
+const std::string& touched_material(const Scene& scene) noexcept;
+
+/// Mass [kg] of the whole disc, rho pi a^2 h of each layer. Clamped at its rim, it moves as a quarter of that would
+/// (docs/model.md, section 4).
+double plate_mass(const Scene& scene);
+
+/// Stiffness [N/m] of a clamped disc under a central load, by the theory of thin plates unless the scene gives its own.
+double plate_stiffness(const Scene& scene);
 
 /// Power transmission from impedance a into b: 1 - ((Zb - Za)/(Zb + Za))^2.
 double transmission(double impedance_a, double impedance_b) noexcept;
 
-/// sqrt(T_m T_w): amplitude factor from the last sphere through the disc into the medium (docs/model.md, section 6).
+/// sqrt(T_m T_w): amplitude factor from the last sphere through the disc into the medium (docs/model.md, section 6). Of a disc with
+/// layers the root of the product of all T between neighbours.
 double output_transmission(const Scene& scene);
 
 /// The end of a scene that has passed validate().
@@ -62,8 +69,8 @@ double fastest_contact_hz(const Scene& scene);
 /// The parameters that the response of the scene's plate depends on, up to five times the frequency of its fastest contacts in motion.
 PlateParameters plate_parameters(const Scene& scene);
 
-/// Why the response of a modal plate cannot be computed: the disc is too large for the sound's waves, or too fast for the chain. Empty:
-/// it can, or the plate is not modal.
+/// Why a plate cannot be computed: its layers do not bend as one; or, of a modal plate, the disc is too large for the sound's waves, or
+/// too fast for the chain.
 std::vector<Fault> plate_faults(const Scene& scene);
 
 /// Why the response of a modal plate cannot be used: its poles do not fit it. Takes as long as the fit.

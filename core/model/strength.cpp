@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/model/end.hpp"
+
 namespace hertzline {
 
 namespace {
@@ -64,7 +66,7 @@ PressureLimits pressure_limits(const Scene& scene) {
     const auto sphere = limit_of(scene, scene.chain.material);
     PressureLimits limits{lower(sphere, limit_of(scene, scene.drive.material)), sphere, {}};
     if (scene.end.kind != EndKind::free) {
-        limits.back() = lower(sphere, limit_of(scene, scene.end.material));
+        limits.back() = lower(sphere, limit_of(scene, touched_material(scene)));
     }
     return limits;
 }
@@ -83,7 +85,7 @@ std::optional<std::string> unjudged_contacts(const Scene& scene) {
     const PressureLimits limits = pressure_limits(scene);
     const auto exists = existing_contacts(scene);
     const std::array<const std::string*, contact_kinds> others{&scene.drive.material, &scene.chain.material,
-                                                               &scene.end.material};
+                                                               &touched_material(scene)};
     std::vector<std::string_view> materials;
     std::string unjudged;
     for (std::size_t kind = 0; kind < contacts.size(); ++kind) {

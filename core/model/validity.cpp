@@ -21,9 +21,10 @@ namespace {
 constexpr double deepest_overlap = 0.05;
 /// Thickness over radius of a disc that bends as a thin plate does.
 constexpr double thickest_disc = 0.2;
-constexpr double beyond_cut_off = 2;     // drive over the chain's highest frequency
-constexpr double shortest_wave = 1.5;    // k_b h of a mode
-constexpr double largest_mass_ka = 0.5;  // of a fluid that is taken for a mass
+constexpr double beyond_cut_off = 2;      // drive over the chain's highest frequency
+constexpr double shortest_in_thin = 1.5;  // k_b h of a mode
+constexpr double shortest_in_thick = 3;   // the same with shear and rotary inertia
+constexpr double largest_mass_ka = 0.5;   // of a fluid that is taken for a mass
 
 /// Two digits.
 std::string briefly(double value) {
@@ -54,7 +55,9 @@ void warn_of_suspicious_units(std::span<const SuspiciousUnit> values, std::vecto
 void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) {
     std::vector<std::string> solids{s.drive.material, s.chain.material};
     if (s.end.kind != EndKind::free) {
-        solids.push_back(s.end.material);
+        const bool layered = s.end.kind == EndKind::plate && !s.end.materials.empty();
+        const std::vector<std::string> disc{s.end.material};
+        std::ranges::copy(layered ? s.end.materials : disc, std::back_inserter(solids));
     }
     std::ranges::sort(solids);
     solids.erase(std::unique(solids.begin(), solids.end()), solids.end());
@@ -76,14 +79,20 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     const std::array values{
         SuspiciousUnit{"chain.diameter_m", s.chain.diameter_m, s.chain.diameter_m >= 0.1, "m", "millimetres"},
         SuspiciousUnit{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
-        SuspiciousUnit{"end.thickness_m", s.end.thickness_m, plate && s.end.thickness_m >= 0.05, "m",
-                       "millimetres"},
+        SuspiciousUnit{"end.thickness_m", s.end.thickness_m,
+                       plate && s.end.thicknesses_m.empty() && s.end.thickness_m >= 0.05, "m", "millimetres"},
         SuspiciousUnit{"drive.amplitude_m", s.drive.amplitude_m, std::abs(s.drive.amplitude_m) >= 1e-3, "m",
                        "micrometres"},
         SuspiciousUnit{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz",
                        "kilohertz"},
     };
     warn_of_suspicious_units(values, warnings);
+    for (std::size_t i = 0; plate && i < s.end.thicknesses_m.size(); ++i) {
+        const std::string key = "end.thicknesses_m[" + std::to_string(i + 1) + "]";
+        const double thickness = s.end.thicknesses_m[i];
+        warn_of_suspicious_units(
+            std::array{SuspiciousUnit{key, thickness, thickness >= 0.05, "m", "millimetres"}}, warnings);
+    }
     add_units_of_materials(s, warnings);
 }
 
@@ -92,9 +101,13 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
     const Scene untouched;
     for (const SceneKey& key : scene_keys()) {
         if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
-            const Need& needs = key.traits.needs;
-            warnings.push_back(key.name + " has no effect without " + std::string(needs.key) + " = " +
-                               hertzline::quoted(needs.word));
+            const KeyTraits& traits = key.traits;
+            const auto list = scene_key_named(scene, traits.replaced_by);
+            const bool replaced = list && list->value(scene) && list->has_effect(scene);
+            warnings.push_back(key.name + " has no effect " +
+                               (replaced ? "beside " + list->name
+                                         : "without " + std::string(traits.needs.key) + " = " +
+                                               hertzline::quoted(traits.needs.word)));
         }
     }
 }
@@ -111,14 +124,19 @@ double compliance(const EndModel& end) {
     return sum;
 }
 
-/// Modes whose waves are too short for thin-plate theory, and a fluid that is taken for a mass where it is not.
+constexpr std::string_view remedy = "; end.theory = \"thick\" has the shear that is missing";
+
+/// Modes whose waves are too short for the theory, and a fluid that is taken for a mass where it is not.
 void add_modes(const Scene& scene, const PlateResponse& plate, std::vector<std::string>& warnings) {
+    const bool thin = scene.end.theory == PlateTheory::thin;
     for (std::size_t n = 0; n < plate.modes.size(); ++n) {
-        if (plate.modes[n].kb_h > shortest_wave) {
-            warnings.push_back("mode " + std::to_string(n + 1) +
-                               " of the disc has k_b h = " + briefly(plate.modes[n].kb_h) +
-                               "; thin-plate theory is for less than 1.5, and its frequency of " +
-                               briefly(plate.modes[n].dry_hz) + " Hz is overestimated");
+        if (plate.modes[n].kb_h > (thin ? shortest_in_thin : shortest_in_thick)) {
+            warnings.push_back(
+                "mode " + std::to_string(n + 1) + " of the disc has k_b h = " + briefly(plate.modes[n].kb_h) +
+                (thin ? "; thin-plate theory is for less than 1.5, and its frequency of " +
+                            briefly(plate.modes[n].dry_hz) + " Hz is overestimated" + std::string(remedy)
+                      : "; thick-plate theory is for less than 3: a plate has other waves than bending ones "
+                        "there"));
             break;  // higher ones are worse
         }
     }
@@ -134,17 +152,20 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     if (scene.end.kind != EndKind::plate) {
         return;
     }
-    const double ratio = scene.end.thickness_m / scene.end.radius_m;
-    if (ratio > thickest_disc) {
+    const double thickness = laminate(layers_of(scene)).section.thickness_m;
+    const double ratio = thickness / scene.end.radius_m;
+    const bool modal = scene.end.model == PlateModel::modal;
+    if (ratio > thickest_disc && !(modal && scene.end.theory == PlateTheory::thick)) {
         warnings.push_back("the disc's thickness is " + briefly(ratio) +
                            " of its radius; above 0.2 it is no thin plate, and its stiffness and frequency "
-                           "are overestimated");
+                           "are overestimated" +
+                           (modal ? std::string(remedy) : ""));
     }
     if (chain.end.plate) {
         add_modes(scene, *chain.end.plate, warnings);
     }
     const double sag = scene.chain.preload_n * compliance(chain.end);
-    if (sag > scene.end.thickness_m / 2) {
+    if (sag > thickness / 2) {
         warnings.push_back("the preload bends the disc by " + briefly(sag) +
                            " m, more than half its thickness; a disc that bends so far stiffens, which the "
                            "model leaves out");

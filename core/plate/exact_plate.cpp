@@ -22,7 +22,7 @@ double disc_area(const PlateParameters& p) noexcept {
 
 ExactPlate::ExactPlate(const PlateParameters& parameters)
     : p_(parameters),
-      discs_(disc_modes(p_.modes)),
+      discs_(disc_modes(p_)),
       modes_(dry_modes(p_)),
       on_axis_(discs_, ka(p_.band_hz), p_.hydrophone_m / p_.radius_m) {
     const auto size = static_cast<Index>(discs_.size());

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/plate/disc_modes.hpp"
-
 namespace hertzline {
 
 namespace {
@@ -15,23 +13,27 @@ constexpr double least_loss_factor = 1e-7;
 
 }  // namespace
 
+std::vector<DiscMode> disc_modes(const PlateParameters& p) {
+    const PlateSection& section = p.section;
+    const double square = p.radius_m * p.radius_m;
+    return disc_modes(p.modes, {.rotary = section.rotary_kg / (section.mass_kg_per_m2 * square),
+                                .compliance = section.bending_n_m / (section.shear_n_per_m * square)});
+}
+
 std::vector<PlateMode> dry_modes(const PlateParameters& p) {
-    const double h = p.thickness_m;
     const double area = std::numbers::pi * p.radius_m * p.radius_m;
-    const double nu = p.disc.poissons_ratio;
-    const double bending = p.disc.youngs_modulus_pa * h * h * h / (12 * (1 - nu * nu));
-    const double mass = p.disc.density_kg_per_m3 * h;
+    const double mass = p.section.mass_kg_per_m2;
     std::vector<PlateMode> modes;
-    for (int n = 0; n < p.modes; ++n) {
-        const DiscMode disc(n);
+    for (const DiscMode& disc : disc_modes(p)) {
         const double number = disc.root() / p.radius_m;
-        const double omega = number * number * std::sqrt(bending / mass);
+        const double omega = number * number * std::sqrt(p.section.bending_n_m / mass) * disc.slowing();
         PlateMode mode{.mass_kg = disc.mass() * mass * area,
                        .mean = disc.mean(),
                        .dry_hz = omega / (2 * std::numbers::pi),
-                       .kb_h = number * h};
+                       .kb_h = number * p.section.thickness_m};
         mode.stiffness_n_per_m = mode.mass_kg * omega * omega;
-        mode.loss_kg_per_s = std::max(p.loss_factor, least_loss_factor) * mode.stiffness_n_per_m / omega;
+        mode.loss_kg_per_s =
+            std::max(p.section.loss_factor, least_loss_factor) * mode.stiffness_n_per_m / omega;
         modes.push_back(mode);
     }
     return modes;

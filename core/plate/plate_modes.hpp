@@ -3,18 +3,18 @@
 
 #include <vector>
 
+#include "core/plate/disc_modes.hpp"
+#include "core/plate/plate_section.hpp"
 #include "hertzline/scene.hpp"
 
 namespace hertzline {
 
 /// All that a plate's response depends on, in SI units.
 struct PlateParameters {
-    Solid disc{};
+    PlateSection section{};
     Fluid fluid{};
     double radius_m = 0;
-    double thickness_m = 0;
     int modes = 1;
-    double loss_factor = 0;
     FluidLoad load = FluidLoad::none;
     double hydrophone_m = 0;
     double band_hz = 0;  ///< up to where the response has to be right
@@ -34,8 +34,11 @@ struct PlateMode {
     double wet_hz = 0;         ///< with the fluid's added mass
     double half_width = 0;     ///< of the wet resonance over its frequency, roughly
     double kb_h =
-        0;  ///< bending wave's number times thickness: thin-plate theory asks for less than about 1.5
+        0;  ///< bending wave's number times thickness: less than 1.5 in a thin plate, 3 in a thick one
 };
+
+/// The shapes of the modes.
+std::vector<DiscMode> disc_modes(const PlateParameters& parameters);
 
 /// The modes in a vacuum: all but wet_hz and half_width.
 std::vector<PlateMode> dry_modes(const PlateParameters& parameters);

@@ -10,8 +10,9 @@ namespace hertzline {
 namespace {
 
 constexpr std::size_t nodes = 24;
-constexpr double per_panel = 8;     // argument of the transforms that a panel of nodes covers
-constexpr double negligible = 240;  // from here on Phi^2, which falls like q^-7, adds less than 1e-13
+constexpr double per_panel = 8;  // argument of the transforms that a panel of nodes covers
+constexpr double negligible =
+    240;  // from here on Phi^2, which falls like q^-7 in a thin disc, adds less than 1e-13
 
 Eigen::VectorXd transforms(const std::vector<DiscMode>& modes, double q) {
     Eigen::VectorXd phi(static_cast<Eigen::Index>(modes.size()));
@@ -38,23 +39,26 @@ Eigen::MatrixXd integral_of_products(const std::vector<DiscMode>& modes, double 
     return sum;
 }
 
-/// int_0^inf Phi Phi^T(sqrt(k^2 + u^2)) du
+/// The mean of J0^2(q)/q^4 at q = sqrt(k^2 + u^2), int 1/(pi q^5) du for u from `negligible` on, by t = negligible/u.
+double mean_tail(double ka) {
+    return integral<nodes>(0, 1, [ka](double t) {
+        return negligible * t * t * t / (std::numbers::pi * std::pow(std::hypot(negligible, ka * t), 5));
+    });
+}
+
+/// int_0^inf Phi Phi^T(sqrt(k^2 + u^2)) du. A thick disc has a slope at its rim, and Phi falls like phi'(1) J0(q)/q^2.
 Eigen::MatrixXd near_field(const std::vector<DiscMode>& modes, double ka) {
-    return integral_of_products(
+    Eigen::VectorXd rim(static_cast<Eigen::Index>(modes.size()));
+    for (std::size_t n = 0; n < modes.size(); ++n) {
+        rim[static_cast<Eigen::Index>(n)] = modes[n].slope_over_r(1);
+    }
+    const Eigen::MatrixXd sum = integral_of_products(
         modes, negligible, static_cast<int>(negligible / per_panel),
         [ka](double u) { return std::hypot(ka, u); }, [](double) { return 1.0; });
+    return sum + mean_tail(ka) * rim * rim.transpose();
 }
 
 }  // namespace
-
-std::vector<DiscMode> disc_modes(int count) {
-    std::vector<DiscMode> modes;
-    modes.reserve(static_cast<std::size_t>(count));
-    for (int n = 0; n < count; ++n) {
-        modes.emplace_back(n);
-    }
-    return modes;
-}
 
 /// Below k the square root is real: the substitution q = k sin(theta) takes its pole away. Above, q = sqrt(k^2 + u^2).
 Eigen::MatrixXcd radiation_impedance(const std::vector<DiscMode>& modes, double ka) {

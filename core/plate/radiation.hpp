@@ -11,8 +11,6 @@
 
 namespace hertzline {
 
-std::vector<DiscMode> disc_modes(int count);
-
 /// The radiation impedance between the modes, Z_mn = rho c pi a^2 zeta_mn(k a) with time as exp(i w t): zeta_mn = 2 k a int_0^inf
 /// Phi_m(q) Phi_n(q) q dq / sqrt((k a)^2 - q^2), Phi the transforms (docs/model.md, section 10). @param ka from 0 on
 Eigen::MatrixXcd radiation_impedance(const std::vector<DiscMode>& modes, double ka);

@@ -100,6 +100,29 @@ void check_damping_law(const Scene& scene, std::vector<Fault>& faults) {
     }
 }
 
+/// Layers have a material and a thickness each.
+void check_layers(const Scene& scene, std::vector<Fault>& faults) {
+    const End& end = scene.end;
+    const auto check = [&](const char* key, std::size_t count, const char* other, std::size_t others) {
+        const auto text = [](std::size_t number) { return number_text(static_cast<std::int64_t>(number)); };
+        if (count != others) {
+            faults.push_back({key,
+                              (count == 0 ? "nothing" : text(count) + (count == 1 ? " entry" : " entries")) +
+                                  " with " + other + " of " + text(others),
+                              others == 0 ? "none, or as many entries of " + std::string(other)
+                                          : text(others) + ", one for each layer"});
+        }
+    };
+    if (end.materials.empty()) {
+        check("end.materials", 0, "end.thicknesses_m", end.thicknesses_m.size());
+    } else {
+        check("end.thicknesses_m", end.thicknesses_m.size(), "end.materials", end.materials.size());
+    }
+    if (!end.loss_factors.empty()) {
+        check("end.loss_factors", end.loss_factors.size(), "end.materials", end.materials.size());
+    }
+}
+
 void check_materials(const Scene& scene, std::vector<Fault>& faults) {
     for (const auto& [name, material] : scene.materials) {
         const std::string section = "materials." + key_part(name);
@@ -119,6 +142,7 @@ std::vector<Fault> validate(const Scene& scene) {
     check_combinations(scene, faults);
     check_modal_plate(scene, faults);
     check_damping_law(scene, faults);
+    check_layers(scene, faults);
     check_materials(scene, faults);
     return faults;
 }

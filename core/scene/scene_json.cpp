@@ -35,12 +35,18 @@ std::optional<SceneValue> number_in(const Json& json, ValueKind kind) {
 /// The value as one of the key, or its fault.
 tl::expected<SceneValue, Fault> value_in(const Json& json, const SceneKey& key) {
     if (const auto* text = json.get_ptr<const std::string*>()) {
-        if (key.kind == ValueKind::word) {
+        if (key.kind == ValueKind::word && !key.is_list()) {
             return SceneValue(*text);
         }
-        if (has_unit(*text)) {
+        if (key.is_list() || has_unit(*text)) {
             return read_text(key, *text);
         }
+    }
+    if (key.is_list()) {
+        return json.is_array()
+                   ? read_list(key, json.size(),
+                               [&](const SceneKey& entry, std::size_t i) { return value_in(json[i], entry); })
+                   : tl::unexpected(Fault{key.name, found_json(json), key.allowed()});
     }
     if (const auto number = number_in(json, key.kind)) {
         return *number;
@@ -51,8 +57,10 @@ tl::expected<SceneValue, Fault> value_in(const Json& json, const SceneKey& key) 
 /// The key of that name, or the fault of one that is unknown.
 tl::expected<SceneKey, Fault> known_key(const Scene& scene, const std::string& name) {
     return scene_key_named(scene, name).map_error([&](Fault fault) {
-        fault.key = quoted_briefly(name);
-        fault.found = "an unknown key";
+        if (fault.key.empty()) {  // else it is known, and has no such entry
+            fault.key = quoted_briefly(name);
+            fault.found = "an unknown key";
+        }
         return fault;
     });
 }
@@ -104,7 +112,7 @@ Json described(const Scene& scene, const SceneKey& key) {
         entry["minimum"] = number_json(key, key.range.min);
         entry["maximum"] = number_json(key, key.range.max);
     }
-    entry["kind"] = word(key.kind);
+    entry["kind"] = key.is_list() ? "list" : word(key.kind);
     if (key.kind == ValueKind::word) {
         entry["words"] = words_of(scene, key);
     }
@@ -112,11 +120,17 @@ Json described(const Scene& scene, const SceneKey& key) {
     return entry;
 }
 
-Json key_schema(const SceneKey& key) {
-    const std::string_view type = key.kind == ValueKind::word ? "string" : word(key.kind);
-    Json schema{{"type", key.is_optional ? Json{type, "null"} : Json(type)}, {"description", key.doc}};
-    if (!key.range.unit.empty()) {
-        schema["unit"] = key.range.unit;
+/// The schema of a value without its documentation: that of its entries within that of a list.
+Json type_schema(const SceneKey& key) {
+    const std::string_view type = key.is_list()                 ? "array"
+                                  : key.kind == ValueKind::word ? "string"
+                                                                : word(key.kind);
+    Json schema{{"type", key.is_optional ? Json{type, "null"} : Json(type)}};
+    if (key.is_list()) {
+        schema["minItems"] = key.counts.front().least;
+        schema["maxItems"] = key.counts.front().most;
+        schema["items"] = type_schema(key.entry(0));
+        return schema;
     }
     if (key.kind != ValueKind::word) {
         const bool closed = key.range.bounds == Bounds::closed;
@@ -129,11 +143,23 @@ Json key_schema(const SceneKey& key) {
             schema["enum"].push_back(nullptr);
         }
     }
+    return schema;
+}
+
+Json key_schema(const SceneKey& key) {
+    Json schema = type_schema(key);
+    schema["description"] = key.doc;
+    if (!key.range.unit.empty()) {
+        schema["unit"] = key.range.unit;
+    }
     if (!key.owner) {
         schema["default"] = json_of(key.value(Scene{}));
     }
     if (!key.traits.needs.key.empty()) {
         schema["needs"] = {{std::string(key.traits.needs.key), key.traits.needs.word}};
+    }
+    if (!key.traits.replaced_by.empty()) {
+        schema["replaced_by"] = key.traits.replaced_by;
     }
     return schema;
 }
@@ -145,7 +171,7 @@ Json closed_object() {
 /// Adds a key to the schema of its section.
 void add_key(Json& section, const SceneKey& key) {
     section["properties"][std::string(key.key)] = key_schema(key);
-    if (!key.owner || !key.is_optional) {
+    if (!key.is_list() && (!key.owner || !key.is_optional)) {
         section["required"].push_back(key.key);
     }
 }
@@ -167,7 +193,9 @@ Json json_of(const std::optional<SceneValue>& value) {
 Json scene_json(const Scene& scene) {
     Json json = Json::object();
     for (const SceneKey& key : scene_keys()) {
-        json[key.section()][std::string(key.key)] = json_of(key.value(scene));
+        if (const auto value = key.value(scene); value || !key.is_list()) {
+            json[key.section()][std::string(key.key)] = json_of(value);
+        }
     }
     for (const auto& [name, material] : scene.materials) {
         Json& own = json["materials"][name] = Json::object();

@@ -14,10 +14,11 @@
 
 namespace hertzline {
 
-/// A number or a text; null: nothing.
+/// A number, a text or a list; null: nothing.
 Json json_of(const std::optional<SceneValue>& value);
 
-/// {"drive": {"material": "steel", ...}, ...}; unset members are null, materials that are the scene's own in "materials".
+/// {"drive": {"material": "steel", ...}, ...}; unset members are null, lists that are not given are left out, materials that are the
+/// scene's own are in "materials".
 Json scene_json(const Scene& scene);
 
 /// The scene that such an object describes: keys that it leaves out have their defaults. Or the fault of each wrong value; whether
@@ -26,7 +27,7 @@ tl::expected<Scene, std::vector<Fault>> scene_of_json(const Json& json);
 
 /// The scene with other values of some keys, or the fault of each wrong one. Whether the scene can then be simulated is for
 /// validate() to say.
-/// @param values an object: keys, "drive.amplitude_m", and their values as numbers and texts; null takes an optional value back
+/// @param values an object: keys, "drive.amplitude_m", and their values as numbers, texts and lists; null takes an optional value back
 tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& values);
 
 /// A scene's values of the keys in `values`; null where it has none.

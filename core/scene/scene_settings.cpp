@@ -111,12 +111,18 @@ void SceneSettings::add_entry(TomlEntry entry) {
 void SceneSettings::add_option(const std::string& option) {
     const Place place{"--set " + printable(option), 0};
     const auto equals = option.find('=');
-    const std::string_view key = trimmed(std::string_view(option).substr(0, equals), blank);
+    const std::string_view name = trimmed(std::string_view(option).substr(0, equals), blank);
+    const std::string_view key = name.substr(0, name.find('['));
+    const std::string_view entry = name.substr(key.size());
     const Path path = split_at_dots(key);
     const std::size_t parts = path[0] == "materials" ? 3 : 2;
-    if (equals == std::string::npos || path.size() != parts ||
+    const bool odd_entry = entry.find_first_not_of("[0123456789]") != std::string_view::npos ||
+                           (!entry.empty() && entry.back() != ']');
+    if (equals == std::string::npos || path.size() != parts || odd_entry ||
         !std::all_of(path.begin(), path.end(), is_bare_key)) {
-        refuse(place, "", quoted_briefly(option), "section.key=value or materials.NAME.key=value");
+        refuse(
+            place, "", quoted_briefly(option),
+            "section.key=value, section.key[1]=value of a list's first entry, or materials.NAME.key=value");
         return;
     }
     const bool known = knows({path[0]}, place) && knows(path, place);
@@ -127,18 +133,19 @@ void SceneSettings::add_option(const std::string& option) {
             set(section, TomlTable{}, place);
         }
         // a text that is no TOML may be a number with its unit, which its key can tell
-        set(path, value ? *value : SceneValue(std::string(text)), place);
+        set(path, value ? *value : SceneValue(std::string(text)), place, entry);
     }
 }
 
-void SceneSettings::set(Path path, TomlValue value, const Place& place) {
+void SceneSettings::set(Path path, TomlValue value, const Place& place, std::string_view entry) {
     if (path[0] == "materials" && path.size() == 2) {
         materials_.insert(path[1]);
     }
     if (path[0] == "materials" && path.size() == 3 && path[2] == density_alias) {
         path[2] = density;
     }
-    const std::string key = joined(path);
+    const std::string key = joined(path) + std::string(entry);
+    std::erase_if(settings_, [&](const auto& setting) { return setting.first.starts_with(key + '['); });
     const Setting* earlier = find(key);
     // Two lines of the file: TOML itself refuses the same key twice, so one of them is the alias.
     if (earlier != nullptr && place.line != 0 && earlier->place.line != 0) {
@@ -151,6 +158,16 @@ void SceneSettings::set(Path path, TomlValue value, const Place& place) {
 const Setting* SceneSettings::find(const std::string& key) const {
     const auto found = settings_.find(key);
     return found != settings_.end() ? &found->second : nullptr;
+}
+
+std::vector<std::string> SceneSettings::entries() const {
+    std::vector<std::string> names;
+    for (const auto& setting : settings_) {
+        if (setting.first.ends_with(']')) {
+            names.push_back(setting.first);
+        }
+    }
+    return names;
 }
 
 std::map<std::string, Place> SceneSettings::places() const {

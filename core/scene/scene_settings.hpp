@@ -33,6 +33,9 @@ public:
     /// The setting of the key ("chain.spheres"), or the beginning of the section [materials.NAME]; nullptr: none.
     const Setting* find(const std::string& key) const;
 
+    /// The names of all entries of lists that options give: "end.thicknesses_m[2]".
+    std::vector<std::string> entries() const;
+
     /// The NAMEs of all [materials.NAME].
     const std::set<std::string>& materials() const { return materials_; }
 
@@ -43,7 +46,8 @@ private:
     using Path = std::vector<std::string>;  // the parts of a dotted key, without quotes
 
     void add_entry(TomlEntry entry);
-    void set(Path path, TomlValue value, const Place& place);
+    /// @param entry "[2]": of a list; empty: the whole value
+    void set(Path path, TomlValue value, const Place& place, std::string_view entry = {});
     bool knows(const Path& path, const Place& place);  // if not, notes the fault
     bool refuse(const Place& place, std::string key, std::string found, std::string allowed);  // always false
 

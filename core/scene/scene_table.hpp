@@ -51,13 +51,16 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(tension, {"tension", {}, "whether damping may pull just before a contact opens"});
     }
     {
-        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor] =
-            scene.end;
+        auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor,
+               theory, materials, thicknesses_m, loss_factors] = scene.end;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("end", member, facts); };
         row(kind, {"kind", {}, "a clamped disc, an immovable wall, only the preload"});
-        row(material, {"material", {}, "of the disc or wall"});
+        row(material, {"material", {}, "of the disc or wall", {.replaced_by = "end.materials"}});
         row(radius_m, {"radius_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
-        row(thickness_m, {"thickness_m", {1e-9, 10, "m"}, "of the disc", {.needs = plate}});
+        row(thickness_m, {"thickness_m",
+                          {1e-9, 10, "m"},
+                          "of the disc",
+                          {.needs = plate, .replaced_by = "end.thicknesses_m"}});
         row(stiffness_n_per_m, {"stiffness_n_per_m",
                                 {0, 1e15, "N/m"},
                                 "of the disc",
@@ -72,7 +75,23 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(loss_factor, {"loss_factor",
                           {1e-6, 1},
                           "of a modal plate's material: an assumption",
-                          {.needs = modal, .hashed = changed}});
+                          {.needs = modal, .hashed = changed, .replaced_by = "end.loss_factors"}});
+        row(theory, {"theory",
+                     {},
+                     "of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia",
+                     {.needs = modal, .hashed = Hashed::when_in_effect}});
+        row(materials, {"materials",
+                        {},
+                        "of the disc's [layers](#layers), from the sphere to the medium",
+                        {.unset = "`[material]`", .needs = plate, .most_entries = max_layers}});
+        row(thicknesses_m, {"thicknesses_m",
+                            {1e-9, 10, "m"},
+                            "of the layers",
+                            {.unset = "`[thickness_m]`", .needs = plate, .most_entries = max_layers}});
+        row(loss_factors, {"loss_factors",
+                           {1e-6, 1},
+                           "of the layers of a modal plate",
+                           {.unset = "`loss_factor` for each", .needs = modal, .most_entries = max_layers}});
     }
     {
         auto& [material, load] = scene.medium;

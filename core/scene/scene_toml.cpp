@@ -6,7 +6,6 @@
 #include "core/scene/scene_key.hpp"
 #include "core/scene/scene_settings.hpp"
 #include "core/scene/text.hpp"
-#include "core/scene/units.hpp"
 #include "hertzline/scene_file.hpp"
 
 namespace hertzline {
@@ -24,21 +23,25 @@ void read_key(const SceneSettings& settings, const SceneKey& key, const Setting*
         }
         return;
     }
-    const auto* found = std::get_if<SceneValue>(&given->value);
-    auto value = found != nullptr ? value_as(key.kind, *found) : std::nullopt;
-    const auto* text = found != nullptr ? std::get_if<std::string>(found) : nullptr;
-    if (!value && text != nullptr && has_unit(*text)) {
-        auto number = read_text(key, *text);
-        if (!number) {
-            faults.push_back(std::move(number).error());
-            faults.back().place = given->place;
-            return;
-        }
-        value = *std::move(number);
+    const auto value = value_of(key, given->value);
+    if (!value) {
+        faults.push_back(value.error());
+        faults.back().place = given->place;
+    } else if (!key.set(scene, *value)) {
+        faults.push_back({key.name, found_text(given->value),
+                          key.allowed() + suggestion(value_text(*value), key.words), given->place});
     }
-    if (!value || !key.set(scene, *value)) {
-        const std::string hint = value ? suggestion(value_text(*value), key.words) : "";
-        faults.push_back({key.name, found_text(given->value), key.allowed() + hint, given->place});
+}
+
+/// Sets the entries of lists that options give.
+void read_entries(const SceneSettings& settings, Scene& scene, std::vector<Fault>& faults) {
+    for (const std::string& name : settings.entries()) {
+        if (const auto key = scene_key_named(scene, name)) {
+            read_key(settings, *key, nullptr, scene, faults);
+        } else {
+            faults.push_back(key.error());
+            faults.back().place = settings.find(name)->place;
+        }
     }
 }
 
@@ -88,23 +91,26 @@ std::set<std::string> read_materials(const SceneSettings& settings, Scene& scene
     return unclear;
 }
 
-/// A section's heading comes before its first key. @param defaults keys that are hashed when changed are left out where they have
-/// these values; nullptr: every key is written
+/// Whether a hash does without that value of the key.
+bool changes_nothing(const Scene& scene, const SceneKey& key, const SceneValue& value,
+                     const Scene& defaults) {
+    return (key.traits.hashed == Hashed::when_changed && value == key.value(defaults)) ||
+           (key.traits.hashed == Hashed::when_in_effect && !key.has_effect(scene));
+}
+
+/// A section's heading comes before its first key. @param defaults keys that change nothing beside these values are left out; nullptr:
+/// every key is written
 std::string text_of(const Scene& scene, const Scene* defaults) {
     std::string text;
     std::string section;
     for (const SceneKey& key : keys_of(scene)) {
-        auto value = key.value(scene);
-        if (!value || (defaults != nullptr && key.traits.hashed == Hashed::when_changed &&
-                       value == key.value(*defaults))) {
+        const auto value = key.value(scene);
+        if (!value || (defaults != nullptr && changes_nothing(scene, key, *value, *defaults))) {
             continue;
         }
         if (key.section() != section) {
             section = key.section();
             text += (text.empty() ? "[" : "\n[") + section + "]\n";
-        }
-        if (const auto* number = std::get_if<double>(&*value); number != nullptr && *number == 0) {
-            value = 0.0;  // -0 equals 0: one text for both
         }
         text += std::string(key.key) + " = " + toml_text(*value) + '\n';
     }
@@ -114,7 +120,10 @@ std::string text_of(const Scene& scene, const Scene* defaults) {
 }  // namespace
 
 Fault ParsedScene::placed(Fault fault) const {
-    const auto given = places.find(fault.key);
+    auto given = places.find(fault.key);
+    if (given == places.end()) {  // an entry of a list that was given as a whole
+        given = places.find(fault.key.substr(0, fault.key.find('[')));
+    }
     fault.place = given != places.end() ? given->second : Place{origin, 0};
     return fault;
 }
@@ -133,6 +142,7 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
         read_key(settings, key, nullptr, parsed.scene, faults);
     }
     const std::set<std::string> unclear_materials = read_materials(settings, parsed.scene, faults);
+    read_entries(settings, parsed.scene, faults);
     if (readable) {  // else the options would be judged without the keys of the file
         for (Fault& fault : validate(parsed.scene)) {
             // A key that names an unclear material is not at fault: that is reported where the material is defined.

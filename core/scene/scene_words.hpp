@@ -59,6 +59,12 @@ struct Words<PlateModel> {
 };
 
 template <>
+struct Words<PlateTheory> {
+    static constexpr std::array all{Word<PlateTheory>{"thin", PlateTheory::thin},
+                                    Word<PlateTheory>{"thick", PlateTheory::thick}};
+};
+
+template <>
 struct Words<FluidLoad> {
     static constexpr std::array all{Word<FluidLoad>{"none", FluidLoad::none},
                                     Word<FluidLoad>{"added_mass", FluidLoad::added_mass},

@@ -10,6 +10,7 @@
 
 #include "core/scene/text.hpp"
 #include "core/scene/toml_guard.hpp"
+#include "core/scene/units.hpp"
 
 namespace hertzline {
 
@@ -19,7 +20,7 @@ Fault fault_in_line(int line, std::string found, std::string allowed) {
     return {"", std::move(found), std::move(allowed), Place{"", line}};
 }
 
-TomlValue value_of(const toml::node& node) {
+TomlValue value_in(const toml::node& node) {
     if (const auto* integer = node.as_integer()) {
         return SceneValue(integer->get());
     }
@@ -35,7 +36,14 @@ TomlValue value_of(const toml::node& node) {
     if (node.is_table()) {
         return TomlTable{};
     }
-    return TomlOther{node.is_array() ? "an array" : "a date or time"};
+    if (const auto* array = node.as_array()) {  // the parser bounds how deep they lie in one another
+        TomlArray list;
+        for (const toml::node& entry : *array) {
+            list.entries.push_back(value_in(entry));
+        }
+        return list;
+    }
+    return TomlOther{"a date or time"};
 }
 
 void append_entries(const toml::table& table, const std::vector<std::string>& parents,
@@ -44,7 +52,7 @@ void append_entries(const toml::table& table, const std::vector<std::string>& pa
     for (const auto& [key, node] : table) {
         auto path = parents;
         path.emplace_back(key.str());
-        entries.push_back({path, value_of(node), static_cast<int>(key.source().begin.line)});
+        entries.push_back({path, value_in(node), static_cast<int>(key.source().begin.line)});
         if (node.is_table() && path.size() < max_depth) {
             append_entries(*node.as_table(), path, entries);
         }
@@ -100,15 +108,62 @@ std::optional<TomlValue> toml_value(std::string_view text) {
         return std::nullopt;
     }
     const auto table = parsed("value = " + std::string(text));
-    return table ? std::optional(value_of(*table->get("value"))) : std::nullopt;
+    return table ? std::optional(value_in(*table->get("value"))) : std::nullopt;
 }
 
+tl::expected<SceneValue, Fault> value_of(const SceneKey& key, const TomlValue& value) {
+    const auto* const single = std::get_if<SceneValue>(&value);
+    const auto* const text = single != nullptr ? std::get_if<std::string>(single) : nullptr;
+    if (text != nullptr && (key.is_list() || (key.kind != ValueKind::word && has_unit(*text)))) {
+        return read_text(key, *text);
+    }
+    if (const auto* list = std::get_if<TomlArray>(&value); list != nullptr && key.is_list()) {
+        return read_list(key, list->entries.size(), [&](const SceneKey& entry, std::size_t i) {
+            return value_of(entry, list->entries[i]);
+        });
+    }
+    const auto found = single != nullptr && !key.is_list() ? value_as(key.kind, *single) : std::nullopt;
+    return found ? tl::expected<SceneValue, Fault>(*found)
+                 : tl::unexpected(Fault{key.name, found_text(value), key.allowed()});
+}
+
+namespace {
+
+/// The texts of its entries in brackets, numbers as floats.
+template <class Entry>
+std::string array_text(const std::vector<Entry>& entries) {
+    std::string text;
+    for (const Entry& entry : entries) {
+        text += (text.empty() ? "[" : ", ");
+        if constexpr (std::is_same_v<Entry, std::array<double, 3>>) {
+            text += array_text(std::vector<double>(entry.begin(), entry.end()));
+        } else {
+            text += toml_text(entry);
+        }
+    }
+    return (text.empty() ? "[" : text) + "]";
+}
+
+}  // namespace
+
 std::string toml_text(const SceneValue& value) {
+    if (entries_of(value) > 0) {
+        return std::visit(
+            [](const auto& held) -> std::string {
+                if constexpr (requires { array_text(held); }) {
+                    return array_text(held);
+                } else {
+                    return {};
+                }
+            },
+            value);
+    }
     if (const auto* text = std::get_if<std::string>(&value)) {
         return hertzline::quoted(*text);
     }
-    // a number is written as a float, so that a reader of any kind sees its type
-    const std::string text = value_text(value);
+    // a number is written as a float, so that a reader of any kind sees its type; -0 equals 0: one text for both
+    const auto* number = std::get_if<double>(&value);
+    const std::string text = number != nullptr && *number == 0 ? "0" : value_text(value);
     const bool whole = text.find_first_of(".eni") == std::string::npos;  // n, i: nan, inf
     return whole && std::holds_alternative<double>(value) ? text + ".0" : text;
 }
@@ -116,6 +171,9 @@ std::string toml_text(const SceneValue& value) {
 std::string found_text(const TomlValue& value) {
     if (const auto* other = std::get_if<TomlOther>(&value)) {
         return other->description;
+    }
+    if (std::holds_alternative<TomlArray>(value)) {
+        return "an array";
     }
     const auto* given = std::get_if<SceneValue>(&value);
     if (given == nullptr) {

@@ -87,6 +87,9 @@ private:
             pass(1);
             return std::nullopt;
         }
+        if (c == ',' && quote_.empty()) {
+            dots_ = 0;  // the next entry of a list: no dotted key goes on behind it
+        }
         // "..." is no dotted key.
         if (c == '.' && !rest_.substr(1).starts_with('.') && ++dots_ > max_dots) {
             return fault_in(line_, "more than 32 dots in a line", "section.key, and decimal points");

@@ -2,6 +2,7 @@
 // The request of a user, in SI units, with the paper's values as defaults. validate() finds its faults, and resolve()
 // (hertzline/resolve.hpp) chooses the integrator and the step that it leaves open.
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -21,6 +22,7 @@ enum class Tension { allowed, clamped };
 enum class EndKind { plate, wall, free };
 enum class PlatePreload { balanced, as_printed };
 enum class PlateModel { lumped, modal };
+enum class PlateTheory { thin, thick };
 enum class FluidLoad { none, added_mass, radiation };
 
 /// Relative L2 error of the velocities that a scene gets when it asks for nothing.
@@ -63,6 +65,12 @@ struct End {
     PlateModel model = PlateModel::lumped;  ///< the paper's mass and spring, or modes of the disc
     std::int64_t modes = 4;                 ///< of a modal plate
     double loss_factor = 0.005;             ///< of a modal plate's material: an assumption
+    /// Of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia.
+    PlateTheory theory = PlateTheory::thick;
+    /// Of the disc's layers, from the sphere to the medium, in place of material, thickness_m and loss_factor; empty: one layer.
+    std::vector<std::string> materials = {};
+    std::vector<double> thicknesses_m = {};
+    std::vector<double> loss_factors = {};  ///< empty: loss_factor, of each layer
     bool operator==(const End&) const = default;
 };
 
@@ -152,6 +160,9 @@ std::vector<std::string> material_names(const Scene& scene, MaterialSort sort);
 
 /// The solid of that name in a scene without faults.
 const Solid& solid_of(const Scene& scene, std::string_view name);
+
+/// Largest number of layers of a disc.
+inline constexpr std::size_t max_layers = 16;
 
 /// Largest number of spheres that a scene may ask for; 80 bytes of state and constants each.
 inline constexpr std::int64_t max_spheres = 10'000'000;

@@ -45,8 +45,8 @@ tl::expected<ParsedScene, std::vector<Fault>> parse_scene(std::string_view text,
 /// unset are left out. Reading it back gives a scene equal to `scene`, to the last bit.
 std::string to_toml(const Scene& scene);
 
-/// 16 hexadecimal digits that tell scenes apart: FNV-1a (64 bits) of to_toml(), without the keys that are
-/// Hashed::when_changed and have their defaults.
+/// 16 hexadecimal digits that tell scenes apart: FNV-1a (64 bits) of to_toml(), without the keys that came later than
+/// others and change nothing.
 std::string scene_hash(const Scene& scene);
 
 /// A scene that is part of the program.

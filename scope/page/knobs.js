@@ -4,6 +4,13 @@ import {withUnit} from './axes.js';
 const SECTIONS_OPEN = ['drive'];
 const JUST_TURNED_MS = 1000;  // a value that comes meanwhile may be older than the turn
 
+/** Returns a list as the stream reads it, numbers with their unit: "[0.2 mm, 20 um]". */
+function listText(list, unit, digits) {
+  const text = (entry) => (Array.isArray(entry) ? listText(entry, unit, digits)
+    : typeof entry === 'number' ? withUnit(entry, unit, digits) : entry);
+  return `[${list.map(text).join(', ')}]`;
+}
+
 /** Returns the scene of meta as knobs that only show. */
 function shownOnly(scene) {
   const values = {};
@@ -142,6 +149,9 @@ class Knob {
   }
 
   valueText() {
+    if (Array.isArray(this.knob.value)) {
+      return listText(this.knob.value, this.knob.unit ?? '', 15);
+    }
     return typeof this.knob.value === 'number' ? withUnit(this.knob.value, this.knob.unit ?? '', 15) : this.knob.value ?? '';
   }
 
@@ -225,10 +235,10 @@ class Knob {
       }
     }
     const unit = knob.unit ?? '';
-    const text = (value) => (typeof value === 'number' ? withUnit(value, unit) : String(value ?? '\u2013'));
+    const text = (value) => (Array.isArray(value) ? listText(value, unit) : typeof value === 'number' ? withUnit(value, unit) : String(value ?? '\u2013'));
     this.say(this.use, `${text(knob.value)} in use`);
     const {minimum, maximum} = knob;
-    const allowed = minimum !== undefined ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? '';
+    const allowed = minimum !== undefined && knob.kind !== 'list' ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? knob.description ?? '';
     const slider = this.slider && there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
     this.say(this.limits, slider + allowed);
   }

@@ -69,7 +69,7 @@ Json random_change(std::mt19937& random) {
     const auto from_to = [&](double from, double to) {
         return std::uniform_real_distribution(from, to)(random);
     };
-    switch (std::uniform_int_distribution(0, 5)(random)) {
+    switch (std::uniform_int_distribution(0, 6)(random)) {
         case 0:
             return {{"set", {{"drive.amplitude_m", from_to(1e-7, 4e-6)}}}};
         case 1:
@@ -80,6 +80,11 @@ Json random_change(std::mt19937& random) {
             return {{"set", {{"chain.preload_n", from_to(0.05, 0.5)}}}};
         case 4:
             return {{"set", {{"end.thickness_m", from_to(3e-4, 8e-4)}}}};
+        case 5:
+            return {{"set",
+                     {{"end.materials", {"aluminium", "acrylic"}},
+                      {"end.thicknesses_m", {from_to(1e-4, 3e-4), from_to(2e-4, 6e-4)}},
+                      {"end.thicknesses_m[2]", "0.4 mm"}}}};
         default:
             return {{"undo", true}};
     }
@@ -113,6 +118,34 @@ TEST(Control, SetsGetsAndUndoes) {
     EXPECT_EQ(ended.status, 0);
     EXPECT_EQ(ended.json()["scene_hash"], before["scene_hash"]);
     EXPECT_THAT(ended.err, HasSubstr("drive.amplitude_m = 2e-06"));
+}
+
+TEST(Control, SetsListsAndTheirEntries) {
+    LiveStream stream;
+    const auto at = [&](Words words) {
+        return hertzline(with(std::move(words), {"--connect", stream.control, "--json"}));
+    };
+    const auto thicknesses = [&] {
+        return Json::parse(at({"get", "end.thicknesses_m"}).out)["values"]["end.thicknesses_m"]["value"];
+    };
+    const Json before = Json::parse(at({"get"}).out);
+    EXPECT_EQ(thicknesses(), nullptr);
+    const Outcome set = at({"set", "end.materials=[aluminium,acrylic]", "end.thicknesses_m=[0.2mm, 5e-4]"});
+    ASSERT_EQ(set.status, 0) << set.err;
+    EXPECT_EQ(thicknesses(), Json({2e-4, 5e-4}));
+    ASSERT_EQ(at({"set", "end.thicknesses_m[2]=0.4mm"}).status, 0);
+    EXPECT_EQ(thicknesses(), Json({2e-4, 4e-4}));
+    const Outcome wrong = at({"set", "end.thicknesses_m[3]=1", "end.materials[1]=watr"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(
+        wrong.err,
+        HasSubstr(
+            "end.thicknesses_m[3]: found entry 3, allowed: end.thicknesses_m[1] to end.thicknesses_m[2]"));
+    EXPECT_THAT(wrong.err, HasSubstr("end.materials[1]: found \"watr\""));
+    EXPECT_EQ(at({"set", "--undo"}).status, 0);
+    EXPECT_EQ(thicknesses(), Json({2e-4, 5e-4}));
+    ASSERT_EQ(at({"set", "end.materials=null", "end.thicknesses_m=null"}).status, 0);
+    EXPECT_EQ(Json::parse(at({"get"}).out)["scene_hash"], before["scene_hash"]);
 }
 
 TEST(Control, ReportsTheFaultsOfItsArguments) {
@@ -489,7 +522,8 @@ TEST(Control, AChangedPlateInWaterIsTheSameAgain) {
     const TemporaryFolder folder;
     write_text(
         folder.file("changes.json"),
-        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 200, "set": {"medium.load": "none"}}])");
+        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 200, "set": {"medium.load": "none"}},
+            {"sample": 250, "set": {"end.theory": "thin"}}])");
     const std::string first = folder.file("first.h5");
     const Outcome run = hertzline({"run", "wet-vitreous-carbon", "--set", "output.duration_s=3e-4", "--set",
                                    "output.sample_rate_hz=1e6", "--changes", folder.file("changes.json"),

@@ -1,8 +1,10 @@
 #include "tests/fuzz/scene_claims.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
@@ -23,6 +25,10 @@ void claim_finite_numbers(const Scene& scene) {
         const auto value = key.value(scene);
         const auto* number = value ? std::get_if<double>(&*value) : nullptr;
         claim(number == nullptr || std::isfinite(*number), "an accepted number is finite", key.name);
+        const auto* list = value ? std::get_if<std::vector<double>>(&*value) : nullptr;
+        claim(
+            list == nullptr || std::ranges::all_of(*list, [](double entry) { return std::isfinite(entry); }),
+            "an accepted list is finite", key.name);
     }
 }
 

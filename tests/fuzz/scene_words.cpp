@@ -13,6 +13,9 @@ int main() {
     std::set<std::string> lines;
     for (const SceneKey& key : keys_of(scene)) {
         lines.insert({"[" + key.section() + "]", key.section() + ".", std::string(key.key)});
+        if (key.is_list()) {
+            lines.insert({key.name + "[1]=", key.name + "=[", std::string(key.key) + " = ["});
+        }
         for (const std::string& word : key.words) {
             lines.insert(R"(\")" + word + R"(\")");
         }

@@ -23,6 +23,36 @@ class Scenes(InAFolder):
         self.assertEqual(hertzline.scene("paper-wall", chain={"spheres": np.int32(9)})["chain.spheres"], 9)
         self.assertEqual(hertzline.scene("paper-wall", drive={"envelope": "tukey"})["drive.envelope"], "tukey")
 
+    def test_lists_are_python_lists_tuples_or_arrays(self):
+        materials = ["aluminium", "acrylic"]
+        thicknesses = [1 / 7000, 0.5e-3]
+        for given in (thicknesses, tuple(thicknesses), np.array(thicknesses)):
+            scene = hertzline.scene("paper-wall", end={"kind": "plate", "materials": np.array(materials), "thicknesses_m": given})
+            self.assertEqual((scene["end.materials"], scene["end.thicknesses_m"]), (materials, thicknesses))
+            self.assertEqual((scene["end.thicknesses_m[1]"], scene.values["end"]["loss_factors"]), (1 / 7000, None))
+        thicker = hertzline.scene(scene, end={"thicknesses_m[2]": "0.6 mm", "loss_factors": (0.01, 0.02)})
+        self.assertEqual(list(thicker["end.thicknesses_m"]), [1 / 7000, 0.6e-3])
+        for key in ("end.thicknesses_m[0]", "end.thicknesses_m[3]", "end.radius_m[1]", "end.thicknesses_m[2", "end.thicknesses_m[1][1]"):
+            with self.assertRaises(KeyError):
+                scene[key]
+        for wrong, message in ((np.zeros(17), r"end.thicknesses_m: found 17 entries"), ([1e-3, -1], r"end.thicknesses_m\[2\]: found -1"),
+                               ([1e-3, [1]], r"end.thicknesses_m\[2\]: found an array"), ([], r"found 0 entries"),
+                               (np.zeros((2, 2)), r"found an array"), ([1e-3, float("nan")], r"\[2\]: found nan"),
+                               ([1e-3, True], r"\[2\]: found true"), (np.zeros(2_000_000), "allowed: at most 1000000")):
+            with self.assertRaisesRegex(ValueError, message):
+                hertzline.scene(scene, end={"thicknesses_m": wrong})
+        with self.assertRaisesRegex(TypeError, r"end.thicknesses_m\[2\]: found NoneType"):
+            hertzline.scene(scene, end={"thicknesses_m": [1e-3, None]})
+
+    def test_an_entry_of_a_list_varies(self):
+        scene = hertzline.scene(short_scene(), end={"kind": "plate", "materials": ["aluminium", "acrylic"], "thicknesses_m": [2e-4, 5e-4]})
+        table = hertzline.sweep(scene, {"end.thicknesses_m[2]": [4e-4, 5e-4], "end.materials[1]": ["steel", "aluminium"]})
+        self.assertEqual(list(table["end.thicknesses_m[2]"]), [4e-4, 4e-4, 5e-4, 5e-4])
+        run = hertzline.scene(scene, numerics={"step_s": table["step_s"][3]}).run()
+        self.assertEqual(run.summary["peak_v_out_m_per_s"], table["peak_v_out_m_per_s"][3])
+        with self.assertRaisesRegex(ValueError, "end.materials: found a list, allowed: an entry of it, as end.materials"):
+            hertzline.sweep(scene, {"end.materials": ["steel"]})
+
     def test_a_text_is_a_number_with_its_unit(self):
         scene = hertzline.scene("paper-wall", end={"thickness_m": "0.4 mm"}, drive={"amplitude_m": "2 \u00b5m", "frequency_hz": "60kHz"},
                                 materials={"clay": {"youngs_modulus_pa": "5 GPa", "poissons_ratio": 0.3, "density_kg_per_m3": "1.9 g/cm^3"}})

@@ -89,6 +89,11 @@ TEST(SweepPlan, TheLastKeyVariesFastest) {
 
 TEST(SweepPlan, EveryKeyOfASceneVaries) {
     for (const SceneKey& key : keys_of(base())) {
+        if (key.is_list()) {
+            EXPECT_THAT(faults_of(key.name + "=1"),
+                        HasSubstr("found a list, allowed: an entry of it, as " + key.name + "[1]"));
+            continue;
+        }
         const auto value = key.value(base());
         const std::string values = value                         ? value_text(*value)
                                    : key.kind == ValueKind::word ? key.words.front()

@@ -29,19 +29,24 @@ struct Wet {
 };
 
 inline std::vector<Wet> wet_scenes() {
-    Scene tukey = modal_scene();
+    Scene hann = modal_scene();
+    hann.end.theory = PlateTheory::thin;
+    Scene tukey = hann;
     tukey.drive.envelope = Envelope::tukey;
-    const Scene hann = modal_scene();
-    Scene aluminium = modal_scene();
+    Scene aluminium = hann;
     aluminium.end.material = "aluminium";
     aluminium.end.modes = 3;
-    Scene dry = modal_scene();
+    Scene dry = hann;
     dry.medium.load = FluidLoad::none;
     dry.end.loss_factor = 0.02;
-    return {{"wet_vitreous_carbon", tukey},
-            {"wet_vitreous_carbon_hann", hann},
-            {"wet_aluminium", aluminium},
-            {"dry_vitreous_carbon", dry}};
+    Scene thick = tukey;
+    thick.end.theory = PlateTheory::thick;
+    Scene laminate = tukey;
+    laminate.end.theory = PlateTheory::thin;
+    laminate.end.materials = {"aluminium", "acrylic"};
+    laminate.end.thicknesses_m = {0.2e-3, 0.5e-3};
+    return {{"wet_vitreous_carbon", tukey},     {"wet_thick", thick},         {"wet_laminate", laminate},
+            {"wet_vitreous_carbon_hann", hann}, {"wet_aluminium", aluminium}, {"dry_vitreous_carbon", dry}};
 }
 
 /// Expects the samples of blocks of any size, with skipped stretches, to equal those of a single block.

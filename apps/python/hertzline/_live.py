@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _native
+from ._scene import plain_value
 
 Path = str | os.PathLike[str]
 
@@ -206,7 +207,7 @@ class Control:
         Returns the reply: `applies_at_sample`, `epoch`, `scene_hash`, `estimated_error`, `estimated_over_s`, `warnings`. Raises
         ValueError with every fault, OSError with the reason when there is no reply.
         """
-        request: dict[str, Any] = {"set": dict(values)}
+        request: dict[str, Any] = {"set": {key: plain_value(key, value) for key, value in values.items()}}
         return self._ask(request | {"force": True} if force else request)
 
     def undo(self) -> dict[str, Any]:

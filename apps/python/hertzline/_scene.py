@@ -59,7 +59,7 @@ def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:
 def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> Iterator[str]:
     """The keys as the program's option --set takes them."""
     for name, value in sections.items():
-        key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else json.dumps(name))
+        key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+(\[\d+\])*", name) else json.dumps(name))
         if isinstance(value, Mapping):
             yield from _settings(value, key + ".")
         elif prefix:
@@ -68,17 +68,30 @@ def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> It
             raise TypeError(f"{key}: found {type(value).__name__}, allowed: a dict of the keys of this section")
 
 
+MOST_ENTRIES = 1_000_000
+
+
+def plain_value(key: str, value: Any) -> Any:
+    """The value without NumPy: a list where it is an array, a tuple or a list."""
+    if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and value.ndim > 0):
+        if len(value) > MOST_ENTRIES:
+            raise ValueError(f"{key}: found {len(value)} entries, allowed: at most {MOST_ENTRIES}")
+        return [plain_value(f"{key}[{number}]", entry) for number, entry in enumerate(value, 1)]
+    return value.item() if isinstance(value, (np.generic, np.ndarray)) else value
+
+
 def toml_value(key: str, value: Any) -> str:
-    """A number, integer or word as TOML has it; numbers read back to the same bits."""
-    if isinstance(value, (np.generic, np.ndarray)) and value.ndim == 0:
-        value = value.item()
+    """A number, integer, word or list of them as TOML has it; numbers read back to the same bits."""
+    value = plain_value(key, value)
+    if isinstance(value, list):
+        return "[" + ", ".join(toml_value(f"{key}[{number}]", entry) for number, entry in enumerate(value, 1)) + "]"
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):
         return repr(value)
     if isinstance(value, str):
         return json.dumps(value)
-    raise TypeError(f"{key}: found {type(value).__name__}, allowed: a number, an integer or a word")
+    raise TypeError(f"{key}: found {type(value).__name__}, allowed: a number, an integer, a word or a list of them")
 
 
 class Scene:
@@ -110,12 +123,19 @@ class Scene:
         return self._native.values()
 
     def __getitem__(self, key: str) -> Any:
-        """The value of a key: scene["end.thickness_m"] [m]."""
+        """The value of a key: scene["end.thickness_m"] [m]; of a list, or its entry from 1 on: scene["end.thicknesses_m[1]"]."""
         found: Any = self.values
-        for part in key.split("."):
+        name = re.fullmatch(r"([^][]*)((?:\[\d+\])*)", key)
+        if not name:
+            raise KeyError(key)
+        for part in name[1].split("."):
             if not isinstance(found, Mapping) or part not in found:
                 raise KeyError(key)
             found = found[part]
+        for entry in map(int, re.findall(r"\d+", name[2])):
+            if not isinstance(found, list) or not 1 <= entry <= len(found):
+                raise KeyError(key)
+            found = found[entry - 1]
         return found
 
     def resolved(self) -> Scene:

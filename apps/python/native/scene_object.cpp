@@ -12,6 +12,7 @@
 #include "apps/python/native/python_values.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
@@ -71,7 +72,15 @@ void add_scene(py::module_& module) {
         .def_property_readonly("origin", &SceneObject::origin)
         .def("toml", [](const SceneObject& object) { return to_toml(object.scene()); })
         .def("hash", [](const SceneObject& object) { return scene_hash(object.scene()); })
-        .def("values", [](const SceneObject& object) { return python_object(scene_json(object.scene())); })
+        .def("values",
+             [](const SceneObject& object) {
+                 Json values = scene_json(object.scene());
+                 for (const SceneKey& key : scene_keys()) {
+                     values[key.section()].emplace(std::string(key.key),
+                                                   nullptr);  // lists that are not given
+                 }
+                 return python_object(values);
+             })
         .def("resolved",
              [](SceneObject& object) {
                  return std::make_shared<SceneObject>(

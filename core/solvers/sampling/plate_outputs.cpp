@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/plate/disc_modes.hpp"
 #include "core/plate/quadrature.hpp"
 
 namespace hertzline {
@@ -61,8 +60,9 @@ void PlateOutputs::make_kernel(const PlateResponse& response, double sample_peri
     kernel_.resize(intervals * per_interval_);
     history_.resize(kernel_.size());
     open_.resize(per_interval_);
-    for (std::size_t n = 0; n < response.modes.size(); ++n) {
-        const DiscMode mode(static_cast<int>(n));
+    const std::vector<DiscMode> modes = disc_modes(p);
+    for (std::size_t n = 0; n < modes.size(); ++n) {
+        const DiscMode& mode = modes[n];
         for (std::size_t j = 0; j < intervals; ++j) {
             const double begin = static_cast<double>(j) * interval;
             const double end = std::min(begin + interval, way);

@@ -11,6 +11,7 @@
 namespace hertzline {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -27,8 +28,9 @@ TEST(Validity, ShippedScenesGiveNoCauseForWarningsUnlessTheyAreThereToShowIt) {
     for (const ShippedScene& shipped : shipped_scenes()) {
         const auto parsed = parse_scene(shipped.text, shipped.name);
         ASSERT_TRUE(parsed);
-        const bool thick = shipped.name.ends_with("mm");
-        EXPECT_EQ(validity_warnings(parsed->scene, Chain(parsed->scene)).empty(), !thick) << shipped.name;
+        const bool short_waves = shipped.name.ends_with("2mm") || shipped.name.ends_with("2p5mm");
+        EXPECT_EQ(validity_warnings(parsed->scene, Chain(parsed->scene)).empty(), !short_waves)
+            << shipped.name;
     }
 }
 
@@ -78,12 +80,14 @@ TEST(Validity, AThickDiscIsNoThinPlateAndAWallNeedNotBe) {
 
 TEST(Validity, KeysThatNothingAsksForAreNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.theory = PlateTheory::thin;
                     s.end.modes = 2;
                     s.output.hydrophone_m = 20e-3;
                     s.drive.taper = 0.1;
                 }),
                 ElementsAre("drive.taper has no effect without drive.envelope = \"tukey\"",
                             "end.modes has no effect without end.model = \"modal\"",
+                            "end.theory has no effect without end.model = \"modal\"",
                             HasSubstr("output.hydrophone_m has no effect")));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
@@ -92,6 +96,36 @@ TEST(Validity, KeysThatNothingAsksForAreNoticed) {
                     s.drive.taper = 0.1;
                 }),
                 IsEmpty());
+}
+
+TEST(Validity, KeysThatListsReplaceAreNoticed) {
+    const auto layers = [](Scene& s) {
+        s.end.material = "pyrex";
+        s.end.thickness_m = 1e-3;
+        s.end.loss_factor = 0.01;
+        s.end.materials = {"aluminium", "acrylic"};
+        s.end.thicknesses_m = {0.2e-3, 0.5e-3};
+    };
+    EXPECT_THAT(warnings_after([&](Scene& s) {
+                    layers(s);
+                    s.end.model = PlateModel::modal;
+                    s.end.theory = PlateTheory::thick;
+                    s.end.loss_factors = {0.001, 0.02};
+                }),
+                ElementsAre("end.material has no effect beside end.materials",
+                            "end.thickness_m has no effect beside end.thicknesses_m",
+                            "end.loss_factor has no effect beside end.loss_factors"));
+    EXPECT_THAT(warnings_after([&](Scene& s) {
+                    layers(s);
+                    s.end.kind = EndKind::wall;
+                }),
+                testing::IsSupersetOf({"end.materials has no effect without end.kind = \"plate\"",
+                                       "end.thicknesses_m has no effect without end.kind = \"plate\""}));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.materials = {"aluminium", "acrylic"};
+                    s.end.thicknesses_m = {0.2e-3, 1};
+                }),
+                testing::Contains("end.thicknesses_m[2] is 1 m; were millimetres meant?"));
 }
 
 TEST(Validity, ADriveThatTheChainDoesNotPassOnIsNoticed) {
@@ -103,11 +137,24 @@ TEST(Validity, ADriveThatTheChainDoesNotPassOnIsNoticed) {
 TEST(Validity, ModesWithShortWavesAreNoticed) {
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
+                    s.end.theory = PlateTheory::thin;
                     s.end.thickness_m = 0.8e-3;
                 }),
-                ElementsAre(HasSubstr("mode 3 of the disc has k_b h = 1.5")));
+                ElementsAre(AllOf(HasSubstr("mode 3 of the disc has k_b h = 1.5"),
+                                  HasSubstr("end.theory = \"thick\""))));
     EXPECT_THAT(warnings_after([](Scene& s) {
                     s.end.model = PlateModel::modal;
+                    s.end.thickness_m = 1.1e-3;  // h/a = 0.22
+                }),
+                IsEmpty());
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.end.thickness_m = 2e-3;
+                }),
+                ElementsAre(AllOf(HasSubstr("k_b h = 3."), HasSubstr("thick-plate theory"))));
+    EXPECT_THAT(warnings_after([](Scene& s) {
+                    s.end.model = PlateModel::modal;
+                    s.end.theory = PlateTheory::thin;
                     s.end.thickness_m = 0.8e-3;
                     s.end.modes = 2;
                 }),

@@ -144,6 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Laws, ModalPlateWithLaw, ::testing::ValuesIn(choices<Da
 TEST_P(ModalPlateWithLaw, AnswersToItsForceAsTheExactPlateDoes) {
     // one sphere, which never leaves the plate, and a short burst: the force is smooth, so its samples have its spectrum
     Scene scene = scene_with_law();
+    scene.end.theory = PlateTheory::thin;
     scene.chain.spheres = 1;
     scene.drive.amplitude_m = 1e-9;
     scene.drive.frequency_hz = 220e3;
@@ -194,6 +195,7 @@ TEST(ModalPlate, ThePressureDoesNotHangOnTheSampleRate) {
 TEST(ModalPlate, OneModeInAVacuumIsAMassOnASpring) {
     // beside the paper's plate with the same mass and stiffness
     Scene modal = modal_scene();
+    modal.end.theory = PlateTheory::thin;
     modal.end.modes = 1;
     modal.end.loss_factor = 1e-6;
     modal.medium.load = FluidLoad::none;

@@ -38,8 +38,9 @@ TEST(SceneKey, SetsItsOwnMemberAndNoOther) {
     const auto keys = keys_of(before);
     for (const SceneKey& key : keys) {
         Scene scene = before;
-        const SceneValue value = key.kind == ValueKind::word ? SceneValue(words_of(scene, key).back())
-                                                             : *value_as(key.kind, std::int64_t{31});
+        const SceneValue one = key.kind == ValueKind::word ? SceneValue(words_of(scene, key).back())
+                                                           : *value_as(key.kind, std::int64_t{31});
+        const SceneValue value = key.is_list() ? joined(key, {one, one}) : one;
         EXPECT_TRUE(key.set(scene, value)) << key.name;
         for (const SceneKey& other : keys) {
             EXPECT_EQ(other.value(scene), other.name == key.name ? value : other.value(before)) << other.name;

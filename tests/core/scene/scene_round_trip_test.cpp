@@ -31,6 +31,13 @@ public:
 private:
     bool coin() { return (bits_() & 1) != 0; }
     SceneValue value(const Scene& scene, const SceneKey& key) {
+        if (key.is_list()) {
+            std::vector<SceneValue> entries;
+            for (std::size_t i = 0; i < key.counts.front().most; ++i) {
+                entries.push_back(value(scene, key.entry(i)));
+            }
+            return joined(key, entries);
+        }
         const Range& range = key.range;
         if (key.kind == ValueKind::integer) {
             return std::uniform_int_distribution(static_cast<std::int64_t>(range.min),
@@ -69,6 +76,10 @@ Scene random_scene(std::uint64_t seed) {
         scene.numerics.integrator.reset();
         scene.output.hydrophone_m = 0;
     }
+    scene.end.thicknesses_m.resize(scene.end.materials.size(), 1e-9 + random.unit());
+    if (scene.end.materials.empty()) {
+        scene.end.loss_factors.clear();
+    }
     if (scene.chain.damping_law != DampingLaw::dashpot) {
         scene.chain.damping_time_s = random.unit();
         scene.chain.damping_alpha = random.unit();
@@ -91,8 +102,10 @@ TEST(SceneToml, WritesEveryKeyThatIsSet) {
     scene.materials = {{"mine", Solid{1e9, 0.3, 1000}}};
     for (const SceneKey& key : keys_of(scene)) {
         if (key.is_optional) {
-            key.set(scene, key.kind == ValueKind::word ? SceneValue(key.words.front())
-                                                       : *value_as(key.kind, std::int64_t{32}));
+            const SceneValue one = key.is_material               ? SceneValue("mine")
+                                   : key.kind == ValueKind::word ? SceneValue(key.words.front())
+                                                                 : *value_as(key.kind, std::int64_t{32});
+            key.set(scene, key.is_list() ? joined(key, {one, one}) : one);
         }
     }
     const std::string text = to_toml(scene);
@@ -114,6 +127,17 @@ TEST(SceneHash, IsThatOfTheTextWithoutLaterDefaults) {
     EXPECT_EQ(scene_hash(Scene{}), "8e2ec11a0e5a7b83");
     EXPECT_EQ(scene_hash(parse_scene("[chain]\nspheres = 6 # as before", "scene.toml").value().scene),
               scene_hash(Scene{}));
+}
+
+TEST(SceneHash, DependsOnTheTheoryOfAModalPlateAlone) {
+    Scene lumped;
+    lumped.end.theory = PlateTheory::thin;
+    EXPECT_EQ(scene_hash(lumped), scene_hash(Scene{}));
+    Scene thick;
+    thick.end.model = PlateModel::modal;
+    Scene thin = thick;
+    thin.end.theory = PlateTheory::thin;
+    EXPECT_NE(scene_hash(thin), scene_hash(thick));
 }
 
 TEST(SceneHash, ChangesWithEveryValue) {

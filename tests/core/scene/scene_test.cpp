@@ -77,8 +77,10 @@ TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
         }
         for (const double value : {nan, inf, -inf, 1e300, -1e300}) {
             Scene scene;
-            EXPECT_TRUE(key.set(scene, value));
-            EXPECT_THAT(faulty_keys(scene), testing::Contains(key.name)) << value;
+            EXPECT_TRUE(
+                key.set(scene, key.is_list() ? SceneValue(std::vector{1.0, value}) : SceneValue(value)));
+            EXPECT_THAT(faulty_keys(scene), testing::Contains(key.is_list() ? key.entry(1).name : key.name))
+                << value;
         }
     }
 }
