@@ -90,7 +90,8 @@ Exit scope(const ScopeOptions& options) {
     const std::atomic<bool>& stop = stop_asked();
     if (!address.loopback) {
         spdlog::warn(
-            "the page is served to other machines without encryption: anyone who reads the traffic can use it");
+            "the page is served to other machines without encryption: anyone who reads the traffic can use "
+            "it");
     }
     scope::PageServer server(address, scope::new_token());
     scope::ScopeSession session(std::move(targets), server, stop);
