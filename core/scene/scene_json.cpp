@@ -241,8 +241,10 @@ tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& val
 Json values_of_keys(const Scene& scene, const Json& values) {
     Json found = Json::object();
     for (const auto& entry : values.items()) {
-        const auto key = scene_key_named(scene, entry.key());
-        found[entry.key()] = json_of(key ? key->value(scene) : std::nullopt);
+        // in place of an entry its list: a scene that gives none has no entry
+        const std::string name = entry.key().substr(0, entry.key().find('['));
+        const auto key = scene_key_named(scene, name);
+        found[name] = json_of(key ? key->value(scene) : std::nullopt);
     }
     return found;
 }

@@ -30,7 +30,7 @@ tl::expected<Scene, std::vector<Fault>> scene_of_json(const Json& json);
 /// @param values an object: keys, "drive.amplitude_m", and their values as numbers, texts and lists; null takes an optional value back
 tl::expected<Scene, std::vector<Fault>> with_values(Scene scene, const Json& values);
 
-/// A scene's values of the keys in `values`; null where it has none.
+/// A scene's values of the keys in `values`, of an entry those of its list; null where it has none.
 Json values_of_keys(const Scene& scene, const Json& values);
 
 /// Describes keys: value, unit, minimum, maximum, kind, words, description. @param keys none: all that the scene has

@@ -184,10 +184,13 @@ TEST(SceneLists, JsonHasThemBothWaysAndLeavesOutThoseThatAreNotGiven) {
     const Json change{
         {"end.thicknesses_m[1]", 1}, {"end.materials", {"pyrex"}}, {"end.loss_factors", "[0.1, 0.2]"}};
     const Json was = values_of_keys(scene, change);
-    EXPECT_EQ(was, Json({{"end.thicknesses_m[1]", 2e-4},
+    EXPECT_EQ(was, Json({{"end.thicknesses_m", {2e-4, 5e-4}},
                          {"end.materials", {"aluminium", "acrylic"}},
                          {"end.loss_factors", nullptr}}));
     EXPECT_EQ(with_values(with_values(scene, change).value(), was).value(), scene);
+    // a list that is taken back has no entries to take back
+    const Json none = values_of_keys(Scene{}, change);
+    EXPECT_TRUE(with_values(scene, none).value().end.thicknesses_m.empty());
 }
 
 TEST(SceneLists, FaultsOfJsonNameTheEntry) {
