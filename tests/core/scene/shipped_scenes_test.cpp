@@ -116,15 +116,20 @@ TEST(ScenesReadme, ListsEveryScene) {
     }
 }
 
-TEST(ScenesReadme, ItsExampleIsAScene) {
+TEST(ScenesReadme, ItsExamplesAreScenes) {
     const std::string readme = contents(scenes_folder / "README.md");
-    const auto begin = readme.find("    [end]\n");
-    ASSERT_NE(begin, std::string::npos);
-    const auto result =
-        parse_scene(readme.substr(begin, readme.find("\n`hertzline materials`", begin) - begin), "example");
-    ASSERT_TRUE(result);
-    EXPECT_EQ(result->scene.end.material, "filled_epoxy");
-    EXPECT_EQ(std::get<Solid>(result->scene.materials.at("filled_epoxy")), (Solid{8e9, 0.33, 2100}));
+    const auto example = [&](const std::string& first, const std::string& behind) {
+        const auto begin = readme.find("    [end]\n    " + first);
+        const auto end = readme.find(behind, begin);
+        return parse_scene(readme.substr(std::min(begin, readme.size()), end - begin), "example")
+            .value()
+            .scene;
+    };
+    const Scene own = example("material = ", "\n`hertzline materials`");
+    EXPECT_EQ(own.end.material, "filled_epoxy");
+    EXPECT_EQ(std::get<Solid>(own.materials.at("filled_epoxy")), (Solid{8e9, 0.33, 2100}));
+    const Scene layered = example("materials = ", "\nA wall has one");
+    EXPECT_EQ(layered.end.thicknesses_m, (std::vector{0.2e-3, 0.5e-3}));
 }
 
 }  // namespace
