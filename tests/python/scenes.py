@@ -95,9 +95,11 @@ class Scenes(InAFolder):
             hertzline.scene("paper-wal")
 
     def test_wrong_types_are_type_errors(self):
-        for wrong in ({"chain": 5}, {"chain": {"spheres": None}}, {"chain": {"spheres": [1, 2]}}):
+        for wrong in ({"chain": 5}, {"chain": {"spheres": None}}, {"chain": {"spheres": [object()]}}):
             with self.assertRaisesRegex(TypeError, "allowed: "):
                 hertzline.scene("paper-wall", **wrong)
+        with self.assertRaisesRegex(ValueError, "chain.spheres: found an array, allowed: an integer"):
+            hertzline.scene("paper-wall", chain={"spheres": [1, 2]})
 
     def test_check_says_what_the_program_says(self):
         said = json.loads(program("check", *SHORT, "--json"))
