@@ -216,8 +216,10 @@ TEST(CsvReader, APipeNeedsMetadata) {
     const TemporaryFolder folder;
     const std::string pipe = folder.file("a.csv");
     ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::signal(SIGPIPE, SIG_IGN);  // the reader may be gone before the writer writes
     std::jthread writer([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
     EXPECT_THAT(error_of([&] { open_csv_reader(pipe); }), HasSubstr("no metadata"));
+    writer.join();
     std::jthread another([&] { write_text(pipe, "t_s,v\n0,1\n1,2\n"); });
     EXPECT_EQ(read_rows(*open_csv_reader(pipe, {.sample_rate_hz = 1, .warn = {}})).at(0).values.size(), 2U);
 }
