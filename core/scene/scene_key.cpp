@@ -466,9 +466,9 @@ std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value) {
 }
 
 std::optional<SceneValue> read_value(ValueKind kind, std::string_view text) {
-    const auto plain = kind == ValueKind::number    ? plain_number<double>(text)
-                       : kind == ValueKind::integer ? plain_number<std::int64_t>(text)
-                                                    : std::nullopt;
+    auto plain = kind == ValueKind::number    ? plain_number<double>(text)
+                 : kind == ValueKind::integer ? plain_number<std::int64_t>(text)
+                                              : std::nullopt;
     if (plain) {
         return plain;
     }
