@@ -54,8 +54,8 @@ class TimeAxis {
 public:
     /// Counts rows, without times.
     TimeAxis() = default;
-    /// Samples are counted from the time 0 on; from the first row on when that one is before 0 or between two samples, or, in a file of another program, so late (a date's
-    /// time) that samples could not be told apart.
+    /// Samples are counted from the time 0 on; from the first row on when that one is before 0 or between two samples, or, in a file of
+    /// another program, so late (a date's time) that samples could not be told apart.
     TimeAxis(double sample_rate_hz, const TimeDigits& digits) : rate_(sample_rate_hz), digits_(digits) {}
 
     /// The axis of a file that does not tell its rate: with the given one, unless the times keep to another.

@@ -234,7 +234,7 @@ def tukey(taper):
     return ("drive.envelope=tukey", f"drive.taper={taper}")
 
 
-# What the paper does not give, one at a time; the first of each is what the page has elsewhere.
+# Parameters that the paper does not give, varied one at a time; the first value of each is that of the other tables.
 VARIED = [("taper 0.1, 0.2, 0.5, Hann", [(envelope, {}) for envelope in (tukey(0.2), tukey(0.1), tukey(0.5), ENVELOPES[0][1])]),
           ("loss factor 0.001, 0.005, 0.05", [(tukey(0.2), {"loss": loss}) for loss in (None, 0.001, 0.05)]),
           ("3, 4, 6 modes", [(tukey(0.2), {"modes": modes}) for modes in (None, 3, 6)])]
@@ -418,7 +418,7 @@ includes its jumps. `scripts/findings.py --program build/release/hertzline --out
 
 A finding that is not confirmed is reported as such. "No" refers to the criterion of the row; the numbers below allow others.
 
-## What hangs on what
+## Assumptions that decide a finding
 
 Waves with the lengths of the disc's first four modes have 46.4, 173.3, 365.4 and 603.8 kHz in a layer of vitreous carbon of 0.5 mm by
 the exact equations of elasticity (Lamb's waves). Thick-plate theory is 0.03 to 0.3 % below, thin-plate theory 2, 6, 13 and 21 %
@@ -431,7 +431,7 @@ varies one of them at a time.
 * **Over 350 kHz at −20 dB.** By thin theory the fifth harmonic carries the edge to 366 kHz, because the wet third mode lies on the
   fourth harmonic. By thick theory that mode is lower, and the sixth harmonic near the wet fourth mode, 456 kHz, carries the edge to
   440 kHz: with a taper from 0.2 on and four modes. With Hann it does so by 0.1 dB, and not with six modes. With a taper of 0.1,
-  or with three modes, the edge is 330 or 295 kHz. So the finding holds with the better theory, even as a span, but hangs on the
+  or with three modes, the edge is 330 or 295 kHz. So the finding holds with the better theory, even as a span, but depends on the
   taper and on the fourth mode. The loss in the disc does not matter.
 * **Harmonics beyond 400 kHz.** They are there in every variant, and stronger by thick theory: 16 to 25 dB under the largest with four
   modes, by thin theory 24 to 28.

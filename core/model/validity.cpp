@@ -102,12 +102,11 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
     for (const SceneKey& key : scene_keys()) {
         if (!key.has_effect(scene) && key.value(scene) != key.value(untouched)) {
             const KeyTraits& traits = key.traits;
-            const auto list = scene_key_named(scene, traits.replaced_by);
-            const bool replaced = list && list->value(scene) && list->has_effect(scene);
+            const SceneKey* const list = key.replacement(scene);
             warnings.push_back(key.name + " has no effect " +
-                               (replaced ? "beside " + list->name
-                                         : "without " + std::string(traits.needs.key) + " = " +
-                                               hertzline::quoted(traits.needs.word)));
+                               (list != nullptr ? "beside " + list->name
+                                                : "without " + std::string(traits.needs.key) + " = " +
+                                                      hertzline::quoted(traits.needs.word)));
         }
     }
 }

@@ -12,10 +12,6 @@ double plane_modulus(const Solid& solid) noexcept {
     return solid.youngs_modulus_pa / (1 - solid.poissons_ratio * solid.poissons_ratio);
 }
 
-double shear_modulus(const Solid& solid) noexcept {
-    return solid.youngs_modulus_pa / (2 * (1 + solid.poissons_ratio));
-}
-
 /// Calls visit(layer, from, to) with the layers' faces, measured from `origin`.
 template <class Visit>
 void each_layer(std::span<const Layer> layers, double origin, const Visit& visit) {

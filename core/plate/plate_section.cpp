@@ -4,15 +4,18 @@
 
 namespace hertzline {
 
+double shear_modulus(const Solid& solid) noexcept {
+    return solid.youngs_modulus_pa / (2 * (1 + solid.poissons_ratio));
+}
+
 PlateSection plate_section(const Solid& solid, double thickness_m, double loss_factor) noexcept {
     constexpr double shear_correction = 5.0 / 6;  // kappa^2
     const double h = thickness_m;
     const double nu = solid.poissons_ratio;
-    const double shear_modulus = solid.youngs_modulus_pa / (2 * (1 + nu));
     return {.thickness_m = h,
             .bending_n_m = solid.youngs_modulus_pa * h * h * h / (12 * (1 - nu * nu)),
             .mass_kg_per_m2 = solid.density_kg_per_m3 * h,
-            .shear_n_per_m = shear_correction * shear_modulus * h,
+            .shear_n_per_m = shear_correction * shear_modulus(solid) * h,
             .rotary_kg = solid.density_kg_per_m3 * h * h * h / 12,
             .loss_factor = loss_factor};
 }

@@ -19,6 +19,9 @@ struct PlateSection {
     bool operator==(const PlateSection&) const = default;
 };
 
+/// G = E/(2 (1 + nu)) [Pa].
+double shear_modulus(const Solid& solid) noexcept;
+
 /// A single layer: D = E h^3/(12 (1 - nu^2)), m = rho h, S_h = 5/6 G h, J = rho h^3/12 (R. D. Mindlin 1951; docs/model.md, section 10).
 PlateSection plate_section(const Solid& solid, double thickness_m, double loss_factor) noexcept;
 

@@ -242,7 +242,7 @@ Json values_of_keys(const Scene& scene, const Json& values) {
     Json found = Json::object();
     for (const auto& entry : values.items()) {
         // in place of an entry its list: a scene that gives none has no entry
-        const std::string name = entry.key().substr(0, entry.key().find('['));
+        const std::string name(without_entry(entry.key()));
         const auto key = scene_key_named(scene, name);
         found[name] = json_of(key ? key->value(scene) : std::nullopt);
     }

@@ -313,12 +313,17 @@ bool SceneKey::set(Scene& scene, const std::optional<SceneValue>& value) const {
     return done;
 }
 
-bool SceneKey::has_effect(const Scene& scene) const {
+const SceneKey* SceneKey::replacement(const Scene& scene) const {
     const auto keys = scene_keys();
     const auto list = std::ranges::find(keys, traits.replaced_by, &SceneKey::name);
-    if (list != keys.end() && list->value(scene) && list->has_effect(scene)) {
+    return list != keys.end() && list->value(scene) && list->has_effect(scene) ? &*list : nullptr;
+}
+
+bool SceneKey::has_effect(const Scene& scene) const {
+    if (replacement(scene) != nullptr) {
         return false;
     }
+    const auto keys = scene_keys();
     const auto needed = std::ranges::find(keys, traits.needs.key, &SceneKey::name);
     return needed == keys.end() || needed->value(scene) == SceneValue(std::string(traits.needs.word));
 }
@@ -350,9 +355,9 @@ std::vector<SceneKey> keys_of(const Scene& scene) {
 }
 
 tl::expected<SceneKey, Fault> scene_key_named(const Scene& scene, std::string_view name) {
-    const std::string_view entry = name.substr(std::min(name.find('['), name.size()));
-    if (!entry.empty()) {
-        auto list = scene_key_named(scene, name.substr(0, name.size() - entry.size()));
+    const std::string_view whole = without_entry(name);
+    if (const std::string_view entry = name.substr(whole.size()); !entry.empty()) {
+        auto list = scene_key_named(scene, whole);
         return list ? entry_named(scene, *std::move(list), entry) : list;
     }
     const std::string in_full = name.ends_with(".density") ? std::string(name) + "_kg_per_m3" : "";
@@ -389,6 +394,10 @@ std::string_view word(ValueKind kind) noexcept {
     return std::array{"number", "integer", "word"}[static_cast<std::size_t>(kind)];
 }
 
+std::string_view without_entry(std::string_view name) noexcept {
+    return name.substr(0, name.find('['));
+}
+
 std::size_t entries_of(const SceneValue& value) noexcept {
     return std::visit(
         [](const auto& held) -> std::size_t {
@@ -403,13 +412,12 @@ std::size_t entries_of(const SceneValue& value) noexcept {
 
 namespace {
 
-/// The texts of its entries in brackets. @param text of one entry, a single value
-template <class Value, class Text>
-std::string list_text(const Value& value, const Text& text) {
+template <class Value>
+std::string text_of(const Value& value, TextOfEntry* text) {
     if constexpr (has_entries<Value>) {
         std::string result;
         for (const auto& entry : value) {
-            result += (result.empty() ? "[" : ", ") + list_text(entry, text);
+            result += (result.empty() ? "[" : ", ") + text_of(entry, text);
         }
         return (result.empty() ? "[" : result) + "]";
     } else {
@@ -419,9 +427,13 @@ std::string list_text(const Value& value, const Text& text) {
 
 }  // namespace
 
+std::string list_text(const SceneValue& list, TextOfEntry* text) {
+    return std::visit([text](const auto& entries) { return text_of(entries, text); }, list);
+}
+
 std::string value_text(const SceneValue& value) {
     if (value.index() > 2) {
-        return std::visit([](const auto& list) { return list_text(list, value_text); }, value);
+        return list_text(value, value_text);
     }
     if (const auto* text = std::get_if<std::string>(&value)) {
         return *text;

@@ -94,6 +94,8 @@ struct SceneKey : KeyRow {
     /// False, and nothing is changed, where the key has no such word, or always has a value. @param value of the key's kind; nothing
     /// takes it back
     bool set(Scene& scene, const std::optional<SceneValue>& value) const;
+    /// The list that the scene gives in the key's place, if it does.
+    const SceneKey* replacement(const Scene& scene) const;
     /// False where the scene has another word than the key needs, or gives the list that replaces it.
     bool has_effect(const Scene& scene) const;
 };
@@ -115,6 +117,13 @@ std::vector<std::string> words_of(const Scene& scene, const SceneKey& key);
 
 /// "number", "integer" or "word".
 std::string_view word(ValueKind kind) noexcept;
+
+/// The name without the entry in its brackets: "end.thicknesses_m" of "end.thicknesses_m[2]".
+std::string_view without_entry(std::string_view name) noexcept;
+
+/// The texts of a list's entries in brackets. @param text of one entry, a single value
+using TextOfEntry = std::string(const SceneValue&);
+std::string list_text(const SceneValue& list, TextOfEntry* text);
 
 /// How many values a list has; 0 where it is none.
 std::size_t entries_of(const SceneValue& value) noexcept;

@@ -112,7 +112,7 @@ void SceneSettings::add_option(const std::string& option) {
     const Place place{"--set " + printable(option), 0};
     const auto equals = option.find('=');
     const std::string_view name = trimmed(std::string_view(option).substr(0, equals), blank);
-    const std::string_view key = name.substr(0, name.find('['));
+    const std::string_view key = without_entry(name);
     const std::string_view entry = name.substr(key.size());
     const Path path = split_at_dots(key);
     const std::size_t parts = path[0] == "materials" ? 3 : 2;

@@ -122,7 +122,7 @@ std::string text_of(const Scene& scene, const Scene* defaults) {
 Fault ParsedScene::placed(Fault fault) const {
     auto given = places.find(fault.key);
     if (given == places.end()) {  // an entry of a list that was given as a whole
-        given = places.find(fault.key.substr(0, fault.key.find('[')));
+        given = places.find(std::string(without_entry(fault.key)));
     }
     fault.place = given != places.end() ? given->second : Place{origin, 0};
     return fault;

@@ -127,36 +127,9 @@ tl::expected<SceneValue, Fault> value_of(const SceneKey& key, const TomlValue& v
                  : tl::unexpected(Fault{key.name, found_text(value), key.allowed()});
 }
 
-namespace {
-
-/// The texts of its entries in brackets, numbers as floats.
-template <class Entry>
-std::string array_text(const std::vector<Entry>& entries) {
-    std::string text;
-    for (const Entry& entry : entries) {
-        text += (text.empty() ? "[" : ", ");
-        if constexpr (std::is_same_v<Entry, std::array<double, 3>>) {
-            text += array_text(std::vector<double>(entry.begin(), entry.end()));
-        } else {
-            text += toml_text(entry);
-        }
-    }
-    return (text.empty() ? "[" : text) + "]";
-}
-
-}  // namespace
-
 std::string toml_text(const SceneValue& value) {
     if (entries_of(value) > 0) {
-        return std::visit(
-            [](const auto& held) -> std::string {
-                if constexpr (requires { array_text(held); }) {
-                    return array_text(held);
-                } else {
-                    return {};
-                }
-            },
-            value);
+        return list_text(value, toml_text);
     }
     if (const auto* text = std::get_if<std::string>(&value)) {
         return hertzline::quoted(*text);

@@ -17,7 +17,8 @@ class ReplaySource : public SampleSource {
 public:
     /// Columns of taps that are streamed become the streams of that name; others are passed over.
     /// In a recording of another program, without these quantities, one column is streamed as v_out and several
-    /// as v_chain. Numbers in mm/s become numbers in m/s. @throws std::runtime_error when the recording holds no samples, two columns of one tap, or is damaged
+    /// as v_chain. Numbers in mm/s become numbers in m/s.
+    /// @throws std::runtime_error when the recording holds no samples, two columns of one tap, or is damaged
     ReplaySource(std::unique_ptr<recordings::RecordingReader> reader, double sample_rate_hz,
                  std::int64_t frame_samples);
 

@@ -69,7 +69,8 @@ DataType data_type_of(const std::string& name) {
         quoted_briefly(name)));
 }
 
-/// Compares the hash of a file with the one told; "": none is told. Returns how they differ.
+/// Compares the hash of a file with the one in the metadata, if there is one. Returns how they differ.
+/// @param told that of the metadata; "": none
 std::optional<std::string> hash_fault(std::string told, InputFile& file, const ArchivedFile& part) {
     std::ranges::transform(told, told.begin(),
                            [](unsigned char c) { return static_cast<char>(std::tolower(c)); });

@@ -86,7 +86,7 @@ TEST(Radiation, HighFrequenciesFeelPlaneWavesOfThickDiscsAcrossTheirModes) {
 }
 
 TEST(Radiation, TheSlopeAtTheRimOfAThickDiscIsSummedToTheEnd) {
-    // int Phi Phi dq by many panels: what is left falls like q^-4
+    // int Phi Phi dq by many panels: the rest falls like q^-4
     const auto modes = disc_modes(4, of_half_a_radius());
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(4, 4);
     for (int panel = 0; panel < 1000; ++panel) {
