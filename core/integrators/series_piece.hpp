@@ -13,6 +13,10 @@
 
 #include "core/integrators/simd_chain.hpp"
 
+namespace hertzline {
+class ForcedStates;
+}
+
 namespace hertzline::kernels {
 
 class PlateMotion;
@@ -158,8 +162,8 @@ using SampleKernel = void (*)(const SeriesPiece& piece, std::size_t slot, bool v
 using SlotsKernel = void (*)(const SeriesPiece& piece, std::size_t slots, bool velocities, SampleTimes times,
                              std::size_t count, double* out);
 
-/// A part of an interval over which the velocities of a plate's modes are integrated, in z of the present piece.
-struct PlateInterval {
+/// A part of an interval over which the force on a plate is integrated, in z of the present piece.
+struct ForceInterval {
     double from, to;
     double line;      ///< where the interval ends
     double interval;  ///< its length
@@ -174,8 +178,10 @@ struct SeriesKernels {
     /// A polynomial, lowest term first, at `count` samples.
     void (*polynomial)(const std::array<double, most_series_terms>& terms, SampleTimes times,
                        std::size_t count, double* out);
-    /// Adds integrals of the modes' velocities times Legendre's polynomials of degrees 0 to 3, [degree][stride].
-    void (*add_moments)(const PlateMotion& plate, int degree, const PlateInterval& part, double* moments);
+    /// Adds the moments of the last contact's force (core/plate/force_kernel.hpp).
+    void (*add_force_moments)(const PlateMotion& plate, const ForceInterval& part, double* moments);
+    /// The states at the end of an interval from those at its start and the force's moments.
+    void (*advance_states)(const ForcedStates& states, const double* moments, const double* from, double* to);
     /// Scalar product of two stretches of numbers whose count is a multiple of 16.
     double (*sum_of_products)(const double* a, const double* b, std::size_t count);
 };

@@ -24,7 +24,8 @@ ExactPlate::ExactPlate(const PlateParameters& parameters)
     : p_(parameters),
       discs_(disc_modes(p_)),
       modes_(dry_modes(p_)),
-      on_axis_(discs_, ka(p_.band_hz), p_.hydrophone_m / p_.radius_m) {
+      shapes_(discs_),
+      on_axis_(PointSound(shapes_, 0, p_.hydrophone_m / p_.radius_m), ka(p_.band_hz)) {
     const auto size = static_cast<Index>(discs_.size());
     added_ = Eigen::MatrixXd::Zero(size, size);
     if (p_.load != FluidLoad::none) {

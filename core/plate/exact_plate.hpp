@@ -9,6 +9,7 @@
 
 #include "core/plate/disc_modes.hpp"
 #include "core/plate/plate_modes.hpp"
+#include "core/plate/point_sound.hpp"
 #include "core/plate/radiation.hpp"
 
 namespace hertzline {
@@ -37,7 +38,8 @@ private:
     PlateParameters p_;
     std::vector<DiscMode> discs_;
     std::vector<PlateMode> modes_;
-    AxialPressure on_axis_;
+    ShapeTable shapes_;
+    PointSpectrum on_axis_;
     Eigen::MatrixXd added_;  ///< masses of the fluid at low frequencies [kg]
     std::optional<ImpedanceTable> radiation_;
 };

@@ -61,4 +61,13 @@ double integral(double from, double to, Function function) {
     return sum;
 }
 
+/// A substitution that takes square roots away from both ends of [0, 1].
+struct SmoothStep {
+    double value;
+    double slope;
+};
+constexpr SmoothStep smooth_step(double x) noexcept {
+    return {x * x * (3 - 2 * x), 6 * x * (1 - x)};
+}
+
 }  // namespace hertzline

@@ -108,29 +108,4 @@ Eigen::MatrixXcd ImpedanceTable::operator()(double ka) const {
     return coefficients_[0] + t * next - after;
 }
 
-/// The shape is even in r, so it is smooth in t = R - z, where r^2 = t (t + 2 z).
-AxialPressure::AxialPressure(const std::vector<DiscMode>& modes, double max_ka, double z) {
-    const double span = 1 / (std::hypot(z, 1.0) + z);  // sqrt(z^2 + 1) - z without cancellation
-    const int panels = 2 + static_cast<int>(max_ka * span / per_panel);
-    shapes_.resize(static_cast<Eigen::Index>(modes.size()), static_cast<Eigen::Index>(nodes) * panels);
-    for (int panel = 0; panel < panels; ++panel) {
-        each_node<nodes>(span * panel / panels, span * (panel + 1) / panels, [&](double t, double weight) {
-            const auto column = static_cast<Eigen::Index>(ways_.size());
-            ways_.push_back(t);
-            for (std::size_t n = 0; n < modes.size(); ++n) {
-                shapes_(static_cast<Eigen::Index>(n), column) =
-                    weight * modes[n].shape(std::sqrt(t * (t + 2 * z)));
-            }
-        });
-    }
-}
-
-Eigen::VectorXcd AxialPressure::operator()(double ka) const {
-    Eigen::VectorXcd waves(static_cast<Eigen::Index>(ways_.size()));
-    for (std::size_t i = 0; i < ways_.size(); ++i) {
-        waves[static_cast<Eigen::Index>(i)] = std::polar(1.0, -ka * ways_[i]);
-    }
-    return std::complex<double>(0, ka) * (shapes_ * waves);
-}
-
 }  // namespace hertzline

@@ -1,6 +1,5 @@
 #pragma once
-// The load of a fluid on a vibrating disc in a rigid baffle, and the pressure that the disc sends out along its axis. In numbers without
-// units: lengths in units of the disc's radius a, impedances in units of rho c pi a^2.
+// The load of a fluid on a vibrating disc in a rigid baffle. In numbers without units: lengths in units of the disc's radius a, impedances in units of rho c pi a^2.
 
 #include <complex>
 #include <vector>
@@ -28,20 +27,6 @@ public:
 private:
     double max_ka_;
     std::vector<Eigen::MatrixXcd> coefficients_;
-};
-
-/// Pressure on the axis per rho c and per velocity of each mode, without the travel time z/c: i k int phi(sqrt(R^2 - z^2))
-/// exp(-i k (R - z)) dR, R from z to sqrt(z^2 + a^2) (P. R. Stepanishen, J. Acoust. Soc. Am. 69 (1981) 1815). By quadrature, with the
-/// shapes from a table.
-class AxialPressure {
-public:
-    /// @param max_ka largest k a @param z over a
-    AxialPressure(const std::vector<DiscMode>& modes, double max_ka, double z);
-    Eigen::VectorXcd operator()(double ka) const;
-
-private:
-    std::vector<double> ways_;  ///< R - z at the nodes
-    Eigen::MatrixXd shapes_;    ///< times the nodes' weights, [mode][node]
 };
 
 }  // namespace hertzline

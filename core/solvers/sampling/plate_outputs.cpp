@@ -2,25 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-
-#include "core/plate/quadrature.hpp"
+#include <numeric>
 
 namespace hertzline {
-
-namespace {
-
-/// The kernel's and the velocities' waves are much longer. The error falls with the fifth power: as fine as the fit.
-double longest_interval_s(const PlateResponse& response) noexcept {
-    constexpr std::size_t coarse_pairs = 21;  // 40 poles, two of them real
-    return response.poles.size() > coarse_pairs ? 40e-9 : 50e-9;
-}
-
-/// The polynomials of Legendre at -1 <= x <= 1.
-std::array<double, PlateOutputs::moments> legendre(double x) noexcept {
-    return {1, x, 0.5 * (3 * x * x - 1), 0.5 * x * (5 * x * x - 3)};
-}
-
-}  // namespace
 
 PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
                            Integrator integrator, double sample_period_s, TapSet taps)
@@ -31,80 +15,70 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
     if (plate_ == nullptr) {
         return;
     }
-    plate_->shows_modes =
-        taps.contains(Tap::p_axis) || taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
+    plate_->shows_modes = taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
     if (!taps.contains(Tap::p_axis)) {
         return;
     }
-    has_pressure_ = true;
-    delay_ = FixedTime::of(chain.end.plate->parameters.travel_s() / sample_period_s);
-    ring_.resize(static_cast<std::size_t>(delay_.whole) + EndTaps::max_count + 2);
-    intervals_per_sample_ = static_cast<std::int64_t>(
-        std::ceil(sample_period_s / longest_interval_s(*chain.end.plate) * (1 - 1e-9)));
-    make_kernel(*chain.end.plate, sample_period_s);
-}
-
-/// The slope of h(s) = c phi(sqrt(c^2 s^2 - z^2)) on intervals from z/c on: its Legendre coefficients times rho. The earliest sound, which
-/// has gone farthest, comes first.
-void PlateOutputs::make_kernel(const PlateResponse& response, double sample_period_s) {
+    const PlateResponse& response = *chain.end.plate;
     const PlateParameters& p = response.parameters;
-    const double c = p.fluid.sound_speed_m_per_s;
-    rho_c_ = p.fluid.density_kg_per_m3 * c;
-    const double a = p.radius_m;
-    const double z = p.hydrophone_m;
-    const double way = a / (std::hypot(z / a, 1.0) + z / a);  // of the last sound beyond the first
-    const double interval = c * sample_period_s / static_cast<double>(intervals_per_sample_);
-    const auto intervals = static_cast<std::size_t>(std::ceil(way / interval));
-    const std::size_t stride = plate_->stride();
-    per_interval_ = moments * stride;
-    kernel_.resize(intervals * per_interval_);
-    history_.resize(kernel_.size());
-    open_.resize(per_interval_);
-    const std::vector<DiscMode> modes = disc_modes(p);
-    for (std::size_t n = 0; n < modes.size(); ++n) {
-        const DiscMode& mode = modes[n];
-        for (std::size_t j = 0; j < intervals; ++j) {
-            const double begin = static_cast<double>(j) * interval;
-            const double end = std::min(begin + interval, way);
-            each_node<24>(begin, end, [&](double beyond, double weight) {
-                const double r = std::min(1.0, std::sqrt(beyond * (beyond + 2 * z)) / a);
-                const double slope = rho_c_ * mode.slope_over_r(r) * (z + beyond) / (a * a);
-                const auto polynomials = legendre(1 - 2 * (beyond - begin) / interval);
-                for (std::size_t q = 0; q < moments; ++q) {
-                    // the coefficient, and 1/c for the integral over time instead of way
-                    kernel_[(intervals - 1 - j) * per_interval_ + q * stride + n] +=
-                        (2 * static_cast<double>(q) + 1) / interval * weight * slope * polynomials[q] * c;
-                }
-            });
-        }
+    intervals_per_sample_ =
+        static_cast<std::int64_t>(std::ceil(sample_period_s / longest_interval_s(response) * (1 - 1e-9)));
+    const double interval_s = sample_period_s / static_cast<double>(intervals_per_sample_);
+    forced_ = std::make_unique<ForcedStates>(response, interval_s);
+    const ShapeTable shapes(disc_modes(p));
+    std::vector<PointSound> sounds;
+    sounds.emplace_back(shapes, 0, p.hydrophone_m / p.radius_m);
+    const double unit_s = p.radius_m / p.fluid.sound_speed_m_per_s;
+    double nearest = sounds.front().first();
+    for (const PointSound& sound : sounds) {
+        nearest = std::min(nearest, sound.first());
     }
+    first_delay_ = FixedTime::of(nearest * unit_s / sample_period_s);
+    for (const PointSound& sound : sounds) {
+        const double later = (sound.first() - nearest) * unit_s / interval_s;
+        const double whole = std::floor(later);
+        const double share = 1 - (later - whole);
+        Pressure& pressure = pressures_.emplace_back(ForceKernel(response, sound, interval_s, share),
+                                                     static_cast<std::int64_t>(whole) + 1, share);
+        kept_ = std::max(kept_, pressure.kernel.intervals + 1);
+        const std::int64_t most = first_delay_.whole + pressure.delay / intervals_per_sample_ + 3;
+        pressure.ring.resize(static_cast<std::size_t>(most) + EndTaps::max_count);
+    }
+    moments_.resize(2 * kept_ * moment_stride);
+    states_.resize(kept_ * 2 * forced_->size());
 }
 
 void PlateOutputs::reset() noexcept {
-    std::fill(ring_.begin(), ring_.end(), 0.0);
-    std::fill(history_.begin(), history_.end(), 0.0);
-    std::fill(open_.begin(), open_.end(), 0.0);
+    for (Pressure& pressure : pressures_) {
+        std::fill(pressure.ring.begin(), pressure.ring.end(), 0.0);
+        pressure.open = {};
+    }
+    std::fill(moments_.begin(), moments_.end(), 0.0);
+    std::fill(states_.begin(), states_.end(), 0.0);
+    open_ = {};
     done_ = 0;
-    // the first line that lies behind the start
-    FixedTime lines = delay_.times(intervals_per_sample_);
-    line_ = lines.rounded_up();
+    line_ = std::max<std::int64_t>(1, first_delay_.times(intervals_per_sample_).rounded_up());
 }
 
 void PlateOutputs::continue_from(const PlateOutputs& before, std::int64_t samples) noexcept {
-    if (!has_pressure_) {
-        return;
-    }
-    const auto shifted = [](const std::vector<double>& from, std::size_t by, std::vector<double>& to) {
-        if (!from.empty()) {
-            const auto middle = from.begin() + static_cast<std::ptrdiff_t>(by % from.size());
-            std::rotate_copy(from.begin(), middle, from.end(), to.begin());
-        }
+    const auto shifted = [](const double* from, std::size_t size, std::size_t by, double* to) {
+        std::rotate_copy(from, from + by % size, from + size, to);
     };
-    const std::int64_t lines = samples * intervals_per_sample_;
-    shifted(before.ring_, static_cast<std::size_t>(samples), ring_);
-    shifted(before.history_, static_cast<std::size_t>(lines) * per_interval_, history_);
-    std::copy(before.open_.begin(), before.open_.end(), open_.begin());
-    line_ = before.line_ - lines;
+    for (std::size_t i = 0; i < pressures_.size(); ++i) {
+        const std::vector<double>& from = before.pressures_[i].ring;
+        shifted(from.data(), from.size(), static_cast<std::size_t>(samples), pressures_[i].ring.data());
+        pressures_[i].open = before.pressures_[i].open;
+    }
+    if (kept_ > 0) {
+        const std::int64_t lines = samples * intervals_per_sample_;
+        const auto by = static_cast<std::size_t>(lines);
+        const std::size_t row = kept_ * moment_stride;
+        shifted(before.moments_.data(), row, by * moment_stride, moments_.data());
+        std::copy_n(moments_.data(), row, moments_.data() + row);
+        shifted(before.states_.data(), states_.size(), by * 2 * forced_->size(), states_.data());
+        open_ = before.open_;
+        line_ = before.line_ - lines;
+    }
     done_ = 0;
 }
 
@@ -126,34 +100,60 @@ double PlateOutputs::velocity(const kernels::PlateMotion::Velocity& of, double z
     return sum;
 }
 
-/// Integrals over a part of the open interval. @param line where the interval ends [z]
-void PlateOutputs::add_moments(double from, double to, double line) noexcept {
-    const double interval = sample_period_s_ / piece_.unit_s / static_cast<double>(intervals_per_sample_);
-    kernels_.add_moments(*plate_, piece_.degree(), {from, to, line, interval, piece_.unit_s}, open_.data());
-}
-
-/// At the line that has just been reached. @param centre velocity there [m/s]
-double PlateOutputs::pressure(double centre) const noexcept {
-    double sum = rho_c_ * centre;
-    const std::size_t size = history_.size();
-    if (size == 0) {
-        return sum;
-    }
-    // the latest intervals lie up to the line's place in the ring, the others behind it
-    const std::size_t latest = (static_cast<std::size_t>(line_) * per_interval_) % size + per_interval_;
-    sum += kernels_.sum_of_products(kernel_.data() + (size - latest), history_.data(), latest);
-    sum += kernels_.sum_of_products(kernel_.data(), history_.data() + latest, size - latest);
-    return sum;
-}
-
 /// Where a line lies in the piece [z].
 double PlateOutputs::place_of(std::int64_t line, const Stretch& piece) const noexcept {
     FixedTime arrival = piece.begin;
-    arrival.advance(delay_);
+    arrival.advance(first_delay_);
     const double part =
         static_cast<double>(line % intervals_per_sample_) / static_cast<double>(intervals_per_sample_);
     return (difference({line / intervals_per_sample_, 0}, arrival) + part) *
            (sample_period_s_ / piece_.unit_s);
+}
+
+/// Of the sample that is known at the end of the open interval.
+double PlateOutputs::pressure(const Pressure& point) const noexcept {
+    const ForceKernel& kernel = point.kernel;
+    const double* const newest = point.share < 1 ? point.open.data() : open_.data();
+    const double sum = std::inner_product(kernel.newest.begin(), kernel.newest.end(), newest, 0.0);
+    // the intervals before lie in the ring up to line_ - 1
+    const auto end = static_cast<std::size_t>(line_ - 1) % kept_ + kept_;
+    return sum +
+           kernels_.sum_of_products(kernel.moments.data(),
+                                    moments_.data() + (end - kernel.intervals) * moment_stride,
+                                    kernel.moments.size()) +
+           kernels_.sum_of_products(kernel.states.data(),
+                                    states_at(line_ - 1 + static_cast<std::int64_t>(kept_ - kernel.intervals)),
+                                    kernel.states.size());
+}
+
+/// Adds the force over the next part of the open interval. @param until its end @param line the interval's end [z]
+void PlateOutputs::add_force(double until, double line) noexcept {
+    const double interval = sample_period_s_ / piece_.unit_s / static_cast<double>(intervals_per_sample_);
+    kernels_.add_force_moments(*plate_, {done_, until, line, interval, piece_.unit_s}, open_.data());
+    for (Pressure& point : pressures_) {
+        const double end = line - (1 - point.share) * interval;
+        if (point.share < 1 && done_ < end && is_due(point)) {
+            kernels_.add_force_moments(
+                *plate_, {done_, std::min(until, end), end, point.share * interval, piece_.unit_s},
+                point.open.data());
+        }
+    }
+}
+
+void PlateOutputs::end_interval() noexcept {
+    for (Pressure& point : pressures_) {
+        if (is_due(point)) {
+            point.at((line_ - 1 + point.delay) / intervals_per_sample_) = pressure(point);
+            point.open = {};
+        }
+    }
+    const auto place = static_cast<std::size_t>(line_ - 1) % kept_;
+    for (const std::size_t copy : {place, place + kept_}) {
+        std::copy(open_.begin(), open_.end(), moments_.data() + copy * moment_stride);
+    }
+    kernels_.advance_states(*forced_, open_.data(), states_at(line_ - 1), states_at(line_));
+    open_ = {};
+    ++line_;
 }
 
 /// Goes on through the piece. @param until [z]
@@ -164,22 +164,14 @@ void PlateOutputs::send(double until, const Stretch& piece) noexcept {
         const double to = std::min(line, until);
         if (to > done_) {
             if (moves) {
-                add_moments(done_, to, line);
+                add_force(to, line);
             }
             done_ = to;
         }
         if (line > until) {
             return;
         }
-        if (!history_.empty()) {
-            const std::size_t place = (static_cast<std::size_t>(line_) * per_interval_) % history_.size();
-            std::copy(open_.begin(), open_.end(), history_.begin() + static_cast<std::ptrdiff_t>(place));
-        }
-        if (line_ % intervals_per_sample_ == 0) {
-            in_ring(line_ / intervals_per_sample_) = pressure(velocity(plate_->centre, line));
-        }
-        std::fill(open_.begin(), open_.end(), 0.0);
-        ++line_;
+        end_interval();
     }
 }
 
@@ -207,28 +199,29 @@ void PlateOutputs::put(const EndMotion& motion, const kernels::SampleTimes& time
         put_velocity(plate_->face, times, count, motion.v_face + at);
     }
     if (motion.p_axis != nullptr) {
+        Pressure& pressure = pressures_.front();
         // a piece that is longer than the way sends pressures that arrive within it
         const std::int64_t last = first + static_cast<std::int64_t>(count) - 1;
-        if (line_ <= last * intervals_per_sample_) {
-            send(place_of(last * intervals_per_sample_, piece), piece);
+        const std::int64_t line = last * intervals_per_sample_ - pressure.delay + 1;
+        if (line_ <= line) {
+            send(place_of(line, piece), piece);
         }
         for (std::size_t i = 0; i < count; ++i) {
-            motion.p_axis[at + i] = in_ring(first + static_cast<std::int64_t>(i));
+            motion.p_axis[at + i] = pressure.at(first + static_cast<std::int64_t>(i));
         }
     }
 }
 
 void PlateOutputs::leave_piece(const Stretch& piece) noexcept {
-    if (has_pressure_) {
+    if (!pressures_.empty()) {
         send(difference(piece.end, piece.begin) * sample_period_s_ / piece_.unit_s, piece);
     }
     done_ = 0;
 }
 
 double PlateOutputs::bytes(double delay) noexcept {
-    constexpr double kernel_share =
-        16.0 * static_cast<double>(moments);  // no kernel is longer than the way from the rim
-    return 8 * (delay + static_cast<double>(EndTaps::max_count)) * (1 + kernel_share);
+    constexpr double ring_share = 16.0;  // no kernel is longer than the way from the rim
+    return 8 * (delay + static_cast<double>(EndTaps::max_count)) * (1 + ring_share * 4);
 }
 
 }  // namespace hertzline

@@ -1,19 +1,20 @@
 #pragma once
-// The outputs of a modal plate: the mean velocity of its face, and the pressure at the hydrophone.
+// The outputs of a modal plate: the mean velocity of its face, and the pressure at points of the fluid.
 //
-// The pressure is p(t) = rho c v_centre(t - z/c) + rho int h'(s) q'(t - s) ds over the kernel's length, a sum over the modes
-// (docs/model.md, section 10). Time is cut into intervals whose ends lie z/c before the samples. Over each of them the modes' velocities
-// are integrated exactly, with the first polynomials of Legendre as weights; the kernel is expanded in the same polynomials.
-// So the pressure does not depend on the sample rate. Each value waits in a ring until it arrives.
+// The force of the last contact is all that the plate and its sound depend on. Over each interval of time its moments are added up; at
+// an interval's end the pressures follow from the last moments and the states before them (core/plate/force_kernel.hpp). They depend
+// neither on the pieces of the series nor on the sample rate. Each waits in a ring until it arrives.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
 #include "core/model/chain.hpp"
+#include "core/plate/force_kernel.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
 #include "hertzline/taps.hpp"
@@ -49,37 +50,49 @@ public:
     /// Bytes, roughly from above. @param delay of the pressure [samples]
     static double bytes(double delay) noexcept;
 
-    static constexpr std::size_t moments = 4;  ///< polynomials across an interval
-
 private:
-    void make_kernel(const PlateResponse& response, double sample_period_s);
+    /// The pressure at a point. Sample k is known at the end of the interval that begins at line k m - delay, m intervals in a sample.
+    struct Pressure {
+        ForceKernel kernel;
+        std::int64_t delay;  ///< [intervals]
+        double share;        ///< of that interval that is heard in the sample
+        std::vector<double> ring;  ///< by samples
+        alignas(64) std::array<double, moment_stride> open{};  ///< moments of that share
+        double& at(std::int64_t sample) noexcept { return ring[static_cast<std::size_t>(sample) % ring.size()]; }
+    };
+
     void put_velocity(const kernels::PlateMotion::Velocity& of, const kernels::SampleTimes& times,
                       std::size_t count, double* out) const noexcept;
     double velocity(const kernels::PlateMotion::Velocity& of, double z) const noexcept;
-    void add_moments(double from, double to, double line) noexcept;
-    double pressure(double centre) const noexcept;
     double place_of(std::int64_t line, const Stretch& piece) const noexcept;
     void send(double until, const Stretch& piece) noexcept;
-    double& in_ring(std::int64_t sample) noexcept {
-        return ring_[static_cast<std::size_t>(sample) % ring_.size()];
+    void add_force(double until, double line) noexcept;
+    void end_interval() noexcept;
+    double pressure(const Pressure& point) const noexcept;
+    bool is_due(const Pressure& point) const noexcept {
+        return (line_ - 1 + point.delay) % intervals_per_sample_ == 0;
+    }
+    double* states_at(std::int64_t line) noexcept {
+        return states_.data() + static_cast<std::size_t>(line) % kept_ * 2 * forced_->size();
+    }
+    const double* states_at(std::int64_t line) const noexcept {
+        return states_.data() + static_cast<std::size_t>(line) % kept_ * 2 * forced_->size();
     }
 
     kernels::PlateMotion* plate_;
     kernels::SeriesKernels kernels_;
     const kernels::SeriesPiece& piece_;
     double sample_period_s_;
-    bool has_pressure_ = false;
-    double rho_c_ = 0;
-    FixedTime delay_;  ///< of the pressure [samples]
+    FixedTime first_delay_;  ///< of the nearest point [samples]: sound of line n m arrives there in sample n
+    std::vector<Pressure> pressures_;
     std::int64_t intervals_per_sample_ = 1;
-    // integrals over intervals, [polynomial][mode], as kernels::add_moments has them
-    std::size_t per_interval_ = 0;  ///< of them
-    std::vector<double> kernel_;    ///< by intervals, the earliest first
-    std::vector<double> history_;   ///< a ring of as many intervals
-    std::vector<double> open_;      ///< of the interval that is not over
-    std::int64_t line_ = 0;         ///< the end of that interval, counted in intervals
-    double done_ = 0;               ///< of the present piece [z]
-    std::vector<double> ring_;      ///< pressures by samples
+    std::unique_ptr<const ForcedStates> forced_;
+    std::size_t kept_ = 0;         ///< intervals in the rings
+    std::vector<double> moments_;  ///< a ring of intervals, twice over, so that any stretch lies in one piece
+    std::vector<double> states_;   ///< a ring of the states at their ends
+    alignas(64) std::array<double, moment_stride> open_{};  ///< moments of the interval that is not over
+    std::int64_t line_ = 0;                                 ///< its end, counted in intervals
+    double done_ = 0;                                       ///< of the present piece [z]
 };
 
 }  // namespace hertzline

@@ -10,6 +10,7 @@
 
 #include "core/model/end.hpp"
 #include "core/plate/exact_plate.hpp"
+#include "core/plate/point_sound.hpp"
 #include "core/plate/radiation.hpp"
 #include "hertzline/resolve.hpp"
 
@@ -47,7 +48,8 @@ Complex exact_pressure(const PlateResponse& plate, double frequency_hz) {
     const PlateParameters& p = plate.parameters;
     const Eigen::VectorXcd v = exact_mobilities(plate, frequency_hz);
     const double ka = two_pi * frequency_hz * p.radius_m / p.fluid.sound_speed_m_per_s;
-    const AxialPressure per_mode(disc_modes(p), ka, p.hydrophone_m / p.radius_m);
+    const ShapeTable shapes(disc_modes(p));
+    const PointSpectrum per_mode(PointSound(shapes, 0, p.hydrophone_m / p.radius_m), ka);
     return p.fluid.density_kg_per_m3 * p.fluid.sound_speed_m_per_s * per_mode(ka).cwiseProduct(v).sum();
 }
 

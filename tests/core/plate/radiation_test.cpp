@@ -140,31 +140,5 @@ TEST(Radiation, TheTableIsAsGoodAsTheIntegral) {
     }
 }
 
-TEST(Radiation, PressureOnTheAxisIsRayleighsIntegral) {
-    // p = i k rho c int v exp(-i k R)/(2 pi R) dS over the face, by many rings
-    for (const double z : {0.02, 0.4, 2.0, 8.0}) {
-        for (const double k : {0.2, 1.55, 7.7, 30.0}) {
-            for (int n = 0; n < 4; ++n) {
-                const DiscMode mode(n);
-                std::complex<double> sum = 0;
-                constexpr int rings = 400;
-                for (int ring = 0; ring < rings; ++ring) {
-                    // rings are narrow near the axis, where 1/R is steep
-                    const double from = std::pow(static_cast<double>(ring) / rings, 2);
-                    const double to = std::pow((ring + 1.0) / rings, 2);
-                    each_node<8>(from, to, [&](double r, double weight) {
-                        const double distance = std::hypot(r, z);
-                        sum += weight * mode.shape(r) * std::polar(1.0, -k * (distance - z)) * r / distance;
-                    });
-                }
-                const std::complex<double> expected = std::complex<double>(0, k) * sum;
-                EXPECT_LT(std::abs(AxialPressure({mode}, k, z)(k)[0] - expected),
-                          1e-6 * std::abs(expected) + 1e-12)
-                    << z << ' ' << k << ' ' << n;
-            }
-        }
-    }
-}
-
 }  // namespace
 }  // namespace hertzline

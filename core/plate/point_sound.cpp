@@ -1,0 +1,110 @@
+#include "core/plate/point_sound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/plate/quadrature.hpp"
+
+namespace hertzline {
+
+namespace {
+
+constexpr std::size_t nodes_of_arc = 32;
+constexpr std::size_t nodes_of_panel = 24;
+constexpr double phase_per_panel = 8;  // phase that a panel of nodes covers
+
+}  // namespace
+
+ShapeTable::ShapeTable(const std::vector<DiscMode>& modes) {
+    constexpr int degrees = 40;  // the highest mode has 19 radians from centre to rim
+    const auto angle = [](int i) { return std::numbers::pi * (i + 0.5) / degrees; };
+    coefficients_.setZero(static_cast<Eigen::Index>(modes.size()), degrees);
+    for (int i = 0; i < degrees; ++i) {
+        const double r = std::sqrt(0.5 * (1 + std::cos(angle(i))));
+        for (std::size_t n = 0; n < modes.size(); ++n) {
+            const double shape = modes[n].shape(r);
+            for (int q = 0; q < degrees; ++q) {
+                coefficients_(static_cast<Eigen::Index>(n), q) +=
+                    (q == 0 ? 1.0 : 2.0) / degrees * shape * std::cos(q * angle(i));
+            }
+        }
+    }
+}
+
+/// Clenshaw's recurrence.
+Eigen::ArrayXd ShapeTable::operator()(double square) const {
+    using Shapes = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_disc_modes, 1>;
+    const double t = 2 * square - 1;
+    Shapes next = Shapes::Zero(coefficients_.rows());
+    Shapes after = next;
+    for (Eigen::Index q = coefficients_.cols(); q-- > 1;) {
+        const Shapes now = coefficients_.col(q) + 2 * t * next - after;
+        after = next;
+        next = now;
+    }
+    return coefficients_.col(0) + t * next - after;
+}
+
+PointSound::PointSound(const ShapeTable& shapes, double from_axis, double from_plane)
+    : shapes_(shapes), from_axis_(from_axis), from_plane_(from_plane) {
+    const double s = from_axis;
+    // the first sound, the moment from which the circle leaves the disc, and the last sound
+    for (const double way : {std::max(0.0, s - 1), std::abs(1 - s), 1 + s}) {
+        const double time = std::hypot(way, from_plane);
+        if (breaks_.empty() || time > breaks_.back()) {
+            breaks_.push_back(time);
+        }
+    }
+}
+
+Eigen::ArrayXd PointSound::operator()(double time) const {
+    const double s = from_axis_;
+    const double square = std::max(0.0, (time - from_plane_) * (time + from_plane_));
+    const double u = std::sqrt(square);  // radius of the circle
+    if (s == 0) {
+        return shapes_(std::min(square, 1.0));
+    }
+    const double end = u <= 1 - s ? std::numbers::pi
+                                  : std::acos(std::clamp((s * s + square - 1) / (2 * s * u), -1.0, 1.0));
+    const auto at = [&](double angle) {
+        const double half = std::sin(0.5 * angle);
+        return std::min(1.0, (s - u) * (s - u) + 4 * s * u * half * half);
+    };
+    Eigen::ArrayXd sum = 0 * shapes_(0);
+    each_node<nodes_of_arc>(0, end, [&](double angle, double weight) {
+        sum += weight / std::numbers::pi * shapes_(at(angle));
+    });
+    return sum;
+}
+
+PointSpectrum::PointSpectrum(const PointSound& sound, double max_ka) {
+    const std::vector<double>& breaks = sound.breaks();
+    std::vector<Eigen::ArrayXd> values;
+    for (std::size_t b = 0; b + 1 < breaks.size(); ++b) {
+        const double span = breaks[b + 1] - breaks[b];
+        const int panels = 2 + static_cast<int>(max_ka * span / phase_per_panel);
+        for (int panel = 0; panel < panels; ++panel) {
+            each_node<nodes_of_panel>(
+                static_cast<double>(panel) / panels, (panel + 1.0) / panels, [&](double x, double weight) {
+                    const SmoothStep step = smooth_step(x);
+                    times_.push_back(breaks[b] - breaks[0] + span * step.value);
+                    values.emplace_back(weight * span * step.slope * sound(breaks[b] + span * step.value));
+                });
+        }
+    }
+    values_.resize(values.front().size(), static_cast<Eigen::Index>(values.size()));
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        values_.col(static_cast<Eigen::Index>(i)) = values[i];
+    }
+}
+
+Eigen::VectorXcd PointSpectrum::operator()(double ka) const {
+    Eigen::VectorXcd waves(static_cast<Eigen::Index>(times_.size()));
+    for (std::size_t i = 0; i < times_.size(); ++i) {
+        waves[static_cast<Eigen::Index>(i)] = std::polar(1.0, -ka * times_[i]);
+    }
+    return std::complex<double>(0, ka) * (values_ * waves);
+}
+
+}  // namespace hertzline

@@ -1,0 +1,61 @@
+#pragma once
+// Sound at one point of the fluid beside a vibrating disc in a rigid baffle. In numbers without units: lengths in units of the disc's
+// radius a, times in units of a/c.
+//
+// A velocity of mode n with the derivative q''(t) makes the pressure rho c int h(s) q''(t - s) ds. h is the mean of the mode's shape over
+// the arc of the circle about the point's foot from which sound arrives after s (P. R. Stepanishen, J. Acoust. Soc. Am. 49 (1971) 1629;
+// docs/model.md, section 10).
+
+#include <complex>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/plate/disc_modes.hpp"
+
+namespace hertzline {
+
+/// Shapes of the modes by Chebyshev's polynomials in the square of the radius, in which they are entire.
+class ShapeTable {
+public:
+    explicit ShapeTable(const std::vector<DiscMode>& modes);
+    /// @param square of a radius from 0 to 1
+    Eigen::ArrayXd operator()(double square) const;
+
+private:
+    Eigen::ArrayXXd coefficients_;  ///< [mode][degree]
+};
+
+class PointSound {
+public:
+    /// @param shapes outlives the object @param from_axis, from_plane distances of the point, not negative
+    PointSound(const ShapeTable& shapes, double from_axis, double from_plane);
+
+    /// Times of the first and the last sound.
+    double first() const noexcept { return breaks_.front(); }
+    double last() const noexcept { return breaks_.back(); }
+    /// Times from first() to last() between which h is smooth.
+    const std::vector<double>& breaks() const noexcept { return breaks_; }
+    /// h of each mode, first() <= time <= last().
+    Eigen::ArrayXd operator()(double time) const;
+
+private:
+    const ShapeTable& shapes_;
+    double from_axis_, from_plane_;
+    std::vector<double> breaks_;
+};
+
+/// Its spectrum: pressure per rho c and per velocity of each mode, with time as exp(i w t) and counted from the first sound,
+/// i k int h(s) exp(-i k (s - first)) ds.
+class PointSpectrum {
+public:
+    /// @param max_ka largest k a
+    PointSpectrum(const PointSound& sound, double max_ka);
+    Eigen::VectorXcd operator()(double ka) const;
+
+private:
+    std::vector<double> times_;  ///< of the nodes after the first sound
+    Eigen::MatrixXd values_;     ///< times the nodes' weights, [mode][node]
+};
+
+}  // namespace hertzline
