@@ -1,13 +1,14 @@
 #pragma once
 // The motion of a modal plate over a piece of a series: linear states that the force of the last contact drives.
 //
-// To the chain the plate is its last body, with the mobility that the plate has at once. The rest of their effect acts on it like
+// To the chain the plate is its last body, with the mobility that the plate has at once. The rest of its effect acts on it like
 // a contact to its right, in the slot of the pad that follows it: order by order the kernel takes down the last contact's force and adds
 // the states' reaction (taylor/plate-inl.hpp). No state is differentiated for that: how a force acts over the next orders, and what the
 // states at the piece's start do in each, are tables.
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -38,53 +39,60 @@ public:
     Pairs state() const noexcept { return column(3); }               ///< at the end of the piece
     double mobility() const noexcept { return response_.mobility; }  ///< of the body [1/kg]
 
-    /// Terms of the exponentials that a vector of states needs until z, and how far they are then exact for all [z].
-    int terms_until(double z, std::size_t first) const noexcept {
-        return 14 + static_cast<int>(3 * fastest_[first] * z);
-    }
-    double reach() const noexcept { return 8 / fastest_.back(); }
-    static constexpr std::size_t most_state_terms = 14 + 3 * 8 + 1;
+    // Over a length of i/grid of a unit the states turn by turn(i), and each derivative of the force adds itself times answer(i, order).
+    // So no power and no exponential is computed on the way; a series takes them from a place of the grid to one between two.
+    static constexpr int grid = 64;
+    Pairs turn(int place) const noexcept { return row_of_steps(place, 0); }
+    Pairs answer(int place, std::size_t order) const noexcept { return row_of_steps(place, 1 + order); }
+    /// Terms of the series of exponentials over less than one place of the grid.
+    int terms_between() const noexcept { return terms_between_; }
+    static constexpr int most_terms_between = 24;
 
-    // Modes: their velocities over a piece are polynomials in z. All modes stand beside each other, `stride` of them with the padding.
+    // Rows of numbers [pair][real, imaginary][width]: what the states do, each real part times the first and each imaginary part times the
+    // second.
+    static constexpr std::size_t width = most_terms;
+    /// Their force on the body by orders, as the kernels have it.
+    const double* reaction_rows() const noexcept { return reaction_.get(); }
+    /// The same of order m of the last contact's force, as the kernels have that: by orders, from m + 1 on.
+    const double* reaction_to(std::size_t order) const noexcept {
+        return reaction_.get() + (2 * pairs() + order) * width;
+    }
+    /// Derivatives by z of the face's mean velocity [m/s].
+    const double* face_rows() const noexcept { return face_rows_.get(); }
+
+    // The modes, beside each other, `stride` of them with the padding.
     std::size_t modes() const noexcept { return response_.modes.size(); }
     std::size_t stride() const noexcept { return stride_; }
-    /// Their coefficients over the present piece, [power][stride]; by the kernels until they are done, derivatives.
-    double* mode_terms() const noexcept { return tables_.get(); }
-    /// Where the last contact has just closed, each onset force adds z^(exponent + 1) times such polynomials.
-    double* onset_terms(std::size_t number) const noexcept {
-        return mode_terms() + (1 + number) * most_terms * stride_;
-    }
-    /// Response of the velocities' derivatives by z to those of the force: order m acts on order m + 1 + n by row n, [n][stride].
-    const double* of_force() const noexcept { return mode_terms() + 3 * most_terms * stride_; }
+    /// Derivatives of their velocities that the losses are integrated from, the velocity among them.
+    static constexpr std::size_t mode_orders = 4;
+    static constexpr std::size_t most_stride = 8;
+    /// Integrals over [0, 1] of the products of the polynomials of degree 7 that are 1 in one derivative at one end, orders 0 to 3 at 0,
+    /// then at 1, and 0 in all others.
+    using EndProducts = std::array<std::array<double, 2 * mode_orders>, 2 * mode_orders>;
+    static const EndProducts& products_of_ends() noexcept;
+    /// From the states, [pair][real, imaginary][order][stride], and in answer to the force 1, 2, ... orders earlier, [order][stride].
+    const double* mode_rows() const noexcept { return mode_rows_.get(); }
+    const double* mode_answers() const noexcept { return mode_rows_.get() + 2 * pairs() * mode_orders * stride_; }
+    /// Where the piece before ended, without the force's part, [order][stride].
+    double* modes_before() const noexcept { return mode_rows_.get() + (2 * pairs() + 1) * mode_orders * stride_; }
     /// Loss of each mode per integral over z of its velocity's square [kg].
-    double* mode_losses() const noexcept { return mode_terms() + 4 * most_terms * stride_; }
-    /// The mean of each mode's shape over the disc.
-    double* mean_shapes() const noexcept { return mode_losses() + stride_; }
-    /// Effect of a pair's state on the velocities' derivatives by z, [order][stride]. @param part 0: real, 1: imaginary
-    const double* of_state(std::size_t pair, std::size_t part) const noexcept {
-        return mean_shapes() + stride_ * (1 + degree_ * (2 * pair + part));
-    }
+    double* mode_losses() const noexcept { return mode_rows_.get() + (2 * pairs() + 2) * mode_orders * stride_; }
 
-    /// Force of the states on the body per derivative by z of the velocity under the contact [kg unit].
-    double reaction() const noexcept { return -unit_s_ / response_.mobility; }
-
-    // the series of the present piece, by orders; derivatives by z
-    std::array<double, most_terms> force{};  ///< of the last contact [N unit^2]
-    std::array<double, most_terms>
-        behind{};  ///< force of the states on the body without that force [N unit^2]
-    std::array<double, most_terms>
-        answer{};  ///< their force on it in answer to that force, 1, 2, ... orders later
+    // the series of the present piece, by orders
+    alignas(64) std::array<double, width> behind{};  ///< force of the states on the body, as the kernels have it
+    std::array<double, most_terms> force{};          ///< of the last contact; derivatives by z [N unit^2]
+    std::array<double, most_terms> force_terms{};    ///< its coefficients [N]
+    std::array<double, most_terms> face_answer{};    ///< of the face's derivatives to it, 1, 2, ... orders later
     static constexpr std::size_t most_onset_forces = 2;
     /// A velocity over the piece: coefficients of whole powers of z, and those beside onset forces [m/s].
     struct Velocity {
         std::array<double, most_terms> terms{};
         std::array<std::array<double, most_terms>, most_onset_forces> onset_terms{};
     };
-    Velocity centre;                           ///< under the contact; of use to outputs and ledger
-    Velocity face;                             ///< the wet face's mean
+    alignas(64) Velocity face;                 ///< the wet face's mean
     std::span<const OnsetForce> onset_forces;  ///< of the piece, if a contact has just closed
-    bool shows_modes = false;                  ///< whether an output asks for these
-    bool moves = false;                        ///< whether they are not all zero
+    bool shows_face = false;                   ///< whether an output asks for it
+    bool moves = false;                        ///< whether the states are not all zero
 
     // where the chain has its last body and the pad behind it
     std::size_t end_slot = 0;
@@ -97,8 +105,9 @@ public:
     /// 1 in the last body's slot and 0 elsewhere, the same of the pad. For chains in registers.
     const double* end_flag() const noexcept { return flags_.get(); }
     const double* pad_flag() const noexcept { return flags_.get() + flag_stride; }
-    /// For some columns of such a chain.
-    double* room(std::size_t column) const noexcept { return flags_.get() + (2 + column) * flag_stride; }
+    /// The last body's row there, and its lane, once for each lane.
+    std::size_t end_row = 0;
+    alignas(64) std::array<std::int64_t, 8> end_lane{};
 
     void rest() noexcept;
     /// To rest, and the ledger to zero.
@@ -117,20 +126,30 @@ private:
     Pairs column(std::size_t i) const noexcept {
         return {columns_.get() + 2 * i * size_, columns_.get() + (2 * i + 1) * size_};
     }
-    void fill_columns(std::size_t lanes) noexcept;
-    void fill_tables() noexcept;
+    Pairs row_of_steps(int place, std::size_t row) const noexcept {
+        double* const begin =
+            steps_.get() + (static_cast<std::size_t>(place) * degree_ + row) * 2 * size_;
+        return {begin, begin + size_};
+    }
+    void fill_columns() noexcept;
+    void fill_steps() noexcept;
+    void fill_rows() noexcept;
     Row row_of(const Eigen::VectorXcd& residues) const;
     double of(const Row& row, const Pairs& states) const noexcept;
+    void look_at_modes() noexcept;
 
     const PlateResponse& response_;
     std::size_t size_;
     std::size_t stride_;
     std::size_t degree_;
     double unit_s_;
-    Row fastest_;  ///< of the rates up to the end of a state's vector; last of all
+    int terms_between_ = 0;
     AlignedDoubles columns_;
     AlignedDoubles flags_;
-    AlignedDoubles tables_;
+    AlignedDoubles steps_;
+    AlignedDoubles reaction_;
+    AlignedDoubles face_rows_;
+    AlignedDoubles mode_rows_;
     std::vector<Row> mode_m_, mode_m_per_s_;
 };
 

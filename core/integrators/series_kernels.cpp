@@ -138,8 +138,14 @@ SeriesKernels for_rows(std::size_t rows) {
     if constexpr (hn::MaxLanes(Doubles()) > 1) {  // else a row is one body
         piece = rows == 1 ? take_piece<1, Degree, Kind> : rows == 2 ? take_piece<2, Degree, Kind> : piece;
     }
-    return {piece,           sample_body<Degree>, sample_slots<Degree>, sample_velocity<Degree>, add_force_moments<Degree>,
-            advance_states, sum_of_products};
+    return {piece,
+            sample_body<Degree>,
+            sample_slots<Degree>,
+            sample_velocity<Degree>,
+            add_force_moments<Degree>,
+            whole_interval_moments<Degree>,
+            advance_states,
+            sum_of_products};
 }
 
 /// Every series in the table of integrators has its kernels.

@@ -180,6 +180,8 @@ struct SeriesKernels {
                        std::size_t count, double* out);
     /// Adds the moments of the last contact's force (core/plate/force_kernel.hpp).
     void (*add_force_moments)(const PlateMotion& plate, const ForceInterval& part, double* moments);
+    /// The moments over an interval that lies in the piece as a whole, in which no contact has just closed.
+    void (*whole_interval_moments)(const PlateMotion& plate, const ForceInterval& part, double* moments);
     /// The states at the end of an interval from those at its start and the force's moments.
     void (*advance_states)(const ForcedStates& states, const double* moments, const double* from, double* to);
     /// Scalar product of two stretches of numbers whose count is a multiple of 16.

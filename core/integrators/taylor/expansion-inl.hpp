@@ -103,6 +103,7 @@ struct Expansion {
     Col<K> ground = rows.scratch(Scratch::ground);            ///< spring behind the left body, times unit^2
     Col<K> per_overlap = rows.scratch(Scratch::per_overlap);  ///< 1/delta_0 [1/m]
     Col<K> decay = rows.scratch(Scratch::decay);  ///< D delta_0^q of the closed contacts times unit
+    Vec handed = zero();                          ///< the last order of the force on a modal plate
 };
 
 /// Value at z of terms N to Last, divided by z^N.

@@ -29,26 +29,77 @@ struct ForceNodes {
         0.1813418916891810, 0.1568533229389436, 0.1111905172266872, 0.0506142681451881};
 };
 
+/// Weights of the force at the nodes in the moments of a whole interval, per length of it: [node][moment].
+alignas(64) inline constexpr auto whole_interval = [] {
+    std::array<double, ForceNodes::count * moment_stride> weights{};
+    for (std::size_t i = 0; i < ForceNodes::count; ++i) {
+        const double x = 2 * ForceNodes::node[i] - 1;
+        double before = 1;
+        double now = x;
+        double* const row = weights.data() + i * moment_stride;
+        row[0] = ForceNodes::weight[i];
+        row[1] = ForceNodes::weight[i] * x;
+        for (std::size_t q = 2; q < force_moments; ++q) {
+            const auto n = static_cast<double>(q);
+            const double next = ((2 * n - 1) * x * now - (n - 1) * before) / n;
+            before = now;
+            now = next;
+            row[q] = ForceNodes::weight[i] * now;
+        }
+    }
+    return weights;
+}();
+
+// Vectors of no more lanes than there are nodes, and moments with their padding.
+using NodeTag = hn::CappedTag<double, ForceNodes::count>;
+static_assert(ForceNodes::count == moment_stride);
+
+/// The force's polynomial [N].
+template <int Degree>
+HWY_INLINE hn::Vec<NodeTag> smooth_force(const PlateMotion& plate, hn::Vec<NodeTag> z) {
+    const NodeTag d;
+    const auto square = z * z;
+    auto even = hn::Set(d, plate.force_terms[Degree - 3]);
+    auto odd = hn::Set(d, plate.force_terms[Degree - 2]);
+    static_assert(Degree % 2 == 1);
+    for (std::size_t m = Degree - 3; m > 0; m -= 2) {
+        even = MulAdd(even, square, hn::Set(d, plate.force_terms[m - 2]));
+        odd = MulAdd(odd, square, hn::Set(d, plate.force_terms[m - 1]));
+    }
+    return MulAdd(odd, z, even);
+}
+
+/// The moments of the force over an interval that lies in the piece as a whole, in which no contact has just closed.
+template <int Degree>
+void whole_interval_moments(const PlateMotion& plate, const ForceInterval& part, double* moments) {
+    const NodeTag d;
+    alignas(64) std::array<double, ForceNodes::count> force;
+    for (std::size_t i = 0; i < ForceNodes::count; i += hn::Lanes(d)) {
+        const auto z = MulAdd(hn::Set(d, part.interval), hn::Load(d, ForceNodes::node.data() + i), hn::Set(d, part.from));
+        hn::Store(hn::Set(d, part.interval * part.unit_s) * smooth_force<Degree>(plate, z), d, force.data() + i);
+    }
+    for (std::size_t c = 0; c < moment_stride; c += hn::Lanes(d)) {
+        auto even = hn::Zero(d);
+        auto odd = hn::Zero(d);
+        for (std::size_t i = 0; i < ForceNodes::count; i += 2) {
+            even = MulAdd(hn::Set(d, force[i]), hn::Load(d, whole_interval.data() + i * moment_stride + c), even);
+            odd = MulAdd(hn::Set(d, force[i + 1]),
+                         hn::Load(d, whole_interval.data() + (i + 1) * moment_stride + c), odd);
+        }
+        hn::StoreU(even + odd, d, moments + c);
+    }
+}
+
 /// Adds the moments of the force over a part of an interval.
 template <int Degree>
 void add_force_moments(const PlateMotion& plate, const ForceInterval& part, double* moments) {
-    // a vector of no more lanes than there are nodes
-    const hn::CappedTag<double, ForceNodes::count> d;
-    std::array<double, Degree> terms;
-    double share = 1 / (part.unit_s * part.unit_s);
-    for (std::size_t m = 0; m + 1 < Degree; ++m) {
-        terms[m] = share * plate.force[m];
-        share /= static_cast<double>(m + 1);
-    }
+    const NodeTag d;
     const double length = part.to - part.from;
     std::array<decltype(hn::Zero(d)), force_moments> sums;
     sums.fill(hn::Zero(d));
     for (std::size_t i = 0; i < ForceNodes::count; i += hn::Lanes(d)) {
         const auto z = MulAdd(hn::Set(d, length), hn::Load(d, ForceNodes::node.data() + i), hn::Set(d, part.from));
-        auto force = hn::Set(d, terms[Degree - 2]);
-        for (std::size_t m = Degree - 2; m-- > 0;) {
-            force = MulAdd(force, z, hn::Set(d, terms[m]));
-        }
+        auto force = smooth_force<Degree>(plate, z);
         for (const OnsetForce& onset : plate.onset_forces) {
             alignas(64) std::array<double, ForceNodes::count> added;
             alignas(64) std::array<double, ForceNodes::count> places;

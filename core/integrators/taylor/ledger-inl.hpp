@@ -16,6 +16,7 @@
 #include "core/integrators/taylor/clamped_law-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
 #include "core/integrators/taylor/modes-inl.hpp"
+#include "core/integrators/taylor/plate-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -75,19 +76,15 @@ HWY_INLINE void account(const Expansion<K, Degree, Kind>& e, double length) {
 
 /// A column's value in the last contact.
 template <std::size_t K>
-HWY_INLINE double in_last_contact(const PlateMotion& plate, std::size_t room, const Col<K>& column) {
-    if constexpr (K == 0) {
-        return column.rows[plate.end_slot];
-    } else {
-        HERTZLINE_EACH_ROW(k, K) store_row(column[k], plate.room(room) + k * lanes());
-        return plate.room(room)[plate.end_slot];
-    }
+HWY_INLINE double in_last_contact(const PlateMotion& plate, const Col<K>& column) {
+    return GetLane(in_end_slot(plate, column));
 }
 
 /// The last contact over a piece.
 template <int Degree>
 struct LastContact {
     std::array<double, Degree + 1> overlap;  ///< its series [m]
+    std::array<double, Degree + 1> body;     ///< that of the last body's displacement [m]
     double stiffness;                        ///< 0: open [N/m^(3/2)]
     double damping;                          ///< D of its law, 0: open
     double static_force;                     ///< [N]
@@ -96,12 +93,12 @@ template <std::size_t K, int Degree, Damping Kind, std::size_t... N>
 HWY_INLINE LastContact<Degree> last_contact(const Expansion<K, Degree, Kind>& e,
                                             std::index_sequence<N...> /*orders*/) {
     const PlateMotion& plate = *e.piece.plate;
-    constexpr std::size_t next = sizeof...(N);
-    const double closed = in_last_contact(plate, next, e.closed);
-    return {{in_last_contact(plate, N, e.d[N])...},
-            closed * in_last_contact(plate, next + 1, e.stiffness),
-            closed * in_last_contact(plate, 0, e.rows.load(ChainField::damping)),
-            in_last_contact(plate, 1, e.static_force)};
+    const double closed = in_last_contact(plate, e.closed);
+    return {{in_last_contact(plate, e.d[N])...},
+            {in_last_contact(plate, e.x[N])...},
+            closed * in_last_contact(plate, e.stiffness),
+            closed * in_last_contact(plate, e.rows.load(ChainField::damping)),
+            in_last_contact(plate, e.static_force)};
 }
 
 /// Adds the work of the last contact on the plate, less that of the static force, and the losses of its material over the piece to the
@@ -123,15 +120,15 @@ HWY_NOINLINE void account_plate(PlateMotion& plate, const LastContact<Degree>& c
         for (std::size_t n = Degree; n-- > 0;) {
             rate = MulAdd(rate, z, delta);
             delta = MulAdd(delta, z, splat(contact.overlap[n]));
-            v = MulAdd(v, z, splat(plate.centre.terms[n]));
+            v = MulAdd(v, z, splat(static_cast<double>(n + 1) * contact.body[n + 1]));
         }
         const Vec elastic = elastic_force(splat(contact.stiffness), delta);
         const Vec damping = splat(contact.damping / unit_s) * damping_power(law, pressed(delta));
         const Vec force = MulAdd(damping, rate, elastic) - splat(contact.static_force);
         work = MulAdd(load_row(weight.data() + i) * force, v, work);
     }
-    plate.passed += length * unit_s * GetLane(hn::SumOfLanes(Doubles(), work));
-    plate.lost += losses<Nodes>(plate, Degree, length);
+    plate.passed += length * GetLane(hn::SumOfLanes(Doubles(), work));
+    plate.lost += losses<Degree>(plate, length);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -1,4 +1,4 @@
-// The velocities of a modal plate's modes over a piece: polynomials in z, side by side. Included once per SIMD target.
+// The losses of a modal plate's material. Included once per SIMD target.
 #if defined(HERTZLINE_MODES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef HERTZLINE_MODES_INL
 #undef HERTZLINE_MODES_INL
@@ -10,8 +10,8 @@
 #include <array>
 
 #include "core/integrators/plate_motion.hpp"
-#include "core/integrators/series_piece.hpp"
 #include "core/integrators/simd/vectors-inl.hpp"
+#include "core/integrators/taylor/plate-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -21,65 +21,53 @@ namespace HWY_NAMESPACE {
 using ModeTag = hn::CappedTag<double, 4>;
 using ModeVec = hn::Vec<ModeTag>;
 
-/// Calls visit(first) for each vector of modes.
-template <class Visit>
-HWY_INLINE void each_vector_of_modes(const PlateMotion& plate, Visit&& visit) {
-    for (std::size_t n = 0; n < plate.modes(); n += hn::Lanes(ModeTag())) {
-        visit(n);
-    }
-}
-
-HWY_INLINE double sum_of_modes(ModeVec values) {
-    return GetLane(hn::SumOfLanes(ModeTag(), values));
-}
-
-/// A polynomial of the modes at some places side by side. @param terms those of the first vector
-template <std::size_t Count>
-HWY_INLINE std::array<ModeVec, Count> polynomial_at(const double* terms, std::size_t stride, int degree,
-                                                    const std::array<double, Count>& z) {
-    std::array<ModeVec, Count> sums;
-    sums.fill(hn::Zero(ModeTag()));
-    for (int k = degree; k-- > 0;) {
-        const ModeVec term = hn::Load(ModeTag(), terms + static_cast<std::size_t>(k) * stride);
-        for (std::size_t i = 0; i < Count; ++i) {
-            sums[i] = MulAdd(sums[i], hn::Set(ModeTag(), z[i]), term);
+/// The derivatives of the modes' velocities by z at one end of a piece, in units of its length z: orders 0 to 3.
+HWY_INLINE std::array<ModeVec, PlateMotion::mode_orders> modes_at_an_end(const PlateMotion& plate,
+                                                                         const double* without_force,
+                                                                         const double* force, double z,
+                                                                         std::size_t first) {
+    const ModeTag d;
+    std::array<ModeVec, PlateMotion::mode_orders> ends;
+    double power = 1;
+    for (std::size_t k = 0; k < ends.size(); ++k, power *= z) {
+        ModeVec sum = hn::Load(d, without_force + k * plate.stride() + first);
+        for (std::size_t m = 0; m < k; ++m) {
+            const ModeVec answer = hn::Load(d, plate.mode_answers() + (k - 1 - m) * plate.stride() + first);
+            sum = MulAdd(hn::Set(d, force[m]), answer, sum);
         }
+        ends[k] = hn::Set(d, power) * sum;
     }
-    return sums;
+    return ends;
 }
 
-/// The modes' velocities at some places.
-template <std::size_t Count>
-HWY_INLINE std::array<ModeVec, Count> modes_at(const PlateMotion& plate, int degree, std::size_t first,
-                                               const std::array<double, Count>& z) {
-    auto sums = polynomial_at(plate.mode_terms() + first, plate.stride(), degree, z);
-    for (std::size_t force = 0; force < plate.onset_forces.size(); ++force) {
-        const auto added = polynomial_at(plate.onset_terms(force) + first, plate.stride(), degree, z);
-        for (std::size_t i = 0; i < Count; ++i) {
-            const double power = plate.onset_forces[force].integrated_power(std::max(z[i], 0.0));
-            sums[i] = MulAdd(hn::Set(ModeTag(), power), added[i], sums[i]);
-        }
-    }
-    return sums;
-}
-
-/// Losses in the plate's material over the piece [J].
-template <class Nodes>
-HWY_INLINE double losses(const PlateMotion& plate, int degree, double length) {
-    auto z = Nodes::node;
-    for (double& place : z) {
-        place *= length;
-    }
+/// Losses in the plate's material over the piece [J]: of the polynomial of degree 7 through the modes' velocities and their derivatives at
+/// both ends. The states are at its end.
+template <int Degree>
+HWY_INLINE double losses(const PlateMotion& plate, double length) {
+    constexpr std::size_t orders = PlateMotion::mode_orders;
+    const ModeTag d;
+    alignas(64) std::array<double, orders * PlateMotion::most_stride> now;
     double lost = 0;
-    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
-        ModeVec sum = hn::Zero(ModeTag());
-        const auto v = modes_at(plate, degree, first, z);
-        for (std::size_t i = 0; i < z.size(); ++i) {
-            sum = MulAdd(hn::Set(ModeTag(), Nodes::weight[i]) * v[i], v[i], sum);
+    rows_times_states(plate, plate.mode_rows(), orders * plate.stride(), orders * plate.stride(), now.data());
+    const auto force = force_at<Degree, orders - 1>(plate, length);
+    for (std::size_t first = 0; first < plate.modes(); first += hn::Lanes(d)) {
+        const auto from = modes_at_an_end(plate, plate.modes_before(), plate.force.data(), length, first);
+        const auto to = modes_at_an_end(plate, now.data(), force.data(), length, first);
+        std::array<ModeVec, 2 * orders> ends;
+        std::copy(from.begin(), from.end(), ends.begin());
+        std::copy(to.begin(), to.end(), ends.begin() + orders);
+        ModeVec squares = hn::Zero(d);
+        for (std::size_t i = 0; i < ends.size(); ++i) {
+            ModeVec sum = hn::Zero(d);
+            for (std::size_t j = 0; j < ends.size(); ++j) {
+                sum = MulAdd(hn::Set(d, PlateMotion::products_of_ends()[i][j]), ends[j], sum);
+            }
+            squares = MulAdd(ends[i], sum, squares);
         }
-        lost += length * sum_of_modes(sum * hn::Load(ModeTag(), plate.mode_losses() + first));
-    });
-    return lost;
+        lost += GetLane(hn::SumOfLanes(d, squares * hn::Load(d, plate.mode_losses() + first)));
+    }
+    std::copy_n(now.data(), orders * plate.stride(), plate.modes_before());
+    return length * lost;
 }
 
 }  // namespace HWY_NAMESPACE

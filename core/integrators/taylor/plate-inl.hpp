@@ -9,11 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
-#include "core/integrators/taylor/modes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
@@ -25,94 +23,86 @@ constexpr double factorial(int n) {
 
 /// 1/k!
 inline constexpr auto per_factorial = [] {
-    std::array<double, PlateMotion::most_state_terms + 4> all{1};
+    std::array<double, most_series_terms + PlateMotion::most_terms_between + 4> all{1};
     for (std::size_t k = 1; k < all.size(); ++k) {
         all[k] = all[k - 1] / static_cast<double>(k);
     }
     return all;
 }();
 
-/// Adds the effect of one part of one state on the derivatives of all orders.
-template <std::size_t... K>
-HWY_INLINE void add_state(double state, const double* row, std::size_t stride,
-                          std::array<ModeVec, sizeof...(K)>& sums, std::index_sequence<K...> /*orders*/) {
-    const ModeVec s = hn::Set(ModeTag(), state);
-    ((sums[K] = MulAdd(s, hn::Load(ModeTag(), row + K * stride), sums[K])), ...);
+/// 1/n, and 0 for n = 0
+inline constexpr auto per_whole = [] {
+    std::array<double, most_series_terms> all{};
+    for (std::size_t n = 1; n < all.size(); ++n) {
+        all[n] = 1 / static_cast<double>(n);
+    }
+    return all;
+}();
+
+/// What the states do, from their rows. @param row_width numbers in a row @param count of them that are wanted
+HWY_INLINE void rows_times_states(const PlateMotion& plate, const double* rows, std::size_t row_width,
+                                  std::size_t count, double* out) {
+    const PlateMotion::Pairs state = plate.state();
+    for (std::size_t c = 0; c < count; c += lanes()) {
+        Vec of_re = zero();
+        Vec of_im = zero();
+        for (std::size_t j = 0; j < plate.pairs(); ++j) {
+            const double* const row = rows + 2 * j * row_width + c;
+            of_re = MulAdd(splat(state.re[j]), load_row(row), of_re);
+            of_im = MulAdd(splat(state.im[j]), load_row(row + row_width), of_im);
+        }
+        store_row(of_re + of_im, out + c);
+    }
 }
 
-/// Derivatives of the modes' velocities, and the reaction to the body, as they are without the force of this piece.
+/// The states' reaction to the body as it is without the force of this piece.
 template <int Degree>
 HWY_INLINE void begin_plate(PlateMotion& plate) {
-    plate.behind.fill(0);
-    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
-        constexpr auto orders = std::make_index_sequence<Degree>();
-        std::array<ModeVec, Degree> sums;
-        sums.fill(hn::Zero(ModeTag()));
-        for (std::size_t j = 0; j < plate.pairs(); ++j) {
-            add_state(plate.state().re[j], plate.of_state(j, 0) + first, plate.stride(), sums, orders);
-            add_state(plate.state().im[j], plate.of_state(j, 1) + first, plate.stride(), sums, orders);
-        }
-        for (std::size_t k = 0; k < Degree; ++k) {
-            hn::Store(sums[k], ModeTag(), plate.mode_terms() + k * plate.stride() + first);
-            if (k > 0) {
-                plate.behind[k - 1] += plate.reaction() * sum_of_modes(sums[k]);
-            }
-        }
-    });
+    rows_times_states(plate, plate.reaction_rows(), PlateMotion::width, Degree - 1, plate.behind.data());
+    if (plate.shows_face) {
+        rows_times_states(plate, plate.face_rows(), PlateMotion::width, Degree, plate.face.terms.data());
+    }
 }
 
-/// Stores order N of the last contact's force, and puts the plate's force on the last body into the pad's slot.
+/// A column's value in the slot of the last body, in all lanes.
+template <std::size_t K>
+HWY_INLINE Vec in_end_slot(const PlateMotion& plate, const Col<K>& column) {
+    if constexpr (K == 0) {
+        return splat(column.rows[plate.end_slot]);
+    } else {
+        Vec row = column[0];
+        HERTZLINE_EACH_ROW(k, K) {
+            if (k == plate.end_row) {
+                row = column[k];
+            }
+        }
+        return hn::TableLookupLanes(row, hn::SetTableIndices(Doubles(), plate.end_lane.data()));
+    }
+}
+
+/// Stores order N of the last contact's force, and puts the plate's force on the last body into the pad's slot. Each order waits for the
+/// one before: the answer to that is added last, its effect on the orders to come beside the way.
 template <int N, std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void exchange_with_plate(Expansion<K, Degree, Kind>& e, Col<K>& force) {
     PlateMotion& plate = *e.piece.plate;
-    double behind = plate.behind[N];
-    for (std::size_t m = 0; m < N; ++m) {
-        behind += plate.answer[N - 1 - m] * plate.force[m];
+    Vec behind = splat(plate.behind[N]);
+    if constexpr (N > 0) {
+        const double* const answer = plate.reaction_to(N - 1);
+        behind = MulAdd(splat(answer[N]), e.handed, behind);
+        for (std::size_t n = N / lanes() * lanes(); n + 1 < Degree; n += lanes()) {
+            double* const later = plate.behind.data() + n;
+            store_row(MulAdd(load_row(answer + n), e.handed, load_row(later)), later);
+        }
     }
-    behind /= factorial(N + 2);
-    double handed = 0;
+    e.handed = in_end_slot(plate, force);
     if constexpr (K == 0) {
-        handed = force.rows[plate.end_slot];
-        force.rows[plate.pad_slot] += behind;
+        force.rows[plate.pad_slot] += GetLane(behind);
     } else {
-        HERTZLINE_EACH_ROW(k, K) store_row(force[k], plate.room(0) + k * lanes());
-        handed = plate.room(0)[plate.end_slot];
         HERTZLINE_EACH_ROW(k, K) {
-            force.set(k, MulAdd(splat(behind), load_row(plate.pad_flag() + k * lanes()), force[k]));
+            force.set(k, MulAdd(behind, load_row(plate.pad_flag() + k * lanes()), force[k]));
         }
     }
-    plate.force[N] = factorial(N + 2) * handed;
-}
-
-/// The polynomials of the modes' velocities, once all orders of the force are known.
-/// @returns their largest last term, as those of the displacements are looked at [m]
-template <int Degree>
-HWY_INLINE double finish_modes(PlateMotion& plate, double unit_s) {
-    double largest = 0;
-    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
-        double* const terms = plate.mode_terms() + first;
-        const double* const of_force = plate.of_force() + first;
-        const std::size_t stride = plate.stride();
-        ModeVec last = hn::Zero(ModeTag());
-        double share = 1;
-        for (std::size_t k = 0; k < Degree; ++k) {
-            ModeVec sum = hn::Load(ModeTag(), terms + k * stride);
-            for (std::size_t m = 0; m < k; ++m) {
-                const ModeVec answer = hn::Load(ModeTag(), of_force + (k - 1 - m) * stride);
-                sum = MulAdd(hn::Set(ModeTag(), plate.force[m]), answer, sum);
-            }
-            sum = sum * hn::Set(ModeTag(), share);
-            hn::Store(sum, ModeTag(), terms + k * stride);
-            share /= static_cast<double>(k + 1);
-            if (k >= Degree - 2) {
-                const double factor = k == Degree - 1 ? unit_s / Degree : 0.5 * unit_s / (Degree - 1);
-                last = Max(last, hn::Set(ModeTag(), factor) * Abs(sum));
-            }
-        }
-        largest = std::max(largest, GetLane(hn::MaxOfLanes(ModeTag(), last)));
-    });
-    plate.moves = true;
-    return largest;
+    plate.force[N] = factorial(N + 2) * GetLane(e.handed);
 }
 
 /// A complex number in each lane.
@@ -138,22 +128,39 @@ HWY_INLINE Complexes phi(const Complexes& w, int terms) {
     return {even.re + rest.re, even.im + rest.im};
 }
 
-/// The states at z, as exactly as the force's polynomial has them: exp(w) y + sum_m F^(m) z^(m + 1) phi_(m + 1)(w), where w is a rate
-/// times z (M. Hochbruck and A. Ostermann, Acta Numerica 19 (2010) 209, section 2.1). Rates may be much faster than the motion that the
-/// series follow: no step is too long for them.
+/// The states after a step to a place of the grid: what they have become, and the answers to the force's derivatives.
 template <int Degree>
-HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
+HWY_INLINE void step_plate(const PlateMotion& plate, int place) {
+    const PlateMotion::Pairs state = plate.state();
+    const PlateMotion::Pairs turn = plate.turn(place);
+    for (std::size_t j = 0; j < plate.size(); j += lanes()) {
+        const Complexes before{load_row(state.re + j), load_row(state.im + j)};
+        Complexes sum = product_plus(before, {load_row(turn.re + j), load_row(turn.im + j)}, 0);
+        for (std::size_t m = 0; m + 1 < Degree; ++m) {
+            const PlateMotion::Pairs answer = plate.answer(place, m);
+            const Vec force = splat(plate.force[m]);
+            sum = {MulAdd(force, load_row(answer.re + j), sum.re), MulAdd(force, load_row(answer.im + j), sum.im)};
+        }
+        store_row(sum.re, state.re + j);
+        store_row(sum.im, state.im + j);
+    }
+}
+
+/// The states z later, between two places of the grid: exp(w) y + sum_m F^(m) z^(m + 1) phi_(m + 1)(w), where w is a rate times z
+/// (M. Hochbruck and A. Ostermann, Acta Numerica 19 (2010) 209, section 2.1). @param force its derivatives at the start
+template <int Degree>
+HWY_NOINLINE void drift_plate(const PlateMotion& plate, const std::array<double, Degree - 1>& force, double z) {
     constexpr int first = Degree - 1;
     const PlateMotion::Pairs state = plate.state();
     const PlateMotion::Pairs rate = plate.rate();
     std::array<double, Degree> pushes{};  // F^(m) z^(m + 1)
     double power = z;
     for (std::size_t m = 0; m < first; ++m, power *= z) {
-        pushes[m] = plate.force[m] * power;
+        pushes[m] = force[m] * power;
     }
     for (std::size_t j = 0; j < plate.size(); j += lanes()) {
         const Complexes w{splat(z) * load_row(rate.re + j), splat(z) * load_row(rate.im + j)};
-        Complexes phi_k = phi<first>(w, plate.terms_until(z, j) - first);
+        Complexes phi_k = phi<first>(w, std::max(0, plate.terms_between() - first));
         Vec re = splat(pushes[first - 1]) * phi_k.re;
         Vec im = splat(pushes[first - 1]) * phi_k.im;
         for (std::size_t k = first - 1; k > 0; --k) {
@@ -166,6 +173,33 @@ HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
         const Vec y_im = load_row(state.im + j);
         store_row(NegMulAdd(turn.im, y_im, MulAdd(turn.re, y_re, re)), state.re + j);
         store_row(MulAdd(turn.im, y_re, MulAdd(turn.re, y_im, im)), state.im + j);
+    }
+}
+
+/// The first derivatives of the force at z.
+template <int Degree, std::size_t Count>
+HWY_INLINE std::array<double, Count> force_at(const PlateMotion& plate, double z) {
+    std::array<double, Count> at{};
+    for (std::size_t k = 0; k < Count; ++k) {
+        for (std::size_t m = Degree - 2; m > k; --m) {
+            at[k] = (at[k] + plate.force[m]) * (z * per_whole[m - k]);
+        }
+        at[k] += plate.force[k];
+    }
+    return at;
+}
+
+/// The states at z, as exactly as the force's polynomial has them. Rates may be much faster than the motion that the series follow: no
+/// step is too long for them.
+template <int Degree>
+HWY_INLINE void move_plate(const PlateMotion& plate, double z) {
+    const int place = static_cast<int>(z * PlateMotion::grid);
+    const double there = static_cast<double>(place) / PlateMotion::grid;
+    if (place > 0) {
+        step_plate<Degree>(plate, place);
+    }
+    if (z > there) {
+        drift_plate<Degree>(plate, force_at<Degree, Degree - 1>(plate, there), z - there);
     }
 }
 
@@ -198,31 +232,26 @@ HWY_INLINE void add_onset_to_states(const PlateMotion& plate, const OnsetForce& 
     }
 }
 
-/// Adds the effect of an onset force to the modes' velocities.
+/// Adds the effect of an onset force to the velocity of the face.
 template <int Degree>
-HWY_INLINE void find_onset_terms(const PlateMotion& plate, std::size_t number, double exponent,
+HWY_INLINE void find_onset_terms(PlateMotion& plate, std::size_t number, double exponent,
                                  const std::array<double, onset_terms>& force) {
-    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
-        double* const terms = plate.onset_terms(number) + first;
-        for (int n = 0; n < Degree; ++n) {
-            ModeVec sum = hn::Zero(ModeTag());
-            for (int i = 0; i <= std::min(n, onset_terms - 1); ++i) {
-                double share = force[i];
-                for (int k = i; k <= n; ++k) {
-                    share /= k + exponent + 1;
-                }
-                const auto row = static_cast<std::size_t>(n - i);
-                const ModeVec answer = hn::Load(ModeTag(), plate.of_force() + row * plate.stride() + first);
-                sum = MulAdd(hn::Set(ModeTag(), share), answer, sum);
+    for (int n = 0; n < Degree; ++n) {
+        double sum = 0;
+        for (int i = 0; i <= std::min(n, onset_terms - 1); ++i) {
+            double share = force[i];
+            for (int k = i; k <= n; ++k) {
+                share /= k + exponent + 1;
             }
-            hn::Store(sum, ModeTag(), terms + static_cast<std::size_t>(n) * plate.stride());
+            sum += share * plate.face_answer[n - i];
         }
-    });
+        plate.face.onset_terms[number][n] = sum;
+    }
 }
 
 /// The onset forces of the last contact act on the plate.
 template <int Degree>
-HWY_NOINLINE void add_onset_to_plate(const PlateMotion& plate, double z) {
+HWY_NOINLINE void add_onset_to_plate(PlateMotion& plate, double z) {
     for (std::size_t number = 0; number < plate.onset_forces.size(); ++number) {
         const OnsetForce& onset = plate.onset_forces[number];
         std::array<double, onset_terms> force{};
@@ -264,24 +293,23 @@ HWY_INLINE void follow_plate(Expansion<K, Degree, Kind>& e) {
     }
 }
 
-/// The polynomials of the velocities under the contact and of the face.
+/// The polynomials of the force and of the face's velocity, once all orders of the force are known.
 template <int Degree>
-HWY_INLINE void find_velocities(PlateMotion& plate) {
-    plate.centre = {};
-    plate.face = {};
-    each_vector_of_modes(plate, [&](std::size_t first) HWY_ATTR {
-        const ModeVec means = hn::Load(ModeTag(), plate.mean_shapes() + first);
-        for (std::size_t k = 0; k < Degree; ++k) {
-            const ModeVec term = hn::Load(ModeTag(), plate.mode_terms() + k * plate.stride() + first);
-            plate.centre.terms[k] += sum_of_modes(term);
-            plate.face.terms[k] += sum_of_modes(means * term);
-            for (std::size_t i = 0; i < plate.onset_forces.size(); ++i) {
-                const ModeVec added = hn::Load(ModeTag(), plate.onset_terms(i) + k * plate.stride() + first);
-                plate.centre.onset_terms[i][k] += sum_of_modes(added);
-                plate.face.onset_terms[i][k] += sum_of_modes(means * added);
+HWY_INLINE void finish_series(PlateMotion& plate, double unit_s) {
+    const double per_square = 1 / (unit_s * unit_s);
+    for (std::size_t m = 0; m + 1 < Degree; ++m) {
+        plate.force_terms[m] = per_square * per_factorial[m] * plate.force[m];
+    }
+    if (plate.shows_face) {
+        for (std::size_t k = Degree; k-- > 0;) {
+            double sum = plate.face.terms[k];
+            for (std::size_t m = 0; m < k; ++m) {
+                sum += plate.force[m] * plate.face_answer[k - 1 - m];
             }
+            plate.face.terms[k] = per_factorial[k] * sum;
         }
-    });
+    }
+    plate.moves = true;
 }
 
 }  // namespace HWY_NAMESPACE

@@ -44,6 +44,8 @@ HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {
 namespace HWY_NAMESPACE {
 
+constexpr double least_places = 8;  // of the plate's grid in a piece that is shortened to it
+
 /// How far the series can be trusted [z].
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE double trusted_length(Expansion<K, Degree, Kind>& e, bool onset) {
@@ -53,18 +55,20 @@ HWY_INLINE double trusted_length(Expansion<K, Degree, Kind>& e, bool onset) {
         last = Max(last, Max(Abs(e.x[Degree][k]), half_before));
     }
     e.piece.largest = largest_lane(last);
-    if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
-        e.piece.largest = std::max(e.piece.largest, finish_modes<Degree>(*e.piece.plate, e.piece.unit_s));
-    }
     const double error = Degree * e.piece.largest + 1e-300;
     double length = rough_power(e.piece.tolerance, error, 1, Degree - 1);
     if (HWY_UNLIKELY(onset)) {
         length = std::min(length, onset_length(e));
     }
-    if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
-        length = std::min(length, e.piece.plate->reach());
+    length = std::max(length, shortest);
+    if (length >= e.piece.reach) {
+        return e.piece.reach;
     }
-    return std::min(e.piece.reach, std::max(length, shortest));
+    if (HWY_UNLIKELY(e.piece.plate != nullptr) && length * PlateMotion::grid > least_places) {
+        // to where the plate's states can be looked up
+        length = static_cast<double>(static_cast<int>(length * PlateMotion::grid)) / PlateMotion::grid;
+    }
+    return length;
 }
 
 /// Horner's rule for value and slope of displacements together, terms N down to Last.
@@ -136,13 +140,11 @@ HWY_INLINE void save(const Expansion<K, Degree, Kind>& e, double length) {
 template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void take_plate(Expansion<K, Degree, Kind>& e, double length, bool onset) {
     PlateMotion& plate = *e.piece.plate;
+    finish_series<Degree>(plate, e.piece.unit_s);
     move_plate<Degree>(plate, length);
     plate.onset_forces = onset ? e.piece.onset_forces() : std::span<const OnsetForce>();
     add_onset_to_plate<Degree>(plate, length);
     follow_plate(e);
-    if (e.piece.keeps_ledger || plate.shows_modes) {
-        find_velocities<Degree>(plate);
-    }
     if (e.piece.keeps_ledger) {
         account_plate<Quadrature<Degree>>(plate, last_contact(e, std::make_index_sequence<Degree + 1>()),
                                           e.rows.chain().damping_law, length, e.piece.unit_s);

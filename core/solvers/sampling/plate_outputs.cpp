@@ -15,7 +15,7 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
     if (plate_ == nullptr) {
         return;
     }
-    plate_->shows_modes = taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
+    plate_->shows_face = taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
     if (!taps.contains(Tap::p_axis)) {
         return;
     }
@@ -44,7 +44,7 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
         const std::int64_t most = first_delay_.whole + pressure.delay / intervals_per_sample_ + 3;
         pressure.ring.resize(static_cast<std::size_t>(most) + EndTaps::max_count);
     }
-    moments_.resize(2 * kept_ * moment_stride);
+    moments_.resize(2 * kept_);
     states_.resize(kept_ * 2 * forced_->size());
 }
 
@@ -53,7 +53,7 @@ void PlateOutputs::reset() noexcept {
         std::fill(pressure.ring.begin(), pressure.ring.end(), 0.0);
         pressure.open = {};
     }
-    std::fill(moments_.begin(), moments_.end(), 0.0);
+    std::fill(moments_.begin(), moments_.end(), Moments{});
     std::fill(states_.begin(), states_.end(), 0.0);
     open_ = {};
     done_ = 0;
@@ -61,21 +61,20 @@ void PlateOutputs::reset() noexcept {
 }
 
 void PlateOutputs::continue_from(const PlateOutputs& before, std::int64_t samples) noexcept {
-    const auto shifted = [](const double* from, std::size_t size, std::size_t by, double* to) {
+    const auto shift = [](const auto* from, std::size_t size, std::size_t by, auto* to) {
         std::rotate_copy(from, from + by % size, from + size, to);
     };
     for (std::size_t i = 0; i < pressures_.size(); ++i) {
-        const std::vector<double>& from = before.pressures_[i].ring;
-        shifted(from.data(), from.size(), static_cast<std::size_t>(samples), pressures_[i].ring.data());
-        pressures_[i].open = before.pressures_[i].open;
+        const Pressure& from = before.pressures_[i];
+        shift(from.ring.data(), from.ring.size(), static_cast<std::size_t>(samples), pressures_[i].ring.data());
+        pressures_[i].open = from.open;
     }
     if (kept_ > 0) {
         const std::int64_t lines = samples * intervals_per_sample_;
         const auto by = static_cast<std::size_t>(lines);
-        const std::size_t row = kept_ * moment_stride;
-        shifted(before.moments_.data(), row, by * moment_stride, moments_.data());
-        std::copy_n(moments_.data(), row, moments_.data() + row);
-        shifted(before.states_.data(), states_.size(), by * 2 * forced_->size(), states_.data());
+        shift(before.moments_.data(), kept_, by, moments_.data());
+        std::copy_n(moments_.data(), kept_, moments_.data() + kept_);
+        shift(before.states_.data(), states_.size(), by * 2 * forced_->size(), states_.data());
         open_ = before.open_;
         line_ = before.line_ - lines;
     }
@@ -119,7 +118,7 @@ double PlateOutputs::pressure(const Pressure& point) const noexcept {
     const auto end = static_cast<std::size_t>(line_ - 1) % kept_ + kept_;
     return sum +
            kernels_.sum_of_products(kernel.moments.data(),
-                                    moments_.data() + (end - kernel.intervals) * moment_stride,
+                                    moments_[end - kernel.intervals].data(),
                                     kernel.moments.size()) +
            kernels_.sum_of_products(kernel.states.data(),
                                     states_at(line_ - 1 + static_cast<std::int64_t>(kept_ - kernel.intervals)),
@@ -127,9 +126,14 @@ double PlateOutputs::pressure(const Pressure& point) const noexcept {
 }
 
 /// Adds the force over the next part of the open interval. @param until its end @param line the interval's end [z]
-void PlateOutputs::add_force(double until, double line) noexcept {
-    const double interval = sample_period_s_ / piece_.unit_s / static_cast<double>(intervals_per_sample_);
-    kernels_.add_force_moments(*plate_, {done_, until, line, interval, piece_.unit_s}, open_.data());
+void PlateOutputs::add_force(double until, double line, double interval) noexcept {
+    const double start = line - interval;
+    constexpr double rounding = 1e-12;
+    if (until == line && done_ - start < rounding * interval && plate_->onset_forces.empty()) {
+        kernels_.whole_interval_moments(*plate_, {start, line, line, interval, piece_.unit_s}, open_.data());
+    } else {
+        kernels_.add_force_moments(*plate_, {done_, until, line, interval, piece_.unit_s}, open_.data());
+    }
     for (Pressure& point : pressures_) {
         const double end = line - (1 - point.share) * interval;
         if (point.share < 1 && done_ < end && is_due(point)) {
@@ -148,9 +152,7 @@ void PlateOutputs::end_interval() noexcept {
         }
     }
     const auto place = static_cast<std::size_t>(line_ - 1) % kept_;
-    for (const std::size_t copy : {place, place + kept_}) {
-        std::copy(open_.begin(), open_.end(), moments_.data() + copy * moment_stride);
-    }
+    moments_[place] = moments_[place + kept_] = open_;
     kernels_.advance_states(*forced_, open_.data(), states_at(line_ - 1), states_at(line_));
     open_ = {};
     ++line_;
@@ -159,12 +161,13 @@ void PlateOutputs::end_interval() noexcept {
 /// Goes on through the piece. @param until [z]
 void PlateOutputs::send(double until, const Stretch& piece) noexcept {
     const bool moves = piece_.plate != nullptr && plate_->moves;
+    const double interval = sample_period_s_ / piece_.unit_s / static_cast<double>(intervals_per_sample_);
     for (;;) {
         const double line = place_of(line_, piece);
         const double to = std::min(line, until);
         if (to > done_) {
             if (moves) {
-                add_force(to, line);
+                add_force(to, line, interval);
             }
             done_ = to;
         }

@@ -51,13 +51,15 @@ public:
     static double bytes(double delay) noexcept;
 
 private:
+    using Moments = std::array<double, moment_stride>;  // of the force over an interval
+
     /// The pressure at a point. Sample k is known at the end of the interval that begins at line k m - delay, m intervals in a sample.
     struct Pressure {
         ForceKernel kernel;
         std::int64_t delay;  ///< [intervals]
         double share;        ///< of that interval that is heard in the sample
         std::vector<double> ring;  ///< by samples
-        alignas(64) std::array<double, moment_stride> open{};  ///< moments of that share
+        Moments open{};            ///< of that share
         double& at(std::int64_t sample) noexcept { return ring[static_cast<std::size_t>(sample) % ring.size()]; }
     };
 
@@ -66,7 +68,7 @@ private:
     double velocity(const kernels::PlateMotion::Velocity& of, double z) const noexcept;
     double place_of(std::int64_t line, const Stretch& piece) const noexcept;
     void send(double until, const Stretch& piece) noexcept;
-    void add_force(double until, double line) noexcept;
+    void add_force(double until, double line, double interval) noexcept;
     void end_interval() noexcept;
     double pressure(const Pressure& point) const noexcept;
     bool is_due(const Pressure& point) const noexcept {
@@ -88,10 +90,10 @@ private:
     std::int64_t intervals_per_sample_ = 1;
     std::unique_ptr<const ForcedStates> forced_;
     std::size_t kept_ = 0;         ///< intervals in the rings
-    std::vector<double> moments_;  ///< a ring of intervals, twice over, so that any stretch lies in one piece
+    std::vector<Moments> moments_;  ///< a ring of intervals, twice over, so that any stretch lies in one piece
     std::vector<double> states_;   ///< a ring of the states at their ends
-    alignas(64) std::array<double, moment_stride> open_{};  ///< moments of the interval that is not over
-    std::int64_t line_ = 0;                                 ///< its end, counted in intervals
+    Moments open_{};               ///< of the interval that is not over
+    std::int64_t line_ = 0;        ///< its end, counted in intervals
     double done_ = 0;                                       ///< of the present piece [z]
 };
 
