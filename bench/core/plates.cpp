@@ -81,7 +81,8 @@ int main(int argc, char** argv) {
             run.least_s = std::min(run.least_s, processor_seconds() - start);
         }
     }
-    std::printf("%-22s %-18s %10s %8s %6s %18s\n", "scene", "outputs", "real time", "pieces", "ns", "of paper-stream");
+    std::printf("%-22s %-18s %10s %8s %6s %18s\n", "scene", "outputs", "real time", "pieces", "ns",
+                "of paper-stream");
     const double simulated_s = blocks * static_cast<double>(block) / sample_rate_hz;
     for (std::size_t i = 0; i < cases.size(); ++i) {
         const auto pieces = static_cast<double>(runs[i].simulation->state().step);

@@ -105,8 +105,8 @@ void PlateMotion::fill_rows() noexcept {
         const std::complex<double> rate = response_.poles[j] * unit_s_;
         const auto pair = static_cast<Eigen::Index>(j);
         // the residue times the rate's powers in rows from `row` on, [real, imaginary][of a part]
-        const auto put = [&](std::complex<double> residue, std::size_t count, double* row, std::size_t of_part,
-                             std::size_t stride, const auto& scale) {
+        const auto put = [&](std::complex<double> residue, std::size_t count, double* row,
+                             std::size_t of_part, std::size_t stride, const auto& scale) {
             std::complex<double> factor = 2.0 / unit_s_ * residue;
             for (std::size_t k = 0; k < count; ++k, factor *= rate) {
                 row[k * stride] = scale(k) * factor.real();

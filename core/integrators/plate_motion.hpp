@@ -72,17 +72,25 @@ public:
     static const EndProducts& products_of_ends() noexcept;
     /// From the states, [pair][real, imaginary][order][stride], and in answer to the force 1, 2, ... orders earlier, [order][stride].
     const double* mode_rows() const noexcept { return mode_rows_.get(); }
-    const double* mode_answers() const noexcept { return mode_rows_.get() + 2 * pairs() * mode_orders * stride_; }
+    const double* mode_answers() const noexcept {
+        return mode_rows_.get() + 2 * pairs() * mode_orders * stride_;
+    }
     /// Where the piece before ended, without the force's part, [order][stride].
-    double* modes_before() const noexcept { return mode_rows_.get() + (2 * pairs() + 1) * mode_orders * stride_; }
+    double* modes_before() const noexcept {
+        return mode_rows_.get() + (2 * pairs() + 1) * mode_orders * stride_;
+    }
     /// Loss of each mode per integral over z of its velocity's square [kg].
-    double* mode_losses() const noexcept { return mode_rows_.get() + (2 * pairs() + 2) * mode_orders * stride_; }
+    double* mode_losses() const noexcept {
+        return mode_rows_.get() + (2 * pairs() + 2) * mode_orders * stride_;
+    }
 
     // the series of the present piece, by orders
-    alignas(64) std::array<double, width> behind{};  ///< force of the states on the body, as the kernels have it
-    std::array<double, most_terms> force{};          ///< of the last contact; derivatives by z [N unit^2]
-    std::array<double, most_terms> force_terms{};    ///< its coefficients [N]
-    std::array<double, most_terms> face_answer{};    ///< of the face's derivatives to it, 1, 2, ... orders later
+    alignas(
+        64) std::array<double, width> behind{};  ///< force of the states on the body, as the kernels have it
+    std::array<double, most_terms> force{};      ///< of the last contact; derivatives by z [N unit^2]
+    std::array<double, most_terms> force_terms{};  ///< its coefficients [N]
+    std::array<double, most_terms>
+        face_answer{};  ///< of the face's derivatives to it, 1, 2, ... orders later
     static constexpr std::size_t most_onset_forces = 2;
     /// A velocity over the piece: coefficients of whole powers of z, and those beside onset forces [m/s].
     struct Velocity {
@@ -127,8 +135,7 @@ private:
         return {columns_.get() + 2 * i * size_, columns_.get() + (2 * i + 1) * size_};
     }
     Pairs row_of_steps(int place, std::size_t row) const noexcept {
-        double* const begin =
-            steps_.get() + (static_cast<std::size_t>(place) * degree_ + row) * 2 * size_;
+        double* const begin = steps_.get() + (static_cast<std::size_t>(place) * degree_ + row) * 2 * size_;
         return {begin, begin + size_};
     }
     void fill_columns() noexcept;

@@ -118,14 +118,17 @@ private:
 
 }  // namespace
 
-double longest_interval_s(const PlateResponse& response) noexcept {
+/// The force jumps where a contact with a dashpot closes or opens: states and kernel have to be smooth on the scale of an interval. Far away
+/// the kernel lasts no more than a^2/(2 z c); one shorter than the least interval seldom meets a jump.
+double longest_interval_s(const PlateResponse& response, double sound_s) noexcept {
     constexpr std::size_t coarse_pairs = 21;  // 40 poles, two of them real
-    const double phase = response.poles.size() > coarse_pairs ? 0.7 : 1.6;
+    const bool fine = response.poles.size() > coarse_pairs;
     double fastest = 0;
     for (const Complex& pole : response.poles) {
         fastest = std::max(fastest, std::abs(pole));
     }
-    return phase / fastest;
+    constexpr double least_s = 1e-9;
+    return std::max(least_s, std::min((fine ? 0.7 : 1.6) / fastest, sound_s / (fine ? 16 : 8)));
 }
 
 ForcedStates::ForcedStates(const PlateResponse& response, double interval_s)
@@ -157,8 +160,8 @@ ForceKernel::ForceKernel(const PlateResponse& response, const PointSound& sound,
     const std::vector<double>& breaks = sound.breaks();
     const double first = sound.first() * unit_s;
     const double part = share * interval_s;
-    intervals = static_cast<std::size_t>(
-        std::ceil(std::max(0.0, sound.last() * unit_s - first - part) / interval_s));
+    intervals =
+        static_cast<std::size_t>(std::ceil(std::max(0.0, sound.last() * unit_s - first - part) / interval_s));
     intervals += intervals % 2;
     moments.resize(intervals * moment_stride);
     Answer answer(response, sound, unit_s);

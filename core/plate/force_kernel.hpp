@@ -19,8 +19,9 @@ inline constexpr std::size_t force_moments = 6;
 /// Room for them.
 inline constexpr std::size_t moment_stride = 8;
 
-/// Length of an interval over which these moments give the states to about the accuracy of the response [s].
-double longest_interval_s(const PlateResponse& response) noexcept;
+/// Length of an interval over which these moments give states and pressure to about the accuracy of the response [s].
+/// @param sound_s time from the first to the last sound at the point
+double longest_interval_s(const PlateResponse& response, double sound_s) noexcept;
 
 /// States of a response as rows of numbers: real parts, then imaginary ones, each of size() numbers.
 class ForcedStates {
@@ -46,8 +47,8 @@ struct ForceKernel {
 
     std::array<double, moment_stride> newest{};  ///< factors of that part's moments [Pa/(N s)]
     std::size_t intervals = 0;                   ///< before it, whose moments count; even
-    std::vector<double> moments;                 ///< factors of their moments [Pa/(N s)], the oldest interval first
-    std::vector<double> states;  ///< factors of the states before these intervals, as ForcedStates has them
+    std::vector<double> moments;  ///< factors of their moments [Pa/(N s)], the oldest interval first
+    std::vector<double> states;   ///< factors of the states before these intervals, as ForcedStates has them
 };
 
 }  // namespace hertzline

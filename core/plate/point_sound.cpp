@@ -65,16 +65,15 @@ Eigen::ArrayXd PointSound::operator()(double time) const {
     if (s == 0) {
         return shapes_(std::min(square, 1.0));
     }
-    const double end = u <= 1 - s ? std::numbers::pi
-                                  : std::acos(std::clamp((s * s + square - 1) / (2 * s * u), -1.0, 1.0));
+    const double end =
+        u <= 1 - s ? std::numbers::pi : std::acos(std::clamp((s * s + square - 1) / (2 * s * u), -1.0, 1.0));
     const auto at = [&](double angle) {
         const double half = std::sin(0.5 * angle);
         return std::min(1.0, (s - u) * (s - u) + 4 * s * u * half * half);
     };
     Eigen::ArrayXd sum = 0 * shapes_(0);
-    each_node<nodes_of_arc>(0, end, [&](double angle, double weight) {
-        sum += weight / std::numbers::pi * shapes_(at(angle));
-    });
+    each_node<nodes_of_arc>(
+        0, end, [&](double angle, double weight) { sum += weight / std::numbers::pi * shapes_(at(angle)); });
     return sum;
 }
 

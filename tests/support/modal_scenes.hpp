@@ -45,8 +45,12 @@ inline std::vector<Wet> wet_scenes() {
     laminate.end.theory = PlateTheory::thin;
     laminate.end.materials = {"aluminium", "acrylic"};
     laminate.end.thicknesses_m = {0.2e-3, 0.5e-3};
-    return {{"wet_vitreous_carbon", tukey},     {"wet_thick", thick},         {"wet_laminate", laminate},
-            {"wet_vitreous_carbon_hann", hann}, {"wet_aluminium", aluminium}, {"dry_vitreous_carbon", dry}};
+    Scene far = tukey;
+    far.drive.cycles = 8;
+    far.output.hydrophone_m = 0.2;
+    return {{"far_hydrophone", far},     {"wet_vitreous_carbon", tukey},     {"wet_thick", thick},
+            {"wet_laminate", laminate},  {"wet_vitreous_carbon_hann", hann}, {"wet_aluminium", aluminium},
+            {"dry_vitreous_carbon", dry}};
 }
 
 /// Expects the samples of blocks of any size, with skipped stretches, to equal those of a single block.

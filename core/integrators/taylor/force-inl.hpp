@@ -75,14 +75,17 @@ void whole_interval_moments(const PlateMotion& plate, const ForceInterval& part,
     const NodeTag d;
     alignas(64) std::array<double, ForceNodes::count> force;
     for (std::size_t i = 0; i < ForceNodes::count; i += hn::Lanes(d)) {
-        const auto z = MulAdd(hn::Set(d, part.interval), hn::Load(d, ForceNodes::node.data() + i), hn::Set(d, part.from));
-        hn::Store(hn::Set(d, part.interval * part.unit_s) * smooth_force<Degree>(plate, z), d, force.data() + i);
+        const auto z = MulAdd(hn::Set(d, part.interval), hn::Load(d, ForceNodes::node.data() + i),
+                              hn::Set(d, part.from));
+        hn::Store(hn::Set(d, part.interval * part.unit_s) * smooth_force<Degree>(plate, z), d,
+                  force.data() + i);
     }
     for (std::size_t c = 0; c < moment_stride; c += hn::Lanes(d)) {
         auto even = hn::Zero(d);
         auto odd = hn::Zero(d);
         for (std::size_t i = 0; i < ForceNodes::count; i += 2) {
-            even = MulAdd(hn::Set(d, force[i]), hn::Load(d, whole_interval.data() + i * moment_stride + c), even);
+            even = MulAdd(hn::Set(d, force[i]), hn::Load(d, whole_interval.data() + i * moment_stride + c),
+                          even);
             odd = MulAdd(hn::Set(d, force[i + 1]),
                          hn::Load(d, whole_interval.data() + (i + 1) * moment_stride + c), odd);
         }
@@ -98,7 +101,8 @@ void add_force_moments(const PlateMotion& plate, const ForceInterval& part, doub
     std::array<decltype(hn::Zero(d)), force_moments> sums;
     sums.fill(hn::Zero(d));
     for (std::size_t i = 0; i < ForceNodes::count; i += hn::Lanes(d)) {
-        const auto z = MulAdd(hn::Set(d, length), hn::Load(d, ForceNodes::node.data() + i), hn::Set(d, part.from));
+        const auto z =
+            MulAdd(hn::Set(d, length), hn::Load(d, ForceNodes::node.data() + i), hn::Set(d, part.from));
         auto force = smooth_force<Degree>(plate, z);
         for (const OnsetForce& onset : plate.onset_forces) {
             alignas(64) std::array<double, ForceNodes::count> added;
@@ -135,7 +139,8 @@ void add_force_moments(const PlateMotion& plate, const ForceInterval& part, doub
 }
 
 /// The states at the end of an interval.
-inline void advance_states(const ForcedStates& states, const double* moments, const double* from, double* to) {
+inline void advance_states(const ForcedStates& states, const double* moments, const double* from,
+                           double* to) {
     const Doubles d;
     const std::size_t size = states.size();
     for (std::size_t j = 0; j < size; j += lanes()) {

@@ -139,7 +139,8 @@ HWY_INLINE void step_plate(const PlateMotion& plate, int place) {
         for (std::size_t m = 0; m + 1 < Degree; ++m) {
             const PlateMotion::Pairs answer = plate.answer(place, m);
             const Vec force = splat(plate.force[m]);
-            sum = {MulAdd(force, load_row(answer.re + j), sum.re), MulAdd(force, load_row(answer.im + j), sum.im)};
+            sum = {MulAdd(force, load_row(answer.re + j), sum.re),
+                   MulAdd(force, load_row(answer.im + j), sum.im)};
         }
         store_row(sum.re, state.re + j);
         store_row(sum.im, state.im + j);
@@ -149,7 +150,8 @@ HWY_INLINE void step_plate(const PlateMotion& plate, int place) {
 /// The states z later, between two places of the grid: exp(w) y + sum_m F^(m) z^(m + 1) phi_(m + 1)(w), where w is a rate times z
 /// (M. Hochbruck and A. Ostermann, Acta Numerica 19 (2010) 209, section 2.1). @param force its derivatives at the start
 template <int Degree>
-HWY_NOINLINE void drift_plate(const PlateMotion& plate, const std::array<double, Degree - 1>& force, double z) {
+HWY_NOINLINE void drift_plate(const PlateMotion& plate, const std::array<double, Degree - 1>& force,
+                              double z) {
     constexpr int first = Degree - 1;
     const PlateMotion::Pairs state = plate.state();
     const PlateMotion::Pairs rate = plate.rate();

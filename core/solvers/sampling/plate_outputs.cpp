@@ -21,18 +21,20 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
     }
     const PlateResponse& response = *chain.end.plate;
     const PlateParameters& p = response.parameters;
-    intervals_per_sample_ =
-        static_cast<std::int64_t>(std::ceil(sample_period_s / longest_interval_s(response) * (1 - 1e-9)));
-    const double interval_s = sample_period_s / static_cast<double>(intervals_per_sample_);
-    forced_ = std::make_unique<ForcedStates>(response, interval_s);
     const ShapeTable shapes(disc_modes(p));
     std::vector<PointSound> sounds;
     sounds.emplace_back(shapes, 0, p.hydrophone_m / p.radius_m);
     const double unit_s = p.radius_m / p.fluid.sound_speed_m_per_s;
     double nearest = sounds.front().first();
+    double longest_s = sample_period_s;
     for (const PointSound& sound : sounds) {
         nearest = std::min(nearest, sound.first());
+        longest_s =
+            std::min(longest_s, longest_interval_s(response, unit_s * (sound.last() - sound.first())));
     }
+    intervals_per_sample_ = static_cast<std::int64_t>(std::ceil(sample_period_s / longest_s * (1 - 1e-9)));
+    const double interval_s = sample_period_s / static_cast<double>(intervals_per_sample_);
+    forced_ = std::make_unique<ForcedStates>(response, interval_s);
     first_delay_ = FixedTime::of(nearest * unit_s / sample_period_s);
     for (const PointSound& sound : sounds) {
         const double later = (sound.first() - nearest) * unit_s / interval_s;
@@ -66,7 +68,8 @@ void PlateOutputs::continue_from(const PlateOutputs& before, std::int64_t sample
     };
     for (std::size_t i = 0; i < pressures_.size(); ++i) {
         const Pressure& from = before.pressures_[i];
-        shift(from.ring.data(), from.ring.size(), static_cast<std::size_t>(samples), pressures_[i].ring.data());
+        shift(from.ring.data(), from.ring.size(), static_cast<std::size_t>(samples),
+              pressures_[i].ring.data());
         pressures_[i].open = from.open;
     }
     if (kept_ > 0) {
@@ -117,12 +120,12 @@ double PlateOutputs::pressure(const Pressure& point) const noexcept {
     // the intervals before lie in the ring up to line_ - 1
     const auto end = static_cast<std::size_t>(line_ - 1) % kept_ + kept_;
     return sum +
-           kernels_.sum_of_products(kernel.moments.data(),
-                                    moments_[end - kernel.intervals].data(),
+           kernels_.sum_of_products(kernel.moments.data(), moments_[end - kernel.intervals].data(),
                                     kernel.moments.size()) +
-           kernels_.sum_of_products(kernel.states.data(),
-                                    states_at(line_ - 1 + static_cast<std::int64_t>(kept_ - kernel.intervals)),
-                                    kernel.states.size());
+           kernels_.sum_of_products(
+               kernel.states.data(),
+               states_at(line_ - 1 + static_cast<std::int64_t>(kept_ - kernel.intervals)),
+               kernel.states.size());
 }
 
 /// Adds the force over the next part of the open interval. @param until its end @param line the interval's end [z]

@@ -56,11 +56,13 @@ private:
     /// The pressure at a point. Sample k is known at the end of the interval that begins at line k m - delay, m intervals in a sample.
     struct Pressure {
         ForceKernel kernel;
-        std::int64_t delay;  ///< [intervals]
-        double share;        ///< of that interval that is heard in the sample
+        std::int64_t delay;        ///< [intervals]
+        double share;              ///< of that interval that is heard in the sample
         std::vector<double> ring;  ///< by samples
         Moments open{};            ///< of that share
-        double& at(std::int64_t sample) noexcept { return ring[static_cast<std::size_t>(sample) % ring.size()]; }
+        double& at(std::int64_t sample) noexcept {
+            return ring[static_cast<std::size_t>(sample) % ring.size()];
+        }
     };
 
     void put_velocity(const kernels::PlateMotion::Velocity& of, const kernels::SampleTimes& times,
@@ -89,12 +91,13 @@ private:
     std::vector<Pressure> pressures_;
     std::int64_t intervals_per_sample_ = 1;
     std::unique_ptr<const ForcedStates> forced_;
-    std::size_t kept_ = 0;         ///< intervals in the rings
-    std::vector<Moments> moments_;  ///< a ring of intervals, twice over, so that any stretch lies in one piece
-    std::vector<double> states_;   ///< a ring of the states at their ends
-    Moments open_{};               ///< of the interval that is not over
-    std::int64_t line_ = 0;        ///< its end, counted in intervals
-    double done_ = 0;                                       ///< of the present piece [z]
+    std::size_t kept_ = 0;  ///< intervals in the rings
+    std::vector<Moments>
+        moments_;                 ///< a ring of intervals, twice over, so that any stretch lies in one piece
+    std::vector<double> states_;  ///< a ring of the states at their ends
+    Moments open_{};              ///< of the interval that is not over
+    std::int64_t line_ = 0;       ///< its end, counted in intervals
+    double done_ = 0;             ///< of the present piece [z]
 };
 
 }  // namespace hertzline

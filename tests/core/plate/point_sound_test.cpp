@@ -1,3 +1,5 @@
+#include "core/plate/point_sound.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -9,7 +11,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/plate/point_sound.hpp"
 #include "core/plate/quadrature.hpp"
 
 namespace hertzline {
@@ -64,7 +65,8 @@ TEST(PointSound, IsThatOfAnIndependentProgramAtPointsOfAllKinds) {
         cells >> mode >> f >> s >> z >> re >> im;
         const double ka = 2 * std::numbers::pi * f * a / c;
         const PointSound sound(shapes, s / a, z / a);
-        const std::complex<double> value = rho * c * PointSpectrum(sound, ka)(ka)[static_cast<int>(mode) - 1] *
+        const std::complex<double> value = rho * c *
+                                           PointSpectrum(sound, ka)(ka)[static_cast<int>(mode) - 1] *
                                            std::polar(1.0, -ka * sound.first());
         const std::complex<double> expected(re, im);
         EXPECT_LT(std::abs(value - expected), 1e-8 * std::abs(expected) + 1e-3) << line;
