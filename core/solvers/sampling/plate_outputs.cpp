@@ -40,8 +40,11 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
         const double later = (sound.first() - nearest) * unit_s / interval_s;
         const double whole = std::floor(later);
         const double share = 1 - (later - whole);
-        Pressure& pressure = pressures_.emplace_back(ForceKernel(response, sound, interval_s, share),
-                                                     static_cast<std::int64_t>(whole) + 1, share);
+        pressures_.push_back({.kernel = ForceKernel(response, sound, interval_s, share),
+                              .delay = static_cast<std::int64_t>(whole) + 1,
+                              .share = share,
+                              .ring = {}});
+        Pressure& pressure = pressures_.back();
         kept_ = std::max(kept_, pressure.kernel.intervals + 1);
         const std::int64_t most = first_delay_.whole + pressure.delay / intervals_per_sample_ + 3;
         pressure.ring.resize(static_cast<std::size_t>(most) + EndTaps::max_count);
@@ -226,8 +229,8 @@ void PlateOutputs::leave_piece(const Stretch& piece) noexcept {
 }
 
 double PlateOutputs::bytes(double delay) noexcept {
-    constexpr double ring_share = 16.0;  // no kernel is longer than the way from the rim
-    return 8 * (delay + static_cast<double>(EndTaps::max_count)) * (1 + ring_share * 4);
+    constexpr double per_interval = 72;  // kernel, moments and states, no longer than the way from the rim
+    return 8 * (delay + static_cast<double>(EndTaps::max_count)) * (1 + per_interval);
 }
 
 }  // namespace hertzline
