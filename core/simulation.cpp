@@ -14,8 +14,8 @@ namespace hertzline {
 
 namespace {
 
-SimulationOptions possible(SimulationOptions options, const End& end) noexcept {
-    options.taps &= taps_of(end);
+SimulationOptions possible(SimulationOptions options, const Scene& scene) noexcept {
+    options.taps &= taps_of(scene);
     return options;
 }
 
@@ -35,7 +35,7 @@ std::unique_ptr<Solver> make_solver(const ResolvedScene& scene, const Chain& cha
 
 Simulation::Simulation(ResolvedScene scene, const SimulationOptions& options)
     : scene_(std::move(scene)),
-      options_(possible(options, this->scene().end)),
+      options_(possible(options, this->scene())),
       chain_(std::make_unique<const Chain>(this->scene())),
       step_s_(exact_step(scene_.step_s(), this->scene().output.sample_rate_hz)),
       solver_(make_solver(scene_, *chain_, options_)) {}
@@ -45,7 +45,7 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
 Samples Simulation::make_samples(std::size_t capacity) const {
-    return {options_.taps, static_cast<std::size_t>(chain_->spheres()), capacity};
+    return {options_.taps, channel_counts(scene()), capacity};
 }
 
 void Simulation::reset() noexcept {
@@ -158,17 +158,11 @@ MotionExtremes Simulation::extremes() noexcept {
 double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
     constexpr double columns = 11;  // of Chain and ChainState, a double for each body
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
-    const TapSet given = taps & taps_of(scene.end);
-    double delayed = 0;  // samples on their way to the hydrophone
-    if (given.contains(Tap::p_axis)) {
-        const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
-        delayed = (scene.output.hydrophone_m + scene.end.radius_m) / fluid.sound_speed_m_per_s *
-                  scene.output.sample_rate_hz;
-    }
+    const TapSet given = taps & taps_of(scene);
     const bool series = scene.numerics.integrator && is_series(*scene.numerics.integrator);
     const double solver = series ? SeriesSolver::memory_bytes(bodies, scene.chain.damping_law)
                                  : SteppedSolver::memory_bytes(bodies, given);
-    return bodies * columns * sizeof(double) + (solver + PlateOutputs::bytes(delayed));
+    return bodies * columns * sizeof(double) + (solver + PlateOutputs::bytes(scene, given));
 }
 
 }  // namespace hertzline

@@ -78,7 +78,7 @@ Json provenance_json(const Provenance& provenance) {
     json["integrator"] = scene.numerics.integrator ? Json(word(*scene.numerics.integrator)) : Json(nullptr);
     json["step_s"] = scene.numerics.step_s ? Json(*scene.numerics.step_s) : Json(nullptr);
     add_estimate(json, provenance.estimate);
-    if (provides(scene.end, Requires::modal_plate)) {
+    if (provides(scene, Requires::modal_plate)) {
         json["p_axis_travel_s"] = plate_parameters(scene).travel_s();
     }
     json["scene"] = scene_json(scene);

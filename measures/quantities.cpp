@@ -180,7 +180,7 @@ const std::array table{
 
     Quantity{G::trust, "estimated_error", "", K::number, C::first,
              "relative L2 error of the worst of `v_last` and the plate's outputs (`v_plate`, `v_out`; of a modal plate `v_centre`, `v_face`, "
-             "`p_axis`, and the error of its fit), from a pilot run with the step in use "
+             "`p_axis`, `p_points`, and the error of its fit), from a pilot run with the step in use "
              "([core](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning; null "
              "when the step is too short for a pilot run of about a second",
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->error) : Json(nullptr); }},
@@ -324,7 +324,7 @@ std::vector<SummaryGroup> summary_of(const Run& run) {
     for (std::size_t i = 0; i < headings.size(); ++i) {
         groups[i] = {headings[i], Json::object(), ""};
     }
-    if (provides(run.scene().end, Requires::modal_plate)) {
+    if (provides(run.scene(), Requires::modal_plate)) {
         std::string& heading = groups[static_cast<std::size_t>(Group::spectrum)].heading;
         heading = heading_of(heading, Tap::v_out);
     }

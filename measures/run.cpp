@@ -235,7 +235,7 @@ void append(Warnings& warnings, const Warnings& more) {
 }  // namespace
 
 TapSet measured_taps(const Scene& scene, TapSet asked) noexcept {
-    return (asked | measured_unasked) & taps_of(scene.end);
+    return (asked | measured_unasked) & taps_of(scene);
 }
 
 double rows_of_run(const Scene& scene) noexcept {
@@ -248,11 +248,11 @@ double rows_of_run(const Scene& scene) noexcept {
 
 TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
     const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
-    return wanted | (of_summary & taps_of(scene.end));
+    return wanted | (of_summary & taps_of(scene));
 }
 
 std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
-    const double numbers = channels_of(taps, static_cast<double>(scene.chain.spheres));
+    const double numbers = channels_of(taps, channel_counts(scene));
     return static_cast<std::size_t>(std::clamp(block_numbers / numbers, 1.0, longest_block));
 }
 
@@ -260,8 +260,8 @@ double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept 
     const double rows = rows_of_run(scene);
     const double records =
         1 + static_cast<double>((measured | Tap::v_out).size());  // v_out also without its jumps
-    const double block = static_cast<double>(block_of_run(scene, taps)) *
-                         channels_of(taps, static_cast<double>(scene.chain.spheres));
+    const double block =
+        static_cast<double>(block_of_run(scene, taps)) * channels_of(taps, channel_counts(scene));
     return Simulation::memory_bytes(scene, taps) + block * sizeof(double) + records * rows * sizeof(double) +
            SpectrumAnalyser::bytes_needed(rows);
 }
@@ -432,7 +432,7 @@ namespace hertzline {
 Run run(const Resolution& resolved, const RunOptions& options) {
     const ResolvedScene checked = resolved;
     const Scene& scene = checked.scene();
-    const TapSet there = taps_of(scene.end);
+    const TapSet there = taps_of(scene);
     const TapSet measured = measures::measured_taps(scene, options.measured);
     Faults faults;
     faults.add(measures::longest_run_fault(scene));

@@ -1,5 +1,6 @@
 #include "recordings/columns.hpp"
 
+#include <array>
 #include <string_view>
 #include <utility>
 
@@ -7,20 +8,34 @@ namespace hertzline::recordings {
 
 namespace {
 
-/// The name of a tap's column in a file. @param place_in_chain of sphere or contact, from 1; for a tap of one channel it does not matter
-std::string column_name(const TapRow& row, std::size_t place_in_chain) {
+/// Taps with as many channels, whose columns take turns: in a recording they stand in this order.
+constexpr std::array channels_in_order{Channels::one, Channels::per_point, Channels::per_sphere,
+                                       Channels::per_contact};
+
+/// Calls act(row) for each tap of the set with such channels.
+template <class Act>
+void for_each_tap(TapSet taps, Channels channels, const Act& act) {
+    for (const TapRow& row : tap_rows) {
+        if (taps.contains(row.tap) && row.channels == channels) {
+            act(row);
+        }
+    }
+}
+
+/// The name of a tap's column in a file. @param channel from 1; of a tap with a single one it does not matter
+std::string column_name(const TapRow& row, std::size_t channel) {
     std::string name(row.column);
     if (const std::size_t place = name.find('#'); place != std::string::npos) {
-        name.replace(place, 1, std::to_string(place_in_chain));
+        name.replace(place, 1, std::to_string(channel));
     }
     return name;
 }
 
-Column column_of(const TapRow& row, std::size_t place_in_chain) {
-    return {column_name(row, place_in_chain), std::string(row.name), std::string(row.unit)};
+Column column_of(const TapRow& row, std::size_t channel) {
+    return {column_name(row, channel), std::string(row.name), std::string(row.unit)};
 }
 
-/// Whether `name` is a column of the tap: its name, with digits where the number of sphere or contact stands.
+/// Whether `name` is a column of the tap: its name, with digits where the channel's number stands.
 bool is_column_of(const TapRow& row, std::string_view name) {
     const std::size_t place = row.column.find('#');
     if (place == std::string_view::npos) {
@@ -37,21 +52,14 @@ bool is_column_of(const TapRow& row, std::string_view name) {
 
 }  // namespace
 
-std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres) {
+std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts) {
     std::vector<Column> columns;
-    for (const TapRow& row : tap_rows) {
-        if (taps.contains(row.tap) && row.channels == Channels::one) {
-            columns.push_back(column_of(row, 0));
-        }
-    }
-    for (const Channels channels : {Channels::per_sphere, Channels::per_contact}) {
-        const std::size_t places = channels == Channels::per_sphere ? spheres : spheres + 1;
-        for (std::size_t place = 1; place <= places; ++place) {
-            for (const TapRow& row : tap_rows) {
-                if (taps.contains(row.tap) && row.channels == channels) {
-                    columns.push_back(column_of(row, place));
-                }
-            }
+    for (const Channels channels : channels_in_order) {
+        std::size_t count = 0;
+        for_each_tap(taps, channels, [&](const TapRow& row) { count = channels_of(row.tap, counts); });
+        for (std::size_t channel = 1; channel <= count; ++channel) {
+            for_each_tap(taps, channels,
+                         [&](const TapRow& row) { columns.push_back(column_of(row, channel)); });
         }
     }
     return columns;
@@ -75,12 +83,11 @@ Column column_named(const std::string& name) {
 }
 
 RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {
-    for (const TapRow& row : tap_rows) {
-        if (taps.contains(row.tap)) {
-            std::vector<Tap>& taps_alike = row.channels == Channels::one          ? single_
-                                           : row.channels == Channels::per_sphere ? per_sphere_
-                                                                                  : per_contact_;
-            taps_alike.push_back(row.tap);
+    for (const Channels channels : channels_in_order) {
+        std::vector<Tap> alike;
+        for_each_tap(taps, channels, [&](const TapRow& row) { alike.push_back(row.tap); });
+        if (!alike.empty()) {
+            alike_.push_back(std::move(alike));
         }
     }
 }
@@ -89,22 +96,17 @@ void RowBuilder::write(const Samples& block) {
     if (!recordings_.any_left()) {
         return;
     }
-    const std::size_t spheres = block.spheres();
     std::vector<double> rows;
-    rows.reserve(block.count * static_cast<std::size_t>(channels_of(taps_, static_cast<double>(spheres))));
+    rows.reserve(block.count * static_cast<std::size_t>(channels_of(taps_, block.counts())));
     for (std::size_t i = 0; i < block.count; ++i) {
-        for (const Tap tap : single_) {
-            rows.push_back(block[tap][i]);
-        }
-        const auto take_turns = [&](const std::vector<Tap>& taps, std::size_t channels) {
-            for (std::size_t channel = 0; !taps.empty() && channel < channels; ++channel) {
-                for (const Tap tap : taps) {
+        for (const std::vector<Tap>& alike : alike_) {
+            const std::size_t channels = block.channels(alike.front());
+            for (std::size_t channel = 0; channel < channels; ++channel) {
+                for (const Tap tap : alike) {
                     rows.push_back(block[tap][i * channels + channel]);
                 }
             }
-        };
-        take_turns(per_sphere_, spheres);
-        take_turns(per_contact_, spheres + 1);
+        }
     }
     recordings_.write(block.first, std::move(rows));
 }

@@ -12,9 +12,9 @@
 
 namespace hertzline::recordings {
 
-/// The columns of a recording of those taps: first those with one channel, then those of the spheres, sphere by sphere,
-/// then those of the contacts.
-std::vector<Column> recorded_columns(TapSet taps, std::size_t spheres);
+/// The columns of a recording of those taps: first those with one channel, then those of the points, of the spheres, sphere by
+/// sphere, and of the contacts.
+std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts);
 
 /// The column of that name; one that is no tap's is a quantity of its own, its unit taken from the name.
 Column column_named(const std::string& name);
@@ -34,9 +34,7 @@ public:
 private:
     RecordingSet& recordings_;
     TapSet taps_;
-    std::vector<Tap> single_;       ///< of one channel
-    std::vector<Tap> per_sphere_;   ///< a channel each
-    std::vector<Tap> per_contact_;  ///< a channel each
+    std::vector<std::vector<Tap>> alike_;  ///< taps whose channels take turns
 };
 
 }  // namespace hertzline::recordings

@@ -19,7 +19,7 @@ namespace hertzline::studies {
 namespace {
 
 TapSet waveform_taps(const Scene& scene, const PointOptions& options) noexcept {
-    return options.waveform ? TapSet(*options.waveform) & taps_of(scene.end) : TapSet();
+    return options.waveform ? TapSet(*options.waveform) & taps_of(scene) : TapSet();
 }
 
 /// Copies a block's samples into the waveform. @param first index of the block's first sample
@@ -52,8 +52,8 @@ std::string scene_refusal(const Scene& scene) {
 double point_memory_bytes(const Scene& scene, const PointOptions& options) noexcept {
     const TapSet measured = measures::measured_taps(scene, options.measured);
     const TapSet taps = measures::taps_of_run(scene, measured | waveform_taps(scene, options));
-    const double block = static_cast<double>(measures::block_of_run(scene, taps)) *
-                         channels_of(taps, static_cast<double>(scene.chain.spheres));
+    const double block =
+        static_cast<double>(measures::block_of_run(scene, taps)) * channels_of(taps, channel_counts(scene));
     const double finer_run = Simulation::memory_bytes(scene, taps) + sizeof(double) * block;
     return measures::memory_of_run(scene, taps, measured) + finer_run;
 }

@@ -187,8 +187,8 @@ PlanSummary summary_of(const SweepPlan& plan, TapSet measured) {
             }
             continue;
         }
-        summary.taps |= taps_of(scene.end);
-        summary.modal = summary.modal || provides(scene.end, Requires::modal_plate);
+        summary.taps |= taps_of(scene);
+        summary.modal = summary.modal || provides(scene, Requires::modal_plate);
         summary.rows = std::max(summary.rows, measures::rows_of_run(scene));
         summary.memory_bytes = std::max(summary.memory_bytes, point_memory_bytes(scene, largest));
     }

@@ -69,7 +69,7 @@ std::string as_text(const std::vector<ReportRow>& report) {
 void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
     const auto count = measures::report_count;
     const double rows = rows_of_run(scene);
-    const TapSet recorded = recorded_taps(scene.end);
+    const TapSet recorded = recorded_taps(scene);
     report.push_back({"run", "rows", "rows", "", count(rows)});
     report.push_back({"run", "memory, at most", "run_memory_bytes", "bytes",
                       count(memory_of_recorded_run(scene, recorded, {}))});

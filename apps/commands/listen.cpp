@@ -103,7 +103,7 @@ void ListenSession::begin() {
                                    .provenance = run_.provenance(),
                                    .full_scale = request_.full_scale};
     if (!request_.files.empty()) {
-        head.columns = recordings::recorded_columns(run_.tap(), spheres_of(run_.tap(), run_.channels()));
+        head.columns = recordings::recorded_columns(run_.tap(), counts_of(run_.tap(), run_.channels()));
     }
     recordings_.emplace(request_.files, head, recordings::RecordingPatience::of_a_second(stop_asked()),
                         notify_);

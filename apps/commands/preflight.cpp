@@ -19,7 +19,7 @@ namespace {
 constexpr double lines_per_row = 2.1;  // in a spectrum, which is padded to four times its record
 
 double numbers_of(const Scene& scene, TapSet taps) noexcept {
-    return channels_of(taps, static_cast<double>(scene.chain.spheres));
+    return channels_of(taps, channel_counts(scene));
 }
 
 }  // namespace

@@ -183,7 +183,7 @@ Heard hear(Subscriber& subscriber, std::size_t streams) {
 
 /// Returns the frames that differ from a simulation here.
 std::vector<ReceivedFrame> differing(const Scene& scene, const std::vector<ReceivedFrame>& frames) {
-    Simulation simulation(scene, {.taps = streamed_taps_of(scene.end)});
+    Simulation simulation(scene, {.taps = streamed_taps_of(scene)});
     Samples samples = simulation.make_samples(static_cast<std::size_t>(scene.output.frame_samples));
     std::vector<float> values;
     std::vector<ReceivedFrame> wrong;

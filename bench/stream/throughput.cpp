@@ -113,8 +113,10 @@ PublisherOptions queues(const StreamFormat& format) {
 }
 
 double ours(std::int64_t frame_samples, std::string_view topic, double seconds) {
-    StillSource source(
-        {.taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples});
+    StillSource source({.taps = TapSet(Tap::v_out),
+                        .counts = {.spheres = 1},
+                        .sample_rate_hz = 1e7,
+                        .frame_samples = frame_samples});
     PublisherOptions options = queues(source.format());
     options.linger = std::chrono::milliseconds(0);
     Publisher publisher(any_port, all_topics, options);
@@ -141,8 +143,10 @@ std::vector<std::string> parts_of_np(std::int64_t frame_samples) {
 
 /// Returns the rate of plain ZeroMQ [bytes/s]. @param before parts before the samples
 double plain(std::int64_t frame_samples, const std::vector<std::string>& before, double seconds) {
-    const StreamFormat format{
-        .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = frame_samples};
+    const StreamFormat format{.taps = TapSet(Tap::v_out),
+                              .counts = {.spheres = 1},
+                              .sample_rate_hz = 1e7,
+                              .frame_samples = frame_samples};
     zmq::context_t context;
     zmq::socket_t socket(context, zmq::socket_type::pub);
     socket.set(zmq::sockopt::sndhwm, queue_length(queues(format)));

@@ -1,6 +1,7 @@
 #include "hertzline/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -72,12 +73,24 @@ void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
     constexpr double most_samples = 1e7;  // on the way to the hydrophone
     const auto* fluid = find_material(scene, scene.medium.material);
     const auto* medium = fluid == nullptr ? nullptr : std::get_if<Fluid>(fluid);
-    const double way = medium == nullptr ? 0
-                                         : scene.output.hydrophone_m / medium->sound_speed_m_per_s *
-                                               scene.output.sample_rate_hz;
-    if (way > most_samples) {
-        note("output.hydrophone_m", number_text(scene.output.hydrophone_m),
-             "at most " + number_text(most_samples) + " samples away at the speed of sound");
+    const auto is_far = [&](double way_m) {
+        return medium != nullptr &&
+               way_m / medium->sound_speed_m_per_s * scene.output.sample_rate_hz > most_samples;
+    };
+    const std::string near = "at most " + number_text(most_samples) + " samples away at the speed of sound";
+    if (is_far(scene.output.hydrophone_m)) {
+        note("output.hydrophone_m", number_text(scene.output.hydrophone_m), near);
+    }
+    for (std::size_t i = 0; i < scene.output.points_m.size(); ++i) {
+        const auto& [x, y, z] = scene.output.points_m[i];
+        const std::string point = "output.points_m[" + number_text(static_cast<std::int64_t>(i) + 1) + "]";
+        if (z < 0) {
+            faults.push_back(
+                {point + "[3]", number_text(z), "at least 0: the medium lies where z is positive"});
+        }
+        if (is_far(std::hypot(x, y, z))) {
+            faults.push_back({point, number_text(std::hypot(x, y, z)) + " m from the plate's centre", near});
+        }
     }
 }
 

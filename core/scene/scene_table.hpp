@@ -111,7 +111,7 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(poles, {"poles", {16, 64}, "of a modal plate's response in its fluid", {.unset = "by accuracy"}});
     }
     {
-        auto& [sample_rate_hz, duration_s, frame_samples, hydrophone_m] = scene.output;
+        auto& [sample_rate_hz, duration_s, frame_samples, hydrophone_m, points_m] = scene.output;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("output", member, facts); };
         row(sample_rate_hz, {"sample_rate_hz", {1e-3, 1e12, "Hz"}, "samples a second"});
         row(duration_s,
@@ -121,6 +121,11 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                            {0, 10, "m"},
                            "its distance from a modal plate, on the axis",
                            {.needs = modal, .hashed = changed}});
+        row(points_m, {"points_m",
+                       {-10, 10, "m"},
+                       "`[[x, y, z], ...]` of `p_points`, from the centre of a modal plate, z along the axis "
+                       "into the medium",
+                       {.needs = modal, .most_entries = max_points}});
     }
 }
 

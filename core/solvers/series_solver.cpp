@@ -82,7 +82,7 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
                                    kernels::series_degree(integrator_), resolved.step_s())
                              : nullptr),
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
-      plate_outputs_(chain, plate_.get(), piece_, integrator_, sample_period_s_, options.taps),
+      plate_outputs_(chain, plate_.get(), piece_, resolved, options.taps),
       end_taps_(chain, resolved.scene().drive, resolved.scene().output.sample_rate_hz),
       contact_forces_(chain, end_taps_.horn()) {
     const Drive& drive = resolved.scene().drive;

@@ -73,7 +73,7 @@ std::optional<Resolution> with_stable_step(Resolution tried, const Chain& chain,
 
 FinerRun::FinerRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
                    std::int64_t max_steps)
-    : run_(with_finer_steps(scene), capacity, stop, max_steps) {}
+    : run_(with_finer_steps(scene), capacity, stop, max_steps), errors_(run_) {}
 
 bool FinerRun::follow(const Samples& run) noexcept {
     if (!run_.advance(run.count)) {

@@ -10,7 +10,8 @@ namespace {
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
 JudgedRun reference_with(const Scene& scene, double step_s, const std::atomic<bool>* stop) {
-    return {without_sleep(with_step(scene, Integrator::taylor12, step_s)), pilot_block, stop};
+    return {with_few_points(without_sleep(with_step(scene, Integrator::taylor12, step_s))), pilot_block,
+            stop};
 }
 
 }  // namespace
@@ -21,10 +22,12 @@ LongEstimate::LongEstimate(const ResolvedScene& resolved, double accuracy, const
           step_of_reference(resolved.scene(), Chain(resolved.scene()), piece_error_for(accuracy))),
       longest_s_(reference_step_s_ * affordable_body_pieces /
                  (static_cast<double>(resolved.scene().chain.spheres) + 1)),
-      used_(resolved, pilot_block, stop),
+      used_(with_few_points(resolved.scene()), pilot_block, stop),
       reference_(reference_with(resolved.scene(), reference_step_s_, stop)),
       finer_(reference_with(resolved.scene(), finer * reference_step_s_, stop)),
-      event_rate_(resolved.scene().drive) {}
+      event_rate_(resolved.scene().drive),
+      errors_(reference_),
+      own_errors_(reference_) {}
 
 bool LongEstimate::reach(double time_s) noexcept {
     const auto end = static_cast<std::int64_t>(std::ceil(std::min(time_s, longest_s_) * sample_rate_hz_));

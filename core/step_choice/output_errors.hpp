@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/step_choice/pilot.hpp"
 #include "hertzline/samples.hpp"
@@ -15,8 +16,8 @@
 namespace hertzline {
 
 /// The outputs that a run is judged by.
-inline constexpr TapSet judged_outputs =
-    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre | Tap::v_face | Tap::p_axis;
+inline constexpr TapSet judged_outputs = TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out | Tap::v_centre |
+                                         Tap::v_face | Tap::p_axis | Tap::p_points;
 
 /// A simulation of the judged outputs, and its present block.
 struct JudgedRun {
@@ -40,32 +41,46 @@ struct JudgedRun {
     Samples block;
 };
 
-/// Sums of squares of each output's differences.
+/// Sums of squares of each output's differences, as velocities.
 class OutputErrors {
 public:
+    /// @param better the better run
+    explicit OutputErrors(const JudgedRun& better) {
+        for (const Tap tap : better.block.taps()) {
+            sums_[static_cast<std::size_t>(tap)].resize(better.block.channels(tap));
+            scales_[static_cast<std::size_t>(tap)] = velocity_per_unit(tap, better.simulation.chain().end);
+        }
+    }
+
     /// The next samples of both, of the judged outputs that both have.
     void add(const Samples& run, const Samples& better) noexcept {
         for (const Tap tap : run.taps() & better.taps() & judged_outputs) {
-            Sums& sums = sums_[static_cast<std::size_t>(tap)];
-            for (std::size_t i = 0; i < better.count; ++i) {
-                const double truth = better[tap][i];
-                const double wrong = run[tap][i] - truth;
-                sums.wrong += wrong * wrong;
-                sums.norm += truth * truth;
+            std::vector<Sums>& sums = sums_[static_cast<std::size_t>(tap)];
+            const double scale = scales_[static_cast<std::size_t>(tap)];
+            for (std::size_t i = 0; i < better.count * sums.size(); ++i) {
+                const double truth = scale * better[tap][i];
+                const double wrong = scale * run[tap][i] - truth;
+                Sums& of_channel = sums[i % sums.size()];
+                of_channel.wrong += wrong * wrong;
+                of_channel.norm += truth * truth;
             }
         }
     }
 
-    /// Relative L2 of the worst output. One below quiet_column of the loudest velocity is judged on that scale.
+    /// Relative L2 of the worst output. One below quiet_column of the loudest is judged on that scale.
     double worst() const noexcept {
         double loudest = 0;
-        for (const Tap tap : judged_outputs - Tap::p_axis) {
-            loudest = std::max(loudest, sums_[static_cast<std::size_t>(tap)].norm);
+        for (const std::vector<Sums>& channels : sums_) {
+            for (const Sums& sums : channels) {
+                loudest = std::max(loudest, sums.norm);
+            }
         }
         double found = 0;
-        for (const Sums& sums : sums_) {
-            const double scale = std::max(sums.norm, quiet_column * quiet_column * loudest);
-            found = scale > 0 ? std::max(found, std::sqrt(sums.wrong / scale)) : found;
+        for (const std::vector<Sums>& channels : sums_) {
+            for (const Sums& sums : channels) {
+                const double scale = std::max(sums.norm, quiet_column * quiet_column * loudest);
+                found = scale > 0 ? std::max(found, std::sqrt(sums.wrong / scale)) : found;
+            }
         }
         return found;
     }
@@ -75,7 +90,8 @@ private:
         double wrong = 0;
         double norm = 0;
     };
-    std::array<Sums, tap_count> sums_{};
+    std::array<double, tap_count> scales_{};         ///< to velocities
+    std::array<std::vector<Sums>, tap_count> sums_;  ///< [tap][channel]
 };
 
 }  // namespace hertzline

@@ -12,23 +12,28 @@ namespace {
 /// Stretches are chosen so that they take fewer; pieces of a series may be far shorter than foreseen.
 constexpr double far_too_many_body_steps = 8 * affordable_body_steps;
 
-/// Beside the spheres' velocities. The pressure of a plane wave with the velocity v is rho c v: over rho c it is one of them.
-std::vector<PilotOutput> outputs_of(const EndModel& end) {
-    if (end.plate) {
-        const Fluid& fluid = end.plate->parameters.fluid;
-        return {{Tap::v_centre, 1},
-                {Tap::v_face, 1},
-                {Tap::p_axis, 1 / (fluid.density_kg_per_m3 * fluid.sound_speed_m_per_s)}};
+/// Kept beside the spheres' velocities, in this order.
+std::vector<Tap> outputs_of(const Scene& scene) {
+    if (provides(scene, Requires::lumped_plate)) {
+        return {Tap::v_plate, Tap::v_out};
     }
-    return end.has_plate ? std::vector<PilotOutput>{{Tap::v_plate, 1}, {Tap::v_out, 1}}
-                         : std::vector<PilotOutput>{};
+    std::vector<Tap> outputs;
+    if (provides(scene, Requires::modal_plate)) {
+        outputs = {Tap::v_centre, Tap::v_face, Tap::p_axis};
+    }
+    if (provides(scene, Requires::points)) {
+        outputs.push_back(Tap::p_points);
+    }
+    return outputs;
 }
 
 SimulationOptions options_of_pilots(const Scene& scene, const std::atomic<bool>* stop) {
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
-    const bool lumped = provides(scene.end, Requires::lumped_plate);
-    return {.taps = TapSet(Tap::v_chain) | (lumped ? TapSet(Tap::v_plate) | Tap::v_out
-                                                   : TapSet(Tap::v_centre) | Tap::v_face | Tap::p_axis),
+    TapSet taps = Tap::v_chain;
+    for (const Tap tap : outputs_of(scene)) {
+        taps |= tap;
+    }
+    return {.taps = taps,
             .ledger = LedgerKeeping::off,
             .stop = stop,
             .max_steps = static_cast<std::int64_t>(far_too_many_body_steps / bodies)};
@@ -47,12 +52,32 @@ Scene without_sleep(Scene scene) {
     return scene;
 }
 
+Scene with_few_points(Scene scene) {
+    constexpr std::size_t most = 64;
+    std::vector<std::array<double, 3>>& points = scene.output.points_m;
+    if (points.size() > most) {
+        for (std::size_t i = 0; i < most; ++i) {
+            points[i] = points[i * (points.size() - 1) / (most - 1)];
+        }
+        points.resize(most);
+    }
+    return scene;
+}
+
+double velocity_per_unit(Tap tap, const EndModel& end) noexcept {
+    if (row_of(tap).unit != "Pa") {
+        return 1;
+    }
+    const Fluid& fluid = end.plate->parameters.fluid;
+    return 1 / (fluid.density_kg_per_m3 * fluid.sound_speed_m_per_s);
+}
+
 Pilot::Pilot(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop)
-    : simulation_(with_step(scene, integrator, step_s), options_of_pilots(scene, stop)),
-      outputs_(outputs_of(simulation_.chain().end)),
+    : simulation_(with_step(with_few_points(scene), integrator, step_s), options_of_pilots(scene, stop)),
       block_(simulation_.make_samples(pilot_block)),
+      outputs_(outputs_of(scene)),
       spheres_(block_.spheres()),
-      columns_(spheres_ + outputs_.size()),
+      columns_(static_cast<std::size_t>(channels_of(block_.taps(), block_.counts()))),
       event_rate_(scene.drive) {}
 
 void Pilot::run_to(std::size_t samples, double most_body_steps) {
@@ -66,8 +91,12 @@ void Pilot::run_to(std::size_t samples, double most_body_steps) {
         auto out = velocities_.begin() + static_cast<std::ptrdiff_t>(before);
         for (std::size_t i = 0; i < block_.count; ++i) {
             out = std::ranges::copy(block_[Tap::v_chain].subspan(i * spheres_, spheres_), out).out;
-            for (const PilotOutput& output : outputs_) {
-                *out++ = output.scale * block_[output.tap][i];
+            for (const Tap tap : outputs_) {
+                const std::size_t channels = block_.channels(tap);
+                const double scale = velocity_per_unit(tap, simulation_.chain().end);
+                out = std::ranges::transform(block_[tap].subspan(i * channels, channels), out,
+                                             [scale](double value) { return scale * value; })
+                          .out;
             }
         }
         event_rate_.note(static_cast<double>(simulation_.next_sample()) / sample_rate_hz(),

@@ -31,11 +31,11 @@ Scene with_step(Scene scene, Integrator integrator, double step_s);
 /// The scene without a tolerance of rest: motion that sleep cuts off is no error of the step.
 Scene without_sleep(Scene scene);
 
-/// An output that a pilot keeps, as a velocity: its values times the scale [m/s].
-struct PilotOutput {
-    Tap tap;
-    double scale;
-};
+/// The scene with no more points than pilots can afford to judge: a part of them, evenly spread.
+Scene with_few_points(Scene scene);
+
+/// An output as a velocity: its values times this [m/s]. The pressure of a plane wave with the velocity v is rho c v.
+double velocity_per_unit(Tap tap, const EndModel& end) noexcept;
 
 /// A simulation whose velocities are kept: those of all spheres, and with a plate those of the plate and the outputs.
 class Pilot {
@@ -67,8 +67,8 @@ public:
 
 private:
     Simulation simulation_;
-    std::vector<PilotOutput> outputs_;
     Samples block_;
+    std::vector<Tap> outputs_;
     std::size_t spheres_;
     std::size_t columns_;
     std::vector<double> velocities_;  // [sample][column]

@@ -15,10 +15,10 @@ namespace hertzline {
 class Samples {
 public:
     /// Room for `capacity` samples of those taps.
-    Samples(TapSet taps, std::size_t spheres, std::size_t capacity)
-        : capacity_(capacity), spheres_(spheres), taps_(taps) {
+    Samples(TapSet taps, const ChannelCounts& counts, std::size_t capacity)
+        : capacity_(capacity), counts_(counts), taps_(taps) {
         for (const Tap tap : taps) {
-            columns_[static_cast<std::size_t>(tap)].resize(capacity * channels_of(tap, spheres));
+            columns_[static_cast<std::size_t>(tap)].resize(capacity * channels(tap));
         }
     }
 
@@ -27,13 +27,15 @@ public:
     TapSet holds;            ///< the taps that are filled
 
     std::size_t capacity() const noexcept { return capacity_; }
-    std::size_t spheres() const noexcept { return spheres_; }
+    const ChannelCounts& counts() const noexcept { return counts_; }
+    std::size_t spheres() const noexcept { return counts_.spheres; }
+    std::size_t channels(Tap tap) const noexcept { return channels_of(tap, counts_); }
     TapSet taps() const noexcept { return taps_; }  ///< there is room for
 
     /// The tap's values, row-major [sample][channel], in its unit; empty for a tap without room.
     std::span<const double> operator[](Tap tap) const noexcept {
         const std::vector<double>& column = columns_[static_cast<std::size_t>(tap)];
-        return {column.data(), column.empty() ? 0 : count * channels_of(tap, spheres_)};
+        return {column.data(), column.empty() ? 0 : count * channels(tap)};
     }
 
     /// All the room of a tap, to be filled.
@@ -41,7 +43,7 @@ public:
 
 private:
     std::size_t capacity_;
-    std::size_t spheres_;
+    ChannelCounts counts_;
     TapSet taps_;
     std::array<std::vector<double>, tap_count> columns_;
 };

@@ -2,6 +2,7 @@
 // The request of a user, in SI units, with the paper's values as defaults. validate() finds its faults, and resolve()
 // (hertzline/resolve.hpp) chooses the integrator and the step that it leaves open.
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -98,6 +99,8 @@ struct Output {
     double duration_s = 500e-6;
     std::int64_t frame_samples = 1024;
     double hydrophone_m = 10e-3;  ///< distance on the plate's axis; for a modal plate
+    /// Of the tap p_points: x, y, z from the centre of a modal plate, z along the axis into the fluid [m].
+    std::vector<std::array<double, 3>> points_m{};
     bool operator==(const Output&) const = default;
 };
 
@@ -163,6 +166,9 @@ const Solid& solid_of(const Scene& scene, std::string_view name);
 
 /// Largest number of layers of a disc.
 inline constexpr std::size_t max_layers = 16;
+
+/// Most points of output.points_m; of a stream, far fewer (stream/).
+inline constexpr std::size_t max_points = 1'000'000;
 
 /// Largest number of spheres that a scene may ask for; 80 bytes of state and constants each.
 inline constexpr std::int64_t max_spheres = 10'000'000;

@@ -25,13 +25,22 @@ enum class Tap : unsigned {
     v_face,    ///< of a modal plate's face, its mean [m/s]
     p_axis,    ///< pressure at the hydrophone on the axis of a modal plate [Pa]
     f_chain,  ///< forces of all contacts, positive when they push [N], row-major [sample][contact], horn side first
+    p_points,  ///< pressures at output.points_m before a modal plate [Pa], row-major [sample][point]
 };
 
 /// How many channels a tap has.
-enum class Channels { one, per_sphere, per_contact };
+enum class Channels { one, per_sphere, per_contact, per_point };
+
+/// How many spheres and points a scene has: with them, a tap's number of channels is known.
+struct ChannelCounts {
+    std::size_t spheres = 0;
+    std::size_t points = 0;
+
+    bool operator==(const ChannelCounts&) const noexcept = default;
+};
 
 /// Requirement on a scene for a tap to exist.
-enum class Requires { nothing, last_contact, lumped_plate, modal_plate };
+enum class Requires { nothing, last_contact, lumped_plate, modal_plate, points };
 
 /// When a recording of a run holds a tap by default.
 enum class Recorded { always, with_lumped_plate, with_modal_plate, on_request };
@@ -44,7 +53,7 @@ struct TapRow {
     Requires required;
     Recorded recorded;
     bool streamed;
-    std::string_view column;          ///< name in a file, with its unit; '#' stands for the sphere's number
+    std::string_view column;          ///< name in a file, with its unit; '#' stands for the channel's number
     std::string_view of_wet_plate{};  ///< with a modal plate: what its spectrum is to be compared with
 };
 
@@ -101,6 +110,14 @@ inline constexpr std::array tap_rows{
            .streamed = true,
            .column = "p_axis_pa",
            .of_wet_plate = "the pressure at the hydrophone: compare measurements in a fluid with this one"},
+    TapRow{.tap = Tap::p_points,
+           .name = "p_points",
+           .unit = "Pa",
+           .channels = Channels::per_point,
+           .required = Requires::points,
+           .recorded = Recorded::with_modal_plate,
+           .streamed = true,
+           .column = "p_#_pa"},
     TapRow{.tap = Tap::x_chain,
            .name = "x_chain",
            .unit = "m",
@@ -164,22 +181,38 @@ constexpr std::optional<Tap> tap_named(std::string_view name) noexcept {
 }
 
 /// Numbers in one sample of the tap. A chain has a contact before each sphere, and one with its end.
-template <class Number>
-constexpr Number channels_of(Tap tap, Number spheres) noexcept {
+constexpr std::size_t channels_of(Tap tap, const ChannelCounts& counts) noexcept {
     switch (row_of(tap).channels) {
         case Channels::one:
             return 1;
         case Channels::per_sphere:
-            return spheres;
+            return counts.spheres;
         case Channels::per_contact:
-            return spheres + 1;
+            return counts.spheres + 1;
+        case Channels::per_point:
+            return counts.points;
     }
     return 1;
 }
 
-/// The reverse: number of spheres of a chain whose tap has that number of channels, at least 1.
-constexpr std::size_t spheres_of(Tap tap, std::size_t channels) noexcept {
-    return row_of(tap).channels == Channels::per_contact ? channels - 1 : channels;
+/// The reverse: the counts with which the tap has that number of channels, at least 1; 0 for those on which it does not depend.
+constexpr ChannelCounts counts_of(Tap tap, std::size_t channels) noexcept {
+    switch (row_of(tap).channels) {
+        case Channels::one:
+            break;
+        case Channels::per_sphere:
+            return {.spheres = channels};
+        case Channels::per_contact:
+            return {.spheres = channels - 1};
+        case Channels::per_point:
+            return {.points = channels};
+    }
+    return {};
+}
+
+/// The counts of a scene.
+inline ChannelCounts channel_counts(const Scene& scene) noexcept {
+    return {.spheres = static_cast<std::size_t>(scene.chain.spheres), .points = scene.output.points_m.size()};
 }
 
 /// A set of taps; a value of 32 bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of the enumeration.
@@ -222,11 +255,11 @@ private:
 };
 static_assert(tap_count <= 32, "a TapSet has 32 bits");
 
-/// Numbers in one sample of all of them together; counted in double, so that an absurd number of spheres is a number, too.
-constexpr double channels_of(TapSet taps, double spheres) noexcept {
+/// Numbers in one sample of all of them together, for estimates of memory.
+constexpr double channels_of(TapSet taps, const ChannelCounts& counts) noexcept {
     double sum = 0;
     for (const Tap tap : taps) {
-        sum += channels_of(tap, spheres);
+        sum += static_cast<double>(channels_of(tap, counts));
     }
     return sum;
 }
@@ -243,8 +276,9 @@ constexpr TapSet taps_where(Keep keep) noexcept {
 
 inline constexpr TapSet all_taps = taps_where([](const TapRow& /*row*/) { return true; });
 
-/// Whether a scene with this end meets a requirement.
-constexpr bool provides(const End& end, Requires required) noexcept {
+/// Whether a scene meets a requirement.
+inline bool provides(const Scene& scene, Requires required) noexcept {
+    const End& end = scene.end;
     switch (required) {
         case Requires::nothing:
             return true;
@@ -254,37 +288,44 @@ constexpr bool provides(const End& end, Requires required) noexcept {
             return end.kind == EndKind::plate && end.model == PlateModel::lumped;
         case Requires::modal_plate:
             return end.kind == EndKind::plate && end.model == PlateModel::modal;
+        case Requires::points:
+            return provides(scene, Requires::modal_plate) && channel_counts(scene).points > 0;
     }
     return false;
 }
 
-/// The taps that a scene with this end has.
-constexpr TapSet taps_of(const End& end) noexcept {
-    return taps_where([&end](const TapRow& row) { return provides(end, row.required); });
+/// The taps that a scene has.
+inline TapSet taps_of(const Scene& scene) noexcept {
+    return taps_where([&scene](const TapRow& row) { return provides(scene, row.required); });
 }
 
-/// The taps that show the whole chain: a channel for each sphere or contact.
-inline constexpr TapSet chain_taps =
+/// The taps whose samples have channels, even where it is a single one.
+inline constexpr TapSet multichannel_taps =
     taps_where([](const TapRow& row) { return row.channels != Channels::one; });
+
+/// The taps that show the whole chain: a channel for each sphere or contact.
+inline constexpr TapSet chain_taps = taps_where([](const TapRow& row) {
+    return row.channels == Channels::per_sphere || row.channels == Channels::per_contact;
+});
 
 /// The taps that can be streamed, of some scene.
 inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });
 
-/// The taps of a scene with this end that can be streamed.
-constexpr TapSet streamed_taps_of(const End& end) noexcept {
-    return taps_of(end) & streamed_taps;
+/// The taps of a scene that can be streamed.
+inline TapSet streamed_taps_of(const Scene& scene) noexcept {
+    return taps_of(scene) & streamed_taps;
 }
 
 /// The taps of such a scene that a recording of a run holds by default.
-constexpr TapSet recorded_taps(const End& end) noexcept {
-    return taps_of(end) & taps_where([&end](const TapRow& row) {
+inline TapSet recorded_taps(const Scene& scene) noexcept {
+    return taps_of(scene) & taps_where([&scene](const TapRow& row) {
                switch (row.recorded) {
                    case Recorded::always:
                        return true;
                    case Recorded::with_lumped_plate:
-                       return provides(end, Requires::lumped_plate);
+                       return provides(scene, Requires::lumped_plate);
                    case Recorded::with_modal_plate:
-                       return provides(end, Requires::modal_plate);
+                       return provides(scene, Requires::modal_plate);
                    case Recorded::on_request:
                        return false;
                }

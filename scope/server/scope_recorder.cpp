@@ -85,7 +85,7 @@ void ScopeRecorder::take(stream::RunReceiver& run, const stream::ReceivedFrame& 
     if (!set_) {
         run_ = run.run();
         const recordings::RecordingHead head{
-            .columns = recordings::recorded_columns(*tap_, spheres_of(*tap_, frame.header.channels)),
+            .columns = recordings::recorded_columns(*tap_, counts_of(*tap_, frame.header.channels)),
             .sample_rate_hz = frame.header.fs,
             .numbers = recordings::NumberType::float32,
             .provenance = measures::provenance_of_meta(meta)};

@@ -53,7 +53,9 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     if (from.chain.spheres != to.chain.spheres) {
         add("chain.spheres");
     }
-    if (taps_of(from.end) != taps_of(to.end)) {
+    if (from.output.points_m.size() != to.output.points_m.size()) {
+        add("output.points_m");
+    } else if (taps_of(from) != taps_of(to)) {
         add(from.end.kind != to.end.kind ? "end.kind" : "end.model");
     }
     return faults;

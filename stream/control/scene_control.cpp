@@ -39,7 +39,7 @@ constexpr std::chrono::nanoseconds longest_look =
 std::atomic<bool> abandoned{false};
 
 bool format_stays(const StreamFormat& a, const StreamFormat& b) noexcept {
-    return a.taps == b.taps && a.spheres == b.spheres && a.sample_rate_hz == b.sample_rate_hz &&
+    return a.taps == b.taps && a.counts == b.counts && a.sample_rate_hz == b.sample_rate_hz &&
            a.frame_samples == b.frame_samples;
 }
 

@@ -54,7 +54,7 @@ void ReplaySource::find_columns() {
         }
         format_.taps = tap;
     }
-    count_spheres();
+    count_channels();
 }
 
 void ReplaySource::add_column(std::size_t column, Tap tap) {
@@ -70,14 +70,16 @@ void ReplaySource::add_column(std::size_t column, Tap tap) {
 }
 
 /// @throws std::runtime_error when the taps of the chain disagree
-void ReplaySource::count_spheres() {
+void ReplaySource::count_channels() {
     const std::size_t velocities = channels_[static_cast<std::size_t>(Tap::v_chain)].size();
     const std::size_t forces = channels_[static_cast<std::size_t>(Tap::f_chain)].size();
     if (velocities > 0 && forces > 0 && forces != velocities + 1) {
         throw std::runtime_error(fmt::format(
             "found {} columns of f_chain, expected {}: one more than of v_chain", forces, velocities + 1));
     }
-    format_.spheres = velocities > 0 || forces == 0 ? velocities : spheres_of(Tap::f_chain, forces);
+    format_.counts =
+        velocities > 0 || forces == 0 ? counts_of(Tap::v_chain, velocities) : counts_of(Tap::f_chain, forces);
+    format_.counts.points = channels_[static_cast<std::size_t>(Tap::p_points)].size();
 }
 
 /// Makes sure that there is a row to hand on. False at the end and after a failure.

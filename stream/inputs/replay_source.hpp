@@ -44,7 +44,7 @@ private:
 
     void find_columns();
     void add_column(std::size_t column, Tap tap);
-    void count_spheres();
+    void count_channels();
     bool refill() noexcept;
     std::int64_t rows_left() const noexcept;
     void pass(std::int64_t rows) noexcept;

@@ -22,13 +22,13 @@ struct SourceAccount {
 
 /// The form of a stream's samples.
 struct StreamFormat {
-    TapSet taps;              ///< the available ones
-    std::size_t spheres = 0;  ///< of the chain; a tap of the chain has a channel for each
+    TapSet taps;  ///< the available ones
+    ChannelCounts counts;
     double sample_rate_hz = 0;
     std::int64_t frame_samples = 0;
     double repetition_hz = 0;  ///< bursts a second; 0: a single one, or it is not known
 
-    std::size_t channels(Tap tap) const noexcept { return channels_of(tap, spheres); }
+    std::size_t channels(Tap tap) const noexcept { return channels_of(tap, counts); }
     /// The taps with a channel for each sphere or contact.
     TapSet of_chain() const noexcept { return taps & chain_taps; }
 };
@@ -43,7 +43,7 @@ public:
     /// Room for a frame of these taps, which read() fills.
     Samples make_block(TapSet taps) const {
         const StreamFormat is = format();
-        return {taps & is.taps, is.spheres, static_cast<std::size_t>(is.frame_samples)};
+        return {taps & is.taps, is.counts, static_cast<std::size_t>(is.frame_samples)};
     }
 
     /// The next samples of the wanted taps, at most `count` and fewer only where the source has a gap; their

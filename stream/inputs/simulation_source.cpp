@@ -3,20 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 namespace hertzline::stream {
 
+std::optional<Fault> SimulationSource::fault_of(const Scene& scene) {
+    constexpr std::size_t most_points = 64;
+    const std::size_t points = scene.output.points_m.size();
+    return points <= most_points ? std::nullopt
+                                 : std::optional(Fault{"output.points_m", std::to_string(points) + " points",
+                                                       std::to_string(most_points) + " in a stream at most"});
+}
+
 StreamFormat SimulationSource::format_of(const Scene& scene) noexcept {
-    return {.taps = streamed_taps_of(scene.end),
-            .spheres = static_cast<std::size_t>(scene.chain.spheres),
+    return {.taps = streamed_taps_of(scene),
+            .counts = channel_counts(scene),
             .sample_rate_hz = scene.output.sample_rate_hz,
             .frame_samples = scene.output.frame_samples,
             .repetition_hz = scene.drive.repetition_hz};
 }
 
 double SimulationSource::memory_bytes(const Scene& scene) noexcept {
-    return Simulation::memory_bytes(scene, streamed_taps_of(scene.end));
+    return Simulation::memory_bytes(scene, streamed_taps_of(scene));
 }
 
 SimulationSource::SimulationSource(const Scene& scene, TapSet always)
@@ -24,7 +34,11 @@ SimulationSource::SimulationSource(const Scene& scene, TapSet always)
       always_(always & format_.taps),
       current_(std::make_unique<NextSimulation>(scene, options(), false)),
       hand_over_(*current_),
-      epoch_{.repetition_hz = format_.repetition_hz} {}
+      epoch_{.repetition_hz = format_.repetition_hz} {
+    if (const auto fault = fault_of(scene)) {
+        throw std::invalid_argument(fault->message());
+    }
+}
 
 /// Lets the present simulation work. As often as it is given up on the way, the next one begins where the block was to begin.
 /// @param work takes the simulation and the most samples @returns false when there are no more samples

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "hertzline/simulation.hpp"
 #include "stream/control/hand_over.hpp"
@@ -42,6 +43,9 @@ public:
     /// @param burst_s length of a burst @param from the first sample that it can be
     static std::int64_t change_at(const Epoch& epoch, double burst_s, double sample_rate_hz,
                                   std::int64_t from) noexcept;
+
+    /// The fault of a scene with more points than a stream has time for.
+    static std::optional<Fault> fault_of(const Scene& scene);
 
     /// The format that a scene's stream has.
     static StreamFormat format_of(const Scene& scene) noexcept;

@@ -16,8 +16,7 @@ constexpr double release_period_s = 0.5e-3;
 constexpr double max_blocks = 4096;
 
 double block_bytes(const StreamFormat& format, TapSet taps) noexcept {
-    return static_cast<double>(format.frame_samples) * sizeof(double) *
-           channels_of(taps, static_cast<double>(format.spheres));
+    return static_cast<double>(format.frame_samples) * sizeof(double) * channels_of(taps, format.counts);
 }
 
 TapSet small_taps(const StreamFormat& format) noexcept {
@@ -64,7 +63,8 @@ double ring_bytes(const StreamFormat& format, Pace pace) noexcept {
 
 double largest_frame_bytes(const StreamFormat& format) noexcept {
     return static_cast<double>(format.frame_samples) *
-           static_cast<double>(std::max<std::size_t>(1, format.spheres)) * sizeof(float);
+           static_cast<double>(std::max({std::size_t{1}, format.counts.spheres, format.counts.points})) *
+           sizeof(float);
 }
 
 double usual_queue_bytes() {

@@ -12,7 +12,7 @@
 namespace hertzline {
 namespace {
 
-using test::end_of;
+using test::scene_with_end;
 
 TEST(Taps, EachHasARowOfItsOwn) {
     std::set<std::string_view> names;
@@ -36,14 +36,15 @@ TEST(Taps, KeepTheirNamesUnitsAndColumns) {
     EXPECT_EQ(row_of(Tap::v_chain).column, "v#_m_per_s");
     EXPECT_EQ(row_of(Tap::x_chain).column, "x#_m");
     EXPECT_EQ(row_of(Tap::f_chain).column, "f#_n");
+    EXPECT_EQ(row_of(Tap::p_points).column, "p_#_pa");
     EXPECT_EQ(row_of(Tap::v_out).unit, "m/s");
     EXPECT_EQ(row_of(Tap::x_chain).unit, "m");
 }
 
 TEST(Taps, ARecordingHoldsTheSameByDefaultWhateverTapsThereAre) {
-    EXPECT_EQ(recorded_taps(end_of(EndKind::plate)), TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out);
-    EXPECT_EQ(recorded_taps(end_of(EndKind::wall)), TapSet(Tap::v_last));
-    EXPECT_EQ(recorded_taps(end_of(EndKind::free)), TapSet(Tap::v_last));
+    EXPECT_EQ(recorded_taps(scene_with_end(EndKind::plate)), TapSet(Tap::v_last) | Tap::v_plate | Tap::v_out);
+    EXPECT_EQ(recorded_taps(scene_with_end(EndKind::wall)), TapSet(Tap::v_last));
+    EXPECT_EQ(recorded_taps(scene_with_end(EndKind::free)), TapSet(Tap::v_last));
 }
 
 TEST(Taps, UnknownNamesAreNoTap) {
@@ -53,23 +54,38 @@ TEST(Taps, UnknownNamesAreNoTap) {
 }
 
 TEST(Taps, OnlyAPlateHasAPlateVelocity) {
-    EXPECT_TRUE(taps_of(end_of(EndKind::plate)).contains(Tap::v_plate));
+    EXPECT_TRUE(taps_of(scene_with_end(EndKind::plate)).contains(Tap::v_plate));
     for (const EndKind end : {EndKind::wall, EndKind::free}) {
-        EXPECT_FALSE(taps_of(end_of(end)).contains(Tap::v_plate));
-        EXPECT_TRUE(taps_of(end_of(end)).contains(Tap::v_out));
-        EXPECT_TRUE(taps_of(end_of(end)).contains(Tap::v_chain));
+        EXPECT_FALSE(taps_of(scene_with_end(end)).contains(Tap::v_plate));
+        EXPECT_TRUE(taps_of(scene_with_end(end)).contains(Tap::v_out));
+        EXPECT_TRUE(taps_of(scene_with_end(end)).contains(Tap::v_chain));
     }
 }
 
-TEST(Taps, TheChainHasAChannelPerSphereOrContact) {
-    EXPECT_EQ(channels_of(Tap::v_chain, 17), 17);
-    EXPECT_EQ(channels_of(Tap::f_chain, 17), 18) << "one of them is the end's";
-    EXPECT_EQ(spheres_of(Tap::f_chain, 18), 17U);
-    EXPECT_EQ(spheres_of(Tap::v_chain, 17), 17U);
+TEST(Taps, HaveAChannelPerSphereContactOrPoint) {
+    constexpr ChannelCounts counts{.spheres = 17, .points = 4};
+    EXPECT_EQ(channels_of(Tap::v_chain, counts), 17U);
+    EXPECT_EQ(channels_of(Tap::f_chain, counts), 18U) << "one of them is the end's";
+    EXPECT_EQ(channels_of(Tap::p_points, counts), 4U);
+    EXPECT_EQ(counts_of(Tap::f_chain, 18).spheres, 17U);
+    EXPECT_EQ(counts_of(Tap::v_chain, 17).spheres, 17U);
+    EXPECT_EQ(counts_of(Tap::p_points, 4).points, 4U);
     for (const Tap tap : {Tap::v_out, Tap::v_last, Tap::v_plate}) {
-        EXPECT_EQ(channels_of(tap, 17), 1);
+        EXPECT_EQ(channels_of(tap, counts), 1U);
     }
-    EXPECT_EQ(channels_of(TapSet(Tap::v_chain) | Tap::x_chain | Tap::v_out, 1e18), 2e18 + 1);
+    EXPECT_EQ(channels_of(TapSet(Tap::v_chain) | Tap::x_chain | Tap::v_out | Tap::p_points, counts),
+              2 * 17 + 1 + 4);
+}
+
+TEST(Taps, OnlyAModalPlateWithPointsHasPressuresThere) {
+    Scene scene;
+    scene.output.points_m = {{0, 0, 0.01}};
+    EXPECT_FALSE(taps_of(scene).contains(Tap::p_points));
+    scene.end.model = PlateModel::modal;
+    EXPECT_TRUE(taps_of(scene).contains(Tap::p_points));
+    EXPECT_TRUE(recorded_taps(scene).contains(Tap::p_points));
+    scene.output.points_m.clear();
+    EXPECT_FALSE(taps_of(scene).contains(Tap::p_points));
 }
 
 TEST(TapSet, BehavesAsASet) {

@@ -1,15 +1,15 @@
 #pragma once
-// Ends of a chain.
+// Chains with each kind of end.
 
 #include "hertzline/scene.hpp"
 
 namespace hertzline::test {
 
-/// Returns an end of that kind with default values.
-inline End end_of(EndKind kind) {
-    End end;
-    end.kind = kind;
-    return end;
+/// Returns the default scene with an end of that kind.
+inline Scene scene_with_end(EndKind kind) {
+    Scene scene;
+    scene.end.kind = kind;
+    return scene;
 }
 
 }  // namespace hertzline::test

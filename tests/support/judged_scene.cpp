@@ -32,7 +32,7 @@ class Loudness {
 public:
     void add(const Samples& block) {
         for (const Tap tap : block.holds) {
-            const std::size_t channels = channels_of(tap, block.spheres());
+            const std::size_t channels = block.channels(tap);
             std::vector<double>& sums = sums_[static_cast<std::size_t>(tap)];
             sums.resize(channels);
             for (std::size_t i = 0; i < block[tap].size(); ++i) {
@@ -55,7 +55,7 @@ private:
 /// Runs a scene. @param scene resolved @param follow receives each block, and returns false to end the run
 Outputs outputs_of(const Scene& scene, const std::function<bool(const Samples&)>& follow) {
     constexpr std::size_t block = 512;
-    Simulation simulation(scene, {.taps = recorded_taps(scene.end) | Tap::v_chain});
+    Simulation simulation(scene, {.taps = recorded_taps(scene) | Tap::v_chain});
     Samples part = simulation.make_samples(block);
     Outputs result;
     Loudness loudness;

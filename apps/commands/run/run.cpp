@@ -64,8 +64,8 @@ struct RunOptions {
 using measures::measurable_taps;
 
 /// Returns the taps that the recordings hold.
-TapSet asked_taps(const RunOptions& options, TapSet columns, TapSet beside, const End& end) {
-    const TapSet taps = (options.columns.empty() ? recorded_taps(end) : columns) | beside;
+TapSet asked_taps(const RunOptions& options, TapSet columns, TapSet beside, const Scene& scene) {
+    const TapSet taps = (options.columns.empty() ? recorded_taps(scene) : columns) | beside;
     return options.all_bodies ? taps | Tap::v_chain | Tap::x_chain : taps;
 }
 
@@ -177,7 +177,7 @@ CheckedRun checked(const RunOptions& options) {
     }
     check_wav_scale(options.wav_scale, options.files, faults);
     std::optional<Session> session = session_of(options, faults);
-    const TapSet there = session ? taps_of(session->resolved.scene.end) : all_taps;
+    const TapSet there = session ? taps_of(session->resolved.scene) : all_taps;
     const TapSet columns = measures::taps_named("--columns", options.columns, there, faults);
     const TapSet beside = measures::taps_named("--tap", options.taps, there, faults);
     const TapSet measured =
@@ -185,7 +185,7 @@ CheckedRun checked(const RunOptions& options) {
     faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
     faults.refuse<WrongUse>();
     const Scene& scene = session->resolved.scene;
-    const TapSet recorded = asked_taps(options, columns, beside, scene.end);
+    const TapSet recorded = asked_taps(options, columns, beside, scene);
     return {*session, recorded, measures::measured_taps(scene, measured)};
 }
 
@@ -204,7 +204,7 @@ Exit run(const RunOptions& options) {
         provenance["changes"] = Json::array();
     }
     const recordings::RecordingHead head{
-        .columns = recordings::recorded_columns(recorded, static_cast<std::size_t>(scene.chain.spheres)),
+        .columns = recordings::recorded_columns(recorded, channel_counts(scene)),
         .sample_rate_hz = scene.output.sample_rate_hz,
         .provenance = provenance,
         .full_scale = options.wav_scale.value_or(1)};

@@ -52,16 +52,16 @@ struct StreamOptions {
     std::optional<double> wav_scale;
 };
 
-/// Returns the recorded taps of the streamed ones. @param end null: unknown, because the scene has faults
-TapSet taps_to_record(const StreamOptions& arguments, const End* end, Faults& faults) {
+/// Returns the recorded taps of the streamed ones. @param scene null: it has faults
+TapSet taps_to_record(const StreamOptions& arguments, const Scene* scene, Faults& faults) {
     if (arguments.recordings.empty()) {
         return {};
     }
     if (arguments.columns.empty()) {
-        return end == nullptr ? TapSet() : recorded_taps(*end);
+        return scene == nullptr ? TapSet() : recorded_taps(*scene);
     }
     return measures::taps_named("--columns", arguments.columns,
-                                end == nullptr ? streamed_taps : streamed_taps_of(*end), faults);
+                                scene == nullptr ? streamed_taps : streamed_taps_of(*scene), faults);
 }
 
 void refuse_shortages(const StreamOptions& arguments, const Scene& scene,
@@ -99,7 +99,12 @@ CheckedArguments checked(const StreamOptions& arguments) {
     }
     check_wav_scale(arguments.wav_scale, arguments.recordings, faults);
     auto resolved = faults.value_of({}, resolved_scene(arguments.scene, Lasting::endless));
-    result.recorded = taps_to_record(arguments, resolved ? &resolved->scene.end : nullptr, faults);
+    if (resolved) {
+        if (const auto fault = stream::SimulationSource::fault_of(resolved->scene)) {
+            faults.add(fault->message());
+        }
+    }
+    result.recorded = taps_to_record(arguments, resolved ? &resolved->scene : nullptr, faults);
     faults.refuse<WrongUse>();
     result.resolved = *std::move(resolved);
     return result;
@@ -154,8 +159,7 @@ Exit stream(const StreamOptions& arguments) {
     ProgressLine line;
     recordings::RecordingSet recordings(
         arguments.recordings,
-        {.columns =
-             recordings::recorded_columns(asked.recorded, static_cast<std::size_t>(scene.chain.spheres)),
+        {.columns = recordings::recorded_columns(asked.recorded, channel_counts(scene)),
          .sample_rate_hz = rate,
          .provenance = options.about,
          .full_scale = arguments.wav_scale.value_or(1)},

@@ -34,8 +34,8 @@ struct RunRequest {
 RunRequest checked(const Scene& scene, const std::optional<std::vector<std::string>>& taps,
                    const std::vector<std::string>& measure, std::optional<double> band_from_hz) {
     Faults faults;
-    const TapSet there = taps_of(scene.end);
-    RunRequest request{taps ? measures::taps_named("taps", *taps, there, faults) : recorded_taps(scene.end),
+    const TapSet there = taps_of(scene);
+    RunRequest request{taps ? measures::taps_named("taps", *taps, there, faults) : recorded_taps(scene),
                        measures::taps_named("measure", measure, there & measures::measurable_taps, faults),
                        band_from_hz};
     request.measured = measures::measured_taps(scene, request.measured);
@@ -49,8 +49,7 @@ RunRequest checked(const Scene& scene, const std::optional<std::vector<std::stri
 double memory_of(const Scene& scene, const RunRequest& request) {
     const TapSet taps = measures::taps_of_run(scene, request.taps | request.measured);
     return measures::memory_of_run(scene, taps, request.measured) +
-           sizeof(double) * measures::rows_of_run(scene) *
-               channels_of(request.taps, static_cast<double>(scene.chain.spheres));
+           sizeof(double) * measures::rows_of_run(scene) * channels_of(request.taps, channel_counts(scene));
 }
 
 /// Runs the scene and takes over its samples and numbers. Needs no GIL.
@@ -59,7 +58,7 @@ void simulate(const Resolution& resolved, const RunRequest& request, const std::
               RunResult& result) {
     const TapSet beside = request.taps - (request.measured | Tap::v_out);  // taps that a Run does not keep
     for (const Tap tap : beside) {
-        result.column(tap).reserve(result.rows * channels_of(tap, result.spheres));
+        result.column(tap).reserve(result.rows * channels_of(tap, result.counts));
     }
     hertzline::Run run =
         hertzline::run(resolved, {.recorded = beside,
@@ -93,7 +92,7 @@ std::shared_ptr<RunResult> run(SceneObject& object, const std::optional<std::vec
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = resolved->scene.output.sample_rate_hz;
     result->rows = static_cast<std::size_t>(measures::rows_of_run(resolved->scene));
-    result->spheres = static_cast<std::size_t>(resolved->scene.chain.spheres);
+    result->counts = channel_counts(resolved->scene);
     result->asked = request.taps;
     result->provenance =
         measures::provenance_json({resolved->scene, resolved->estimate,
@@ -114,8 +113,8 @@ Tap held_tap(const RunResult& result, const std::string& name) {
 py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, const std::string& name) {
     const Tap tap = held_tap(*result, name);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
-    if (chain_taps.contains(tap)) {
-        shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->spheres)));
+    if (multichannel_taps.contains(tap)) {
+        shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->counts)));
     }
     return view_of(result->column(tap).data(), shape, py::cast(result));
 }
@@ -127,7 +126,7 @@ py::tuple state_of_run(const std::shared_ptr<RunResult>& result) {
         samples[py::str(std::string(row_of(tap).name))] =
             samples_of_tap(result, std::string(row_of(tap).name));
     }
-    return py::make_tuple(result->sample_rate_hz, result->rows, result->spheres,
+    return py::make_tuple(result->sample_rate_hz, result->rows, result->counts.spheres, result->counts.points,
                           measures::names_of(result->asked), samples, json_text(result->summary),
                           json_text(result->provenance), result->warnings);
 }
@@ -136,19 +135,19 @@ std::shared_ptr<RunResult> restored_run(const py::tuple& state) {
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = state[0].cast<double>();
     result->rows = state[1].cast<std::size_t>();
-    result->spheres = state[2].cast<std::size_t>();
-    for (const auto& name : state[3].cast<std::vector<std::string>>()) {
+    result->counts = {.spheres = state[2].cast<std::size_t>(), .points = state[3].cast<std::size_t>()};
+    for (const auto& name : state[4].cast<std::vector<std::string>>()) {
         result->asked |= tap_named(name).value();
     }
-    for (const auto& [name, samples] : state[4].cast<py::dict>()) {
+    for (const auto& [name, samples] : state[5].cast<py::dict>()) {
         const Tap tap = tap_named(name.cast<std::string>()).value();
         const auto values = samples.cast<py::array_t<double, py::array::c_style | py::array::forcecast>>();
         result->held |= tap;
         result->column(tap).assign(values.data(), values.data() + values.size());
     }
-    result->summary = json_from_outside(state[5].cast<std::string>());
-    result->provenance = json_from_outside(state[6].cast<std::string>());
-    result->warnings = state[7].cast<std::vector<std::string>>();
+    result->summary = json_from_outside(state[6].cast<std::string>());
+    result->provenance = json_from_outside(state[7].cast<std::string>());
+    result->warnings = state[8].cast<std::vector<std::string>>();
     return result;
 }
 

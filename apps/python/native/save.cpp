@@ -25,7 +25,7 @@ void fill(Samples& block, const RunResult& result, TapSet taps, std::size_t firs
     block.count = std::min(block.capacity(), result.rows - first);
     block.holds = taps;
     for (const Tap tap : taps) {
-        const std::size_t channels = channels_of(tap, result.spheres);
+        const std::size_t channels = channels_of(tap, result.counts);
         std::copy_n(result.column(tap).begin() + static_cast<std::ptrdiff_t>(first * channels),
                     block.count * channels, block.room(tap).begin());
     }
@@ -38,7 +38,7 @@ void write(const RunResult& result, const std::vector<std::string>& paths,
         paths, head, recordings::RecordingPatience::endless(stop), [](const std::string&) {},
         recordings::Appearance::when_complete);
     recordings::RowBuilder rows(recordings, taps);
-    Samples block(taps, result.spheres, block_rows);
+    Samples block(taps, result.counts, block_rows);
     for (std::size_t first = 0; first < result.rows && !stop; first += block.count) {
         fill(block, result, taps, first);
         rows.write(block);
@@ -79,7 +79,7 @@ void save(const std::shared_ptr<RunResult>& result, const std::vector<std::strin
         faults.add("taps: found none, allowed: at least one");
     }
     faults.refuse<py::value_error>();
-    const recordings::RecordingHead head{.columns = recordings::recorded_columns(taps, result->spheres),
+    const recordings::RecordingHead head{.columns = recordings::recorded_columns(taps, result->counts),
                                          .sample_rate_hz = result->sample_rate_hz,
                                          .provenance = result->provenance,
                                          .full_scale = wav_scale};

@@ -17,7 +17,7 @@ namespace hertzline::python {
 struct RunResult {
     double sample_rate_hz = 0;
     std::size_t rows = 0;
-    std::size_t spheres = 0;
+    ChannelCounts counts;
     TapSet asked;  ///< taps that the caller named, or those of a recording
     TapSet held;   ///< taps that have samples: also those that are measured
     std::array<std::vector<double>, tap_count> columns;  ///< row-major, [sample][channel]

@@ -32,9 +32,8 @@ public:
     /// @throws std::runtime_error when the motion becomes unstable; py::error_already_set of a signal handler
     py::dict advance(std::int64_t samples) {
         std::vector<std::vector<double>> columns(tap_count);
-        const auto spheres = static_cast<std::size_t>(simulation_.scene().chain.spheres);
         for (const Tap tap : simulation_.taps()) {
-            columns[index_of(tap)].reserve(static_cast<std::size_t>(samples) * channels_of(tap, spheres));
+            columns[index_of(tap)].reserve(static_cast<std::size_t>(samples) * block_.channels(tap));
         }
         for (std::int64_t done = 0; done < samples; done += static_cast<std::int64_t>(block_.count)) {
             fill(static_cast<std::size_t>(
@@ -47,8 +46,8 @@ public:
         py::dict result;
         for (const Tap tap : simulation_.taps()) {
             std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(samples)};
-            if (chain_taps.contains(tap)) {
-                shape.push_back(static_cast<py::ssize_t>(channels_of(tap, spheres)));
+            if (multichannel_taps.contains(tap)) {
+                shape.push_back(static_cast<py::ssize_t>(block_.channels(tap)));
             }
             result[py::str(std::string(row_of(tap).name))] =
                 array_of(std::move(columns[index_of(tap)]), std::move(shape));
@@ -59,7 +58,7 @@ public:
     /// Returns the bytes of the arrays that advance() returns.
     double bytes_of(std::int64_t samples) const {
         return sizeof(double) * static_cast<double>(samples) *
-               channels_of(simulation_.taps(), static_cast<double>(simulation_.scene().chain.spheres));
+               channels_of(simulation_.taps(), channel_counts(simulation_.scene()));
     }
 
     Simulation& simulation() noexcept { return simulation_; }
@@ -88,9 +87,9 @@ private:
 std::unique_ptr<Steps> simulation_of(SceneObject& object,
                                      const std::optional<std::vector<std::string>>& names) {
     Faults faults;
-    const TapSet there = taps_of(object.scene().end);
+    const TapSet there = taps_of(object.scene());
     const TapSet taps =
-        names ? measures::taps_named("taps", *names, there, faults) : recorded_taps(object.scene().end);
+        names ? measures::taps_named("taps", *names, there, faults) : recorded_taps(object.scene());
     if (taps.empty()) {
         faults.add("taps: found none, allowed: at least one");
     }

@@ -58,7 +58,7 @@ constexpr std::array formulas{
 };
 
 constexpr TapSet columns_of_motion =
-    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_centre | Tap::v_face | Tap::p_axis;
+    TapSet(Tap::v_last) | Tap::v_plate | Tap::v_centre | Tap::v_face | Tap::p_axis | Tap::p_points;
 
 constexpr TapSet computed = [] {
     TapSet taps;
@@ -95,7 +95,8 @@ bool EndTaps::any_of(TapSet taps) noexcept {
 
 EndMotion EndTaps::outputs_into(Samples& samples) noexcept {
     const auto column_or_scratch = [&samples](Tap tap, double* scratch) {
-        return samples.holds.contains(tap) ? samples.room(tap).data() + samples.count : scratch;
+        return samples.holds.contains(tap) ? samples.room(tap).data() + samples.count * samples.channels(tap)
+                                           : scratch;
     };
     const bool displacements = needs_displacements(samples.holds);
     const bool modal = chain_.end.plate != nullptr;
@@ -108,7 +109,8 @@ EndMotion EndTaps::outputs_into(Samples& samples) noexcept {
             .x_end = displacements ? x_end_.data() : nullptr,
             .closed = closed_.data(),
             .v_face = face ? column_or_scratch(Tap::v_face, v_face_.data()) : nullptr,
-            .p_axis = column_or_scratch(Tap::p_axis, nullptr)};
+            .p_axis = column_or_scratch(Tap::p_axis, nullptr),
+            .p_points = column_or_scratch(Tap::p_points, nullptr)};
 }
 
 void EndTaps::fill(Samples& samples, const EndMotion& motion) noexcept {

@@ -37,15 +37,16 @@ private:
 
 /// The last sphere and the end at successive samples: columns, the first `count` numbers of which are there.
 struct EndMotion {
-    std::int64_t first = 0;    ///< index of the first sample
-    std::size_t count = 0;     ///< samples
-    double* v_last = nullptr;  ///< velocity of the last sphere [m/s]
-    double* v_end = nullptr;   ///< of the end [m/s]
-    double* x_last = nullptr;  ///< displacement of the last sphere [m]; null: not needed
-    double* x_end = nullptr;   ///< of the end [m]; null: not needed
-    bool* closed = nullptr;    ///< whether the last contact touches
-    double* v_face = nullptr;  ///< of a modal plate [m/s]; null: not needed
-    double* p_axis = nullptr;  ///< of a modal plate [Pa]; null: not needed
+    std::int64_t first = 0;      ///< index of the first sample
+    std::size_t count = 0;       ///< samples
+    double* v_last = nullptr;    ///< velocity of the last sphere [m/s]
+    double* v_end = nullptr;     ///< of the end [m/s]
+    double* x_last = nullptr;    ///< displacement of the last sphere [m]; null: not needed
+    double* x_end = nullptr;     ///< of the end [m]; null: not needed
+    bool* closed = nullptr;      ///< whether the last contact touches
+    double* v_face = nullptr;    ///< of a modal plate [m/s]; null: not needed
+    double* p_axis = nullptr;    ///< of a modal plate [Pa]; null: not needed
+    double* p_points = nullptr;  ///< of a modal plate [Pa], row-major [sample][point]; null: not needed
 };
 
 class EndTaps {

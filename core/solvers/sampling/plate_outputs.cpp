@@ -7,35 +7,44 @@
 namespace hertzline {
 
 PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
-                           Integrator integrator, double sample_period_s, TapSet taps)
+                           const ResolvedScene& resolved, TapSet taps)
     : plate_(plate),
-      kernels_(kernels::series_kernels(integrator, 1, chain.damping_law)),
+      kernels_(kernels::series_kernels(resolved.integrator(), 1, chain.damping_law)),
       piece_(piece),
-      sample_period_s_(sample_period_s) {
+      sample_period_s_(1 / resolved.scene().output.sample_rate_hz) {
     if (plate_ == nullptr) {
         return;
     }
     plate_->shows_face = taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
-    if (!taps.contains(Tap::p_axis)) {
-        return;
-    }
     const PlateResponse& response = *chain.end.plate;
     const PlateParameters& p = response.parameters;
     const ShapeTable shapes(disc_modes(p));
     std::vector<PointSound> sounds;
-    sounds.emplace_back(shapes, 0, p.hydrophone_m / p.radius_m);
+    const Output& output = resolved.scene().output;
+    if (taps.contains(Tap::p_axis)) {
+        sounds.emplace_back(shapes, 0, output.hydrophone_m / p.radius_m);
+        on_axis_ = 1;
+    }
+    if (taps.contains(Tap::p_points)) {
+        for (const auto& [x, y, z] : output.points_m) {
+            sounds.emplace_back(shapes, std::hypot(x, y) / p.radius_m, z / p.radius_m);
+        }
+    }
+    if (sounds.empty()) {
+        return;
+    }
     const double unit_s = p.radius_m / p.fluid.sound_speed_m_per_s;
     double nearest = sounds.front().first();
-    double longest_s = sample_period_s;
+    double longest_s = sample_period_s_;
     for (const PointSound& sound : sounds) {
         nearest = std::min(nearest, sound.first());
         longest_s =
             std::min(longest_s, longest_interval_s(response, unit_s * (sound.last() - sound.first())));
     }
-    intervals_per_sample_ = static_cast<std::int64_t>(std::ceil(sample_period_s / longest_s * (1 - 1e-9)));
-    const double interval_s = sample_period_s / static_cast<double>(intervals_per_sample_);
+    intervals_per_sample_ = static_cast<std::int64_t>(std::ceil(sample_period_s_ / longest_s * (1 - 1e-9)));
+    const double interval_s = sample_period_s_ / static_cast<double>(intervals_per_sample_);
     forced_ = std::make_unique<ForcedStates>(response, interval_s);
-    first_delay_ = FixedTime::of(nearest * unit_s / sample_period_s);
+    first_delay_ = FixedTime::of(nearest * unit_s / sample_period_s_);
     for (const PointSound& sound : sounds) {
         const double later = (sound.first() - nearest) * unit_s / interval_s;
         const double whole = std::floor(later);
@@ -49,6 +58,7 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
         const std::int64_t most = first_delay_.whole + pressure.delay / intervals_per_sample_ + 3;
         pressure.ring.resize(static_cast<std::size_t>(most) + EndTaps::max_count);
     }
+    soonest_ = std::ranges::min(pressures_, {}, &Pressure::delay).delay;
     moments_.resize(2 * kept_);
     states_.resize(kept_ * 2 * forced_->size());
 }
@@ -203,21 +213,33 @@ void PlateOutputs::put(const EndMotion& motion, const kernels::SampleTimes& time
     if (plate_ == nullptr) {
         return;
     }
-    const std::size_t at = motion.count;
     if (motion.v_face != nullptr) {
-        put_velocity(plate_->face, times, count, motion.v_face + at);
+        put_velocity(plate_->face, times, count, motion.v_face + motion.count);
     }
-    if (motion.p_axis != nullptr) {
-        Pressure& pressure = pressures_.front();
+    if (motion.p_axis != nullptr || motion.p_points != nullptr) {
         // a piece that is longer than the way sends pressures that arrive within it
         const std::int64_t last = first + static_cast<std::int64_t>(count) - 1;
-        const std::int64_t line = last * intervals_per_sample_ - pressure.delay + 1;
+        const std::int64_t line = last * intervals_per_sample_ - soonest_ + 1;
         if (line_ <= line) {
             send(place_of(line, piece), piece);
         }
+        put_pressures(motion, count, first);
+    }
+}
+
+/// Puts down the pressures that arrive in `count` samples. @param first number of the first sample
+void PlateOutputs::put_pressures(const EndMotion& motion, std::size_t count, std::int64_t first) noexcept {
+    const auto put = [count, first](Pressure& pressure, double* out, std::size_t stride) {
         for (std::size_t i = 0; i < count; ++i) {
-            motion.p_axis[at + i] = pressure.at(first + static_cast<std::int64_t>(i));
+            out[i * stride] = pressure.at(first + static_cast<std::int64_t>(i));
         }
+    };
+    if (motion.p_axis != nullptr) {
+        put(pressures_.front(), motion.p_axis + motion.count, 1);
+    }
+    const std::size_t points = pressures_.size() - on_axis_;
+    for (std::size_t point = 0; motion.p_points != nullptr && point < points; ++point) {
+        put(pressures_[on_axis_ + point], motion.p_points + motion.count * points + point, points);
     }
 }
 
@@ -228,9 +250,26 @@ void PlateOutputs::leave_piece(const Stretch& piece) noexcept {
     done_ = 0;
 }
 
-double PlateOutputs::bytes(double delay) noexcept {
+double PlateOutputs::bytes(const Scene& scene, TapSet taps) noexcept {
+    const auto& fluid = std::get<Fluid>(*find_material(scene, scene.medium.material));
+    const Output& output = scene.output;
     constexpr double per_interval = 72;  // kernel, moments and states, no longer than the way from the rim
-    return 8 * (delay + static_cast<double>(EndTaps::max_count)) * (1 + per_interval);
+    constexpr double intervals = 64;     // of a kernel
+    double numbers = 0;
+    const auto add = [&](double from_axis_m, double from_plane_m) {
+        const double way_m = std::hypot(from_plane_m, from_axis_m + scene.end.radius_m);
+        const double delay = way_m / fluid.sound_speed_m_per_s * output.sample_rate_hz;
+        numbers += delay + static_cast<double>(EndTaps::max_count) + intervals * per_interval;
+    };
+    if (taps.contains(Tap::p_axis)) {
+        add(0, output.hydrophone_m);
+    }
+    if (taps.contains(Tap::p_points)) {
+        for (const auto& [x, y, z] : output.points_m) {
+            add(std::hypot(x, y), z);
+        }
+    }
+    return sizeof(double) * numbers;
 }
 
 }  // namespace hertzline

@@ -17,6 +17,7 @@
 #include "core/plate/force_kernel.hpp"
 #include "core/solvers/fixed_time.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
+#include "hertzline/resolve.hpp"
 #include "hertzline/taps.hpp"
 
 namespace hertzline {
@@ -31,7 +32,7 @@ class PlateOutputs {
 public:
     /// All outlive the object. @param plate null: there is none, and nothing is done @param taps all that may be wanted
     PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
-                 Integrator integrator, double sample_period_s, TapSet taps);
+                 const ResolvedScene& resolved, TapSet taps);
 
     /// Back to sample 0: the plate at rest, and no sound on its way.
     void reset() noexcept;
@@ -47,8 +48,8 @@ public:
     /// The piece is done: the pressures that it sends are computed.
     void leave_piece(const Stretch& piece) noexcept;
 
-    /// Bytes, roughly from above. @param delay of the pressure [samples]
-    static double bytes(double delay) noexcept;
+    /// Bytes, roughly from above. @param taps that the scene has
+    static double bytes(const Scene& scene, TapSet taps) noexcept;
 
 private:
     using Moments = std::array<double, moment_stride>;  // of the force over an interval
@@ -72,6 +73,7 @@ private:
     void send(double until, const Stretch& piece) noexcept;
     void add_force(double until, double line, double interval) noexcept;
     void end_interval() noexcept;
+    void put_pressures(const EndMotion& motion, std::size_t count, std::int64_t first) noexcept;
     double pressure(const Pressure& point) const noexcept;
     bool is_due(const Pressure& point) const noexcept {
         return (line_ - 1 + point.delay) % intervals_per_sample_ == 0;
@@ -88,7 +90,9 @@ private:
     const kernels::SeriesPiece& piece_;
     double sample_period_s_;
     FixedTime first_delay_;  ///< of the nearest point [samples]: sound of line n m arrives there in sample n
-    std::vector<Pressure> pressures_;
+    std::vector<Pressure> pressures_;  ///< at the hydrophone, if that is wanted, then at the points
+    std::size_t on_axis_ = 0;          ///< how many of them are at the hydrophone
+    std::int64_t soonest_ = 0;         ///< least of their delays [intervals]
     std::int64_t intervals_per_sample_ = 1;
     std::unique_ptr<const ForcedStates> forced_;
     std::size_t kept_ = 0;  ///< intervals in the rings

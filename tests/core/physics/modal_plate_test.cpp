@@ -29,16 +29,26 @@ Samples whole_run(Simulation& simulation, std::size_t rows) {
 
 class EveryWetReference : public ::testing::TestWithParam<Wet> {
 protected:
-    /// Returns the largest relative L2 error of the four columns.
+    /// Returns the largest relative L2 error of the columns.
     static double error_of(const Scene& scene, const Columns& reference) {
         const Resolution settled = resolve(scene);
         EXPECT_TRUE(settled.faults.empty());
-        Simulation simulation(settled.scene, {.taps = outputs});
+        Simulation simulation(settled.scene, {.taps = outputs | Tap::p_points});
         const std::size_t rows = reference.at("t_s").size();
         const Samples samples = whole_run(simulation, rows);
         double largest = 0;
         for (const Tap tap : {Tap::v_last, Tap::v_centre, Tap::v_face, Tap::p_axis}) {
             const double error = relative_l2(samples[tap], reference.at(std::string(row_of(tap).column)));
+            largest = std::max(largest, error);
+        }
+        const std::size_t points = scene.output.points_m.size();
+        for (std::size_t point = 0; point < points; ++point) {
+            std::vector<double> pressure(rows);
+            for (std::size_t i = 0; i < rows; ++i) {
+                pressure[i] = samples[Tap::p_points][i * points + point];
+            }
+            const double error =
+                relative_l2(pressure, reference.at("p_" + std::to_string(point + 1) + "_pa"));
             largest = std::max(largest, error);
         }
         return largest;
@@ -190,6 +200,34 @@ TEST(ModalPlate, ThePressureDoesNotHangOnTheSampleRate) {
     const std::vector<double> expected = at_rate(5e6, 1);
     EXPECT_LT(relative_l2(at_rate(10e6, 2), expected), 2e-5);
     EXPECT_LT(relative_l2(at_rate(40e6, 8), expected), 2e-5);
+}
+
+TEST(ModalPlate, APointOnTheAxisHearsTheSameAsTheHydrophone) {
+    Scene scene = modal_scene();
+    scene.output.points_m = {{0, 0, scene.output.hydrophone_m}, {0, 0, 0.1}, {0.03, -0.04, 0}, {0, 0, 0}};
+    const ResolvedScene resolved = resolve(scene);
+    Simulation simulation(resolved, {.taps = outputs | Tap::p_points});
+    const Samples samples = whole_run(simulation, 2001);
+    std::vector<double> first;
+    for (std::size_t i = 0; i < samples.count; ++i) {
+        first.push_back(samples[Tap::p_points][i * 4]);
+    }
+    EXPECT_EQ(relative_l2(first, samples[Tap::p_axis]), 0);
+    Simulation alone(resolved, {.taps = Tap::p_axis});  // with intervals of its own
+    EXPECT_LT(relative_l2(first, whole_run(alone, 2001)[Tap::p_axis]), 1e-5);
+    Simulation parts(resolved, {.taps = outputs | Tap::p_points});
+    expect_parts_to_match(parts, samples, 2001, Tap::p_points);
+}
+
+TEST(ModalPlate, PointsAtTheSameDistanceFromTheAxisHearTheSame) {
+    Scene scene = modal_scene();
+    scene.output.points_m = {{3e-3, 4e-3, 7e-3}, {-5e-3, 0, 7e-3}};
+    Simulation simulation(resolve(scene), {.taps = Tap::p_points});
+    const Samples samples = whole_run(simulation, 2001);
+    for (std::size_t i = 0; i < samples.count; ++i) {
+        ASSERT_EQ(samples[Tap::p_points][2 * i], samples[Tap::p_points][2 * i + 1]) << i;
+    }
+    EXPECT_GT(std::ranges::max(samples[Tap::p_points]), 100);
 }
 
 TEST(ModalPlate, OneModeInAVacuumIsAMassOnASpring) {

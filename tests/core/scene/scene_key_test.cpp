@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/list_values.hpp"
+
 namespace hertzline {
 namespace {
 
@@ -40,7 +42,7 @@ TEST(SceneKey, SetsItsOwnMemberAndNoOther) {
         Scene scene = before;
         const SceneValue one = key.kind == ValueKind::word ? SceneValue(words_of(scene, key).back())
                                                            : *value_as(key.kind, std::int64_t{31});
-        const SceneValue value = key.is_list() ? joined(key, {one, one}) : one;
+        const SceneValue value = test::filled_with(key, one);
         EXPECT_TRUE(key.set(scene, value)) << key.name;
         for (const SceneKey& other : keys) {
             EXPECT_EQ(other.value(scene), other.name == key.name ? value : other.value(before)) << other.name;

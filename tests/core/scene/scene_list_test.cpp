@@ -1,6 +1,7 @@
 // Lists as values of keys: from TOML, options, texts and JSON, entry by entry.
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 constexpr const char* two_layers =
     "[end]\nmaterials = ['aluminium', 'acrylic']\nthicknesses_m = [2e-4, '0.5 mm']\n";
@@ -43,12 +45,8 @@ std::vector<std::string> faults_of_values(const Json& values) {
     return messages;
 }
 
-/// A key as one of points would be.
 SceneKey points_key() {
-    SceneKey key{{.key = "points_m", .range = {-10, 10, "m"}, .doc = ""}};
-    key.name = "output.points_m";
-    key.counts = {{1, 64}, {3, 3}};
-    return key;
+    return scene_key_named(Scene{}, "output.points_m").value();
 }
 
 TEST(SceneLists, AreReadFromFilesWithUnitsAndFromOptionsWithoutQuotes) {
@@ -167,6 +165,21 @@ TEST(SceneLists, AnEntryIsAKeyOfItsOwn) {
     EXPECT_FALSE(entry.set(without, 1e-3));
     EXPECT_EQ(entry.value(without), std::nullopt);
     EXPECT_EQ(without, Scene{});
+}
+
+TEST(SceneLists, PointsAreReadCheckedAndSetByTheirCoordinates) {
+    const std::string modal = "[end]\nmodel = 'modal'\n[output]\npoints_m = ";
+    Scene scene = parse_scene(modal + "[[0, 0, 0.01], ['3 mm', -1e-3, 0]]", "scene.toml").value().scene;
+    EXPECT_THAT(scene.output.points_m, ElementsAre(std::array{0.0, 0.0, 0.01}, std::array{3e-3, -1e-3, 0.0}));
+    EXPECT_TRUE(scene_key_named(scene, "output.points_m[2][3]")->set(scene, 0.02));
+    EXPECT_EQ(scene.output.points_m[1][2], 0.02);
+    EXPECT_THAT(faults_in(modal + "[[0, 0, 0.01], [0, 0, -1e-9]]"),
+                ElementsAre(HasSubstr("output.points_m[2][3]: found -1e-09, allowed: at least 0")));
+    EXPECT_THAT(faults_in(modal + "[[0, 0, 0.01], [0, 1]]"),
+                ElementsAre(HasSubstr("output.points_m[2]: found 2 entries, allowed: a list of 3 entries")));
+    EXPECT_THAT(faults_in(modal + "[0, 0, 0.01]"), Not(IsEmpty()));
+    EXPECT_THAT(faults_in(modal + "[[0, 0, 10]]", {"output.sample_rate_hz=1e12"}),
+                testing::Contains(HasSubstr("output.points_m[1]: found 10 m from the plate's centre")));
 }
 
 TEST(SceneLists, JsonHasThemBothWaysAndLeavesOutThoseThatAreNotGiven) {

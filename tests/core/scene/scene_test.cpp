@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "core/scene/scene_key.hpp"
+#include "tests/support/list_values.hpp"
 
 namespace hertzline {
 namespace {
@@ -70,6 +71,11 @@ TEST(Scene, DefaultsAreValid) {
     EXPECT_THAT(validate(Scene{}), IsEmpty());
 }
 
+/// The key itself, or the first entry of a list.
+SceneKey first_of(const SceneKey& key) {
+    return key.is_list() ? first_of(key.entry(0)) : key;
+}
+
 TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
     for (const SceneKey& key : scene_keys()) {
         if (key.kind != ValueKind::number) {
@@ -77,10 +83,8 @@ TEST(Scene, NoNumberMayBeInfiniteOrNotANumber) {
         }
         for (const double value : {nan, inf, -inf, 1e300, -1e300}) {
             Scene scene;
-            EXPECT_TRUE(
-                key.set(scene, key.is_list() ? SceneValue(std::vector{1.0, value}) : SceneValue(value)));
-            EXPECT_THAT(faulty_keys(scene), testing::Contains(key.is_list() ? key.entry(1).name : key.name))
-                << value;
+            EXPECT_TRUE(key.set(scene, test::filled_with(key, value)));
+            EXPECT_THAT(faulty_keys(scene), testing::Contains(first_of(key).name)) << value;
         }
     }
 }

@@ -171,7 +171,7 @@ TEST_P(EndTapsOf, TheLastOfAllContactsIsThatOfTheEnd) {
     const TapSet taps = TapSet(Tap::f_chain) | Tap::f_last;
     for (const EndKind kind : {EndKind::plate, EndKind::wall, EndKind::free}) {
         const Scene scene = with_step(with_end(kind), GetParam(), 10e-9);
-        Simulation simulation(scene, {.taps = taps & taps_of(scene.end)});
+        Simulation simulation(scene, {.taps = taps & taps_of(scene)});
         const auto contacts = static_cast<std::size_t>(simulation.chain().bodies());
         Samples samples = simulation.make_samples(3000);
         ASSERT_EQ(simulation.advance(samples, 3000), Status::running);
@@ -222,8 +222,8 @@ TEST_P(EndTapsOf, WithoutTensionTheLastContactNeverPulls) {
 }
 
 TEST(EndTaps, AFreeEndHasNoLastContact) {
-    EXPECT_FALSE(taps_of(end_of(EndKind::free)).contains(Tap::f_last));
-    EXPECT_TRUE(taps_of(end_of(EndKind::wall)).contains(Tap::f_last));
+    EXPECT_FALSE(taps_of(scene_with_end(EndKind::free)).contains(Tap::f_last));
+    EXPECT_TRUE(taps_of(scene_with_end(EndKind::wall)).contains(Tap::f_last));
     Simulation simulation(with_step(with_end(EndKind::free), Integrator::taylor8, 900e-9),
                           {.taps = everything});
     EXPECT_FALSE(simulation.taps().contains(Tap::f_last));

@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(Of, HandOver, testing::ValuesIn(cases()),
 TEST_P(HandOver, ToTheSameDriveChangesNothing) {
     const Scene scene = settled(GetParam().scene);
     const SimulationOptions options{.taps = everything};
-    for (const Tap tap : taps_of(scene.end) - Tap::v_chain - Tap::x_chain) {
+    for (const Tap tap : taps_of(scene) - Tap::v_chain - Tap::x_chain) {
         Simulation whole(scene, options);
         const std::vector<double> expected = column(whole, tap, end);
         Simulation first(scene, options);

@@ -18,7 +18,7 @@ Scene shipped(std::string_view name) {
 /// Runs to the end with that step and a finer run beside it. Returns the estimated error.
 ErrorEstimate estimate_with(Resolution resolved, double step_s) {
     resolved.scene.numerics.step_s = step_s;
-    Simulation simulation(resolved.scene, {.taps = judged_outputs & taps_of(resolved.scene.end)});
+    Simulation simulation(resolved.scene, {.taps = judged_outputs & taps_of(resolved.scene)});
     Samples block = simulation.make_samples(1001);
     FinerRun finer(resolved.scene, block.capacity(), nullptr);
     for (int i = 0; i < 5; ++i) {

@@ -526,23 +526,31 @@ TEST(ControlServer, AnswersThoseThatWaitWhenTheStreamEnds) {
         socket.set(zmq::sockopt::linger, 0);
         socket.set(zmq::sockopt::rcvtimeo, 60'000);
         socket.connect(server->endpoint());
-        socket.send(zmq::str_buffer(R"({"get": ["drive.cycles"]})"), zmq::send_flags::none);
-        zmq::message_t reply;
-        EXPECT_TRUE(socket.recv(reply));  // so the connection stands
         socket.send(zmq::str_buffer(R"({"set": {"drive.cycles": 4}})"), zmq::send_flags::none);
         return socket;
     };
-    zmq::socket_t one = ask();
-    zmq::socket_t two = ask();
-    server->end(1234);
-    zmq::socket_t three = ask();
-    server.reset();
-    for (zmq::socket_t* socket : {&one, &two, &three}) {
+    const auto wait_until_asked = [](zmq::socket_t& socket) {
+        socket.send(zmq::str_buffer(R"({"get": ["drive.cycles"]})"), zmq::send_flags::none);
+        zmq::message_t reply;  // to this, which was read later
+        ASSERT_TRUE(socket.recv(reply));
+        EXPECT_EQ(Json::parse(reply.to_string_view()).count("faults"), 0U);
+    };
+    const auto expect_refusal = [](zmq::socket_t& socket) {
         zmq::message_t reply;
-        ASSERT_TRUE(socket->recv(reply));
+        ASSERT_TRUE(socket.recv(reply));
         EXPECT_EQ(Json::parse(reply.to_string_view())["faults"][0]["message"],
                   "the stream ends at sample 1234, before this change");
-    }
+    };
+    zmq::socket_t one = ask();
+    zmq::socket_t two = ask();
+    wait_until_asked(one);
+    wait_until_asked(two);
+    server->end(1234);
+    zmq::socket_t three = ask();
+    expect_refusal(three);
+    server.reset();
+    expect_refusal(one);
+    expect_refusal(two);
 }
 
 /// Controllers that have been answered, as many as a stream serves.

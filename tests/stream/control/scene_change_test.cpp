@@ -28,8 +28,19 @@ TEST(SceneChange, WhatFramesHoldStays) {
     const Scene scene = steady_scene();
     const auto faults = [&](const Json& values) { return frame_faults(scene, *with_values(scene, values)); };
     EXPECT_TRUE(faults({{"chain.preload_n", 0.2}, {"end.thickness_m", 1e-3}}).empty());
+    EXPECT_EQ(faults({{"output.points_m", {{0, 0, 0.01}}}}).front().key, "output.points_m");
     EXPECT_EQ(faults({{"output.sample_rate_hz", 1e6}, {"chain.spheres", 3}, {"end.kind", "wall"}}).size(),
               3U);
+}
+
+TEST(SceneChange, PointsMayMoveAsLongAsTheyAreAsMany) {
+    Scene scene = steady_scene();
+    scene.end.model = PlateModel::modal;
+    scene.output.points_m = {{0, 0, 0.01}, {0, 0, 0.02}};
+    const auto faults = [&](const Json& values) { return frame_faults(scene, *with_values(scene, values)); };
+    EXPECT_TRUE(faults({{"output.points_m[2][1]", 1e-3}}).empty());
+    EXPECT_TRUE(faults({{"output.points_m", {{0, 0, 0.01}, {0, 1e-3, 0}}}}).empty());
+    EXPECT_EQ(faults({{"output.points_m", {{0, 0, 0.01}}}}).front().key, "output.points_m");
 }
 
 TEST(SceneChange, ComesBackFromItsJson) {

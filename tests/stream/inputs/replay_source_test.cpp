@@ -78,7 +78,7 @@ ReplaySource source(std::vector<Column> columns, std::deque<RecordedRows> pieces
 TEST(ReplaySource, ColumnsBecomeTheStreamsOfTheirName) {
     ReplaySource replay = source(outputs, {counted(0, 25, 5)});
     EXPECT_EQ(replay.format().taps, TapSet(Tap::v_last) | Tap::v_chain);
-    EXPECT_EQ(replay.format().spheres, 2U);
+    EXPECT_EQ(replay.format().counts.spheres, 2U);
     Samples samples = replay.make_block(replay.format().taps);
     ASSERT_TRUE(replay.read(samples, 10, replay.format().taps));
     EXPECT_EQ(samples.count, 10U);
@@ -136,13 +136,24 @@ TEST(ReplaySource, ForcesOfAllContactsAreOneMoreThanTheSpheres) {
     const Column f1{"f1_n", "f_chain", "N"};
     const Column f2{"f2_n", "f_chain", "N"};
     ReplaySource both = source({v1, f1, f2}, {counted(0, 25, 3)});
-    EXPECT_EQ(both.format().spheres, 1U);
+    EXPECT_EQ(both.format().counts.spheres, 1U);
     Samples samples = both.make_block(both.format().taps);
     ASSERT_TRUE(both.read(samples, 10, both.format().taps));
     EXPECT_EQ(samples[Tap::f_chain][2 * 9], 9 + 0.1 * 1);
     EXPECT_EQ(samples[Tap::f_chain][2 * 9 + 1], 9 + 0.1 * 2);
-    EXPECT_EQ(source({f1, f2}, {counted(0, 25, 2)}).format().spheres, 1U);
+    EXPECT_EQ(source({f1, f2}, {counted(0, 25, 2)}).format().counts.spheres, 1U);
     EXPECT_THROW(source({v1, f1}, {counted(0, 25, 2)}), std::runtime_error) << "the end's contact is missing";
+}
+
+TEST(ReplaySource, PressuresAtPointsAreOneTap) {
+    ReplaySource replay =
+        source({{"p_1_pa", "p_points", "Pa"}, {"p_2_pa", "p_points", "kPa"}}, {counted(0, 25, 2)});
+    EXPECT_EQ(replay.format().taps, TapSet(Tap::p_points));
+    EXPECT_EQ(replay.format().channels(Tap::p_points), 2U);
+    Samples samples = replay.make_block(Tap::p_points);
+    ASSERT_TRUE(replay.read(samples, 10, Tap::p_points));
+    EXPECT_EQ(samples[Tap::p_points][2 * 9], 9);
+    EXPECT_EQ(samples[Tap::p_points][2 * 9 + 1], 1e3 * (9 + 0.1));
 }
 
 TEST(ReplaySource, WhatIsNotStreamedIsPassedOver) {
@@ -167,7 +178,7 @@ TEST(ReplaySource, OneColumnOfSomebodyElseIsStreamedAsVOutAndSeveralAsVChain) {
     EXPECT_EQ(source({{"channel_1", "", ""}}, {counted(0, 5, 1)}).format().taps, TapSet(Tap::v_out));
     const ReplaySource three = source({{"a", "", ""}, {"b", "", ""}, {"c", "", ""}}, {counted(0, 5, 3)});
     EXPECT_EQ(three.format().taps, TapSet(Tap::v_chain));
-    EXPECT_EQ(three.format().spheres, 3U);
+    EXPECT_EQ(three.format().counts.spheres, 3U);
 }
 
 TEST(ReplaySource, NumbersComeInTheUnitOfTheStream) {

@@ -8,7 +8,10 @@ using namespace stream;
 namespace {
 
 StreamFormat chain_of(std::size_t spheres) {
-    return {.taps = streamed_taps, .spheres = spheres, .sample_rate_hz = 1e7, .frame_samples = 1024};
+    return {.taps = streamed_taps,
+            .counts = {.spheres = spheres, .points = 2},
+            .sample_rate_hz = 1e7,
+            .frame_samples = 1024};
 }
 
 TEST(RingSize, LastsFiftyMillisecondsHoweverLongTheChain) {

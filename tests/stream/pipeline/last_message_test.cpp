@@ -23,8 +23,10 @@ using namespace std::chrono_literals;
 TEST(LastMessage, ReachesOneWhoseQueueIsFullAndWhoReadsAgainWithinTheLinger) {
     constexpr std::int64_t frames = 3000;  // 12 MB: more than its queue and the system take
     const TemporaryFolder folder;
-    CountingSource source(
-        {.taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e7, .frame_samples = 1000});
+    CountingSource source({.taps = TapSet(Tap::v_out),
+                           .counts = {.spheres = 1, .points = 2},
+                           .sample_rate_hz = 1e7,
+                           .frame_samples = 1000});
     Publisher publisher("ipc://" + folder.file("s"), all_topics, {.max_queue_length = 10, .linger = 20s});
     std::atomic<bool> all_sent{false};
     std::int64_t heard = 0;

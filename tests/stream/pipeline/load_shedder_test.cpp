@@ -28,7 +28,10 @@ public:
     void overload() { judge_for(10 * LoadShedder::period, 40ms); }
 
 private:
-    LoadShedder shedder_{{.taps = all_taps, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1024}};
+    LoadShedder shedder_{{.taps = all_taps,
+                          .counts = {.spheres = 6, .points = 2},
+                          .sample_rate_hz = 1e7,
+                          .frame_samples = 1024}};
     Nanoseconds now_{0};
 };
 
@@ -58,7 +61,10 @@ TEST(LoadShedder, WhoDiscardsBlocksIsBehindHoweverShortItsRingIs) {
 }
 
 TEST(LoadShedder, LooksAtTheStreamOnceAPeriod) {
-    LoadShedder shedder({.taps = all_taps, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1024});
+    LoadShedder shedder({.taps = all_taps,
+                         .counts = {.spheres = 6, .points = 2},
+                         .sample_rate_hz = 1e7,
+                         .frame_samples = 1024});
     for (int i = 0; i < 100; ++i) {
         shedder.judge(all_taps, 40ms, 0, 1s + i * 10us);
     }

@@ -119,8 +119,8 @@ TEST(LongChain, EverySampleOfEverySphereArrivesBitForBit) {
 }
 
 TEST(LongChain, IsSentInStepWithTheClockFromTheFewSlotsThatItHas) {
-    CountingSource source({.taps = streamed_taps_of(end_of(EndKind::wall)),
-                           .spheres = spheres,
+    CountingSource source({.taps = streamed_taps_of(scene_with_end(EndKind::wall)),
+                           .counts = {.spheres = spheres, .points = 2},
                            .sample_rate_hz = 1e7,
                            .frame_samples = frame_samples});
     constexpr std::int64_t samples = 40 * frame_samples;  // in half a second

@@ -139,7 +139,7 @@ TEST(Pipeline, EverySampleOfEveryStreamArrivesBitForBit) {
 TEST(Pipeline, HeadersSayInWhichBurstTheirFirstSampleLies) {
     const auto headers_of = [](double repetition_hz) {
         CountingSource source({.taps = Tap::v_out,
-                               .spheres = 1,
+                               .counts = {.spheres = 1, .points = 2},
                                .sample_rate_hz = 1e7,
                                .frame_samples = 1024,
                                .repetition_hz = repetition_hz});
@@ -317,8 +317,10 @@ TEST(Pipeline, WhoComesSoonAfterAnotherLeftHearsAWholeStream) {
 
 TEST(Pipeline, OnlyWhatSomebodySubscribesToIsSampled) {
     const auto asked_for = [](const std::vector<Tap>& subscribed) {
-        CountingSource source(
-            {.taps = everything, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1000});
+        CountingSource source({.taps = everything,
+                               .counts = {.spheres = 6, .points = 2},
+                               .sample_rate_hz = 1e7,
+                               .frame_samples = 1000});
         Publisher publisher("tcp://127.0.0.1:*");
         std::optional<Listener> listener;
         if (!subscribed.empty()) {
@@ -376,7 +378,10 @@ private:
 
 // The stream is ten times slower than real time, and may fall behind, so that this machine's load does not matter.
 TEST(Pipeline, WhatWhoStopsReadingAskedForIsNotComputedUntilItReadsAgain) {
-    CountingSource source({.taps = everything, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1000});
+    CountingSource source({.taps = everything,
+                           .counts = {.spheres = 6, .points = 2},
+                           .sample_rate_hz = 1e7,
+                           .frame_samples = 1000});
     Publisher publisher("tcp://127.0.0.1:*");
     Greedy greedy(publisher.endpoint());
     Listener listener(publisher.endpoint(), {Tap::v_out});
@@ -428,7 +433,10 @@ public:
 };
 
 TEST(Pipeline, WithoutTimeForAllTheLargestTapsAreLeftOutAndCounted) {
-    SlowWithTheChain source({.taps = everything, .spheres = 6, .sample_rate_hz = 1e7, .frame_samples = 1000});
+    SlowWithTheChain source({.taps = everything,
+                             .counts = {.spheres = 6, .points = 2},
+                             .sample_rate_hz = 1e7,
+                             .frame_samples = 1000});
     Publisher publisher("tcp://127.0.0.1:*");
     Listener greedy(publisher.endpoint(), {Tap::v_out, Tap::v_chain});
     Listener listener(publisher.endpoint(), {Tap::v_out});
@@ -463,8 +471,10 @@ TEST(Pipeline, WithoutTimeForAllTheLargestTapsAreLeftOutAndCounted) {
 }
 
 TEST(Pipeline, DiscardsNothingOfALongChainWhoseSpheresNobodyWants) {
-    CountingSource source(
-        {.taps = everything, .spheres = 1500, .sample_rate_hz = 1e7, .frame_samples = 1024});
+    CountingSource source({.taps = everything,
+                           .counts = {.spheres = 1500, .points = 2},
+                           .sample_rate_hz = 1e7,
+                           .frame_samples = 1024});
     Publisher publisher("tcp://127.0.0.1:*");
     const StreamMeters meters =
         run(options(Pace::realtime(), 5'000'000, StreamStart::at_once), source, publisher);

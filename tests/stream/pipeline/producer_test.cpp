@@ -24,8 +24,10 @@ namespace {
 
 constexpr std::size_t slots = 4;
 constexpr RingSize four{.blocks = slots};
-constexpr StreamFormat format{
-    .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e6, .frame_samples = 10};
+constexpr StreamFormat format{.taps = TapSet(Tap::v_out),
+                              .counts = {.spheres = 1, .points = 2},
+                              .sample_rate_hz = 1e6,
+                              .frame_samples = 10};
 
 /// Returns a clock that has run for a day: every block is late.
 Pacer long_ago() {
@@ -196,8 +198,10 @@ TEST(Producer, FillsTheRingAgainWhenAsMuchIsFreeAsItIsTold) {
 }
 
 TEST(Producer, HasRoomOfItsOwnForBlocksWithEverySphere) {
-    const StreamFormat chain{
-        .taps = TapSet(Tap::v_out) | Tap::v_chain, .spheres = 3, .sample_rate_hz = 1e6, .frame_samples = 10};
+    const StreamFormat chain{.taps = TapSet(Tap::v_out) | Tap::v_chain,
+                             .counts = {.spheres = 3, .points = 2},
+                             .sample_rate_hz = 1e6,
+                             .frame_samples = 10};
     CountingSource source(chain);
     const Pacer pacer = long_ago();
     Producer producer(source, pacer, {.blocks = 40, .chain_blocks = 4}, 1000, OnOverrun::wait);

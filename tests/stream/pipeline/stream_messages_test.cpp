@@ -23,8 +23,10 @@ namespace {
 using namespace std::chrono_literals;
 using testing::HasSubstr;
 
-const StreamFormat v_out_alone{
-    .taps = TapSet(Tap::v_out), .spheres = 1, .sample_rate_hz = 1e6, .frame_samples = 1000};
+const StreamFormat v_out_alone{.taps = TapSet(Tap::v_out),
+                               .counts = {.spheres = 1, .points = 2},
+                               .sample_rate_hz = 1e6,
+                               .frame_samples = 1000};
 
 StreamMeters streamed(SampleSource& source, Publisher& publisher, StreamOptions options) {
     Pipeline pipeline(std::move(options), source, publisher, nullptr);
