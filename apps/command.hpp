@@ -31,6 +31,7 @@ using AddCommand = Run(CLI::App& app);
 #define HERTZLINE_SUBCOMMANDS(ROW)                                                    \
     ROW(run, "simulate a scene as fast as possible, to files and a summary")          \
     ROW(sweep, "vary keys of a scene: simulate each point, to a table")               \
+    ROW(field, "the sound at the points of a plane before a modal plate, to a table") \
     ROW(optimise, "search ranges of a scene's keys for the best point, under bounds") \
     ROW(stream, "simulate a scene in step with the clock and publish it")             \
     ROW(replay, "publish a recording as if it were live")                             \

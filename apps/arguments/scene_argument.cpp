@@ -58,25 +58,27 @@ tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& r
 
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request, Lasting lasting) {
     const auto parsed = parsed_scene(request);
-    if (!parsed) {
-        return tl::unexpected(parsed.error());
-    }
-    if (const auto shortage = measures::memory_shortage("simulating " + parsed->origin,
-                                                        Simulation::memory_bytes(parsed->scene, {}))) {
+    return parsed ? resolved_scene(*parsed, lasting)
+                  : tl::expected<Resolution, std::vector<Fault>>(tl::unexpected(parsed.error()));
+}
+
+tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& parsed, Lasting lasting) {
+    if (const auto shortage = measures::memory_shortage("simulating " + parsed.origin,
+                                                        Simulation::memory_bytes(parsed.scene, {}))) {
         throw std::runtime_error(*shortage);
     }
-    std::optional<Notice> notice(parsed->origin + ": choosing the step by short simulations ...");
-    Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed->scene)
-                                                       : hertzline::resolve(parsed->scene, std::nullopt);
+    std::optional<Notice> notice(parsed.origin + ": choosing the step by short simulations ...");
+    Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
+                                                       : hertzline::resolve(parsed.scene, std::nullopt);
     notice.reset();
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
-            fault = parsed->placed(fault);
+            fault = parsed.placed(fault);
         }
         return tl::unexpected(std::move(resolved.faults));
     }
     for (const std::string& text : measures::scene_warnings(resolved)) {
-        spdlog::warn("{}: {}", parsed->origin, text);
+        spdlog::warn("{}: {}", parsed.origin, text);
     }
     return resolved;
 }

@@ -31,6 +31,8 @@ enum class Lasting { duration, endless };
 
 /// Settles integrator and step of the scene, or returns its faults. Warns where the requested accuracy is out of reach.
 /// Takes as long as the pilot runs of core/step_choice do. @throws std::runtime_error when there is too little memory
+tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& parsed,
+                                                            Lasting lasting = Lasting::duration);
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request,
                                                             Lasting lasting = Lasting::duration);
 

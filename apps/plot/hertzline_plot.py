@@ -392,7 +392,7 @@ class Sweep:
         return f"{name} [{unit}]" if unit else name
 
     def chosen(self, names):
-        usual = [name for name in ("occupied_20db_hz", "peak_v_out_m_per_s") if name in self.quantities]
+        usual = [name for name in ("occupied_20db_hz", "peak_v_out_m_per_s", "peak_pa") if name in self.quantities]
         names = names or usual or [name for name in self.quantities if not name.startswith("estimated_")][:2]
         for name in names:
             if name not in self.quantities:
@@ -459,7 +459,9 @@ def draw_curves(axes, sweep, quantity):
 
 def draw_map(figure, axes, sweep, quantity):
     slow, fast = sweep.numbers
-    x, y, z = sweep.columns[fast], sweep.columns[slow], sweep.columns[quantity]
+    is_field = sweep.units.get(fast) == sweep.units.get(slow) == "m" and {fast, slow} <= {"x_m", "y_m", "z_m"}
+    unit = 1e3 if is_field else 1
+    x, y, z = unit * sweep.columns[fast], unit * sweep.columns[slow], sweep.columns[quantity]
     scales = scale_of(x), scale_of(y)
     grid = len(np.unique(x)) * len(np.unique(y)) == len(z)
     if grid:
@@ -475,11 +477,23 @@ def draw_map(figure, axes, sweep, quantity):
     mark_doubtful(axes, sweep, x, y, ~missing)
     axes.set_xscale(scales[0])
     axes.set_yscale(scales[1])
-    axes.set_xlabel(sweep.label(fast))
-    axes.set_ylabel(sweep.label(slow))
+    axes.set_xlabel(f"{fast[0]} [mm]" if is_field else sweep.label(fast))
+    axes.set_ylabel(f"{slow[0]} [mm]" if is_field else sweep.label(slow))
+    if is_field and grid:
+        draw_beam(axes, *(a[order].reshape(shape) for a in (x, y, z)))
     figure.colorbar(colours, ax=axes, label=sweep.label(quantity))
     if axes.get_legend_handles_labels()[1]:
         axes.legend(fontsize=8)
+
+
+def draw_beam(axes, x, y, pressure):
+    """Lengths to one scale, and the line of half the largest pressure."""
+    if "log" not in (axes.get_xscale(), axes.get_yscale()):
+        axes.set_aspect("equal")
+    if np.isfinite(pressure).all() and min(pressure.shape) > 1:
+        lines = axes.contour(x, y, 20 * np.log10(np.maximum(pressure / pressure.max(), 1e-6)), levels=[-20, -12, -6],
+                             colors="white", linewidths=0.7, linestyles="solid")
+        axes.clabel(lines, fmt="%g dB", fontsize=7)
 
 
 def kept_bounds(sweep):

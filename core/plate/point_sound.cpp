@@ -16,10 +16,11 @@ constexpr double phase_per_panel = 8;  // phase that a panel of nodes covers
 
 }  // namespace
 
-ShapeTable::ShapeTable(const std::vector<DiscMode>& modes) {
+ShapeTable::ShapeTable(const std::vector<DiscMode>& modes)
+    : modes_(static_cast<Eigen::Index>(modes.size())) {
     constexpr int degrees = 40;  // the highest mode has 19 radians from centre to rim
     const auto angle = [](int i) { return std::numbers::pi * (i + 0.5) / degrees; };
-    coefficients_.setZero(static_cast<Eigen::Index>(modes.size()), degrees);
+    coefficients_.setZero(Shapes::SizeAtCompileTime, degrees);
     for (int i = 0; i < degrees; ++i) {
         const double r = std::sqrt(0.5 * (1 + std::cos(angle(i))));
         for (std::size_t n = 0; n < modes.size(); ++n) {
@@ -33,10 +34,9 @@ ShapeTable::ShapeTable(const std::vector<DiscMode>& modes) {
 }
 
 /// Clenshaw's recurrence.
-Eigen::ArrayXd ShapeTable::operator()(double square) const {
-    using Shapes = Eigen::Array<double, Eigen::Dynamic, 1, Eigen::ColMajor, max_disc_modes, 1>;
+ShapeTable::Shapes ShapeTable::operator()(double square) const {
     const double t = 2 * square - 1;
-    Shapes next = Shapes::Zero(coefficients_.rows());
+    Shapes next = Shapes::Zero();
     Shapes after = next;
     for (Eigen::Index q = coefficients_.cols(); q-- > 1;) {
         const Shapes now = coefficients_.col(q) + 2 * t * next - after;
@@ -63,7 +63,7 @@ Eigen::ArrayXd PointSound::operator()(double time) const {
     const double square = std::max(0.0, (time - from_plane_) * (time + from_plane_));
     const double u = std::sqrt(square);  // radius of the circle
     if (s == 0) {
-        return shapes_(std::min(square, 1.0));
+        return shapes_(std::min(square, 1.0)).head(shapes_.modes());
     }
     const double end =
         u <= 1 - s ? std::numbers::pi : std::acos(std::clamp((s * s + square - 1) / (2 * s * u), -1.0, 1.0));
@@ -71,10 +71,10 @@ Eigen::ArrayXd PointSound::operator()(double time) const {
         const double half = std::sin(0.5 * angle);
         return std::min(1.0, (s - u) * (s - u) + 4 * s * u * half * half);
     };
-    Eigen::ArrayXd sum = 0 * shapes_(0);
+    ShapeTable::Shapes sum = ShapeTable::Shapes::Zero();
     each_node<nodes_of_arc>(
         0, end, [&](double angle, double weight) { sum += weight / std::numbers::pi * shapes_(at(angle)); });
-    return sum;
+    return sum.head(shapes_.modes());
 }
 
 PointSpectrum::PointSpectrum(const PointSound& sound, double max_ka) {

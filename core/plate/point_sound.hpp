@@ -19,11 +19,17 @@ namespace hertzline {
 class ShapeTable {
 public:
     explicit ShapeTable(const std::vector<DiscMode>& modes);
+    /// A value for each mode, then zeros: a few registers.
+    using Shapes = Eigen::Array<double, 8, 1>;
+    static_assert(max_disc_modes <= Shapes::SizeAtCompileTime);
+
+    Eigen::Index modes() const noexcept { return modes_; }
     /// @param square of a radius from 0 to 1
-    Eigen::ArrayXd operator()(double square) const;
+    Shapes operator()(double square) const;
 
 private:
-    Eigen::ArrayXXd coefficients_;  ///< [mode][degree]
+    Eigen::Index modes_;
+    Eigen::Array<double, Shapes::SizeAtCompileTime, Eigen::Dynamic> coefficients_;  ///< [mode][degree]
 };
 
 class PointSound {

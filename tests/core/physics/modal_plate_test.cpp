@@ -9,6 +9,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
+#include "core/plate/quadrature.hpp"
 #include "core/scene/scene_words.hpp"
 #include "hertzline/resolve.hpp"
 #include "hertzline/simulation.hpp"
@@ -217,6 +218,30 @@ TEST(ModalPlate, APointOnTheAxisHearsTheSameAsTheHydrophone) {
     EXPECT_LT(relative_l2(first, whole_run(alone, 2001)[Tap::p_axis]), 1e-5);
     Simulation parts(resolved, {.taps = outputs | Tap::p_points});
     expect_parts_to_match(parts, samples, 2001, Tap::p_points);
+}
+
+TEST(ModalPlate, TheEnergyThroughAHemisphereIsTheRadiatedOne) {
+    Scene scene = modal_scene();
+    scene.drive.cycles = 5;
+    constexpr double distance = 0.2;
+    std::vector<double> shares;  // of the hemisphere
+    each_node<24>(0, 1, [&](double cosine, double weight) {
+        scene.output.points_m.push_back({distance * std::sqrt(1 - cosine * cosine), 0, distance * cosine});
+        shares.push_back(weight);
+    });
+    Simulation simulation(resolve(scene), {.taps = Tap::p_points});
+    constexpr std::size_t rows = 9001;
+    const Samples samples = whole_run(simulation, rows);
+    double energy = 0;
+    for (std::size_t i = 0; i < samples[Tap::p_points].size(); ++i) {
+        const double p = samples[Tap::p_points][i];
+        energy += shares[i % shares.size()] * p * p;
+    }
+    const Fluid fluid = simulation.chain().end.plate->parameters.fluid;
+    energy *= 2 * std::numbers::pi * distance * distance /
+              (fluid.density_kg_per_m3 * fluid.sound_speed_m_per_s * scene.output.sample_rate_hz);
+    const double radiated = simulation.ledger().radiated();
+    EXPECT_NEAR(energy, radiated, 5e-3 * radiated);
 }
 
 TEST(ModalPlate, PointsAtTheSameDistanceFromTheAxisHearTheSame) {

@@ -74,6 +74,29 @@ TEST(PointSound, IsThatOfAnIndependentProgramAtPointsOfAllKinds) {
     EXPECT_EQ(points, 192);
 }
 
+TEST(PointSound, FarAwayIsTheTransformOfTheShape) {
+    // p = i k rho c v exp(-i k R)/R int phi J0(k r sin) r dr
+    constexpr double distance = 1e4;
+    const ShapeTable shapes(disc_modes(4));
+    for (const double k : {0.5, 3.0, 9.0}) {
+        for (const double angle : {0.0, 0.3, 0.9, 1.5}) {
+            const PointSound sound(shapes, distance * std::sin(angle), distance * std::cos(angle));
+            const Eigen::VectorXcd found =
+                PointSpectrum(sound, k)(k) * std::polar(1.0, -k * (sound.first() - distance));
+            for (int n = 0; n < 4; ++n) {
+                const DiscMode mode(n);
+                double transform = 0;
+                each_node<32>(0, 1, [&](double r, double weight) {
+                    transform += weight * mode.shape(r) * std::cyl_bessel_j(0, k * r * std::sin(angle)) * r;
+                });
+                const std::complex<double> expected = std::complex<double>(0, k * transform / distance);
+                EXPECT_LT(std::abs(found[n] - expected), 1e-3 * k / distance * 0.1)
+                    << k << ' ' << angle << ' ' << n;
+            }
+        }
+    }
+}
+
 TEST(PointSound, LastsFromTheNearestToTheFarthestPointOfTheDisc) {
     const ShapeTable shapes(disc_modes(6));
     for (const double s : {0.0, 1e-9, 0.3, 1.0, 1.7, 20.0}) {

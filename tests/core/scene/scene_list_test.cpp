@@ -294,7 +294,7 @@ TEST(ListsOfPoints, AreReadAndJudgedCoordinateByCoordinate) {
     EXPECT_THAT(read("[1, 2, 3]"),
                 HasSubstr("output.points_m[1]: found \"1\", allowed: a list of 3 entries"));
     EXPECT_THAT(read("[[0, 0, 1]"),
-                HasSubstr("output.points_m: found \"[[0, 0, 1]\", allowed: a list of 1 to 64 entries"));
+                HasSubstr("output.points_m: found \"[[0, 0, 1]\", allowed: a list of 1 to 1000000 entries"));
     const auto toml = toml_value("[[0, 0, 1], [0, '1 mm', 2.5]]");
     ASSERT_TRUE(toml);
     EXPECT_EQ(value_text(value_of(key, *toml).value()), "[[0, 0, 1], [0, 0.001, 2.5]]");

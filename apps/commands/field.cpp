@@ -1,0 +1,305 @@
+// hertzline field: the sound at the points of a plane, to a table.
+
+#include "studies/field.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "apps/arguments/options.hpp"
+#include "apps/arguments/scene_argument.hpp"
+#include "apps/command.hpp"
+#include "apps/console/output.hpp"
+#include "apps/console/progress.hpp"
+#include "apps/console/signals.hpp"
+#include "core/scene/text.hpp"
+#include "hertzline/spectrum.hpp"
+#include "hertzline/taps.hpp"
+#include "measures/provenance.hpp"
+#include "measures/resources.hpp"
+#include "measures/run.hpp"
+#include "recordings/formats/table.hpp"
+#include "recordings/recording_formats.hpp"
+#include "studies/workers.hpp"
+
+namespace hertzline::app {
+
+namespace {
+
+constexpr const char* examples =
+    "Saves the peak, the rms and the harmonics of the pressure at each point of a plane, a line or a box, a "
+    "row each, x fastest; "
+    "plot draws them. With --waveforms an .h5 file holds the pressures themselves, p_points[point][sample], "
+    "as float32, in the order that "
+    "k-Wave gives the points of source.p_mask.\n"
+    "Examples:\n"
+    "  hertzline field wet-vitreous-carbon --plane x=-8mm..8mm:81,z=1mm..31mm:61 -o field.h5\n"
+    "  hertzline plot field.h5 -o field.png --quantity peak_pa,harmonic_3_pa\n"
+    "  hertzline field wet-vitreous-carbon --plane z=1mm..100mm:200:log -o axis.csv\n"
+    "  hertzline field wet-vitreous-carbon --plane x=-5mm..5mm:51,y=-5mm..5mm:51,z=2mm --waveforms -o "
+    "source.h5";
+
+struct FieldOptions {
+    SceneRequest scene;
+    std::string plane;
+    std::vector<std::string> files;
+    std::optional<int> jobs;
+    bool waveforms = false;
+    Format format = Format::text;
+};
+
+/// Waveforms on disk, in a file that has no name.
+class Waveforms {
+public:
+    explicit Waveforms(std::size_t samples) : file_(std::tmpfile()), samples_(samples) {
+        if (file_ == nullptr) {
+            throw std::runtime_error("cannot make a temporary file for the waveforms");
+        }
+    }
+    ~Waveforms() { std::fclose(file_); }
+    Waveforms(const Waveforms&) = delete;
+    Waveforms& operator=(const Waveforms&) = delete;
+
+    void put(std::size_t point, const std::vector<double>& pressure) {
+        const std::vector<float> values(pressure.begin(), pressure.end());
+        seek(point);
+        if (std::fwrite(values.data(), sizeof(float), samples_, file_) != samples_) {
+            throw std::runtime_error("cannot write the waveforms to a temporary file: the disk is full");
+        }
+    }
+
+    void get(std::size_t point, std::vector<float>& into) {
+        into.resize(samples_);
+        seek(point);
+        if (std::fread(into.data(), sizeof(float), samples_, file_) != samples_) {
+            throw std::runtime_error("cannot read the waveforms back from a temporary file");
+        }
+    }
+
+private:
+    void seek(std::size_t point) {
+        std::fseek(file_, static_cast<long>(point * samples_ * sizeof(float)), SEEK_SET);
+    }
+
+    std::FILE* file_;
+    std::size_t samples_;
+};
+
+/// The numbers of each point, and what a table needs of them.
+class FieldTable {
+public:
+    FieldTable(const studies::FieldGrid& grid, const Scene& scene, Json provenance, bool waveforms)
+        : grid_(grid),
+          numbers_(grid.size() * columns, std::numeric_limits<double>::quiet_NaN()),
+          samples_(static_cast<std::size_t>(measures::rows_of_run(scene))) {
+        using recordings::CellKind;
+        if (waveforms) {
+            waveforms_ = std::make_unique<Waveforms>(samples_);
+            table_.samples =
+                recordings::TableSamples{std::string(row_of(Tap::p_points).name), "Pa", samples_};
+        }
+        table_.columns = {{{"point", "", ""}, CellKind::integer, sizeof(std::int64_t)}};
+        for (const char* name : {"x_m", "y_m", "z_m"}) {
+            table_.columns.push_back({{name, "", "m"}});
+        }
+        table_.columns.push_back({{"status", "", ""}, CellKind::text, 2});
+        table_.columns.push_back({{"peak_pa", "", "Pa"}});
+        table_.columns.push_back({{"rms_pa", "", "Pa"}});
+        for (std::size_t k = 1; k <= SpectrumAnalyser::max_harmonics; ++k) {
+            table_.columns.push_back({{fmt::format("harmonic_{}_pa", k), "", "Pa"}});
+        }
+        table_.rows = static_cast<std::int64_t>(grid.size());
+        table_.provenance = std::move(provenance);
+        table_.records = "points";
+        table_.read = [this](std::int64_t row, recordings::TableRow& into) { read(row, into); };
+    }
+    FieldTable(const FieldTable&) = delete;
+    FieldTable& operator=(const FieldTable&) = delete;
+
+    void put(const studies::FieldPoint& point) {
+        double* const numbers = numbers_.data() + point.number * columns;
+        numbers[0] = point.peak_pa;
+        numbers[1] = point.rms_pa;
+        std::ranges::copy(point.harmonics_pa, numbers + 2);
+        if (waveforms_) {
+            waveforms_->put(point.number, point.pressure_pa);
+        }
+    }
+
+    const recordings::Table& table() const noexcept { return table_; }
+
+    /// The number of the loudest point.
+    std::size_t loudest() const noexcept {
+        std::size_t best = 0;
+        for (std::size_t i = 0; i < grid_.size(); ++i) {
+            best = numbers_[i * columns] > numbers_[best * columns] ? i : best;
+        }
+        return best;
+    }
+    double peak_pa(std::size_t point) const noexcept { return numbers_[point * columns]; }
+
+private:
+    static constexpr std::size_t columns = 2 + SpectrumAnalyser::max_harmonics;
+
+    void read(std::int64_t row, recordings::TableRow& into) {
+        const auto number = static_cast<std::size_t>(row);
+        const studies::Point at = grid_.point(number);
+        into.cells = {row, at[0], at[1], at[2], std::string("ok")};
+        const double* const numbers = numbers_.data() + number * columns;
+        into.cells.insert(into.cells.end(), numbers, numbers + columns);
+        if (waveforms_) {
+            waveforms_->get(number, into.samples);
+        }
+    }
+
+    const studies::FieldGrid& grid_;
+    std::vector<double> numbers_;
+    std::size_t samples_;
+    std::unique_ptr<Waveforms> waveforms_;
+    recordings::Table table_;
+};
+
+struct CheckedField {
+    ParsedScene parsed;
+    studies::FieldGrid grid;
+};
+
+/// @throws WrongUse with every fault
+CheckedField checked(const FieldOptions& options) {
+    Faults faults;
+    CheckedField result;
+    if (auto parsed = faults.value_of({}, parsed_scene(options.scene))) {
+        result.parsed = *std::move(parsed);
+        Scene& scene = result.parsed.scene;
+        if (!provides(scene, Requires::modal_plate)) {
+            faults.add(
+                "end.model: found a scene without a modal plate, allowed: end.model = \"modal\", which has "
+                "sound");
+        }
+        if (auto grid = faults.value_of("--plane", studies::parse_grid(scene, options.plane))) {
+            result.grid = *std::move(grid);
+            scene.output.points_m.clear();
+            for (std::size_t i = 0; i < result.grid.size(); ++i) {
+                scene.output.points_m.push_back(result.grid.point(i));
+            }
+        }
+    }
+    recordings::Table like;
+    like.columns = {{{"status", "", ""}, recordings::CellKind::text, 2}};
+    if (options.waveforms) {
+        like.samples = recordings::TableSamples{"p_points", "Pa", 1};
+    }
+    for (const std::string& file : options.files) {
+        faults.add("-o", recordings::table_fault(file, like));
+    }
+    faults.add("--jobs", studies::jobs_fault(options.jobs.value_or(studies::usual_jobs())));
+    faults.refuse<WrongUse>();
+    return result;
+}
+
+Json provenance_of(const Scene& scene, const Resolution& resolved, const studies::FieldGrid& grid) {
+    Scene without_points = scene;
+    without_points.output.points_m.clear();
+    Json json =
+        measures::provenance_json({without_points, resolved.estimate,
+                                   measures::utc_text(std::chrono::system_clock::now()), std::nullopt});
+    json["plane"] = grid.text();
+    return json;
+}
+
+std::string points_text(std::size_t done, std::size_t all, double elapsed_s) {
+    const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
+    const double left_s = rate > 0 ? static_cast<double>(all - done) / rate : INFINITY;
+    return fmt::format("{:3.0f} %  {} of {} points, {:.3g} points/s, {} left",
+                       100 * static_cast<double>(done) / static_cast<double>(all), done, all, rate,
+                       time_text(left_s));
+}
+
+Exit field(const FieldOptions& options) {
+    using Clock = std::chrono::steady_clock;
+    const CheckedField asked = checked(options);
+    auto resolved = resolved_scene(asked.parsed);
+    if (!resolved) {
+        throw WrongUse(fault_text(resolved.error()));
+    }
+    const Scene& scene = resolved->scene;
+    for (const std::string& file : options.files) {
+        recordings::require_writable(file);
+    }
+    stop_asked();  // from here on there are files to be cleaned up
+    FieldTable table(asked.grid, scene, provenance_of(scene, *resolved, asked.grid), options.waveforms);
+    const Clock::time_point start = Clock::now();
+    const auto elapsed_s = [start] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    const std::size_t all = asked.grid.size();
+    std::size_t done = 0;
+    {
+        ProgressLine line;
+        studies::run_field(scene, options.jobs.value_or(studies::usual_jobs()), stop_asked(),
+                           [&](const studies::FieldPoint& point) {
+                               table.put(point);
+                               ++done;
+                               if (line.due()) {
+                                   line.show(points_text(done, all, elapsed_s()));
+                               }
+                           });
+    }
+    if (done < all) {
+        spdlog::error("stopped after {} of {} points; nothing was saved", done, all);
+        return Exit::failed;
+    }
+    for (const std::string& file : options.files) {
+        if (!recordings::write_table(file, table.table(), stop_asked())) {
+            spdlog::error("stopped before the end; {} was not saved", printable(file));
+            return Exit::failed;
+        }
+    }
+    const std::size_t loudest = table.loudest();
+    const studies::Point at = asked.grid.point(loudest);
+    print_summary(
+        Json{{"points", all},
+             {"largest_peak_pa", table.peak_pa(loudest)},
+             {"at_m", {at[0], at[1], at[2]}},
+             {"estimated_error", resolved->estimate ? Json(resolved->estimate->error) : Json(nullptr)},
+             {"wall_s", elapsed_s()},
+             {"files", options.files}},
+        options.format);
+    return Exit::done;
+}
+
+}  // namespace
+
+Run field_command(CLI::App& app) {
+    auto options = std::make_shared<FieldOptions>();
+    add_scene_options(app, options->scene)->required();
+    app.add_option("--plane", options->plane,
+                   "points by their coordinates from the centre of the disc, z along the axis: each a range "
+                   "FROM..TO:COUNT, a list, or one "
+                   "value; x or y that is left out is 0")
+        ->required()
+        ->type_name("x=..,y=..,z=..");
+    add_repeatable_option(app, "-o,--output", options->files, "the table: .h5 or .csv; repeatable")
+        ->check(missing_name)
+        ->required()
+        ->type_name("FILE");
+    app.add_flag("--waveforms", options->waveforms,
+                 "keep the pressures of all samples as float32, in .h5 only");
+    app.add_option("--jobs", options->jobs, "threads (default: one for each usable processor)")
+        ->type_name("N");
+    add_target_option(app);
+    add_format_option(app, options->format, "print the summary as one JSON object");
+    app.footer(examples);
+    return [options] { return field(*options); };
+}
+
+}  // namespace hertzline::app

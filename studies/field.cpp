@@ -1,0 +1,227 @@
+#include "studies/field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <numeric>
+#include <regex>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "core/scene/text.hpp"
+#include "hertzline/simulation.hpp"
+#include "hertzline/spectrum.hpp"
+#include "measures/run.hpp"
+
+namespace hertzline::studies {
+
+namespace {
+
+constexpr std::array<std::string_view, 3> coordinates{"x", "y", "z"};
+
+/// "x" as the key of a point's coordinate.
+std::string key_of(std::size_t coordinate) {
+    return fmt::format("output.points_m[1][{}]", coordinate + 1);
+}
+
+/// The parts "x=..." of the text; commas in a list end none.
+std::vector<std::string> parts_of(const std::string& text) {
+    const std::regex before_name(",(?=[^,=]*=)");
+    const std::sregex_token_iterator parts(text.begin(), text.end(), before_name, -1);
+    return {parts, std::sregex_token_iterator()};
+}
+
+/// From the first to the last sound at a point [m].
+double sound_length_m(const Scene& scene, const Point& point) {
+    const double s = std::hypot(point[0], point[1]);
+    const double a = scene.end.radius_m;
+    return std::hypot(point[2], s + a) - std::hypot(point[2], std::max(0.0, s - a));
+}
+
+/// Gives the points out, a few at a time. Those with as long a time from first to last sound go together, as their sound is computed in
+/// the same intervals.
+class Portions {
+public:
+    explicit Portions(const Scene& scene) : order_(scene.output.points_m.size()) {
+        std::iota(order_.begin(), order_.end(), std::size_t{0});
+        std::vector<double> lengths;
+        for (const Point& point : scene.output.points_m) {
+            lengths.push_back(sound_length_m(scene, point));
+        }
+        std::ranges::stable_sort(order_, {}, [&](std::size_t i) { return lengths[i]; });
+    }
+
+    /// The next ones; none: there are no more.
+    std::span<const std::size_t> next() noexcept {
+        constexpr std::size_t points = 48;
+        const std::size_t begin = std::min(order_.size(), next_.fetch_add(points));
+        return std::span(order_).subspan(begin, std::min(points, order_.size() - begin));
+    }
+
+private:
+    std::vector<std::size_t> order_;
+    std::atomic<std::size_t> next_{0};
+};
+
+FieldPoint measured(std::size_t number, std::vector<double> pressure, SpectrumAnalyser& analyser,
+                    double frequency_hz) {
+    const double squares = std::inner_product(pressure.begin(), pressure.end(), pressure.begin(), 0.0);
+    std::vector<double> harmonics = analyser.harmonics(pressure, frequency_hz);
+    return {.number = number,
+            .peak_pa = peak_of(pressure),
+            .rms_pa = std::sqrt(squares / static_cast<double>(pressure.size())),
+            .harmonics_pa = std::move(harmonics),
+            .pressure_pa = std::move(pressure)};
+}
+
+/// Pressures of a run at its points, [point][sample]; none when it was stopped.
+std::vector<std::vector<double>> pressures_of(const Scene& scene, const std::atomic<bool>& stop) {
+    Simulation simulation(scene, {.taps = Tap::p_points, .ledger = LedgerKeeping::off, .stop = &stop});
+    const auto rows = static_cast<std::size_t>(measures::rows_of_run(scene));
+    const std::size_t points = scene.output.points_m.size();
+    std::vector<std::vector<double>> pressures(points);
+    Samples block = simulation.make_samples(measures::block_of_run(scene, Tap::p_points));
+    for (std::size_t row = 0; row < rows; row += block.count) {
+        const Status status = simulation.advance(block, std::min(block.capacity(), rows - row));
+        if (status == Status::stopped) {
+            return {};
+        }
+        if (status != Status::running) {
+            throw std::runtime_error(simulation.failure());
+        }
+        for (std::size_t i = 0; i < block[Tap::p_points].size(); ++i) {
+            pressures[i % points].push_back(block[Tap::p_points][i]);
+        }
+    }
+    return pressures;
+}
+
+}  // namespace
+
+std::size_t FieldGrid::size() const noexcept {
+    return std::transform_reduce(axes.begin(), axes.end(), std::size_t{1}, std::multiplies(),
+                                 [](const Axis& axis) { return static_cast<std::size_t>(axis.count); });
+}
+
+Point FieldGrid::point(std::size_t number) const {
+    Point point{};
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+        const auto count = static_cast<std::size_t>(axes[i].count);
+        point[i] =
+            std::get<double>(axes[i].value(static_cast<std::int64_t>(number % count))) + 0.0;  // not -0
+        number /= count;
+    }
+    return point;
+}
+
+std::string FieldGrid::text() const {
+    std::string text;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+        const std::string axis = axes[i].text();
+        text += fmt::format("{}{}{}", i > 0 ? "," : "", coordinates[i], axis.substr(axis.find('=')));
+    }
+    return text;
+}
+
+tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::string_view text) {
+    Scene with_point = scene;
+    with_point.output.points_m = {Point{}};
+    std::array<std::string, 3> options{key_of(0) + "=0", key_of(1) + "=0", ""};
+    std::array<bool, 3> given{};
+    std::vector<Fault> faults;
+    for (const std::string& part : parts_of(std::string(text))) {
+        const std::size_t equals = std::min(part.find('='), part.size());
+        const auto name =
+            std::ranges::find(coordinates, trimmed(std::string_view(part).substr(0, equals), " \t"));
+        const auto coordinate = static_cast<std::size_t>(name - coordinates.begin());
+        if (name == coordinates.end() || given[coordinate]) {
+            faults.push_back({"", quoted_briefly(part), "x, y and z once each, as x=-8mm..8mm:81 or z=10mm"});
+            continue;
+        }
+        given[coordinate] = true;
+        options[coordinate] = key_of(coordinate) + part.substr(equals);
+    }
+    if (!given[2] && faults.empty()) {
+        faults.push_back(
+            {"", quoted_briefly(text), "with z, the distance from the plate's plane, as z=10mm"});
+    }
+    FieldGrid grid;
+    for (std::size_t i = 0; faults.empty() && i < options.size(); ++i) {
+        if (auto axis = parse_axis(with_point, options[i], Sampling::grid)) {
+            grid.axes[i] = *std::move(axis);
+        } else {
+            faults = std::move(axis.error());
+        }
+    }
+    if (faults.empty() && grid.axes[2].count > 0) {
+        for (std::int64_t i = 0; i < grid.axes[2].count; ++i) {
+            if (const double z = std::get<double>(grid.axes[2].value(i)); z < 0) {
+                faults = {{"z", number_text(z), "at least 0: the medium lies where z is positive"}};
+            }
+        }
+    }
+    double points = 1;
+    for (const Axis& axis : grid.axes) {
+        points *= static_cast<double>(axis.count);
+    }
+    if (faults.empty() && points > static_cast<double>(hertzline::max_points)) {
+        faults.push_back(
+            {"", fmt::format("{:.0f} points", points), fmt::format("{} at most", hertzline::max_points)});
+    }
+    if (!faults.empty()) {
+        return tl::unexpected(std::move(faults));
+    }
+    return grid;
+}
+
+void run_field(const Scene& scene, int jobs, const std::atomic<bool>& stop,
+               const std::function<void(const FieldPoint&)>& take) {
+    Portions portions(scene);
+    std::mutex mutex;  // of take() and failure
+    std::exception_ptr failure;
+    std::atomic<bool> failed{false};
+    Scene without_points = scene;
+    without_points.output.points_m.clear();
+    const auto work = [&] {
+        SpectrumAnalyser analyser(static_cast<std::size_t>(measures::rows_of_run(scene)),
+                                  scene.output.sample_rate_hz);
+        Scene part = without_points;
+        for (auto numbers = portions.next(); !numbers.empty() && !failed && !stop;
+             numbers = portions.next()) {
+            part.output.points_m.clear();
+            for (const std::size_t number : numbers) {
+                part.output.points_m.push_back(scene.output.points_m[number]);
+            }
+            std::vector<std::vector<double>> pressures = pressures_of(part, stop);
+            for (std::size_t i = 0; i < pressures.size(); ++i) {
+                const FieldPoint point =
+                    measured(numbers[i], std::move(pressures[i]), analyser, scene.drive.frequency_hz);
+                const std::scoped_lock lock(mutex);
+                take(point);
+            }
+        }
+    };
+    {
+        std::vector<std::jthread> threads;
+        for (int i = 0; i < jobs; ++i) {
+            threads.emplace_back([&] {
+                try {
+                    work();
+                } catch (...) {
+                    const std::scoped_lock lock(mutex);
+                    failure = failure ? failure : std::current_exception();
+                    failed = true;
+                }
+            });
+        }
+    }
+    if (failure) {
+        std::rethrow_exception(failure);
+    }
+}
+
+}  // namespace hertzline::studies

@@ -1,0 +1,91 @@
+// hertzline field: its table, and refused requests.
+
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "recordings/formats/table.hpp"
+#include "tests/apps/program.hpp"
+#include "tests/apps/recorded_columns.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+
+namespace {
+
+using testing::HasSubstr;
+
+const Words quick{"wet-vitreous-carbon", "--set", "drive.cycles=3", "--set", "output.duration_s=100us"};
+
+Words with_quick(Words words, const Words& more) {
+    words.insert(words.begin() + 1, quick.begin(), quick.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+TEST(Field, ATableHasARowForEachPointAndTheNumbersOfARun) {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("field.csv");
+    const Outcome outcome =
+        hertzline(with_quick({"field", "--plane", "x=0,4mm,z=5mm..10mm:2", "-o", csv, "--json"}, {}));
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(outcome.json()["points"], 4);
+    EXPECT_EQ(outcome.json()["at_m"], nlohmann::json({0.0, 0.0, 0.005}));
+    std::istringstream lines(contents(csv));
+    std::string line;
+    std::getline(lines, line);
+    EXPECT_THAT(line, testing::StartsWith("point,x_m,y_m,z_m,status,peak_pa,rms_pa,harmonic_1_pa,"));
+    std::vector<std::vector<std::string>> rows;
+    while (std::getline(lines, line)) {
+        std::istringstream cells(line);
+        rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, ',');) {
+            rows.back().push_back(cell);
+        }
+    }
+    ASSERT_EQ(rows.size(), 4U);
+    EXPECT_EQ(rows[1][1] + ' ' + rows[1][3], "0.004 0.005");
+    EXPECT_EQ(rows[2][1] + ' ' + rows[2][3], "0 0.01");
+    const Outcome on_axis = hertzline(with_quick({"run", "--json"}, {}));  // the hydrophone is at 10 mm
+    EXPECT_NEAR(std::stod(rows[2][5]), on_axis.json()["p_axis"]["peak_p_axis_pa"].get<double>(), 1);
+}
+
+TEST(Field, WaveformsAreThoseOfARecordingWithPoints) {
+    const TemporaryFolder folder;
+    const std::string field = folder.file("field.h5");
+    const std::string run = folder.file("run.npy");
+    ASSERT_EQ(
+        hertzline(with_quick({"field", "--plane", "x=0,4mm,z=5mm", "--waveforms", "-o", field}, {})).status,
+        0);
+    ASSERT_EQ(
+        hertzline(with_quick({"run", "--set", "output.points_m=[[0,0,5mm],[4mm,0,5mm]]", "-o", run}, {}))
+            .status,
+        0);
+    const auto rows = recordings::read_table(field, "points");
+    EXPECT_TRUE(rows.has_samples);
+    EXPECT_EQ(rows.provenance["plane"], "x=0,0.004,y=0,z=0.005");
+    EXPECT_EQ(column(run, "p_2_pa").size(), 1001U);
+}
+
+TEST(Field, RefusesWhatHasNoSoundAndWrongPlanes) {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("field.csv");
+    const Outcome lumped = hertzline({"field", "paper-vitreous-carbon", "--plane", "z=0", "-o", csv});
+    EXPECT_EQ(lumped.status, 2);
+    EXPECT_THAT(lumped.err, HasSubstr("end.model"));
+    const Outcome behind = hertzline(with_quick({"field", "--plane", "z=-1mm", "-o", csv}, {}));
+    EXPECT_EQ(behind.status, 2);
+    EXPECT_THAT(behind.err, HasSubstr("--plane"));
+    const Outcome samples = hertzline(with_quick({"field", "--plane", "z=0", "--waveforms", "-o", csv}, {}));
+    EXPECT_EQ(samples.status, 2);
+    EXPECT_THAT(samples.err, HasSubstr("-o"));
+    EXPECT_FALSE(std::filesystem::exists(csv));
+}
+
+}  // namespace
+
+}  // namespace hertzline::test

@@ -1,0 +1,117 @@
+#include "studies/field.hpp"
+
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "hertzline/simulation.hpp"
+#include "hertzline/spectrum.hpp"
+
+namespace hertzline::studies {
+namespace {
+
+using testing::HasSubstr;
+
+Scene wet_scene() {
+    Scene scene;
+    scene.end.model = PlateModel::modal;
+    scene.drive.cycles = 3;
+    scene.output.duration_s = 100e-6;
+    return scene;
+}
+
+FieldGrid grid_of(const std::string& text) {
+    return parse_grid(wet_scene(), text).value();
+}
+
+std::string fault_in(const std::string& text) {
+    const auto grid = parse_grid(wet_scene(), text);
+    return grid ? "none" : grid.error().front().message();
+}
+
+TEST(FieldGrid, HasXFastestThenYThenZ) {
+    const FieldGrid grid = grid_of("z=1mm,4mm,x=-2mm..2mm:3,y=5mm..6mm:2");
+    ASSERT_EQ(grid.size(), 12U);
+    EXPECT_EQ(grid.point(0), (Point{-2e-3, 5e-3, 1e-3}));
+    EXPECT_EQ(grid.point(1), (Point{0, 5e-3, 1e-3}));
+    EXPECT_EQ(grid.point(3), (Point{-2e-3, 6e-3, 1e-3}));
+    EXPECT_EQ(grid.point(11), (Point{2e-3, 6e-3, 4e-3}));
+    EXPECT_EQ(grid.text(), "x=-0.002..0.002:lin:3,y=0.005..0.006:lin:2,z=0.001,0.004");
+    EXPECT_EQ(parse_grid(wet_scene(), grid.text())->point(7), grid.point(7));
+}
+
+TEST(FieldGrid, MayBeALineOrAPointOnTheAxis) {
+    const FieldGrid line = grid_of("z=1mm..100mm:3:log");
+    ASSERT_EQ(line.size(), 3U);
+    EXPECT_NEAR(line.point(1)[2], 10e-3, 1e-12);
+    EXPECT_EQ(grid_of("z=0").point(0), Point{});
+}
+
+TEST(FieldGrid, NamesWhatIsWrong) {
+    EXPECT_THAT(fault_in(""), HasSubstr("allowed: x, y and z once each"));
+    EXPECT_THAT(fault_in("x=1mm..2mm:5"), HasSubstr("with z"));
+    EXPECT_THAT(fault_in("z=0,r=1mm"), HasSubstr("found \"r=1mm\", allowed: x, y and z once each"));
+    EXPECT_THAT(fault_in("z=0,z=1mm"), HasSubstr("once each"));
+    EXPECT_THAT(fault_in("z=-1mm..1mm:3"), HasSubstr("z: found -0.001, allowed: at least 0"));
+    EXPECT_THAT(fault_in("z=1s"), HasSubstr("1s"));
+    EXPECT_THAT(fault_in("z=0..11:4"), HasSubstr("-10 to 10"));
+    EXPECT_THAT(fault_in("z=0..1:4000,x=0..1:4000"),
+                HasSubstr("found 16000000 points, allowed: 1000000 at most"));
+}
+
+TEST(Field, IsThatOfARunWithAllPointsWhateverTheThreads) {
+    Scene scene = wet_scene();
+    const FieldGrid grid = grid_of("x=-4mm..8mm:13,z=0,3mm,12mm,30mm");
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+        scene.output.points_m.push_back(grid.point(i));
+    }
+    const ResolvedScene resolved = resolve(scene);
+    Simulation simulation(resolved, {.taps = Tap::p_points});
+    Samples samples = simulation.make_samples(1001);
+    ASSERT_EQ(simulation.advance(samples, 1001), Status::running);
+    const std::size_t points = grid.size();
+    for (const int jobs : {1, 3}) {
+        std::map<std::size_t, FieldPoint> field;
+        run_field(resolved.scene(), jobs, std::atomic<bool>(false),
+                  [&](const FieldPoint& point) { EXPECT_TRUE(field.emplace(point.number, point).second); });
+        ASSERT_EQ(field.size(), points);
+        for (const auto& [number, point] : field) {
+            ASSERT_EQ(point.pressure_pa.size(), 1001U);
+            double wrong = 0;
+            double norm = 0;
+            double peak = 0;
+            for (std::size_t i = 0; i < 1001; ++i) {
+                const double expected = samples[Tap::p_points][i * points + number];
+                wrong += std::pow(point.pressure_pa[i] - expected, 2);
+                norm += expected * expected;
+                peak = std::max(peak, std::abs(point.pressure_pa[i]));
+            }
+            EXPECT_LT(std::sqrt(wrong), 1e-5 * std::sqrt(norm)) << number;  // intervals have other lengths
+            EXPECT_EQ(point.peak_pa, peak);
+            EXPECT_NEAR(point.rms_pa, std::sqrt(norm / 1001), 1e-5 * peak);
+        }
+        SpectrumAnalyser analyser(1001, scene.output.sample_rate_hz);
+        EXPECT_EQ(field.at(20).harmonics_pa,
+                  analyser.harmonics(field.at(20).pressure_pa, scene.drive.frequency_hz));
+    }
+}
+
+TEST(Field, StopsAndReportsFaults) {
+    Scene scene = wet_scene();
+    scene.output.points_m = {{0, 0, 0.01}};
+    const Scene resolved = resolve(scene).scene;
+    int taken = 0;
+    run_field(resolved, 2, std::atomic<bool>(true), [&](const FieldPoint&) { ++taken; });
+    EXPECT_EQ(taken, 0);
+    EXPECT_THROW(run_field(resolved, 2, std::atomic<bool>(false),
+                           [](const FieldPoint&) { throw std::runtime_error("full"); }),
+                 std::runtime_error);
+}
+
+}  // namespace
+}  // namespace hertzline::studies
