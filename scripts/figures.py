@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Draws the paper's results, the plate in water, and a sweep.
+"""Draws the paper's results, the plate in water, its beam, and a sweep.
 
     scripts/figures.py --program build/release/hertzline --out docs/
 
 runs the program on the shipped scenes and writes docs/paper-result.png, waveform and spectrum for five matching layers and
-the rigid wall, docs/plate-in-water.png, the two models of the plate side by side, and docs/sweep.png, the band over
-thickness and preload. Debian: python3-numpy python3-matplotlib python3-h5py.
+the rigid wall, docs/plate-in-water.png, the two models of the plate side by side, docs/beam.png, the peak pressure before the
+plate, and docs/sweep.png, the band over thickness and preload. Debian: python3-numpy python3-matplotlib python3-h5py.
 """
 import argparse
 import pathlib
@@ -152,12 +152,16 @@ SWEEP = ["paper-vitreous-carbon", "--vary", "end.thickness_m=0.2e-3..2e-3:log:30
          "chain.preload_n=0.01..2:log:30"]
 
 
-def draw_sweep(program, folder, png):
-    """Draws occupied band and peak of 900 points, by the commands of docs/tour.md."""
+FIELD = ["wet-vitreous-carbon", "--plane", "x=-8mm..8mm:161,z=0..31mm:156"]
+
+
+def draw_table(program, folder, command, png):
+    """Draws the table that the command makes."""
     program = pathlib.Path(program).resolve()
     quiet = {"check": True, "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    subprocess.run([program, "sweep", *SWEEP, "-o", "map.h5"], **quiet)
-    subprocess.run([program, "plot", "map.h5", "-o", png.resolve()], **quiet)
+    table = f"{png.stem}.h5"
+    subprocess.run([program, *command, "-o", table], **quiet)
+    subprocess.run([program, "plot", table, "-o", png.resolve()], **quiet)
 
 
 def main():
@@ -174,8 +178,9 @@ def main():
             run_models(arguments.program, folder)
         draw_all(lambda scene: folder / f"{scene}.csv", arguments.out / "paper-result.png")
         draw_models(lambda model: folder / f"model-{model}.csv", arguments.out / "plate-in-water.png")
-        draw_sweep(arguments.program, pathlib.Path(temporary), arguments.out / "sweep.png")
-    print(*(arguments.out / f"{name}.png" for name in ("paper-result", "plate-in-water", "sweep")), sep="\n")
+        for command, picture in ((["sweep", *SWEEP], "sweep"), (["field", *FIELD], "beam")):
+            draw_table(arguments.program, pathlib.Path(temporary), command, arguments.out / f"{picture}.png")
+    print(*(arguments.out / f"{name}.png" for name in ("paper-result", "plate-in-water", "beam", "sweep")), sep="\n")
 
 
 if __name__ == "__main__":

@@ -101,6 +101,7 @@ INSTEAD = {
         "hertzline run paper-wall -o a.csv -o a.npy --columns v_last,v_horn --tap f_last --measure f_last --spectrum s.h5 "
         "--plot a.png",
     "hertzline sweep SCENE --vary KEY=VALUES... -o FILE": "hertzline sweep paper-wall --vary chain.spheres=5,6 -o swept.h5",
+    "hertzline field SCENE --plane x=..,z=.. -o FILE": "hertzline field wet-vitreous-carbon --plane x=0..4mm:3,z=10mm -o f.h5",
     "hertzline optimise SCENE --vary KEY=VALUES... --maximise MEASURE -o FILE":
         "hertzline optimise paper-wall --vary chain.preload_n=0.1..1 --maximise thd_r --evaluations 60 -o o.h5",
     "hertzline stream SCENE [--record FILE]... [--columns NAME,...]":
