@@ -3,11 +3,13 @@
 //     bench_accuracy [--json FILE] [--threads N] [COUNT [SEED]]
 //     bench_accuracy --finer-run [COUNT [SEED]]            for the points of a sweep
 //     bench_accuracy --integrator chin4a [COUNT [SEED]]    by this method
+//     bench_accuracy --wet [COUNT [SEED]]                  modal plates in their fluid, with points, and no references
 //     bench_accuracy --scene SEED INDEX
 //
 // The scenes of tests/reference/accuracy/ come first; they have independent solutions. COUNT plausible devices, drawn
 // at random, follow. Their reference is taylor12 with the shortest useful pieces, and its error is measured by another
-// run with longer ones. An error is the relative L2 norm of the worst of v_last, v_plate and v_out over the whole run.
+// run with longer ones. An error is the relative L2 norm of the worst of v_last, v_plate and v_out, or of v_last, v_centre, v_face, p_axis
+// and each of p_points, over the whole run.
 // --scene prints a scene.
 
 #include <algorithm>
@@ -73,8 +75,10 @@ JudgedScene judged_reference(const Judge& judge, const std::string& name) {
     return judged(judge, name, {scene}, test::independent_truth_of(scene, name));
 }
 
-JudgedScene judged_design(const Judge& judge, std::uint64_t seed, std::uint64_t index) {
-    const test::DesignScene design = test::design_scene(seed, index);
+using Designs = test::DesignScene (*)(std::uint64_t seed, std::uint64_t index);
+
+JudgedScene judged_design(const Judge& judge, Designs designs, std::uint64_t seed, std::uint64_t index) {
+    const test::DesignScene design = designs(seed, index);
     return judged(judge, std::to_string(index), design, test::truth_of(design.scene));
 }
 
@@ -118,6 +122,7 @@ int main(int argc, char** argv) {
     std::vector<std::uint64_t> wanted;
     std::string json_file;
     bool finer_run = false;
+    bool wet = false;
     std::optional<Integrator> integrator;
     CLI::App app("Accuracy asked for, estimated and true, of whole runs");
     app.add_option("COUNT", count, "scenes to draw")->capture_default_str();
@@ -134,10 +139,12 @@ int main(int argc, char** argv) {
         ->transform(CLI::CheckedTransformer(integrators));
     app.add_flag("--finer-run", finer_run,
                  "choose steps and estimate errors by a finer run, as a sweep does");
+    app.add_flag("--wet", wet, "draw modal plates in their fluid");
     app.add_option("--json", json_file, "file for all results");
     CLI11_PARSE(app, argc, argv);
+    const Designs designs = wet ? test::wet_design_scene : test::design_scene;
     if (!wanted.empty()) {
-        const Scene scene = test::design_scene(wanted[0], wanted[1]).scene;
+        const Scene scene = designs(wanted[0], wanted[1]).scene;
         std::printf("# %s\n%s", test::description(scene).c_str(), to_toml(scene).c_str());
         return 0;
     }
@@ -149,16 +156,16 @@ int main(int argc, char** argv) {
     };
     std::printf("outputs below %.0e of the loudest velocity are judged on that scale\n\n",
                 test::quietest_output);
-    const std::vector<std::string> names = test::random_references();
+    const std::vector<std::string> names = wet ? std::vector<std::string>() : test::random_references();
     const std::vector<JudgedScene> references = in_parallel(
         names.size(), threads, [&](std::size_t number) { return judged_reference(judge, names[number]); });
     bench::print_scenes(references);
     std::fflush(stdout);
-    const std::vector<JudgedScene> designs =
-        in_parallel(count, threads, [&](std::size_t index) { return judged_design(judge, seed, index); });
-    print(designs);
+    const std::vector<JudgedScene> drawn = in_parallel(
+        count, threads, [&](std::size_t index) { return judged_design(judge, designs, seed, index); });
+    print(drawn);
     if (!json_file.empty()) {
-        std::ofstream(json_file) << Json{{"references", json(references)}, {"drawn", json(designs)}}.dump(2)
+        std::ofstream(json_file) << Json{{"references", json(references)}, {"drawn", json(drawn)}}.dump(2)
                                  << '\n';
     }
     return 0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/integrators/stability.hpp"
+#include "core/model/end.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/draw.hpp"
 
@@ -129,6 +130,48 @@ void draw_end(Draw& draw, Scene& scene) {
     }
 }
 
+void draw_layers(Draw& draw, Scene& scene) {
+    End& end = scene.end;
+    const std::int64_t layers = draw.whole(2, 3);
+    for (std::int64_t i = 0; i < layers; ++i) {
+        end.materials.push_back(any_solid(draw, scene));
+        end.thicknesses_m.push_back(size(draw, 0.05e-3, 1e-3));
+        if (draw.one_in(2) && end.loss_factors.size() == static_cast<std::size_t>(i)) {
+            end.loss_factors.push_back(size(draw, 1e-3, 0.1));
+        }
+    }
+    end.loss_factors.resize(end.loss_factors.empty() ? 0 : end.materials.size(), 0.01);
+}
+
+void draw_modal_plate(Draw& draw, Scene& scene) {
+    End& end = scene.end;
+    end = End{};
+    end.kind = EndKind::plate;
+    end.model = PlateModel::modal;
+    end.material = any_solid(draw, scene);
+    end.radius_m = draw.one_in(3) ? 5e-3 : rounded(draw.between(2e-3, 10e-3), 2);
+    end.thickness_m = size(draw, 0.1e-3, 3e-3);
+    end.theory = draw.any(choices<PlateTheory>);
+    end.modes = draw.whole(1, 6);
+    end.loss_factor = size(draw, 1e-3, 0.1);
+    if (draw.one_in(3)) {
+        draw_layers(draw, scene);
+    }
+    scene.medium.load = draw.one_in(3) ? draw.any(choices<FluidLoad>) : FluidLoad::radiation;
+    if (draw.one_in(4)) {
+        scene.materials["oil"] = Fluid{870, 1440};
+        scene.medium.material = "oil";
+    }
+    scene.output.hydrophone_m = size(draw, 0.1e-3, 300e-3);
+    if (draw.one_in(2)) {
+        for (std::int64_t i = draw.whole(1, 4); i > 0; --i) {
+            scene.output.points_m.push_back({draw.zero_or(size(draw, 0.1e-3, 50e-3)),
+                                             draw.zero_or(-size(draw, 0.1e-3, 50e-3)),
+                                             draw.zero_or(size(draw, 0.1e-3, 100e-3))});
+        }
+    }
+}
+
 /// Returns the rough travel time of a wave to the end [s]. Without preload the wave slows down after its first impact.
 double travel_s(const Scene& scene) {
     const Chain chain(scene);
@@ -156,7 +199,8 @@ double duration_s(const Scene& scene, Kind kind) {
 void drop_unused(Scene& scene) {
     std::erase_if(scene.materials, [&](const auto& own) {
         return own.first != scene.drive.material && own.first != scene.chain.material &&
-               own.first != scene.end.material && own.first != scene.medium.material;
+               own.first != scene.end.material && own.first != scene.medium.material &&
+               std::ranges::count(scene.end.materials, own.first) == 0;
     });
 }
 
@@ -192,6 +236,28 @@ DesignScene design_scene(std::uint64_t seed, std::uint64_t index) {
     }
 }
 
+DesignScene wet_design_scene(std::uint64_t seed, std::uint64_t index) {
+    const Draw drawing = Draw(seed + 1'000'000).branch(index);
+    for (std::uint64_t attempt = 0;; ++attempt) {
+        Draw draw = drawing.branch(attempt);
+        const Kind kind = draw.one_in(4) ? Kind::near_paper : Kind::short_chain;
+        DesignScene design{Scene{}, kind == Kind::near_paper};
+        Scene& scene = design.scene;
+        draw_drive(draw, scene, kind);
+        scene.drive.repetition_hz = 0;
+        draw_chain(draw, scene, kind);
+        draw_modal_plate(draw, scene);
+        drop_unused(scene);
+        if (!validate(scene).empty() || !plate_faults(scene).empty()) {
+            continue;
+        }
+        scene.output.duration_s = std::round(1e7 * (duration_s(scene, kind) + 20e-6)) / 1e7;
+        if (scene.output.duration_s <= 1e-3) {
+            return design;
+        }
+    }
+}
+
 std::string description(const Scene& scene) {
     const Drive& drive = scene.drive;
     const Spheres& chain = scene.chain;
@@ -209,6 +275,15 @@ std::string description(const Scene& scene) {
     all += ", " + std::string(word(end.kind)) + (end.kind == EndKind::free ? "" : " " + end.material);
     all += end.kind == EndKind::plate && end.preload == PlatePreload::as_printed ? ", as_printed" : "";
     all += chain.tension == Tension::clamped ? ", clamped" : "";
+    if (end.kind == EndKind::plate && end.model == PlateModel::modal) {
+        std::snprintf(text.data(), text.size(),
+                      " %s, a %.3g mm, %zu layers, %lld modes, %s in %s, z %.3g mm, %zu points",
+                      std::string(word(end.theory)).c_str(), 1e3 * end.radius_m,
+                      std::max<std::size_t>(1, end.materials.size()), static_cast<long long>(end.modes),
+                      std::string(word(scene.medium.load)).c_str(), scene.medium.material.c_str(),
+                      1e3 * scene.output.hydrophone_m, scene.output.points_m.size());
+        all += text.data();
+    }
     std::snprintf(text.data(), text.size(), ", %.4g us", 1e6 * scene.output.duration_s);
     return all + text.data();
 }

@@ -8,6 +8,7 @@
 
 #include "core/model/chain.hpp"
 #include "core/step_choice/finer_run.hpp"
+#include "core/step_choice/pilot.hpp"
 #include "core/step_choice/reference_pilot.hpp"
 #include "hertzline/simulation.hpp"
 #include "tests/support/reference.hpp"
@@ -17,7 +18,6 @@ namespace hertzline::test {
 namespace {
 
 constexpr double finer = 0.7;  // pieces that show the error of the truth
-constexpr std::array output_taps{Tap::v_last, Tap::v_plate, Tap::v_out};
 
 std::size_t samples_of(const Scene& scene) {
     return 1 + static_cast<std::size_t>(std::llround(scene.output.duration_s * scene.output.sample_rate_hz));
@@ -27,12 +27,15 @@ double mean_square(double sum, std::size_t count) {
     return sum / static_cast<double>(count);
 }
 
-/// Sums of squared velocities for each sphere and output.
+/// Sums of squared velocities for each sphere and output of the plate.
 class Loudness {
 public:
     void add(const Samples& block) {
         for (const Tap tap : block.holds) {
             const std::size_t channels = block.channels(tap);
+            if (row_of(tap).unit != "m/s") {
+                continue;
+            }
             std::vector<double>& sums = sums_[static_cast<std::size_t>(tap)];
             sums.resize(channels);
             for (std::size_t i = 0; i < block[tap].size(); ++i) {
@@ -67,7 +70,11 @@ Outputs outputs_of(const Scene& scene, const std::function<bool(const Samples&)>
         loudness.add(part);
         for (std::size_t i = 0; i < output_taps.size(); ++i) {
             const auto values = part[output_taps[i]];
-            result.columns[i].insert(result.columns[i].end(), values.begin(), values.end());
+            const double scale =
+                values.empty() ? 1 : velocity_per_unit(output_taps[i], simulation.chain().end);
+            std::ranges::transform(values, std::back_inserter(result.columns[i]),
+                                   [scale](double value) { return scale * value; });
+            result.channels[i] = std::max<std::size_t>(1, part.channels(output_taps[i]));
         }
     }
     result.loudest = std::sqrt(mean_square(loudness.largest_sum(), samples));
@@ -81,6 +88,8 @@ Outputs outputs_of(const Scene& scene) {
 Scene as_exact_as_can_be(Scene scene, double shortening) {
     scene.numerics = Numerics{};
     scene.numerics.integrator = Integrator::taylor12;
+    scene.numerics.poles =
+        scene.end.model == PlateModel::modal ? std::optional<std::int64_t>(64) : std::nullopt;
     scene.numerics.step_s =
         shortening * step_of_reference(scene, Chain(scene), piece_error_for(default_accuracy));
     return scene;
@@ -101,19 +110,24 @@ double difference(const Outputs& run, const Outputs& truth) {
         if (exact.empty()) {
             continue;
         }
-        if ((found.size() - 1) / truth.samples_per_row + 1 != exact.size()) {
+        const std::size_t channels = truth.channels[column];
+        const std::size_t rows = exact.size() / channels;
+        if ((found.size() / channels - 1) / truth.samples_per_row + 1 != rows) {
             throw std::runtime_error("records of different lengths are compared");
         }
-        double wrong = 0;
-        double all = 0;
-        for (std::size_t row = 0; row < exact.size(); ++row) {
-            const double d = found[row * truth.samples_per_row] - exact[row];
-            wrong += d * d;
-            all += exact[row] * exact[row];
+        for (std::size_t channel = 0; channel < channels; ++channel) {
+            double wrong = 0;
+            double all = 0;
+            for (std::size_t row = 0; row < rows; ++row) {
+                const double truth_here = exact[row * channels + channel];
+                const double d = found[row * truth.samples_per_row * channels + channel] - truth_here;
+                wrong += d * d;
+                all += truth_here * truth_here;
+            }
+            const double scale = std::max(mean_square(all, rows), floor);
+            const double error = scale > 0 ? mean_square(wrong, rows) / scale : wrong;
+            worst = std::isfinite(error) ? std::max(worst, error) : infinite;
         }
-        const double scale = std::max(mean_square(all, exact.size()), floor);
-        const double error = scale > 0 ? mean_square(wrong, exact.size()) / scale : wrong;
-        worst = std::isfinite(error) ? std::max(worst, error) : infinite;
     }
     return std::sqrt(worst);
 }
@@ -128,7 +142,7 @@ Truth independent_truth_of(const Scene& scene, const std::string& file) {
     const Outputs ours = outputs_of(as_exact_as_can_be(scene, finer));
     const Reference reference = read_reference(file);
     Truth truth;
-    truth.outputs.columns = {reference.v_last, reference.v_plate, reference.v_out};
+    truth.outputs.columns = {reference.v_last, reference.v_plate, reference.v_out, {}, {}, {}, {}};
     truth.outputs.samples_per_row =
         static_cast<std::size_t>(std::lround(reference.interval_s * scene.output.sample_rate_hz));
     truth.outputs.loudest = ours.loudest;

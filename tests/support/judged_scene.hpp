@@ -8,6 +8,7 @@
 
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene.hpp"
+#include "hertzline/taps.hpp"
 
 namespace hertzline::test {
 
@@ -17,10 +18,15 @@ inline constexpr double quietest_output = 1e-6;
 /// Errors below this are not distinguished: references are not better.
 inline constexpr double indistinguishable = 1e-9;
 
+/// The outputs that are judged, where a scene has them.
+inline constexpr std::array output_taps{Tap::v_last, Tap::v_plate, Tap::v_out,   Tap::v_centre,
+                                        Tap::v_face, Tap::p_axis,  Tap::p_points};
+
 /// The outputs of a scene.
 struct Outputs {
-    /// v_last, and with a plate v_plate and v_out [m/s]; row r is sample r * samples_per_row
-    std::array<std::vector<double>, 3> columns;
+    /// Of output_taps, row-major [row][channel], as velocities [m/s]; row r is sample r * samples_per_row.
+    std::array<std::vector<double>, output_taps.size()> columns;
+    std::array<std::size_t, output_taps.size()> channels{1, 1, 1, 1, 1, 1, 1};
     std::size_t samples_per_row = 1;
     double loudest = 0;     ///< r.m.s. of the sphere, plate or output that moves most [m/s]
     bool complete = false;  ///< the run reached its end
