@@ -276,10 +276,10 @@ std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& param
 
 int poles_for(const PlateParameters& parameters, double accuracy) {
     constexpr int fewest = 16;
-    constexpr int most = 64;
+    constexpr int most_poles = 64;
     constexpr int more = 4;
     constexpr double share = 0.25;
-    for (int count = fewest; count < most;) {
+    for (int count = fewest; count < most_poles;) {
         const auto response = plate_response(parameters, count);
         const double excess = response->fit_error() / (share * accuracy);
         if (excess <= 1 && response->least_resistance >= 0) {
@@ -288,7 +288,7 @@ int poles_for(const PlateParameters& parameters, double accuracy) {
         // with four poles more the error falls by no more than ten times, as a rule
         count += more * std::max(1, static_cast<int>(std::log10(excess)));
     }
-    return most;
+    return most_poles;
 }
 
 }  // namespace hertzline

@@ -35,7 +35,7 @@ struct PlateResponse {
     double least_resistance = 0;
 };
 
-/// The response with that number of poles. The last one is kept: a second call costs nothing. @throws std::bad_alloc
+/// The response with that number of poles. The latest are kept: a second call costs nothing. @throws std::bad_alloc
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles);
 
 /// As few poles as bring both errors below a share of the accuracy; as many as there may be if none do.

@@ -22,7 +22,8 @@ constexpr double lowest_slope = 10;  // of log(error) over log(step), from below
 
 Scene with_finer_steps(const ResolvedScene& scene) {
     const double finer = is_series(scene.integrator()) ? finer_pieces : finer_grid;
-    return without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s()));
+    return with_finer_fit(
+        without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s())));
 }
 
 /// The largest error of a run, relative to its difference from one with finer steps.

@@ -10,8 +10,8 @@ namespace {
 constexpr double affordable_body_pieces = 3e7;  // of the reference: thirty times those of ReferencePilot
 
 JudgedRun reference_with(const Scene& scene, double step_s, const std::atomic<bool>* stop) {
-    return {with_few_points(without_sleep(with_step(scene, Integrator::taylor12, step_s))), pilot_block,
-            stop};
+    const Scene better = with_finer_fit(without_sleep(with_step(scene, Integrator::taylor12, step_s)));
+    return {with_few_points(better), pilot_block, stop};
 }
 
 }  // namespace
@@ -47,9 +47,10 @@ bool LongEstimate::reach(double time_s) noexcept {
 
 ErrorEstimate LongEstimate::estimate() const noexcept {
     const double own = own_errors_.worst();
-    return {.error = std::max({errors_.worst(), with_safety_factor(own), least_error}) + used_.fit_error(),
-            .over_s = static_cast<double>(used_.simulation.next_sample()) / sample_rate_hz_,
-            .amplifies = own > amplified_rounding};
+    return {
+        .error = std::max({errors_.worst(), with_safety_factor(own), least_error}) + reference_.fit_error(),
+        .over_s = static_cast<double>(used_.simulation.next_sample()) / sample_rate_hz_,
+        .amplifies = own > amplified_rounding};
 }
 
 SeenMotion LongEstimate::seen() noexcept {

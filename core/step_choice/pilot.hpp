@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -30,6 +31,9 @@ Scene with_step(Scene scene, Integrator integrator, double step_s);
 
 /// The scene without a tolerance of rest: motion that sleep cuts off is no error of the step.
 Scene without_sleep(Scene scene);
+
+/// The scene with a fit of a modal plate's response that is as good as any: the motion may amplify the error of a coarser one.
+Scene with_finer_fit(Scene scene);
 
 /// The scene with no more points than pilots can afford to judge: a part of them, evenly spread.
 Scene with_few_points(Scene scene);
@@ -59,6 +63,8 @@ public:
     SeenMotion seen(double error) { return seen_motion(simulation_.extremes(), event_rate_, error); }
 
     std::size_t spheres() const noexcept { return spheres_; }
+    /// Of a modal plate's response; nothing without one.
+    std::optional<std::int64_t> poles() const noexcept { return simulation_.scene().numerics.poles; }
     std::size_t columns() const noexcept { return columns_; }
     /// Whether it has the paper's plate, whose output jumps.
     bool has_plate() const noexcept { return simulation_.chain().end.has_plate; }

@@ -112,8 +112,8 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, double piece
       watched_s_(std::min(burst_and_way_s(scene, chain),
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
       scene_(sampled_for(shortened(scene), watched_s_)),
-      motion_(scene_, reference_integrator, step_s_, stop),
-      finer_(scene_, reference_integrator, finer * step_s_, stop),
+      motion_(with_finer_fit(scene_), reference_integrator, step_s_, stop),
+      finer_(with_finer_fit(scene_), reference_integrator, finer * step_s_, stop),
       shortened_(scene.chain.spheres > pilot_spheres),
       same_samples_(!shortened_ && scene_.output.sample_rate_hz == scene.output.sample_rate_hz) {
     motion_.run_to(samples_in(watched_s_), most_body_pieces);
@@ -166,6 +166,18 @@ WrongSides ReferencePilot::unseen_wrong_sides(const Pilot& pilot, std::size_t sa
     return same_samples_ || !std::isfinite(found.of_any)
                ? WrongSides{}
                : wrong_sides(pilot, motion_, samples, accuracy_ * found.loudness);
+}
+
+bool ReferencePilot::needs_finer_fit() {
+    constexpr double share = 0.3;  // of the accuracy
+    if (!provides(scene_, Requires::modal_plate) || scene_.numerics.poles == motion_.poles()) {
+        return false;
+    }
+    return !(trial(reference_integrator, step_s_).error <= std::max(share * accuracy_, judged_error_));
+}
+
+void ReferencePilot::take_finer_fit() {
+    scene_ = with_finer_fit(std::move(scene_));
 }
 
 Trial ReferencePilot::trial(Integrator integrator, double step_s, double rest_tolerance) {

@@ -68,6 +68,11 @@ public:
     ReferencePilot(const Scene& scene, double accuracy, const std::atomic<bool>* stop = nullptr)
         : ReferencePilot(scene, accuracy, piece_error_for(accuracy), stop) {}
 
+    /// Whether the fit of the plate's response, by itself, costs too much of the accuracy: that of the reference is finer. Takes a trial.
+    bool needs_finer_fit();
+    /// Trials have the reference's fit from now on.
+    void take_finer_fit();
+
     /// A pilot with that step, compared with the reference. One that errs by far too much early is not completed: its error is then
     /// a lower bound. @param rest_tolerance as of a scene: the motion that sleep cuts off is part of the error. @throws std::bad_alloc
     Trial trial(Integrator integrator, double step_s, double rest_tolerance = 0);

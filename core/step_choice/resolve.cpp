@@ -76,7 +76,8 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
         return;
     }
     ErrorEstimate found = reference.estimate(*trial, result.run_s);
-    found.error = std::max(found.error, least_error) + pole_error(result.scene);
+    found.error =
+        std::max(found.error, least_error) + pole_error(with_finer_fit(result.scene));  // of the reference
     if (!std::isfinite(found.error)) {
         return;
     }
@@ -175,6 +176,10 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
     ReferencePilot reference = reference_for(result.scene, result, stop);
+    if (!asked.numerics.poles && reference.needs_finer_fit()) {
+        reference.take_finer_fit();
+        result.scene = with_finer_fit(std::move(result.scene));
+    }
     AdvisedStep advised = advise(result.scene, reference);
     result.advice = advised.advice;
     result.pilots += advised.advice.pilots;
