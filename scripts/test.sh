@@ -10,8 +10,8 @@ for preset in "$@"; do
     results="$PWD/build/$preset/tests.xml"
     printed="$PWD/build/$preset/tests.txt"
     status=0
-    # two slots for each processor: tests that compute take two, those that mostly wait one (PROCESSORS in tests/CMakeLists.txt)
-    ctest --preset "$preset" --parallel "$((2 * $(nproc)))" --output-junit "$results" | tee "$printed" || status=$?
+    # three slots for each processor: tests that compute take two, those that mostly wait one (PROCESSORS in tests/CMakeLists.txt)
+    ctest --preset "$preset" --parallel "$((3 * $(nproc)))" --output-junit "$results" | tee "$printed" || status=$?
     ./tests/skipped.py "$results"
     sed -n '/% tests passed/,$p' "$printed" # ctest's summary stands last
     [ "$status" -eq 0 ] || exit "$status"

@@ -49,7 +49,7 @@ def _ends_within_a_second(stand, process, by):
     begin = time.monotonic()
     process.send_signal(by)
     status, took = stands.timed_wait(process, begin)
-    check(took <= (10 if stand.sanitized else stands.ENDS_WITHIN_S), f"{took:.2f} s from the signal to the end")
+    check(took <= stands.ENDS_WITHIN_S, f"{took:.2f} s from the signal to the end")
     check(status in (0, 1), f"exit status {status}")
 
 
