@@ -16,8 +16,7 @@ constexpr double phase_per_panel = 8;  // phase that a panel of nodes covers
 
 }  // namespace
 
-ShapeTable::ShapeTable(const std::vector<DiscMode>& modes)
-    : modes_(static_cast<Eigen::Index>(modes.size())) {
+ShapeTable::ShapeTable(const std::vector<DiscMode>& modes) : modes_(static_cast<Eigen::Index>(modes.size())) {
     constexpr int degrees = 40;  // the highest mode has 19 radians from centre to rim
     const auto angle = [](int i) { return std::numbers::pi * (i + 0.5) / degrees; };
     coefficients_.setZero(Shapes::SizeAtCompileTime, degrees);
