@@ -70,12 +70,13 @@ private:
 FieldPoint measured(std::size_t number, std::vector<double> pressure, SpectrumAnalyser& analyser,
                     double frequency_hz) {
     const double squares = std::inner_product(pressure.begin(), pressure.end(), pressure.begin(), 0.0);
-    std::vector<double> harmonics = analyser.harmonics(pressure, frequency_hz);
-    return {.number = number,
-            .peak_pa = peak_of(pressure),
-            .rms_pa = std::sqrt(squares / static_cast<double>(pressure.size())),
-            .harmonics_pa = std::move(harmonics),
-            .pressure_pa = std::move(pressure)};
+    FieldPoint point;
+    point.number = number;
+    point.peak_pa = peak_of(pressure);
+    point.rms_pa = std::sqrt(squares / static_cast<double>(pressure.size()));
+    point.harmonics_pa = analyser.harmonics(pressure, frequency_hz);
+    point.pressure_pa = std::move(pressure);
+    return point;
 }
 
 /// Pressures of a run at its points, [point][sample]; none when it was stopped.
@@ -207,6 +208,7 @@ void run_field(const Scene& scene, int jobs, const std::atomic<bool>& stop,
     };
     {
         std::vector<std::jthread> threads;
+        threads.reserve(static_cast<std::size_t>(jobs));
         for (int i = 0; i < jobs; ++i) {
             threads.emplace_back([&] {
                 try {
