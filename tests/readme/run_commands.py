@@ -67,6 +67,7 @@ NOT_RUN = {
         "build/release/bench_crossover 10000": MINUTES,
         "build/release/bench_accuracy": MINUTES,
         "build/release/bench_accuracy 0": MINUTES,
+        "build/release/bench_accuracy --wet": MINUTES,
     },
     "examples/README.md": {
         "scripts/build.sh release hertzline hertzline_python": BUILDS,
