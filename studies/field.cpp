@@ -158,13 +158,6 @@ tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::
             faults = std::move(axis.error());
         }
     }
-    if (faults.empty() && grid.axes[2].count > 0) {
-        for (std::int64_t i = 0; i < grid.axes[2].count; ++i) {
-            if (const double z = std::get<double>(grid.axes[2].value(i)); z < 0) {
-                faults = {{"z", number_text(z), "at least 0: the medium lies where z is positive"}};
-            }
-        }
-    }
     double points = 1;
     for (const Axis& axis : grid.axes) {
         points *= static_cast<double>(axis.count);
@@ -172,6 +165,11 @@ tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::
     if (faults.empty() && points > static_cast<double>(hertzline::max_points)) {
         faults.push_back(
             {"", fmt::format("{:.0f} points", points), fmt::format("{} at most", hertzline::max_points)});
+    }
+    for (std::int64_t i = 0; faults.empty() && i < grid.axes[2].count; ++i) {
+        if (const double z = std::get<double>(grid.axes[2].value(i)); z < 0) {
+            faults.push_back({"z", number_text(z), "at least 0: the medium lies where z is positive"});
+        }
     }
     if (!faults.empty()) {
         return tl::unexpected(std::move(faults));

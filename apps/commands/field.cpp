@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -20,6 +19,7 @@
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
 #include "apps/command.hpp"
+#include "apps/commands/sweep/study_session.hpp"
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
@@ -218,14 +218,6 @@ Json provenance_of(const Scene& scene, const Resolution& resolved, const studies
     return json;
 }
 
-std::string points_text(std::size_t done, std::size_t all, double elapsed_s) {
-    const double rate = elapsed_s > 0 ? static_cast<double>(done) / elapsed_s : 0;
-    const double left_s = rate > 0 ? static_cast<double>(all - done) / rate : INFINITY;
-    return fmt::format("{:3.0f} %  {} of {} points, {:.3g} points/s, {} left",
-                       100 * static_cast<double>(done) / static_cast<double>(all), done, all, rate,
-                       time_text(left_s));
-}
-
 Exit field(const FieldOptions& options) {
     using Clock = std::chrono::steady_clock;
     const CheckedField asked = checked(options);
@@ -242,20 +234,21 @@ Exit field(const FieldOptions& options) {
     const Clock::time_point start = Clock::now();
     const auto elapsed_s = [start] { return std::chrono::duration<double>(Clock::now() - start).count(); };
     const std::size_t all = asked.grid.size();
-    std::size_t done = 0;
+    studies::PointCounts done;
     {
         ProgressLine line;
-        studies::run_field(scene, options.jobs.value_or(studies::usual_jobs()), stop_asked(),
-                           [&](const studies::FieldPoint& point) {
-                               table.put(point);
-                               ++done;
-                               if (line.due()) {
-                                   line.show(points_text(done, all, elapsed_s()));
-                               }
-                           });
+        studies::run_field(
+            scene, options.jobs.value_or(studies::usual_jobs()), stop_asked(),
+            [&](const studies::FieldPoint& point) {
+                table.put(point);
+                ++done[studies::PointStatus::ok];
+                if (line.due()) {
+                    line.show(progress_text(done, static_cast<std::int64_t>(all), elapsed_s()));
+                }
+            });
     }
-    if (done < all) {
-        spdlog::error("stopped after {} of {} points; nothing was saved", done, all);
+    if (done.all() < static_cast<std::int64_t>(all)) {
+        spdlog::error("stopped after {} of {} points; nothing was saved", done.all(), all);
         return Exit::failed;
     }
     for (const std::string& file : options.files) {

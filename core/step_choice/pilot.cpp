@@ -93,10 +93,13 @@ double velocity_per_unit(Tap tap, const EndModel& end) noexcept {
 Pilot::Pilot(const Scene& scene, Integrator integrator, double step_s, const std::atomic<bool>* stop)
     : simulation_(with_step(with_few_points(scene), integrator, step_s), options_of_pilots(scene, stop)),
       block_(simulation_.make_samples(pilot_block)),
-      outputs_(outputs_of(scene)),
       spheres_(block_.spheres()),
       columns_(static_cast<std::size_t>(channels_of(block_.taps(), block_.counts()))),
-      event_rate_(scene.drive) {}
+      event_rate_(scene.drive) {
+    for (const Tap tap : outputs_of(scene)) {
+        outputs_.push_back({tap, block_.channels(tap), velocity_per_unit(tap, simulation_.chain().end)});
+    }
+}
 
 void Pilot::run_to(std::size_t samples, double most_body_steps) {
     const double most_steps = most_body_steps / static_cast<double>(spheres_ + 1);
@@ -109,11 +112,9 @@ void Pilot::run_to(std::size_t samples, double most_body_steps) {
         auto out = velocities_.begin() + static_cast<std::ptrdiff_t>(before);
         for (std::size_t i = 0; i < block_.count; ++i) {
             out = std::ranges::copy(block_[Tap::v_chain].subspan(i * spheres_, spheres_), out).out;
-            for (const Tap tap : outputs_) {
-                const std::size_t channels = block_.channels(tap);
-                const double scale = velocity_per_unit(tap, simulation_.chain().end);
-                out = std::ranges::transform(block_[tap].subspan(i * channels, channels), out,
-                                             [scale](double value) { return scale * value; })
+            for (const Output& output : outputs_) {
+                out = std::ranges::transform(block_[output.tap].subspan(i * output.channels, output.channels),
+                                             out, [&output](double value) { return output.scale * value; })
                           .out;
             }
         }

@@ -72,9 +72,15 @@ public:
     const double* row(std::size_t sample) const noexcept { return velocities_.data() + sample * columns_; }
 
 private:
+    struct Output {
+        Tap tap;
+        std::size_t channels;
+        double scale;  ///< to a velocity
+    };
+
     Simulation simulation_;
     Samples block_;
-    std::vector<Tap> outputs_;
+    std::vector<Output> outputs_;
     std::size_t spheres_;
     std::size_t columns_;
     std::vector<double> velocities_;  // [sample][column]
