@@ -106,7 +106,6 @@ NumberType number_type_of(const FileNumber& type) noexcept {
 
 void append_numbers(const FileNumber& type, std::span<const std::byte> bytes, std::vector<double>& numbers) {
     assert(is_known(type) && bytes.size() % type.bytes == 0);
-    numbers.reserve(numbers.size() + bytes.size() / type.bytes);
     if (type.kind == Kind::floating && type.order == std::endian::native && type.bytes >= 4) {
         type.bytes == 4 ? append_native<float>(bytes, numbers) : append_native<double>(bytes, numbers);
         return;

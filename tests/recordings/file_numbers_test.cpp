@@ -6,6 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/allocation_count.hpp"
+
 namespace hertzline::recordings {
 namespace {
 
@@ -33,6 +35,21 @@ TEST(FileNumbers, IntegersOfUpTo32BitsAreSharesOfTheFullScale) {
         }
         EXPECT_EQ(one({Kind::integer, 8, order}, ~std::uint64_t{0}), -1);
         EXPECT_EQ(one({Kind::natural, 8, order}, 300), 300);
+    }
+}
+
+TEST(FileNumbers, AreAppendedWithFewAllocations) {
+    if (HERTZLINE_ALLOCATIONS_ARE_COUNTED == 0) {
+        GTEST_SKIP() << "the sanitizers have an allocator of their own";
+    }
+    const std::array<std::byte, 4> bytes{};
+    for (const std::endian order : {std::endian::little, std::endian::big}) {
+        const std::size_t before = test::allocations();
+        std::vector<double> numbers;
+        for (int i = 0; i < 10'000; ++i) {
+            append_numbers({Kind::floating, 4, order}, bytes, numbers);
+        }
+        EXPECT_LT(test::allocations() - before, 100);
     }
 }
 
