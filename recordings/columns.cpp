@@ -1,8 +1,11 @@
 #include "recordings/columns.hpp"
 
 #include <array>
+#include <optional>
 #include <string_view>
 #include <utility>
+
+#include "core/scene/units.hpp"
 
 namespace hertzline::recordings {
 
@@ -50,6 +53,26 @@ bool is_column_of(const TapRow& row, std::string_view name) {
     return number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
+/// Takes the unit off the name's end: "x_um", "v_out_mm_per_s". Nothing where it ends in none of a velocity, length or pressure.
+std::optional<Column> with_unit_in_name(const std::string& name) {
+    constexpr std::string_view per = "_per_";
+    const std::size_t slash = name.rfind(per);
+    const std::size_t begin = slash == 0 ? std::string::npos : name.rfind('_', slash - 1);
+    if (begin == std::string::npos || begin == 0) {
+        return std::nullopt;
+    }
+    std::string unit = name.substr(begin + 1);
+    if (slash != std::string::npos) {
+        unit.replace(slash - begin - 1, per.size(), "/");
+    }
+    for (const std::string_view known : {"m/s", "m", "Pa"}) {
+        if (unit == known || number_in_unit("1 " + unit, known)) {
+            return Column{name, name.substr(0, begin), unit};
+        }
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts) {
@@ -71,15 +94,7 @@ Column column_named(const std::string& name) {
             return {name, std::string(row.name), std::string(row.unit)};
         }
     }
-    constexpr std::string_view velocity_ending = "_m_per_s";
-    constexpr std::string_view displacement_ending = "_m";
-    for (const auto& [ending, unit] :
-         {std::pair{velocity_ending, "m/s"}, std::pair{displacement_ending, "m"}}) {
-        if (std::string_view(name).ends_with(ending)) {
-            return {name, name.substr(0, name.size() - ending.size()), unit};
-        }
-    }
-    return {name, name, ""};
+    return with_unit_in_name(name).value_or(Column{name, name, ""});
 }
 
 RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {

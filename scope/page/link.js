@@ -32,7 +32,7 @@ export class Link {
 
   connect() {
     const url = new URL('socket', location.href);
-    url.protocol = 'ws:';
+    url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.socket = new WebSocket(url);
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => { this.tries = 0; this.events.open(); };

@@ -18,7 +18,13 @@ namespace hertzline::scope {
 
 namespace {
 
-constexpr unsigned default_port = 80;
+/// How a browser reaches a page.
+struct Scheme {
+    std::string_view prefix;
+    unsigned port;  ///< where the address has none
+};
+constexpr Scheme http_scheme{"http://", 80};
+constexpr Scheme https_scheme{"https://", 443};  // a proxy before the scope decrypts
 
 /// Whether all of the text is an address: inet_pton() reads to the first NUL only.
 bool is_address(int family, const std::string& text) {
@@ -64,13 +70,30 @@ bool is_name(std::string_view text) {
     return !text.empty() && text.size() <= 253 && std::ranges::all_of(text, fits);
 }
 
-bool is_ours(std::string_view host_header, const PageAddress& address) {
-    if (const auto host = allowed_host(host_header); host && std::ranges::count(address.allowed, *host) > 0) {
+/// Returns the scheme, host and port of a Host header; nothing where it is none.
+std::optional<std::string> origin_of(const Scheme& scheme, std::string_view host_header) {
+    std::string lower(host_header);
+    std::ranges::transform(lower, lower.begin(),
+                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    const auto [host, port_text] = host_and_port(lower);
+    const auto port =
+        port_text.empty() && !lower.ends_with(':') ? std::optional(scheme.port) : port_in(port_text);
+    const bool good = host.starts_with('[') ? is_ipv6(without_brackets(host)) : is_name(host);
+    if (!good || !port || *port == 0) {
+        return std::nullopt;
+    }
+    return fmt::format("{}{}:{}", scheme.prefix, host, *port);
+}
+
+/// Whether browsers may reach the page under this host by this scheme.
+bool is_ours(const Scheme& scheme, std::string_view host_header, const PageAddress& address) {
+    if (const auto origin = origin_of(scheme, host_header);
+        origin && std::ranges::count(address.allowed, *origin) > 0) {
         return true;
     }
     const auto [host, port_text] = host_and_port(host_header);
-    const auto port = port_text.empty() ? std::optional(default_port) : port_in(port_text);
-    if (!port || *port != address.port) {
+    const auto port = port_text.empty() ? std::optional(scheme.port) : port_in(port_text);
+    if (&scheme != &http_scheme || !port || *port != address.port) {
         return false;
     }
     const std::string name = without_brackets(host);
@@ -118,19 +141,15 @@ tl::expected<PageAddress, std::string> page_address(std::string_view text) {
 }
 
 tl::expected<std::string, std::string> allowed_host(std::string_view text) {
-    std::string lower(text);
-    std::ranges::transform(lower, lower.begin(),
-                           [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-    const auto [host, port_text] = host_and_port(lower);
-    const auto port =
-        port_text.empty() && !lower.ends_with(':') ? std::optional(default_port) : port_in(port_text);
-    const bool good = host.starts_with('[') ? is_ipv6(without_brackets(host)) : is_name(host);
-    if (!good || !port || *port == 0) {
-        return tl::unexpected(
-            "found " + quoted_briefly(text) +
-            ", allowed: HOST:PORT as in the browser's address, as localhost:9000; without a port it is 80");
+    const bool encrypted = text.starts_with(https_scheme.prefix);
+    const auto origin = encrypted ? origin_of(https_scheme, text.substr(https_scheme.prefix.size()))
+                                  : origin_of(http_scheme, text);
+    if (!origin) {
+        return tl::unexpected("found " + quoted_briefly(text) +
+                              ", allowed: HOST:PORT as in the browser's address, as localhost:9000 or "
+                              "https://scope.example.org; without a port it is 80, or 443");
     }
-    return fmt::format("{}:{}", host, *port);
+    return *origin;
 }
 
 std::string host_in_url(const PageAddress& address) {
@@ -139,13 +158,19 @@ std::string host_in_url(const PageAddress& address) {
 
 tl::expected<std::string, PageRefusal> admitted(const PageRequest& request, const PageAddress& address,
                                                 std::string_view token) {
-    if (!is_ours(request.host, address)) {
+    const bool plain = is_ours(http_scheme, request.host, address);
+    const bool encrypted = is_ours(https_scheme, request.host, address);
+    if (!plain && !encrypted) {
         return refused(421,
                        "The scope is not known under this name and port. To reach it through a forwarded "
                        "port or another "
                        "name, start it with --scope-allow HOST:PORT, as in the browser's address.");
     }
-    if (!request.origin.empty() && request.origin != "http://" + std::string(request.host)) {
+    const auto is_from = [&](const Scheme& scheme) {
+        return request.origin == std::string(scheme.prefix) + std::string(request.host);
+    };
+    if (!request.origin.empty() && !(plain && is_from(http_scheme)) &&
+        !(encrypted && is_from(https_scheme))) {
         return refused(403, "Pages of another origin are not served.");
     }
     if (request.opens_a_socket && request.origin.empty()) {

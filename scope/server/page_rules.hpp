@@ -22,8 +22,8 @@ struct PageAddress {
 /// Reads "127.0.0.1:8573", "[::1]:8573" or "localhost:8573"; port 0 is any free one. The error is a sentence.
 tl::expected<PageAddress, std::string> page_address(std::string_view text);
 
-/// Reads "localhost:9000", "scope.example.org" (port 80) or "[::1]:9000" as a browser's Host header has it, in lower case and with
-/// the port. The error is a sentence.
+/// Reads "localhost:9000", "scope.example.org" (port 80) or "[::1]:9000" as a browser's Host header has it, or "https://HOST" of a
+/// proxy that decrypts. Returns it with scheme and port, in lower case: "http://localhost:9000". The error is a sentence.
 tl::expected<std::string, std::string> allowed_host(std::string_view text);
 
 /// Returns the host as it stands in a URL: IPv6 in brackets.

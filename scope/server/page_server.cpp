@@ -41,7 +41,7 @@ HttpAnswer answer(unsigned status, std::string_view type, std::string_view text,
     answer.set("Content-Security-Policy",
                "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
                "connect-src 'self'" +
-                   (status == 200 ? " ws://" + host : std::string()) +
+                   (status == 200 ? " ws://" + host + " wss://" + host : std::string()) +
                    "; base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
     answer.set("X-Content-Type-Options", "nosniff");
     answer.set("Referrer-Policy", "no-referrer");

@@ -128,6 +128,7 @@ tl::expected<SceneChange, std::string> change_in(const Json& entry, const SceneC
                                           fmt::join(motion_words, ", ")));
     }
     change.goes_on = motion == motion_words[0];
+    change.must_go_on = change.goes_on && entry.contains("motion");
     const std::int64_t earliest = before == nullptr ? 1 : before->sample + (change.goes_on ? 1 : 0);
     change.sample = outside.count("sample").value_or(0);
     if (change.sample < earliest) {

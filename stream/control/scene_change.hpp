@@ -40,6 +40,7 @@ struct SceneChange {
     Json set;                 ///< values by key; of a change that took effect with integrator and step
     Json was = nullptr;       ///< the values before; null: not known
     bool goes_on = false;     ///< the motion continues; of a change that shall take effect: it may
+    bool must_go_on = false;  ///< of a change that shall take effect: its author wants the motion to continue
     std::string scene_hash;   ///< of the scene with integrator and step; empty: not known
     std::optional<ErrorEstimate> estimate{};  ///< of its error; unset: not known
 };

@@ -297,6 +297,8 @@ TEST(Control, ChangesThatCannotBeMadeAreFaults) {
     EXPECT_THAT(fault(R"([{"sample": 10, "set": {"chain.preload_n": 0.2}, "foo": 1}])"),
                 HasSubstr("the member \"foo\""));
     EXPECT_THAT(fault(R"([{"sample": 1e300, "set": {}}])"), HasSubstr("sample: found"));
+    EXPECT_THAT(fault(R"([{"sample": 10, "set": {"chain.preload_n": 0.2}, "motion": "goes on"}])"),
+                HasSubstr("motion: found \"goes on\", but these keys begin it anew"));
 }
 
 TEST(Control, TheDocumentsChangesChangeTheRun) {

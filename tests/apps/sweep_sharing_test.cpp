@@ -143,12 +143,18 @@ TEST_F(SharedSweep, ATaskThatIsSubmittedAgainLandsInItsPlace) {
         const SlurmTask slurm(task, "4", "0", "3");
         EXPECT_EQ(swept(words_of_part).status, 0);
     }
-    const SlurmTask again("3", "1", "3", "3");
+    const SlurmTask again("2", "1", "2", "2");
     const Outcome alone = swept(words_of_part);
     EXPECT_EQ(alone.status, 2);
-    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/N runs one task of it again"));
-    EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm/4", "--resume"}).status, 0);
+    EXPECT_THAT(alone.err, HasSubstr("--shard slurm/1-8 runs one task of such an array again"));
+    EXPECT_EQ(swept({"-o", folder.file("s.csv"), "--shard", "slurm/0-3", "--resume"}).status, 0);
     EXPECT_EQ(merged("s.csv", 4), whole);
+    for (const char* wrong : {"slurm/3-0", "slurm/-3", "slurm/0-", "slurm/0-3-4", "slurm/0", "slurm/"}) {
+        EXPECT_THAT(swept({"-o", folder.file("s.csv"), "--shard", wrong}).err, HasSubstr("slurm/FIRST-LAST"))
+            << wrong;
+    }
+    EXPECT_THAT(swept({"-o", folder.file("s.csv"), "--shard", "slurm/3-5"}).err,
+                HasSubstr("found task 2 of an array from 2 to 2, allowed: tasks from 3 to 5"));
 }
 
 TEST_F(SharedSweep, ATaskIsNotTakenForAllWherePartsOfAnotherNumberLie) {

@@ -266,14 +266,20 @@ def other_machines_are_told_of(stand):
 
 def hosts_that_are_allowed_are_served(stand):
     """As through `ssh -L 9000:...`, or behind a name."""
-    with stand.scope("--scope-allow", "localhost:9000", "--scope-allow", "Scope.Example.org", "--scope-allow", "[::1]:9000") as scope:
+    with stand.scope("--scope-allow", "localhost:9000", "--scope-allow", "Scope.Example.org", "--scope-allow", "[::1]:9000",
+                     "--scope-allow", "https://tls.example.org", "--scope-allow", "https://tls.example.org:8443") as scope:
         own = urllib.parse.urlsplit(scope.url)
         for host in "localhost:9000", "LOCALHOST:9000", "scope.example.org", "scope.example.org:80", "[::1]:9000", own.netloc:
             with urllib.request.urlopen(urllib.request.Request(scope.url, headers={"Host": host}), timeout=LONG_ENOUGH_S) as answer:
-                assert f"ws://{host};" in answer.headers["Content-Security-Policy"], answer.headers
+                assert f" ws://{host} wss://{host};" in answer.headers["Content-Security-Policy"], answer.headers
             with PageSocket(scope.url, host=host, origin=f"http://{host}"):
                 pass
-        for host in "localhost:9001", "scope.example.org:9000", "evil.example.org", "127.0.0.1:9000", "localhost:9000.evil.org", "":
+        for host in "tls.example.org", "tls.example.org:443", "tls.example.org:8443":  # a proxy decrypts
+            with urllib.request.urlopen(urllib.request.Request(scope.url, headers={"Host": host}), timeout=LONG_ENOUGH_S) as answer:
+                assert f" wss://{host};" in answer.headers["Content-Security-Policy"], answer.headers
+            with PageSocket(scope.url, host=host, origin=f"https://{host}"):
+                pass
+        for host in "localhost:9001", "scope.example.org:9000", "evil.example.org", "127.0.0.1:9000", "localhost:9000.evil.org", "tls.example.org:80", "":
             try:
                 urllib.request.urlopen(urllib.request.Request(scope.url, headers={"Host": host}), timeout=LONG_ENOUGH_S)
                 raise AssertionError(f"served under {host}")
@@ -285,12 +291,14 @@ def hosts_that_are_allowed_are_served(stand):
             twice.putheader("Host", host)
         twice.endheaders()
         assert twice.getresponse().status == 421
-        try:
-            PageSocket(scope.url, host="localhost:9000", origin="http://evil.example.org")
-            raise AssertionError("a foreign origin is served")
-        except Refused:
-            pass
-    for wrong in "localhost:0", "localhost:x", "localhost:", "", "a b:1", "http://localhost:9000", "[::1:9000", "localhost:70000":
+        for host, origin in (("localhost:9000", "http://evil.example.org"), ("localhost:9000", "https://localhost:9000"),
+                             ("tls.example.org", "http://tls.example.org")):
+            try:
+                PageSocket(scope.url, host=host, origin=origin)
+                raise AssertionError(f"the foreign origin {origin} is served")
+            except Refused:
+                pass
+    for wrong in "localhost:0", "localhost:x", "localhost:", "", "a b:1", "http://localhost:9000", "https://", "https://x:0", "[::1:9000", "localhost:70000":
         refused = subprocess.run([stand.program, "scope", "--scope-allow", wrong], stderr=subprocess.PIPE, text=True, timeout=LONG_ENOUGH_S)
         assert refused.returncode == 2 and "--scope-allow" in refused.stderr and "allowed: HOST:PORT" in refused.stderr, (wrong, refused)
 

@@ -72,6 +72,12 @@ bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scen
         return false;
     }
     const bool continues = change.goes_on && stream::motion_goes_on(before, *after);
+    if (change.must_go_on && !continues) {
+        faults.add(where,
+                   "motion: found \"goes on\", but these keys begin it anew; allowed: \"begins anew\", or no "
+                   "motion");
+        return false;
+    }
     if (continues && !Simulation::can_hand_over(before)) {
         faults.add(where,
                    "the motion of this grid cannot be handed over; allowed: a series, or steps that "

@@ -41,12 +41,27 @@ std::string gaps_fault(std::int64_t task, std::int64_t tasks, std::int64_t first
     return fmt::format(
         "--shard slurm: found task {} of {} tasks from {} to {}, allowed: an array without gaps that begins "
         "at 1 "
-        "(1-8) or at 0; --shard slurm/N runs one task of it again",
+        "(1-8) or at 0; --shard slurm/1-8 runs one task of such an array again",
         task, tasks, first, last);
 }
 
-/// Returns the part of a task of a job array. --array=1-8 has parts 1/8 to 8/8; tasks that are submitted again need the number of parts.
-tl::expected<studies::Shard, std::string> shard_of_slurm_task(Number parts) {
+/// The tasks of a whole job array: --array=1-8, which has parts 1/8 to 8/8.
+struct JobArray {
+    std::int64_t first;
+    std::int64_t last;
+};
+
+/// Reads "N", tasks 1 to N, or "FIRST-LAST"; nothing where it is none.
+std::optional<JobArray> job_array(std::string_view text) {
+    const std::size_t dash = text.find('-');
+    const Number first = dash == std::string_view::npos ? Number(1) : whole_number(text.substr(0, dash));
+    const Number last = whole_number(text.substr(dash == std::string_view::npos ? 0 : dash + 1));
+    const bool fits = first && last && *first >= 0 && *first <= *last && *last - *first < studies::max_points;
+    return fits ? std::optional(JobArray{*first, *last}) : std::nullopt;
+}
+
+/// Returns the part of a task of a job array. A task that is submitted again needs the array that it was in.
+tl::expected<studies::Shard, std::string> shard_of_slurm_task(std::optional<JobArray> whole_array) {
     const Number task = number_of_launcher("SLURM_ARRAY_TASK_ID");
     const Number tasks = number_of_launcher("SLURM_ARRAY_TASK_COUNT");
     const Number first = number_of_launcher("SLURM_ARRAY_TASK_MIN");
@@ -56,13 +71,15 @@ tl::expected<studies::Shard, std::string> shard_of_slurm_task(Number parts) {
             "--shard slurm: SLURM_ARRAY_TASK_ID, _COUNT, _MIN or _MAX is missing: start it in a job of "
             "sbatch --array=1-N");
     }
-    if (parts) {
-        if (*first < 1 || *task < 1 || *task > *parts) {
+    if (whole_array) {
+        const auto [whole_first, whole_last] = *whole_array;
+        if (*first < whole_first || *task < whole_first || *task > whole_last) {
             return tl::unexpected(fmt::format(
-                "--shard slurm/{0}: found task {1} of an array from {2} to {3}, allowed: tasks from 1 to {0}",
-                *parts, *task, *first, *last));
+                "--shard slurm/{0}-{1}: found task {2} of an array from {3} to {4}, allowed: tasks from {0} "
+                "to {1}",
+                whole_first, whole_last, *task, *first, *last));
         }
-        return studies::Shard{*task, *parts};
+        return studies::Shard{*task - whole_first + 1, whole_last - whole_first + 1};
     }
     const bool whole = (*first == 0 || *first == 1) && *last - *first + 1 == *tasks;
     if (!whole || *task < *first || *task > *last || *tasks > studies::max_points) {
@@ -117,17 +134,17 @@ tl::expected<studies::Shard, std::string> shard_argument(const std::string& text
     const std::size_t slash = std::min(text.find('/'), text.size());
     const std::string_view before = std::string_view(text).substr(0, slash);
     const Number part = whole_number(before);
-    const Number parts = whole_number(std::string_view(text).substr(std::min(slash + 1, text.size())));
-    if (parts && *parts >= 1 && *parts <= studies::max_points) {
-        if (before == "slurm") {
-            return shard_of_slurm_task(parts);
-        }
-        if (part && *part >= 1 && *part <= *parts) {
-            return studies::Shard{*part, *parts};
-        }
+    const std::string_view after = std::string_view(text).substr(std::min(slash + 1, text.size()));
+    if (const auto array = before == "slurm" ? job_array(after) : std::nullopt) {
+        return shard_of_slurm_task(array);
+    }
+    const Number parts = whole_number(after);
+    if (part && parts && *part >= 1 && *part <= *parts && *parts <= studies::max_points) {
+        return studies::Shard{*part, *parts};
     }
     return tl::unexpected(
-        fmt::format("--shard: found {}, allowed: I/N (1/4 is the first of 4 parts), slurm, slurm/N or mpi",
+        fmt::format("--shard: found {}, allowed: I/N (1/4 is the first of 4 parts), slurm, "
+                    "slurm/N, slurm/FIRST-LAST or mpi",
                     quoted_briefly(text)));
 }
 

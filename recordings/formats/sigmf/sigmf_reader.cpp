@@ -297,6 +297,11 @@ private:
             options.tell(fmt::format("{}: the last {} bytes are left out: they are no whole row of {} bytes",
                                      printable(data_->path().string()), bytes % row_bytes(), row_bytes()));
         }
+        if (first > 0 && rows > 0) {
+            options.tell(fmt::format("{}: {} of {} samples lie before the first capture and are left out",
+                                     printable(meta_path_.string()),
+                                     std::min(static_cast<std::uint64_t>(first), rows), rows));
+        }
         cursor_ = CaptureCursor(std::move(captures),
                                 std::max<std::int64_t>(0, static_cast<std::int64_t>(rows) - first));
     }

@@ -356,10 +356,17 @@ protected:
 };
 
 TEST_F(SigmfOfOthers, SamplesBeforeTheFirstCaptureAreNobodys) {
-    const auto rows = read(rate, R"({"core:sample_start": 5})");
+    std::vector<std::string> told;
+    const ReadOptions telling{.sample_rate_hz = {},
+                              .warn = [&](const std::string& text) { told.push_back(text); }};
+    const auto rows = read(rate, R"({"core:sample_start": 5})", telling);
     ASSERT_THAT(rows, SizeIs(1));
     EXPECT_EQ(rows[0].first, 5);
     EXPECT_THAT(rows[0].values, testing::AllOf(SizeIs(15), testing::Contains(5), testing::Contains(19)));
+    EXPECT_THAT(read(rate, R"({"core:sample_start": 50})", telling), testing::IsEmpty());
+    EXPECT_THAT(
+        told, testing::ElementsAre(HasSubstr("5 of 20 samples lie before the first capture and are left out"),
+                                   HasSubstr("20 of 20 samples lie before the first capture")));
 }
 
 TEST_F(SigmfOfOthers, AnOffsetIsTheNumberOfTheFirstSample) {
