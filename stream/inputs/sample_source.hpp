@@ -17,7 +17,7 @@ namespace hertzline::stream {
 struct SourceAccount {
     std::int64_t steps = 0;
     std::int64_t contact_events = 0;
-    double energy_residual = 0;  ///< largest of the motions that another scene has ended
+    double energy_residual = 0;  ///< of the present motion, or the largest of those that another scene has ended
 };
 
 /// The form of a stream's samples.
@@ -65,7 +65,7 @@ public:
     /// Returns the index of the next sample.
     virtual std::int64_t next_sample() const noexcept = 0;
 
-    virtual SourceAccount account() const noexcept { return {}; }
+    virtual SourceAccount account() noexcept { return {}; }
 
     /// Returns the extremes of the motion; all 0 where it is not known. Not cheap.
     virtual MotionExtremes motion() noexcept { return {}; }

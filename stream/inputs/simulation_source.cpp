@@ -74,10 +74,10 @@ bool SimulationSource::skip(std::int64_t count) noexcept {
         [&](Simulation& simulation, std::int64_t most) { return simulation.skip(std::min(count, most)); });
 }
 
-SourceAccount SimulationSource::account() const noexcept {
+SourceAccount SimulationSource::account() noexcept {
     return {.steps = before_.steps + now().steps(),
             .contact_events = before_.contact_events + now().contact_events(),
-            .energy_residual = before_.energy_residual};
+            .energy_residual = std::max(before_.energy_residual, current_->simulation.energy_residual())};
 }
 
 std::int64_t SimulationSource::change_at(const Epoch& epoch, double burst_s, double sample_rate_hz,
@@ -138,9 +138,11 @@ void SimulationSource::change() noexcept {
     } else {
         next_->simulation.begin_at(change_at_);
     }
-    const double residual = next_->goes_on || gave_up_ ? 0 : current_->simulation.energy_residual();
+    const double ended = before_.energy_residual;
     before_ = account();
-    before_.energy_residual = std::max(before_.energy_residual, residual);
+    if (next_->goes_on || gave_up_) {  // the ledger is continued, or stands beyond the last sample
+        before_.energy_residual = ended;
+    }
     epoch_ = epoch_.next(format_.sample_rate_hz, change_at_, next_->simulation.scene().drive.repetition_hz);
     epoch_.gave_up = std::exchange(gave_up_, false);
     hand_over_.give_back(current_.release());

@@ -26,7 +26,7 @@ public:
     std::int64_t samples_to_change() noexcept override;
     Epoch epoch() const noexcept override { return epoch_; }
     std::int64_t next_sample() const noexcept override { return now().next_sample(); }
-    SourceAccount account() const noexcept override;
+    SourceAccount account() noexcept override;
     MotionExtremes motion() noexcept override { return current_->simulation.extremes(); }
     std::string failure() const override { return now().failure(); }
 

@@ -47,7 +47,7 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
     object["late_frames"] = meters.late_frames;
     object["largest_lateness_s"] = meters.largest_lateness_s;
     object["ring_high_water"] = meters.ring_high_water;
-    object["energy_residual"] = std::max(meters.motion.energy_residual, meters.account.energy_residual);
+    object["energy_residual"] = meters.account.energy_residual;
     object["contact_events"] = meters.account.contact_events;
     for (const Tap tap : taps) {
         const std::string_view name = row_of(tap).name;

@@ -359,8 +359,7 @@ TEST(Control, TheSummaryOfAStreamIsThatOfARunOfItsRecording) {
     for (const std::string scene : {"paper-stream", "paper-stream-symplectic"}) {
         const std::string file = folder.file(scene + ".h5");
         Program program({"stream", scene, "--set", "output.sample_rate_hz=1e6", "--json", "--bind", any_port,
-                         "--control", any_port, "--duration", "0.6", "--record", file, "--on-overrun",
-                         "wait"});
+                         "--control", any_port, "--record", file, "--on-overrun", "wait"});
         const std::regex said("control (tcp://\\S+)");
         const std::string messages = program.messages_with(said);
         std::smatch found;
@@ -372,6 +371,14 @@ TEST(Control, TheSummaryOfAStreamIsThatOfARunOfItsRecording) {
         EXPECT_EQ(ask({{"set", {{"drive.amplitude_m", 2e-6}}}})["epoch"], 1);
         const Json last = ask({{"set", {{"chain.preload_n", 0.2}}}});
         EXPECT_EQ(last["epoch"], 2) << last;
+        Subscriber subscriber(program.endpoint());
+        subscriber.subscribe("v_out/np");
+        for (std::int64_t epoch = 0; epoch < 2;) {
+            const Message* message = subscriber.receive(std::chrono::seconds(60));
+            ASSERT_NE(message, nullptr);
+            epoch = Json::parse(message->text(0))["epoch"];
+        }
+        program.send(SIGINT);  // it has simulated samples that it no longer sends
         const Outcome streamed = program.wait();
         ASSERT_EQ(streamed.status, 0) << streamed.err;
         const Outcome again = hertzline({"run", file, "--json"});
