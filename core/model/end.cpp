@@ -127,7 +127,8 @@ PlateParameters plate_parameters(const Scene& scene) {
                                .modes = static_cast<int>(scene.end.modes),
                                .load = scene.medium.load,
                                .hydrophone_m = scene.output.hydrophone_m};
-    constexpr double times_contact = 5;
+    // with 5 the sound of the solutions in tests/reference hangs on the number of poles by 1.7e-6, with 7 by 3e-7
+    constexpr double times_contact = 7;
     constexpr double times_drive = 10;
     constexpr double times_highest_mode = 1.5;
     parameters.band_hz =

@@ -26,8 +26,8 @@ struct PlateResponse {
     std::vector<Eigen::VectorXcd> mode_m_per_s;  ///< its velocity
     double mobility = 0;  ///< acceleration under the contact per newton, at once [1/kg]
 
-    /// Largest error of the fit in the band, relative to the response there: of the velocity, and of the pressure that follows from the
-    /// modes.
+    /// Relative error (L2) that the fit gives the answer to a contact's force: of the velocity, and of the pressure that follows from
+    /// the modes.
     double velocity_error = 0;
     double pressure_error = 0;
     double fit_error() const noexcept { return std::max(velocity_error, pressure_error); }
