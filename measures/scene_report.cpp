@@ -106,7 +106,7 @@ void add_modal_plate(Report& report, const PlateResponse& plate, const Scene& sc
         report.push_back({"fluid", label, key, unit, std::move(value)});
     };
     add("poles", "poles", "", scene.numerics.poles.value_or(0));
-    add("fitted up to", "fit_band_hz", "Hz", plate.parameters.band_hz);
+    add("fitted up to", "fit_band_hz", "Hz", plate.band_hz);
     add("error of the velocity's fit", "fit_velocity_error", "", plate.velocity_error);
     add("error of the pressure's fit", "fit_pressure_error", "", plate.pressure_error);
     add("least resistance over mobility", "fit_least_resistance", "", plate.least_resistance);

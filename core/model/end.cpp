@@ -127,12 +127,12 @@ PlateParameters plate_parameters(const Scene& scene) {
                                .modes = static_cast<int>(scene.end.modes),
                                .load = scene.medium.load,
                                .hydrophone_m = scene.output.hydrophone_m};
-    // with 5 the sound of the solutions in tests/reference hangs on the number of poles by 1.7e-6, with 7 by 3e-7
-    constexpr double times_contact = 7;
+    constexpr double times_contact = 5;
     constexpr double times_drive = 10;
     constexpr double times_highest_mode = 1.5;
+    parameters.contact_hz = fastest_contact_hz(scene);
     parameters.band_hz =
-        std::max({times_contact * fastest_contact_hz(scene), times_drive * scene.drive.frequency_hz,
+        std::max({times_contact * parameters.contact_hz, times_drive * scene.drive.frequency_hz,
                   times_highest_mode * highest_dry_hz(parameters)});
     return parameters;
 }
@@ -153,7 +153,6 @@ std::vector<Fault> plate_faults(const Scene& scene) {
     if (scene.end.model != PlateModel::modal) {
         return {};
     }
-    constexpr double largest_ka = 300;
     constexpr double fastest_mode = 50;  // over the contacts' frequency
     const PlateParameters p = plate_parameters(scene);
     std::vector<Fault> faults;

@@ -17,7 +17,8 @@ struct PlateParameters {
     int modes = 1;
     FluidLoad load = FluidLoad::none;
     double hydrophone_m = 0;
-    double band_hz = 0;  ///< up to where the response has to be right
+    double contact_hz = 0;  ///< frequency of the fastest contacts
+    double band_hz = 0;     ///< up to where the response has to be right at least
 
     /// Sound's way from the plate to the hydrophone [s].
     double travel_s() const noexcept { return hydrophone_m / fluid.sound_speed_m_per_s; }

@@ -26,6 +26,7 @@ struct PlateResponse {
     std::vector<Eigen::VectorXcd> mode_m_per_s;  ///< its velocity
     double mobility = 0;  ///< acceleration under the contact per newton, at once [1/kg]
 
+    double band_hz = 0;  ///< up to where it is fitted
     /// Relative error (L2) that the fit gives the answer to a contact's force: of the velocity, and of the pressure that follows from
     /// the modes.
     double velocity_error = 0;
@@ -35,7 +36,10 @@ struct PlateResponse {
     double least_resistance = 0;
 };
 
-/// The response with that number of poles. The latest are kept: a second call costs nothing. @throws std::bad_alloc
+/// Up to there the fluid's load and the sound are worked out: the largest wave number times the disc's radius.
+inline constexpr double largest_ka = 300;
+
+/// The response with that number of poles: the more, the further the fit reaches. The latest are kept: a second call costs nothing. @throws std::bad_alloc
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles);
 
 /// As few poles as bring both errors below a share of the accuracy; as many as there may be if none do.

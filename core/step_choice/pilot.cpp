@@ -59,12 +59,9 @@ Scene with_finer_fit(Scene scene) {
     if (!provides(scene, Requires::modal_plate)) {
         return scene;
     }
-    // With 12 poles more the error is a thirtieth. More than 60 fit the band better, and what lies above it worse.
-    constexpr int more = 12;
-    constexpr int most = 60;
+    constexpr int poles = 60;
     const PlateParameters parameters = plate_parameters(scene);
     const int given = plate_poles(scene);
-    const int poles = std::min(most, given + more);
     const bool better =  // of a plate in a vacuum few poles are exact
         plate_response(parameters, poles)->fit_error() < plate_response(parameters, given)->fit_error();
     scene.numerics.poles = better ? poles : given;

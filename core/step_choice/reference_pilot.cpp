@@ -7,6 +7,7 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/solvers/series_solver.hpp"
+#include "core/step_choice/step_advice.hpp"
 
 namespace hertzline {
 
@@ -173,7 +174,12 @@ bool ReferencePilot::needs_finer_fit() {
     if (!provides(scene_, Requires::modal_plate) || scene_.numerics.poles == motion_.poles()) {
         return false;
     }
-    return !(trial(reference_integrator, step_s_).error <= std::max(share * accuracy_, judged_error_));
+    const double found = trial(reference_integrator, step_s_).error;
+    const double of_response = pole_error(scene_);
+    if (std::isfinite(found) && of_response > 0) {
+        fit_amplification_ = std::max(1.0, found / of_response);
+    }
+    return !(found <= std::max(share * accuracy_, judged_error_));
 }
 
 void ReferencePilot::take_finer_fit() {

@@ -70,6 +70,8 @@ public:
 
     /// Whether the fit of the plate's response, by itself, costs too much of the accuracy: that of the reference is finer. Takes a trial.
     bool needs_finer_fit();
+    /// The error of the motion over that of the response, as needs_finer_fit() has found it; at least 1.
+    double fit_amplification() const noexcept { return fit_amplification_; }
     /// Trials have the reference's fit from now on.
     void take_finer_fit();
 
@@ -116,8 +118,9 @@ private:
     std::size_t watched_ = 0;   // samples; 0: the reference itself failed
     bool shortened_ = false;    // the chain is longer than the pilots'
     bool same_samples_ = true;  // the pilots' are those of the run
-    double judged_error_ = 0;   // of the reference, over:
-    std::size_t judged_ = 0;    // the first of them, over which steps are chosen
+    double fit_amplification_ = 1;
+    double judged_error_ = 0;  // of the reference, over:
+    std::size_t judged_ = 0;   // the first of them, over which steps are chosen
     std::int64_t steps_of_trials_ = 0;
 };
 

@@ -76,8 +76,8 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
         return;
     }
     ErrorEstimate found = reference.estimate(*trial, result.run_s);
-    found.error =
-        std::max(found.error, least_error) + pole_error(with_finer_fit(result.scene));  // of the reference
+    const double of_reference = reference.fit_amplification() * pole_error(with_finer_fit(result.scene));
+    found.error = std::max(found.error, least_error) + of_reference;
     if (!std::isfinite(found.error)) {
         return;
     }
@@ -176,7 +176,7 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     result.integrator_reason = integrator_choice(asked).reason;
     result.step_set_by_scene = asked.numerics.step_s.has_value();
     ReferencePilot reference = reference_for(result.scene, result, stop);
-    if (!asked.numerics.poles && reference.needs_finer_fit()) {
+    if (reference.needs_finer_fit() && !asked.numerics.poles) {
         reference.take_finer_fit();
         result.scene = with_finer_fit(std::move(result.scene));
     }

@@ -151,14 +151,14 @@ TEST_P(EveryPlate, IsFittedAsWellAsItSays) {
         if (accuracy >= 1e-4) {  // below that 64 poles are not always enough, which the errors say
             EXPECT_LE(std::max(plate->velocity_error, plate->pressure_error), 0.25 * accuracy);
         }
-        // the answer to a force whose spectrum falls as f^-2.5 from the contacts' frequency on, a seventh of the band or less
+        // the answer to a force whose spectrum falls as f^-2.5 from the contacts' frequency on
         constexpr int count = 500;
         double wrong = 0;
         double all = 0;
         for (int i = 0; i < count; ++i) {
             const double share = (i + 0.5) / count;
-            const double f = share * plate->parameters.band_hz;
-            const double power = std::pow(1 + std::pow(7 * share, 2), -2.5);
+            const double f = share * plate->band_hz;
+            const double power = std::pow(1 + std::pow(f / plate->parameters.contact_hz, 2), -2.5);
             const Complex v = exact_mobilities(*plate, f).sum();
             wrong += power * std::norm(fitted(*plate, plate->centre_m_per_s, f) - v);
             all += power * std::norm(v);
