@@ -48,6 +48,10 @@ bool has_plate_energy(const Run& run) {
     return run.plate.has_value();
 }
 
+bool has_points(const Run& run) {
+    return !run.scene().output.points_m.empty();
+}
+
 bool has_poles(const Run& run) {
     return run.scene().numerics.poles.has_value();
 }
@@ -78,6 +82,9 @@ const std::array table{
     Quantity{G::result, "peak_v_last_m_per_s", "m/s", K::number, C::among,
              "the same of `v_last`",
              [](R run) { return Json(run.peak_v_last); }},
+    Quantity{G::result, "peak_p_points_pa", "Pa", K::number, C::modal,
+             "largest pressure at any of `output.points_m`; only with points",
+             [](R run) { return Json(run.peak_p_points); }, has_points},
     Quantity{G::result, "burst_shown_ratio", "", K::number, C::among,
              "the part of the burst that lies within the run: 1 when the run is at least as long",
              [](R run) { return Json(burst_shown_ratio(run.resolved.scene)); }},

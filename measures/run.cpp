@@ -72,6 +72,9 @@ void add_account(Run& run, Simulation& simulation, bool continued, bool continue
 /// Keeps the next samples.
 void keep(Run& run, const Samples& block, const EndModel& end) {
     run.peak_v_last = std::max(run.peak_v_last, peak_of(block[Tap::v_last]));
+    if (block.taps().contains(Tap::p_points)) {
+        run.peak_p_points = std::max(run.peak_p_points, peak_of(block[Tap::p_points]));
+    }
     for (TapRecord& tap : run.taps) {
         const std::span<const double> values = block[tap.tap];
         tap.values.insert(tap.values.end(), values.begin(), values.end());
@@ -247,7 +250,7 @@ double rows_of_run(const Scene& scene) noexcept {
 }
 
 TapSet taps_of_run(const Scene& scene, TapSet wanted) noexcept {
-    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate;
+    const TapSet of_summary = TapSet(Tap::v_last) | Tap::v_out | Tap::v_plate | Tap::p_points;
     return wanted | (of_summary & taps_of(scene));
 }
 

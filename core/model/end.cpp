@@ -130,7 +130,8 @@ PlateParameters plate_parameters(const Scene& scene) {
     constexpr double times_contact = 5;
     constexpr double times_drive = 10;
     constexpr double times_highest_mode = 1.5;
-    parameters.contact_hz = fastest_contact_hz(scene);
+    // rounded up to a quarter of an octave: scenes whose chains differ a little have the same plate, which is fitted once
+    parameters.contact_hz = std::exp2(std::ceil(4 * std::log2(fastest_contact_hz(scene))) / 4);
     parameters.band_hz =
         std::max({times_contact * parameters.contact_hz, times_drive * scene.drive.frequency_hz,
                   times_highest_mode * highest_dry_hz(parameters)});

@@ -17,7 +17,7 @@ struct PlateParameters {
     int modes = 1;
     FluidLoad load = FluidLoad::none;
     double hydrophone_m = 0;
-    double contact_hz = 0;  ///< frequency of the fastest contacts
+    double contact_hz = 0;  ///< frequency of the fastest contacts, or a little more
     double band_hz = 0;     ///< up to where the response has to be right at least
 
     /// Sound's way from the plate to the hydrophone [s].

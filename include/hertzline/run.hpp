@@ -53,6 +53,7 @@ struct Run {
     std::vector<TapRecord> taps;       ///< v_out, then the other measured taps
     std::vector<double> v_out_smooth;  ///< with a plate: v_out as if the last contact never opened
     double peak_v_last = 0;            ///< [m/s]
+    double peak_p_points = 0;          ///< at the loudest of the scene's points [Pa]
     std::int64_t steps = 0;
     double step_s = 0;  ///< step of the last simulation
     std::int64_t contact_events = 0;

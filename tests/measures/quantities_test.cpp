@@ -65,7 +65,7 @@ void add_names(const Json& values, const std::string& before, std::set<std::stri
 }
 
 TEST(Quantities, EachNumberOfASummaryIsAColumnAndTheOtherWayRound) {
-    const hertzline::Run result = run_of(shipped("wet-vitreous-carbon"));
+    const hertzline::Run result = run_of(shipped("wet-off-axis"));  // with points
     std::set<std::string> in_summary;
     add_names(summary_json(summary_of(result)), "", in_summary);
     for (const char* measured_anew : {"setup_s", "wall_s", "real_time_factor"}) {

@@ -1,6 +1,8 @@
 #include "hertzline/run.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -43,6 +45,24 @@ TEST(Run, RequestsThatItCannotMeetAreRefused) {
     endless.output.duration_s = 1e6;
     EXPECT_THAT(error_of([&] { run(endless); }),
                 HasSubstr("output.duration_s: found 10000000000001 samples"));
+}
+
+TEST(Run, ThePeakAtThePointsIsThatOfAllSamples) {
+    Scene scene = read_scene("wet-vitreous-carbon");
+    scene.drive.cycles = 3;
+    scene.output.duration_s = 100e-6;
+    EXPECT_TRUE(std::isnan(run(scene)["peak_p_points_pa"]));
+    scene.output.points_m = {{0, 0, 0.01}, {0.001, 0, 0.002}};
+    double peak = 0;
+    const hertzline::Run all = run(scene, {.recorded = Tap::p_points, .take = [&](const Samples& block) {
+                                               for (const double pressure : block[Tap::p_points]) {
+                                                   peak = std::max(peak, std::abs(pressure));
+                                               }
+                                               return true;
+                                           }});
+    EXPECT_GT(peak, 0);
+    EXPECT_EQ(all["peak_p_points_pa"], peak);
+    EXPECT_EQ(run(scene)["peak_p_points_pa"], peak);
 }
 
 TEST(Run, GivesItsSamplesAsTheyCome) {

@@ -78,6 +78,8 @@ class Runs(InAFolder):
         self.assertIn("""taps: found "v_ou", allowed: v_out, """, str(caught.exception))
         with self.assertRaisesRegex(TypeError, "^taps: found 1, allowed: text in each place of the list$"):
             short_scene().run(taps=["v_out", 1])
+        with self.assertRaisesRegex(ValueError, r"\\ud800"):  # half a surrogate pair
+            short_scene().run(taps=["\ud800"])
         with self.assertRaisesRegex(TypeError, r'allowed: a list of names, as \["v_out"\]'):
             short_scene().run(taps="v_out")
 

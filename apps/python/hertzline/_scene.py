@@ -193,7 +193,7 @@ def names_in(argument: str, names: Iterable[str]) -> list[str]:
     for name in found:
         if not isinstance(name, str):
             raise TypeError(f"{argument}: found {name!r}, allowed: text in each place of the list")
-    return found
+    return [name.encode("utf-8", "backslashreplace").decode() for name in found]  # half a surrogate pair is no text elsewhere
 
 
 class Result(Samples):

@@ -130,12 +130,15 @@ TEST(SceneControl, WhatIsNoDriveBeginsAnewAtStaticEquilibrium) {
     Scene scene = stream.requested;
     scene.chain.preload_n = 0.2;
     Simulation alone(resolve(scene, std::nullopt).scene, stream.source.options());
-    Samples expected = alone.make_samples(1000);
-    ASSERT_EQ(alone.advance(expected, 1000, TapSet(Tap::v_last)), Status::running);
+    constexpr std::size_t most = 10'000;
+    Samples expected = alone.make_samples(most);
+    ASSERT_EQ(alone.advance(expected, most, TapSet(Tap::v_last)), Status::running);
     ASSERT_GE(stream.source.samples_to_change(), 1000);
     ASSERT_TRUE(stream.source.read(block, 1000, TapSet(Tap::v_last)));
-    EXPECT_EQ(block.first, sample);
-    EXPECT_TRUE(std::ranges::equal(block[Tap::v_last], expected[Tap::v_last].first(block.count)));
+    ASSERT_GE(block.first, sample);  // the stream went on until the reply was there
+    const auto since = static_cast<std::size_t>(block.first - sample);
+    ASSERT_LE(since + block.count, most);
+    EXPECT_TRUE(std::ranges::equal(block[Tap::v_last], expected[Tap::v_last].subspan(since, block.count)));
 }
 
 TEST(SceneControl, UndoGoesBackStepByStep) {
