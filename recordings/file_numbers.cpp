@@ -50,7 +50,7 @@ std::uint64_t bits_of(const FileNumber& type, std::span<const std::byte> bytes) 
 }
 
 double plain_number(std::uint64_t bits, const FileNumber& type) {
-    const auto unused = static_cast<int>(64 - 8 * type.bytes);
+    const auto unused = static_cast<int>((64 - 8 * type.bytes) % 64);  // no shift by 64, whatever the type
     switch (type.kind) {
         case Kind::floating:
             return floating(bits, type.bytes);
