@@ -190,7 +190,7 @@ PlateResponse with_poles(const ExactPlate& plate, const Poles& poles) {
     const Eigen::VectorXd at_once = plate.mobility_at_once();
 
     PlateResponse response;
-    response.parameters = p;
+    response.band_hz = p.band_hz;
     response.modes = plate.modes();
     response.mobility = at_once.sum();
     const auto size = static_cast<Index>(poles.size());
@@ -258,7 +258,6 @@ PlateResponse fitted(const PlateParameters& parameters, int count) {
     const Poles poles = fitted_poles(plate, count);
     PlateResponse response = with_poles(plate, poles);
     response.parameters = parameters;
-    response.band_hz = wide.band_hz;
     judge(response, plate, poles);
     return response;
 }

@@ -24,7 +24,7 @@ Scene with_integrator(Scene scene);
 
 /// The scene with the poles of its modal plate settled, if it has one. @throws std::bad_alloc
 Scene with_poles(Scene scene);
-/// Error of the fit with these poles, relative to the plate's response in the band; 0 without a modal plate. @throws std::bad_alloc
+/// Relative error that the fit with these poles gives the answer to a contact's force; 0 without a modal plate. @throws std::bad_alloc
 double pole_error(const Scene& scene);
 
 /// Advice for a valid scene. Independent of output.duration_s, so that runs of any length agree bit for bit.

@@ -85,15 +85,17 @@ std::optional<std::string> origin_of(const Scheme& scheme, std::string_view host
     return fmt::format("{}{}:{}", scheme.prefix, host, *port);
 }
 
-/// Whether browsers may reach the page under this host by this scheme.
-bool is_ours(const Scheme& scheme, std::string_view host_header, const PageAddress& address) {
-    if (const auto origin = origin_of(scheme, host_header);
-        origin && std::ranges::count(address.allowed, *origin) > 0) {
-        return true;
-    }
+/// Whether the user allows this host by this scheme.
+bool is_allowed(const Scheme& scheme, std::string_view host_header, const PageAddress& address) {
+    const auto origin = origin_of(scheme, host_header);
+    return origin && std::ranges::count(address.allowed, *origin) > 0;
+}
+
+/// Whether the host is the address of the page itself, which has no encryption.
+bool is_own(std::string_view host_header, const PageAddress& address) {
     const auto [host, port_text] = host_and_port(host_header);
-    const auto port = port_text.empty() ? std::optional(scheme.port) : port_in(port_text);
-    if (&scheme != &http_scheme || !port || *port != address.port) {
+    const auto port = port_text.empty() ? std::optional(http_scheme.port) : port_in(port_text);
+    if (!port || *port != address.port) {
         return false;
     }
     const std::string name = without_brackets(host);
@@ -158,8 +160,8 @@ std::string host_in_url(const PageAddress& address) {
 
 tl::expected<std::string, PageRefusal> admitted(const PageRequest& request, const PageAddress& address,
                                                 std::string_view token) {
-    const bool plain = is_ours(http_scheme, request.host, address);
-    const bool encrypted = is_ours(https_scheme, request.host, address);
+    const bool plain = is_own(request.host, address) || is_allowed(http_scheme, request.host, address);
+    const bool encrypted = is_allowed(https_scheme, request.host, address);
     if (!plain && !encrypted) {
         return refused(421,
                        "The scope is not known under this name and port. To reach it through a forwarded "

@@ -17,8 +17,8 @@ namespace hertzline::stream {
 struct SourceAccount {
     std::int64_t steps = 0;
     std::int64_t contact_events = 0;
-    double energy_residual =
-        0;  ///< of the present motion, or the largest of those that another scene has ended
+    /// Of the present motion, or the largest of those that another scene has ended.
+    double energy_residual = 0;
 };
 
 /// The form of a stream's samples.
