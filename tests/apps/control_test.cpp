@@ -194,8 +194,9 @@ Outcome session_of_random_changes(LiveStream& stream, int wanted) {
 }
 
 /// Repeats the session of a recording by `run`.
-std::vector<double> simulated_again(const std::string& file, const std::string& as) {
-    const Outcome run = hertzline({"run", file, "--columns", "v_out", "-o", as});
+std::vector<double> simulated_again(const std::string& file, const std::string& as,
+                                    const std::string& columns = "v_out") {
+    const Outcome run = hertzline({"run", file, "--columns", columns, "-o", as});
     EXPECT_EQ(run.status, 0) << run.err;
     return numbers_in(as);
 }
@@ -531,14 +532,19 @@ TEST(Control, AChangedPlateInWaterIsTheSameAgain) {
     const TemporaryFolder folder;
     write_text(
         folder.file("changes.json"),
-        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 200, "set": {"medium.load": "none"}},
-            {"sample": 250, "set": {"end.theory": "thin"}}])");
+        R"([{"sample": 100, "set": {"drive.amplitude_m": 1e-6}}, {"sample": 150, "set": {"output.points_m[2]": [1e-3, 0, 3e-3]}},
+            {"sample": 180, "set": {"medium.load": "none"}},
+            {"sample": 220, "set": {"end.materials": ["acrylic", "aluminium"], "end.thicknesses_m": [1e-4, 3e-4]}},
+            {"sample": 250, "set": {"end.theory": "thin", "output.points_m[1][3]": 4e-3}}])");
     const std::string first = folder.file("first.h5");
-    const Outcome run = hertzline({"run", "wet-vitreous-carbon", "--set", "output.duration_s=3e-4", "--set",
-                                   "output.sample_rate_hz=1e6", "--changes", folder.file("changes.json"),
-                                   "--columns", "v_out", "-o", first});
+    const std::string columns = "v_out,p_axis,p_points";
+    const Outcome run =
+        hertzline({"run", "wet-vitreous-carbon", "--set", "output.duration_s=3e-4", "--set",
+                   "output.sample_rate_hz=1e6", "--set", "output.points_m=[[0, 0, 5e-3], [2e-3, 1e-3, 5e-3]]",
+                   "--changes", folder.file("changes.json"), "--columns", columns, "-o", first});
     ASSERT_EQ(run.status, 0) << run.err;
-    EXPECT_TRUE(numbers_in(first) == simulated_again(first, folder.file("again.h5")));
+    EXPECT_EQ(changes_in_file(first).size(), 5U);
+    EXPECT_TRUE(numbers_in(first) == simulated_again(first, folder.file("again.h5"), columns));
 }
 
 TEST(Control, TheSummaryOfAChangedRunIsOfAllOfIt) {
