@@ -18,7 +18,7 @@ namespace hertzline::fuzz {
 namespace {
 
 /// Keys and texts are cut in messages; the allowed values may be a list of names.
-constexpr std::size_t longest_message = 2000;
+constexpr std::size_t longest_fault = 2000;
 
 void claim_finite_numbers(const Scene& scene) {
     for (const SceneKey& key : keys_of(scene)) {
@@ -78,7 +78,7 @@ void claim_scene_or_faults(const tl::expected<ParsedScene, std::vector<Fault>>& 
     }
     claim(!result.error().empty(), "there is a scene or a fault");
     for (const Fault& fault : result.error()) {
-        claim_message(fault.message(), longest_message);
+        claim_message(fault.message(), longest_fault);
     }
 }
 
