@@ -133,12 +133,13 @@ double Simulation::energy_missing() noexcept {
     const Ledger now = ledger();
     const double held =
         kinetic_energy(*chain_, state()) + stored_energy(*chain_, state(), solver_->horn_displacement());
-    return std::abs(held - now.at_start - now.work + now.lost + now.passed);
+    return std::abs(held - now.at_start - now.work + now.lost + now.passed + now.holder_lost);
 }
 
 double Simulation::energy_residual() noexcept {
     const Ledger now = ledger();
-    const double moved = std::max({now.gross_work, now.lost, kinetic_energy(*chain_, state())});
+    const double moved = std::max({now.gross_work, now.lost, now.holder_lost, now.kinetic_at_start,
+                                   kinetic_energy(*chain_, state())});
     return moved > 0 ? energy_missing() / moved : 0;
 }
 
@@ -156,7 +157,7 @@ MotionExtremes Simulation::extremes() noexcept {
 }
 
 double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
-    constexpr double columns = 11;  // of Chain and ChainState, a double for each body
+    constexpr double columns = 14;  // of Chain and ChainState, a double for each body
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
     const TapSet given = taps & taps_of(scene);
     const bool series = scene.numerics.integrator && is_series(*scene.numerics.integrator);

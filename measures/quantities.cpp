@@ -60,6 +60,10 @@ bool has_other_law(const Run& run) {
     return run.scene().chain.damping_law != DampingLaw::dashpot;
 }
 
+bool has_holder(const Run& run) {
+    return run.scene().chain.holder_time_s.has_value();
+}
+
 bool has_recordings(const Run& run) {
     return !run.recordings.is_null();
 }
@@ -200,6 +204,9 @@ const std::array table{
              "energy missing in the ledger over the energy that came and went ([model.md](model.md#8-energy)); good: far below 1; with "
              "series about the accuracy asked for, or below",
              [](R run) { return Json(run.energy_residual); }},
+    Quantity{G::trust, "holder_lost_j", "J", K::number, C::none,
+             "energy that the holder of the spheres took; only with `chain.holder_time_s`",
+             [](R run) { return Json(run.holder_lost); }, has_holder},
     Quantity{G::trust, "plate_passed_j", "J", K::number, C::modal,
              "modal plates only: energy that the last contact passed to the plate "
              "([model.md](model.md#10-the-plate-with-its-modes-in-a-fluid)); the next three add up to it",

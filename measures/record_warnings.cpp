@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
+#include "core/model/tone_burst.hpp"
 
 namespace hertzline::measures {
 
@@ -38,9 +39,9 @@ bool shows_ringing(const Scene& scene, std::size_t samples) noexcept {
     return samples >= burst_samples(scene) + 2 * period_samples(scene);
 }
 
-/// The horn's largest velocity [m/s].
-double horn_velocity(const Drive& drive) noexcept {
-    return 2 * std::numbers::pi * drive.frequency_hz * std::abs(drive.amplitude_m);
+/// The largest velocity of the horn or of the spheres that start with one [m/s].
+double velocity_given(const Scene& scene) noexcept {
+    return std::max(largest_velocity(scene.drive), std::abs(scene.chain.impact_velocity_m_per_s));
 }
 
 std::optional<std::string> ringing(const Scene& scene, std::span<const double> v_out,
@@ -78,12 +79,14 @@ std::optional<std::string> cut_off(const Scene& scene) {
 }  // namespace
 
 double burst_shown_ratio(const Scene& scene) noexcept {
-    return std::min(1.0, scene.output.duration_s / burst_s(scene.drive));
+    return scene.drive.kind == DriveKind::none
+               ? 1
+               : std::min(1.0, scene.output.duration_s / burst_s(scene.drive));
 }
 
 std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept {
     const double peak = peak_of(v_out);
-    if (scene.drive.repetition_hz > 0 || !(peak > silence * horn_velocity(scene.drive)) ||
+    if (scene.drive.repetition_hz > 0 || !(peak > silence * velocity_given(scene)) ||
         !shows_ringing(scene, v_out.size())) {
         return std::nullopt;
     }
@@ -120,26 +123,27 @@ std::vector<std::string> record_warnings(const Scene& scene, std::span<const dou
                                          std::optional<double> rung_down_s) {
     std::vector<std::string> warnings;
     const Drive& drive = scene.drive;
-    const double horn = horn_velocity(drive);
+    const double given = velocity_given(scene);
+    const bool horn = drive.kind != DriveKind::none;
     const double peak = peak_of(v_out);
-    if (horn == 0) {
+    if (given == 0) {
         return warnings;
     }
-    if (scene.output.duration_s < burst_s(drive)) {
+    if (horn && scene.output.duration_s < burst_s(drive)) {
         warnings.push_back(
             fmt::format("the run ends at {:g} s, within the burst of {:g} s: peaks and spectrum are those of "
                         "its beginning; {} would hold the burst",
                         scene.output.duration_s, burst_s(drive), duration_setting(1.5 * burst_s(drive))));
-    } else if (peak < silence * horn) {
+    } else if (peak < silence * given) {
         warnings.emplace_back(
             "v_out is silent: the wave does not reach the end of the chain within the run "
             "(output.duration_s), or does not pass the chain");
-    } else if (drive.repetition_hz == 0) {
+    } else if (horn && drive.repetition_hz == 0) {
         if (const auto found = ringing(scene, v_out, rung_down_s)) {
             warnings.push_back(*found);
         }
     }
-    if (const auto found = cut_off(scene)) {
+    if (const auto found = cut_off(scene); horn && found) {
         warnings.push_back(*found);
     }
     return warnings;

@@ -47,21 +47,22 @@ PlateEnergy sum_of(const PlateEnergy& a, const PlateEnergy& b) {
 void add_account(Run& run, Simulation& simulation, bool continued, bool continues) {
     const Scene& scene = simulation.scene();
     const Chain& chain = simulation.chain();
-    const double radius_m = scene.chain.diameter_m / 2;
     run.steps += simulation.steps();
     run.step_s = simulation.step_s();
     run.contact_events += simulation.contact_events();
-    const ContactLoad most = contact_load(chain, simulation.state().peak_overlap, radius_m);
-    add_load(run.load, most);
+    const Eigen::ArrayXd& peaks = simulation.state().peak_overlap;
+    add_load(run.load, contact_load(chain, peaks));
     run.static_pressure_pa =
-        std::max(run.static_pressure_pa, contact_load(chain, chain.static_overlap, radius_m).pressure_pa);
-    const std::optional<double> ratio = strength_ratio(pressure_limits(scene), most);
+        std::max(run.static_pressure_pa, contact_load(chain, chain.static_overlap).pressure_pa);
+    const JudgedContacts judged = judge_contacts(scene, chain, peaks);
+    const std::optional<double> ratio = strength_ratio(judged);
     if (ratio && !(run.strength_ratio && *ratio <= *run.strength_ratio)) {
         run.strength_ratio = ratio;
-        run.strength_warning = strength_warning(scene, chain, most);
+        run.strength_warning = strength_warning(judged);
     }
     if (!continues) {
         run.energy_residual = std::max(run.energy_residual, simulation.energy_residual());
+        run.holder_lost += simulation.ledger().holder_lost;
     }
     if (chain.end.plate) {
         const PlateEnergy energy = energy_of_plate(simulation.ledger());

@@ -14,6 +14,7 @@
 #include "core/model/chain.hpp"
 #include "core/model/contact_law.hpp"
 #include "core/model/end.hpp"
+#include "core/model/sphere_row.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
 #include "core/scene/json.hpp"
@@ -34,15 +35,51 @@ Value if_any(bool exists, double value) {
     return exists ? Value(value) : Value();
 }
 
+/// Adds the bands of two spheres in turn: small waves pass up to the first edge, and from the second to the third (L. Brillouin, Wave
+/// Propagation in Periodic Structures, 1946, chapter 4).
+void add_bands(Report& report, const SphereRow& row, double slope) {
+    const double heavy = std::max(row[0].mass_kg, row[1].mass_kg);
+    const double light = std::min(row[0].mass_kg, row[1].mass_kg);
+    const auto add = [&](const char* label, const char* name, double per_mass) {
+        report.push_back({"spheres", label, name, "Hz", std::sqrt(2 * slope * per_mass) / two_pi});
+    };
+    add("small waves pass up to", "acoustic_band_to_hz", 1 / heavy);
+    add("and again from", "optical_band_from_hz", 1 / light);
+    add("to", "optical_band_to_hz", 1 / light + 1 / heavy);
+}
+
 void add_spheres(Report& report, const Scene& scene, const Chain& chain) {
-    const double mass = 1 / chain.inv_mass[0];
-    const bool several = scene.chain.spheres > 1;
-    const double slope = several ? tangent_stiffness(chain.stiffness[1], chain.static_overlap[1]) : 0;
-    report.push_back({"spheres", "mass", "sphere_mass_kg", "kg", mass});
+    const SphereRow row(scene);
+    const bool several = row.size() > 1;
+    const auto spheres = chain.inv_mass.head(row.size());
+    const auto between = [&](Eigen::Index contact) {
+        return tangent_stiffness(chain.stiffness[contact], chain.static_overlap[contact]);
+    };
+    double length = 0;
+    double mass = 0;
+    double compliance = 0;
+    for (Eigen::Index c = 1; c < row.size(); ++c) {
+        length += chain.radius[c - 1] + chain.radius[c];
+        mass += (1 / chain.inv_mass[c - 1] + 1 / chain.inv_mass[c]) / 2;
+        compliance += 1 / between(c);
+    }
+    report.push_back(
+        {"spheres", "mass", "sphere_mass_kg", "kg", if_any(row.uniform(), 1 / chain.inv_mass[0])});
+    if (!row.uniform()) {
+        report.push_back(
+            {"spheres", "mass of the lightest", "lightest_sphere_kg", "kg", 1 / spheres.maxCoeff()});
+        report.push_back(
+            {"spheres", "mass of the heaviest", "heaviest_sphere_kg", "kg", 1 / spheres.minCoeff()});
+    }
     report.push_back({"spheres", "wave speed, long small waves", "wave_speed_m_per_s", "m/s",
-                      if_any(several, scene.chain.diameter_m * std::sqrt(slope / mass))});
+                      if_any(several, length / std::sqrt(mass * compliance))});
+    const bool equal_forces = scene.chain.gravity_m_per_s2 == 0;
     report.push_back({"spheres", "cut-off frequency, small waves", "cutoff_hz", "Hz",
-                      if_any(several, std::sqrt(4 * slope / mass) / two_pi)});
+                      if_any(several && row.uniform() && equal_forces,
+                             several ? std::sqrt(4 * between(1) * chain.inv_mass[0]) / two_pi : 0)});
+    if (row.period() == 2 && equal_forces) {
+        add_bands(report, row, between(1));
+    }
 }
 
 void add_contacts(Report& report, const Scene& scene, const Chain& chain,
@@ -71,19 +108,17 @@ void add_contacts(Report& report, const Scene& scene, const Chain& chain,
                           std::string(kind.name) + "_contact_static_overlap_m", "m",
                           if_any(kind.exists, chain.static_overlap[kind.contact])});
     }
-    const double radius = scene.chain.diameter_m / 2;
-    const ContactLoad rest = contact_load(chain, chain.static_overlap, radius);
-    const ContactLoad most = peaks ? contact_load(chain, *peaks, radius) : rest;
-    const PressureLimits limits = pressure_limits(scene);
+    const JudgedContacts judged = judge_contacts(scene, chain, peaks ? *peaks : chain.static_overlap);
     for (std::size_t i = 0; i < kinds.size(); ++i) {
         const Kind& kind = kinds[i];
-        const auto& limit = limits[i];
+        const JudgedContact& contact = judged[i];
+        const auto& limit = contact.limit;
         const auto add = [&](const char* label, const char* name, Value value) {
             report.push_back({"contacts", fmt::format("{}, {}", kind.label, label),
                               fmt::format("{}_contact_{}", kind.name, name), "Pa", std::move(value)});
         };
-        add("pressure at rest", "static_pressure_pa", if_any(kind.exists, rest.pressures_pa[i]));
-        add("peak pressure", "peak_pressure_pa", if_any(kind.exists && peaks, most.pressures_pa[i]));
+        add("pressure at rest", "static_pressure_pa", if_any(kind.exists, contact.at_rest_pa));
+        add("peak pressure", "peak_pressure_pa", if_any(kind.exists && peaks, contact.pressure_pa));
         add("its limit", "pressure_limit_pa", if_any(kind.exists && limit, limit ? limit->pressure_pa : 0));
     }
 }
@@ -235,13 +270,12 @@ std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_
 
 std::vector<std::string> contact_warnings(const Scene& scene, const std::optional<Eigen::ArrayXd>& peaks) {
     const Chain chain(scene);
-    const ContactLoad load =
-        contact_load(chain, peaks ? *peaks : chain.static_overlap, scene.chain.diameter_m / 2);
+    const Eigen::ArrayXd& overlaps = peaks ? *peaks : chain.static_overlap;
     std::vector<std::string> warnings;
     if (peaks) {  // overlaps at rest are checked with the scene
-        warnings = validity_warnings(load);
+        warnings = validity_warnings(contact_load(chain, overlaps));
     }
-    if (auto beyond = strength_warning(scene, chain, load)) {
+    if (auto beyond = strength_warning(judge_contacts(scene, chain, overlaps))) {
         warnings.push_back(*std::move(beyond));
     }
     return warnings;

@@ -13,6 +13,7 @@ import csv
 import dataclasses
 import json
 import os
+import re
 import sys
 
 MODULES_MISSING = 3  # exit status
@@ -35,6 +36,8 @@ os.chdir(FOLDER)
 
 SPAN_DB = (-60, 6)
 HARMONICS = 10
+FEWEST_ROWS = 4  # of a map of a chain over time; fewer spheres have a waveform each
+OF_CHAIN = {"v_chain": "velocity", "x_chain": "displacement", "f_chain": "force"}
 MAX_STRETCHES = 8192  # of a waveform, and levels of a spectrum: some for each pixel
 MAX_SPECTRUM = 1 << 20  # samples
 MAX_NUMBERED = 30  # epochs
@@ -250,6 +253,42 @@ def panels_of(recordings):
     return list(panels.values())
 
 
+def chain_panels(panels):
+    """Panels in which the spheres, or contacts, of one recording share a map."""
+    together = {}
+    for panel in panels:
+        for recording, column in panel:
+            name, quantity, _ = recording.columns[column]
+            together.setdefault(quantity if quantity in OF_CHAIN else name, []).append((recording, column))
+    return [part for panel in together.values() for part in ([panel] if is_map(panel) else [[one] for one in panel])]
+
+
+def is_map(panel):
+    recording, column = panel[0]
+    return len(panel) >= FEWEST_ROWS and recording.columns[column][1] in OF_CHAIN and all(other is recording for other, _ in panel)
+
+
+def draw_chain(axes, panel, unit_s):
+    """Draws one quantity of all spheres, or contacts, over time."""
+    recording = panel[0][0]
+    values = np.array([(recording.low[column] + recording.high[column]) / 2 for _, column in panel])
+    numbers = [int(re.search(r"\d+", recording.columns[column][0])[0]) for _, column in panel]
+    _, quantity, unit = recording.columns[panel[0][1]]
+    quantity = OF_CHAIN[quantity]
+    largest = np.nanmax(np.abs(values)) or 1
+    scale = scale_of_unit(largest)
+    signed = quantity != "force"
+    begin, end = recording.ends
+    image = axes.imshow(values / scale, aspect="auto", origin="lower", interpolation="nearest", rasterized=True,
+                        extent=(begin / unit_s, max(end, begin + 1 / recording.rate) / unit_s, numbers[0] - 0.5, numbers[-1] + 0.5),
+                        cmap="RdBu_r" if signed else "magma", vmin=-largest / scale if signed else None, vmax=largest / scale)
+    mark_epochs(axes, recording, unit_s, "#555555")
+    axes.set_ylabel("contact, from the horn" if quantity == "force" else "sphere, from the horn")
+    axes.yaxis.get_major_locator().set_params(integer=True)
+    of = f"{unit} \u00d7 {scale:g}" if scale != 1 else unit
+    axes.figure.colorbar(image, ax=axes, label=f"{quantity} [{of}]", pad=0.01)
+
+
 def note(axes, texts):
     axes.text(0.985, 0.95, "\n".join(texts), transform=axes.transAxes, ha="right", va="top", fontsize=8,
               bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5} if texts else None)
@@ -290,6 +329,8 @@ def draw(recordings, title, rows=None):
     """A row of two axes for each panel: waveforms and spectra. `rows` are axes of the caller's."""
     matplotlib.rcParams.update(STYLE | {"font.size": 9, "agg.path.chunksize": 10000})
     panels = panels_of(recordings)
+    if rows is None and len(recordings) == 1:
+        panels = chain_panels(panels)
     many = len(recordings) > 1
     drive = next((recording.drive for recording in recordings if recording.drive), None)
     nyquist = max(recording.rate for recording in recordings) / 2
@@ -297,15 +338,23 @@ def draw(recordings, title, rows=None):
     span = max(recording.ends[1] for recording in recordings) - min(recording.ends[0] for recording in recordings)
     unit_s, unit = (1e-6, "\u00b5s") if span < 2e-3 else (1e-3, "ms") if span < 2 else (1, "s")
     if rows is None:
-        _, rows = plt.subplots(len(panels), 2, figsize=(10, 1.0 + 1.8 * len(panels)), sharex="col",
+        _, rows = plt.subplots(len(panels), 2, figsize=(10, 1.0 + sum(3.5 if is_map(panel) else 1.8 for panel in panels)), sharex="col",
                                layout="constrained", squeeze=False)
     figure = rows[0, 0].figure
     for number, (panel, (wave, lines)) in enumerate(zip(panels, rows)):
+        if is_map(panel):
+            wave.remove()
+            lines.remove()
+            rows[number, 0] = figure.add_subplot(rows[number, 0].get_gridspec()[number, :])
+            draw_chain(rows[number, 0], panel, unit_s)
+            continue
         colours = [COLOURS[(recordings.index(recording) if many else number) % len(COLOURS)] for recording, _ in panel]
         draw_panel(wave, lines, panel, colours, unit_s, highest, drive, many)
     epochs = "      dotted: live changes" if any(recording.epochs for recording in recordings) else ""
     rows[-1, 0].set_xlabel(f"time [{unit}]" + epochs)
-    rows[-1, 1].set_xlabel("frequency [kHz]" + (f"      f = {drive / 1e3:g} kHz, lines at its multiples" if drive else ""))
+    for lines in [rows[number, 1] for number, panel in enumerate(panels) if not is_map(panel)][-1:]:
+        lines.tick_params(labelbottom=True)
+        lines.set_xlabel("frequency [kHz]" + (f"      f = {drive / 1e3:g} kHz, lines at its multiples" if drive else ""))
     if title:
         figure.suptitle(title.replace("$", r"\$"), x=0.01, ha="left", fontsize=10)
     return figure

@@ -54,7 +54,7 @@ Problem problem(const Scene& scene, std::size_t samples) {
         .velocity_unit = length / time_unit,
         .transmission = chain.end.transmission,
     };
-    if (chain.end.loaded != EndLoad::none) {
+    if (chain.end.loaded == EndLoad::end || chain.end.loaded == EndLoad::last_sphere) {
         p.load.back() = chain.preload_n / force;  // the plate's, or the last sphere's at a free end
     }
     return p;

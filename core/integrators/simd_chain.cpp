@@ -24,10 +24,22 @@ Layout layout_for(const Chain& chain, Integrator integrator, std::size_t lanes) 
     return in_memory && method(integrator).sweeps_long_chain ? Layout::linear : Layout::striped;
 }
 
+/// Whether all spheres are equal, and all contacts between them.
+bool are_alike(const Chain& chain) {
+    const auto constant = [](const auto& values) {
+        return values.size() == 0 || (values == values[0]).all();
+    };
+    const Eigen::Index n = chain.spheres();
+    return constant(chain.inv_mass.head(n)) && constant(chain.stiffness.segment(1, n - 1)) &&
+           constant(chain.static_overlap.segment(1, n - 1));
+}
+
 }  // namespace
 
 SimdChain::SimdChain(const Chain& chain, Integrator integrator, std::size_t lanes)
-    : tension(chain.tension),
+    : holds(chain.holder_rate > 0),
+      alike(!holds && are_alike(chain)),
+      tension(chain.tension),
       damping_law(chain.damping_law),
       layout_(layout_for(chain, integrator, lanes)),
       lanes_(lanes),
@@ -46,6 +58,7 @@ void SimdChain::load(const Chain& chain, const ChainState& state, Eigen::Index a
     moving_rows = guard_rows + (static_cast<std::size_t>(active) + lanes_ - 1) / lanes_;
     beyond_watched = true;
     rebuild = true;
+    held_lost = 0;
     fill_pads();
     for (std::size_t b = 0; b < static_cast<std::size_t>(active_); ++b) {
         const std::size_t s = linear ? guard_rows * lanes_ + b : (b % rows_) * lanes_ + b / rows_;
@@ -59,6 +72,7 @@ void SimdChain::load(const Chain& chain, const ChainState& state, Eigen::Index a
         column(ChainField::damping)[s] = chain.damping[b];
         column(ChainField::inv_mass)[s] = chain.inv_mass[b];
         column(ChainField::spring)[s] = chain.spring[b];
+        column(ChainField::drag)[s] = chain.drag[b];
         column(ChainField::bias)[s] = chain.bias[b];
         column(ChainField::x)[s] = state.x[b];
         column(ChainField::v)[s] = state.v[b];

@@ -59,6 +59,7 @@ enum class ChainField : std::size_t {
     damping,
     inv_mass,
     spring,
+    drag,
     bias,
     // motion and contacts (ChainState)
     x,
@@ -84,6 +85,8 @@ enum class ChainField : std::size_t {
     loss_rate_dot,
     work_rate,
     work_rate_dot,
+    held_rate,
+    held_rate_dot,
     // columns of a kernel's own from here on, see SimdChain::scratch()
     first_scratch,
     count = first_scratch + 17
@@ -130,9 +133,12 @@ public:
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
     std::size_t moving_rows = 0;      ///< linear: rows from here on are at rest, exactly
+    double held_lost = 0;           ///< in the holder since the solver last took it over [J]
     double watched_overlap = 0;       ///< linear: kernels set ...
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it true
     double step_s = 0;
+    bool holds = false;  ///< whether there is a holder
+    bool alike = true;   ///< linear: all spheres are equal, and all contacts between them, and no holder slows them
     Tension tension = Tension::allowed;
     DampingLaw damping_law = DampingLaw::dashpot;
     bool rebuild = true;  ///< the kernel must rebuild the columns that it carries from step to step

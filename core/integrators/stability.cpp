@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/tone_burst.hpp"
 
 namespace hertzline {
 
@@ -46,9 +47,12 @@ double squared_frequency(const Chain& chain, Eigen::Index bodies, Overlap overla
 template <class Overlap>
 double stable_step(const Chain& chain, Eigen::Index bodies, Overlap overlap, Integrator integrator) noexcept {
     const double omega_squared = squared_frequency(chain, bodies, overlap);
-    const double gamma = spectral_bound(
-        chain, bodies,
-        [&](Eigen::Index c) { return chain.damping[c] * damping_power(chain.damping_law, overlap(c)); }, 0);
+    const double gamma =
+        spectral_bound(
+            chain, bodies,
+            [&](Eigen::Index c) { return chain.damping[c] * damping_power(chain.damping_law, overlap(c)); },
+            0) +
+        chain.holder_rate;
     const Method& bounds = method(integrator);
     const double a = omega_squared / (bounds.oscillation_bound * bounds.oscillation_bound);
     const double b = gamma / bounds.decay_bound;
@@ -64,12 +68,17 @@ double stable_step(const Chain& chain, Eigen::Index bodies, Overlap overlap, Int
 }  // namespace
 
 Eigen::ArrayXd expected_overlaps(const Chain& chain, const Drive& drive) {
-    // an impact: Johnson 1985, eq. 11.2: (15 m u^2 / 16 k')^(2/5), here with k = 4/3 k'
-    const double u = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    // an impact: Johnson 1985, eq. 11.2: (15 m u^2 / 16 k')^(2/5), here with k = 4/3 k', and m twice the reduced mass
+    const double u = std::max(largest_velocity(drive), std::abs(chain.impact_velocity));
     Eigen::ArrayXd overlaps = chain.static_overlap;
+    const Eigen::Index last = chain.spheres() - 1;
     for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
         if (chain.stiffness[c] > 0) {
-            overlaps[c] += std::pow(1.25 * u * u / (chain.inv_mass[0] * chain.stiffness[c]), 0.4);
+            const double left = chain.inv_mass[std::max<Eigen::Index>(c - 1, 0)];
+            const double right = chain.inv_mass[std::min(c, last)];
+            // spheres lighter than the first become faster, by its energy at most
+            const double faster = std::max(1.0, std::max(left, right) / chain.inv_mass[0]);
+            overlaps[c] += std::pow(1.25 * u * u * faster / ((left + right) / 2 * chain.stiffness[c]), 0.4);
         }
     }
     return overlaps;
@@ -85,7 +94,7 @@ double fastest_decay(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>&
         const double damping = chain.damping[c] * damping_power(chain.damping_law, overlaps[c]);
         fastest = std::max(fastest, damping * chain.inv_mass[c]);
     }
-    return 2 * fastest;
+    return 2 * fastest + chain.holder_rate;
 }
 
 double largest_stable_step(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps,

@@ -8,6 +8,7 @@
 // Forces are kept relative to the static state: a chain at rest then has forces of exactly zero and stays at rest.
 
 #include <cstdint>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -25,23 +26,40 @@ struct Chain {
     Eigen::Index bodies() const noexcept { return stiffness.size(); }
 
     // per contact
-    Eigen::ArrayXd stiffness;  ///< k [N/m^(3/2)]; 0 where nothing can touch (free end)
-    /// delta0 [m]; 1 at the contact of a free end, which never opens nor pushes
+    Eigen::ArrayXd stiffness;  ///< k [N/m^(3/2)]; 0 where nothing can touch (no horn, free end)
+    /// delta0 [m]; 1 where nothing can touch: that never opens nor pushes
     Eigen::ArrayXd static_overlap;
     Eigen::ArrayXd static_force;  ///< k delta0^(3/2) [N], rounded as the kernels round it
     Eigen::ArrayXd
         damping;  ///< factor D of the damping force D delta^q delta' [N s/m^(1+q)]; lambda of a dashpot
 
     // per body
+    Eigen::ArrayXd radius;    ///< [m]; of the end 0
     Eigen::ArrayXd inv_mass;  ///< [1/kg]; 0 of a wall
+    Eigen::ArrayXd load;      ///< constant force that the static forces of its contacts balance [N]
     Eigen::ArrayXd spring;    ///< stiffness to ground [N/m]: K_m of a plate, else 0
+    Eigen::ArrayXd drag;      ///< of the holder [kg/s]: m/tau of a sphere, else 0
     Eigen::ArrayXd bias;      ///< constant force that the static state leaves unbalanced [N]
 
     EndModel end;
     DampingLaw damping_law;
     Tension tension;
-    double preload_n;  ///< F0 [N]
+    double preload_n;            ///< F0 [N]
+    double end_force_n = 0;      ///< F0 and the weight of all spheres: the static force on the end [N]
+    double holder_rate = 0;      ///< 1/tau: the holder slows each sphere by that times its velocity [1/s]
+    double impact_velocity = 0;  ///< of the first spheres at the start [m/s]
+    Eigen::Index impact_spheres = 0;  ///< how many they are
+
+    /// Whether nothing moves before the horn does.
+    bool starts_at_rest() const noexcept { return impact_spheres == 0 && (bias == 0).all(); }
 };
+
+/// Faults of a row of spheres that only its masses show: diameters that its taper takes beyond all bounds, weights that pull contacts apart.
+/// @param scene has passed validate()
+std::vector<Fault> chain_faults(const Scene& scene);
+
+/// These and those of a plate (end.hpp): why a valid scene cannot be computed.
+std::vector<Fault> model_faults(const Scene& scene);
 
 /// Displacements, velocities and contacts of a chain.
 struct ChainState {
@@ -50,9 +68,10 @@ struct ChainState {
         reset(chain);
     }
 
-    /// Back to static equilibrium.
+    /// Back to the start: static equilibrium, in which the first spheres may have a velocity.
     void reset(const Chain& chain) noexcept {
         reset_motion(chain);
+        v.head(chain.impact_spheres) = chain.impact_velocity;
         peak_overlap = chain.static_overlap;
         step = 0;
     }

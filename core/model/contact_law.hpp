@@ -15,11 +15,6 @@ inline double contact_modulus(const Solid& a, const Solid& b) noexcept {
     return 1 / (1 / plane_strain_modulus(a) + 1 / plane_strain_modulus(b));
 }
 
-/// Stiffness k [N/m^(3/2)] between two equal spheres of radius R [m] of one material: sqrt(2R)/3 theta.
-inline double sphere_sphere_stiffness(const Solid& sphere, double radius_m) noexcept {
-    return std::sqrt(2 * radius_m) / 3 * plane_strain_modulus(sphere);
-}
-
 /// Stiffness k [N/m^(3/2)] between a flat body and a sphere of radius R [m]: 4 sqrt(R)/3 theta_ab.
 inline double flat_sphere_stiffness(const Solid& flat, const Solid& sphere, double radius_m) noexcept {
     return 4 * std::sqrt(radius_m) / 3 * contact_modulus(flat, sphere);

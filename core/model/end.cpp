@@ -7,6 +7,8 @@
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/sphere_row.hpp"
+#include "core/model/tone_burst.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -50,7 +52,7 @@ double transmission(double impedance_a, double impedance_b) noexcept {
 }
 
 double output_transmission(const Scene& scene) {
-    const double sphere = acoustic_impedance(*find_material(scene, scene.chain.material));
+    const double sphere = acoustic_impedance(*find_material(scene, last_material(scene)));
     const double medium = acoustic_impedance(*find_material(scene, scene.medium.material));
     double product = 1;
     double before = sphere;
@@ -74,22 +76,17 @@ EndModel free_end() {
 /// A half-space that does not move as a whole.
 EndModel wall(const Scene& scene) {
     EndModel end;
+    const Sphere last = SphereRow(scene).last();
     end.contact_stiffness =
-        flat_sphere_stiffness(solid_of(scene, touched_material(scene)), solid_of(scene, scene.chain.material),
-                              scene.chain.diameter_m / 2);
+        flat_sphere_stiffness(solid_of(scene, touched_material(scene)), *last.solid, last.radius_m);
     return end;
 }
 
 /// The paper's plate: one spring, and a quarter of the disc's mass.
 EndModel plate(const Scene& scene) {
     EndModel end = wall(scene);
-    EndMode mode{.inv_mass = 4 / plate_mass(scene), .spring = plate_stiffness(scene)};
-    if (scene.end.preload == PlatePreload::as_printed) {
-        mode.load = scene.chain.preload_n;
-    } else {
-        end.loaded = EndLoad::end;
-    }
-    end.body = mode;
+    end.loaded = scene.end.preload == PlatePreload::as_printed ? EndLoad::unbalanced : EndLoad::end;
+    end.body = {.inv_mass = 4 / plate_mass(scene), .spring = plate_stiffness(scene)};
     end.has_plate = true;
     end.transmission = output_transmission(scene);
     return end;
@@ -107,15 +104,31 @@ EndModel modal_plate(const Scene& scene) {
 }  // namespace
 
 double fastest_contact_hz(const Scene& scene) {
-    const Solid& sphere = solid_of(scene, scene.chain.material);
-    const double radius = scene.chain.diameter_m / 2;
-    const double mass = sphere.density_kg_per_m3 * 4 / 3 * std::numbers::pi * radius * radius * radius;
-    const double stiffness = sphere_sphere_stiffness(sphere, radius);
-    const double velocity = 2 * std::numbers::pi * scene.drive.frequency_hz * scene.drive.amplitude_m;
-    // two spheres that meet at twice the horn's velocity: all energy in the contact (K. L. Johnson, 1985, equation 11.22)
-    const double of_impact = std::pow(1.25 * 0.5 * mass * 4 * velocity * velocity / stiffness, 0.4);
-    const double overlap = std::max(of_impact, static_overlap(stiffness, scene.chain.preload_n));
-    return std::sqrt(4 * 1.5 * stiffness * std::sqrt(overlap) / mass) / (2 * std::numbers::pi);
+    const SphereRow row(scene);
+    const double first_mass = row[0].mass_kg;
+    const double velocity =
+        std::max(largest_velocity(scene.drive), std::abs(scene.chain.impact_velocity_m_per_s));
+    const double weight = std::max(0.0, scene.chain.gravity_m_per_s2);
+    // with weights no two contacts are alike
+    const Eigen::Index spheres = std::max<Eigen::Index>(2, weight > 0 ? row.size() : row.distinct());
+    double fastest = 0;
+    double force = scene.chain.preload_n;
+    Sphere a = row[0];
+    for (Eigen::Index i = 1; i < spheres; ++i) {
+        const Sphere b = row.size() > 1 ? row[i] : a;
+        force += weight * a.mass_kg;
+        const double stiffness = contact_stiffness(a, b);
+        const double mass = 2 * reduced_mass(a, b);
+        // two spheres that meet at twice the horn's velocity: all energy in the contact (K. L. Johnson, 1985, equation 11.22). Lighter ones
+        // than the first have become faster, by its energy at most.
+        const double faster = std::max(1.0, first_mass / std::min(a.mass_kg, b.mass_kg));
+        const double of_impact =
+            std::pow(1.25 * 0.5 * mass * 4 * velocity * velocity * faster / stiffness, 0.4);
+        const double overlap = std::max(of_impact, static_overlap(stiffness, force));
+        fastest = std::max(fastest, std::sqrt(4 * 1.5 * stiffness * std::sqrt(overlap) / mass));
+        a = b;
+    }
+    return fastest / (2 * std::numbers::pi);
 }
 
 PlateParameters plate_parameters(const Scene& scene) {

@@ -10,15 +10,14 @@
 
 namespace hertzline {
 
-/// A body with one degree of freedom: q'' = inv_mass (f - spring q + load), where f is the force of the last contact [N].
+/// A body with one degree of freedom: q'' = inv_mass (f - spring q), where f is the force of the last contact [N].
 struct EndMode {
     double inv_mass = 0;  ///< [1/kg]
     double spring = 0;    ///< stiffness to ground [N/m]
-    double load = 0;      ///< constant force that the static state leaves unbalanced [N]
 };
 
-/// The body on which the static preload does work, see energy.hpp.
-enum class EndLoad { none, last_sphere, end };
+/// The body on which the static force of the end does work: a load that holds it, or, unbalanced, one that the end yields to from the start.
+enum class EndLoad { none, last_sphere, end, unbalanced };
 
 /// All that an end is to the rest of the program. A wall does not move, and the paper's plate is one mass on one spring. A modal plate
 /// has many states: to the chain it is a body with the mobility that the plate has at once, and the rest of its states' effect is a

@@ -24,16 +24,12 @@ double stored_energy(const Chain& chain, const ChainState& state, double horn_x)
         left = state.x[b];
     }
     const Eigen::Index n = chain.spheres();
-    energy += chain.spring[n] * state.x[n] * state.x[n] / 2;
-    switch (chain.end.loaded) {
-        case EndLoad::none:
-            return energy;
-        case EndLoad::last_sphere:
-            return energy + chain.preload_n * state.x[n - 1];
-        case EndLoad::end:
-            return energy + chain.preload_n * state.x[n];
-    }
-    return energy;
+    return energy + chain.spring[n] * state.x[n] * state.x[n] / 2 - (chain.load * state.x).sum();
+}
+
+void begin_ledger(const Chain& chain, const ChainState& state, Ledger& ledger) noexcept {
+    ledger.kinetic_at_start = kinetic_energy(chain, state);
+    ledger.at_start = ledger.kinetic_at_start + stored_energy(chain, state, 0);
 }
 
 double work_of_jump(const Chain& chain, double x, double horn_before, double horn_after) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-// The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost + passed must stay zero.
+// The energy ledger (docs/model.md, section 8): kinetic + stored - (their value at 0) - work + lost + passed + the holder's loss must stay zero.
 
 #include <cmath>
 
@@ -10,16 +10,18 @@ namespace hertzline {
 /// sum m v^2/2 over the spheres and the paper's plate [J].
 double kinetic_energy(const Chain& chain, const ChainState& state) noexcept;
 
-/// sum (2/5) k delta^(5/2) + K_m x_m^2/2 + F0 x_end [J], with the horn displaced by horn_x [m]. x_end is x_m
-/// of a balanced plate, x_N of a free end, else nothing.
+/// sum (2/5) k delta^(5/2) + K_m x_m^2/2 - sum of load x [J], with the horn displaced by horn_x [m]. Loads are weights, the preload where
+/// there is no horn, and the force by which the end holds against them.
 double stored_energy(const Chain& chain, const ChainState& state, double horn_x) noexcept;
 
 /// Energy that went in and out since the start [J], accumulated by the integrators.
 struct Ledger {
-    double work = 0;        ///< of the horn on the chain: integral f_0 x_h' dt
-    double gross_work = 0;  ///< the same, back and forth: work that the horn gets back adds to it
-    double lost = 0;        ///< in the contacts: integral sum_c D delta^q (v_left - v_right)^2 H dt
-    double at_start = 0;    ///< kinetic + stored at step 0
+    double work = 0;              ///< of the horn on the chain: integral f_0 x_h' dt
+    double gross_work = 0;        ///< the same, back and forth: work that the horn gets back adds to it
+    double lost = 0;              ///< in the contacts: integral sum_c D delta^q (v_left - v_right)^2 H dt
+    double at_start = 0;          ///< kinetic + stored at step 0
+    double kinetic_at_start = 0;  ///< of it the kinetic energy
+    double holder_lost = 0;       ///< in the holder: integral sum m v^2/tau dt
     double passed = 0;      ///< to a modal plate: the last contact's work on it, without that of the preload
     double plate_lost = 0;  ///< of it in the plate's material
     double plate_held = 0;  ///< of it as the modes' motion and bending
@@ -32,6 +34,9 @@ struct Ledger {
         gross_work += std::abs(done);
     }
 };
+
+/// The energies at the start.
+void begin_ledger(const Chain& chain, const ChainState& state, Ledger& ledger) noexcept;
 
 /// Work of the horn when its end jumps: the change of the energy that contact 0 stores [J]. @param x of the first sphere [m]
 double work_of_jump(const Chain& chain, double x, double horn_before, double horn_after) noexcept;

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/model/end.hpp"
+#include "core/model/sphere_row.hpp"
+#include "core/scene/text.hpp"
 
 namespace hertzline {
 
@@ -13,8 +15,8 @@ namespace {
 
 constexpr double yield_begins = 1.6;  // pressure over yield strength
 
-constexpr std::array<std::string_view, contact_kinds> contacts{"horn - sphere", "sphere - sphere",
-                                                               "sphere - end"};
+constexpr std::array<std::string_view, contact_kinds> kind_names{"horn - sphere", "sphere - sphere",
+                                                                 "sphere - end"};
 
 std::optional<PressureLimit> lower(std::optional<PressureLimit> a, std::optional<PressureLimit> b) {
     if (!a || !b) {
@@ -23,9 +25,55 @@ std::optional<PressureLimit> lower(std::optional<PressureLimit> a, std::optional
     return b->pressure_pa < a->pressure_pa ? b : a;
 }
 
-std::optional<PressureLimit> limit_of(const Scene& scene, const std::string& name) {
-    return pressure_limit(solid_of(scene, name), name);
-}
+/// The limits of a scene's contacts, that of the weaker material each.
+class ContactLimits {
+public:
+    explicit ContactLimits(const Scene& scene) : scene_(scene), row_(scene) {
+        for (const std::size_t kind : {0U, 1U, 2U}) {
+            for (const Eigen::Index contact : distinct(kind)) {
+                const auto [left, right] = materials(contact);
+                limits_[kind].push_back(lower(limit_of(left), limit_of(right)));
+            }
+        }
+    }
+
+    const std::optional<PressureLimit>& of(Eigen::Index contact) const noexcept {
+        const std::size_t kind = contact == 0 ? 0 : contact == row_.size() ? 2 : 1;
+        const auto& limits = limits_[kind];
+        return limits[static_cast<std::size_t>(kind == 1 ? contact - 1 : 0) % limits.size()];
+    }
+
+    /// The materials of a contact, that of its sphere first.
+    std::array<std::string, 2> materials(Eigen::Index contact) const {
+        if (contact == 0) {
+            return {row_.material(0), scene_.drive.material};
+        }
+        return {row_.material(contact - 1),
+                contact == row_.size() ? touched_material(scene_) : row_.material(contact)};
+    }
+
+    /// The contacts of a kind until their materials repeat.
+    std::vector<Eigen::Index> distinct(std::size_t kind) const {
+        if (kind != 1) {
+            return {kind == 0 ? 0 : row_.size()};
+        }
+        std::vector<Eigen::Index> contacts;
+        for (Eigen::Index contact = 1; contact < row_.size() && contact <= row_.material_period();
+             ++contact) {
+            contacts.push_back(contact);
+        }
+        return contacts;
+    }
+
+private:
+    std::optional<PressureLimit> limit_of(const std::string& name) const {
+        return pressure_limit(solid_of(scene_, name), name);
+    }
+
+    const Scene& scene_;
+    SphereRow row_;
+    std::array<std::vector<std::optional<PressureLimit>>, contact_kinds> limits_;
+};
 
 /// In MPa, two digits at least.
 std::string pressure_text(double pressure_pa) {
@@ -59,64 +107,79 @@ std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::strin
 }
 
 std::array<bool, contact_kinds> existing_contacts(const Scene& scene) noexcept {
-    return {true, scene.chain.spheres > 1, scene.end.kind != EndKind::free};
+    return {scene.drive.kind != DriveKind::none, scene.chain.spheres > 1, scene.end.kind != EndKind::free};
 }
 
-PressureLimits pressure_limits(const Scene& scene) {
-    const auto sphere = limit_of(scene, scene.chain.material);
-    PressureLimits limits{lower(sphere, limit_of(scene, scene.drive.material)), sphere, {}};
-    if (scene.end.kind != EndKind::free) {
-        limits.back() = lower(sphere, limit_of(scene, touched_material(scene)));
+JudgedContacts judge_contacts(const Scene& scene, const Chain& chain, const Eigen::ArrayXd& overlaps) {
+    const ContactLimits limits(scene);
+    JudgedContacts worst;
+    std::array<double, contact_kinds> worst_ratio{};
+    for (Eigen::Index c = 0; c <= chain.spheres(); ++c) {
+        const double stiffness = chain.stiffness[c];
+        if (stiffness == 0) {
+            continue;  // nothing to touch
+        }
+        const std::size_t kind = kind_of_contact(chain, c);
+        const auto& limit = limits.of(c);
+        const double pressure = contact_pressure(stiffness, overlaps[c], curvature_radius(chain, c));
+        JudgedContact& found = worst[kind];
+        const double ratio = limit ? pressure / limit->pressure_pa : 0;
+        const bool nearer = ratio > worst_ratio[kind] || (limit && !found.limit);
+        if (nearer || (!found.limit && pressure > found.pressure_pa)) {
+            worst_ratio[kind] = ratio;
+            found = {contact_pressure(stiffness, chain.static_overlap[c], curvature_radius(chain, c)),
+                     pressure, limit};
+        }
     }
-    return limits;
+    return worst;
 }
 
-std::optional<double> strength_ratio(const PressureLimits& limits, const ContactLoad& load) {
+std::optional<double> strength_ratio(const JudgedContacts& contacts) {
     std::optional<double> ratio;
-    for (std::size_t kind = 0; kind < limits.size(); ++kind) {
-        if (limits[kind]) {
-            ratio = std::max(ratio.value_or(0), load.pressures_pa[kind] / limits[kind]->pressure_pa);
+    for (const JudgedContact& contact : contacts) {
+        if (contact.limit) {
+            ratio = std::max(ratio.value_or(0), contact.pressure_pa / contact.limit->pressure_pa);
         }
     }
     return ratio;
 }
 
 std::optional<std::string> unjudged_contacts(const Scene& scene) {
-    const PressureLimits limits = pressure_limits(scene);
+    const ContactLimits limits(scene);
     const auto exists = existing_contacts(scene);
-    const std::array<const std::string*, contact_kinds> others{&scene.drive.material, &scene.chain.material,
-                                                               &touched_material(scene)};
-    std::vector<std::string_view> materials;
+    std::vector<std::string> materials;
     std::string unjudged;
-    for (std::size_t kind = 0; kind < contacts.size(); ++kind) {
-        if (limits[kind] || !exists[kind]) {
-            continue;
-        }
-        unjudged += (unjudged.empty() ? "" : ", ") + std::string(contacts[kind]);
-        for (const std::string* material : {&scene.chain.material, others[kind]}) {
-            if (std::ranges::find(materials, *material) == materials.end()) {
-                materials.emplace_back(*material);
+    for (std::size_t kind = 0; kind < kind_names.size(); ++kind) {
+        bool known = true;
+        for (const Eigen::Index contact : limits.distinct(kind)) {
+            if (!exists[kind] || limits.of(contact)) {
+                continue;
             }
+            known = false;
+            for (const std::string& name : limits.materials(contact)) {
+                if (std::ranges::find(materials, name) == materials.end()) {
+                    materials.push_back(name);
+                }
+            }
+        }
+        if (!known) {
+            unjudged += (unjudged.empty() ? "" : ", ") + std::string(kind_names[kind]);
         }
     }
     if (unjudged.empty()) {
         return std::nullopt;
     }
-    std::string names(materials.front());
-    for (std::size_t i = 1; i < materials.size(); ++i) {
-        names += (i + 1 < materials.size() ? ", " : " and ") + std::string(materials[i]);
-    }
-    return "the strength of " + names + " is not known: the contacts " + unjudged + " are not judged by it";
+    return "the strength of " + enumeration(materials) + " is not known: the contacts " + unjudged +
+           " are not judged by it";
 }
 
-std::optional<std::string> strength_warning(const Scene& scene, const Chain& chain, const ContactLoad& most) {
-    const PressureLimits limits = pressure_limits(scene);
-    const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
+std::optional<std::string> strength_warning(const JudgedContacts& contacts) {
     std::string beyond;
-    for (std::size_t kind = 0; kind < contacts.size(); ++kind) {
-        if (limits[kind] && most.pressures_pa[kind] > limits[kind]->pressure_pa) {
-            beyond += (beyond.empty() ? "" : ", ") + excess_text(contacts[kind], rest.pressures_pa[kind],
-                                                                 most.pressures_pa[kind], *limits[kind]);
+    for (std::size_t kind = 0; kind < kind_names.size(); ++kind) {
+        const JudgedContact& contact = contacts[kind];
+        if (contact.limit && contact.pressure_pa > contact.limit->pressure_pa) {
+            beyond += (beyond.empty() ? "" : ", ") +
+                      excess_text(kind_names[kind], contact.at_rest_pa, contact.pressure_pa, *contact.limit);
         }
     }
     if (beyond.empty()) {

@@ -29,19 +29,25 @@ std::optional<PressureLimit> pressure_limit(const Solid& solid, const std::strin
 /// Which kinds of contact a scene has, in the order of ContactLoad::pressures_pa.
 std::array<bool, contact_kinds> existing_contacts(const Scene& scene) noexcept;
 
-/// For each kind of contact the limit of its weaker material, in the order of ContactLoad::pressures_pa; none where no
-/// strength is known.
-using PressureLimits = std::array<std::optional<PressureLimit>, contact_kinds>;
-PressureLimits pressure_limits(const Scene& scene);
+/// A contact and the limit of its weaker material; none where no strength is known.
+struct JudgedContact {
+    double at_rest_pa = 0;
+    double pressure_pa = 0;
+    std::optional<PressureLimit> limit;
+};
+
+/// Of each kind, in the order of ContactLoad::pressures_pa, the contact that is nearest its limit, or the one that is pressed hardest where
+/// none is known. @param overlaps [m], one for each contact
+using JudgedContacts = std::array<JudgedContact, contact_kinds>;
+JudgedContacts judge_contacts(const Scene& scene, const Chain& chain, const Eigen::ArrayXd& overlaps);
 
 /// The largest ratio of a pressure to its limit; none where no limit is known.
-std::optional<double> strength_ratio(const PressureLimits& limits, const ContactLoad& load);
+std::optional<double> strength_ratio(const JudgedContacts& contacts);
 
 /// One sentence that names the contacts of which no strength is known, and their materials; none where each has one.
 std::optional<std::string> unjudged_contacts(const Scene& scene);
 
 /// One sentence that names each contact whose pressure is beyond its limit, with figures; none where all are within.
-/// @param most largest load of the contacts, or the load at rest where nothing else is known
-std::optional<std::string> strength_warning(const Scene& scene, const Chain& chain, const ContactLoad& most);
+std::optional<std::string> strength_warning(const JudgedContacts& contacts);
 
 }  // namespace hertzline

@@ -24,12 +24,16 @@ HornMotion product(double amplitude, double omega, double s, double c, double e,
 
 }  // namespace
 
+double largest_velocity(const Drive& drive) noexcept {
+    return drive.kind == DriveKind::none ? 0 : 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+}
+
 ToneBurst::ToneBurst(const Drive& drive, double step_s)
     : step_(step_s),
-      amplitude_(drive.amplitude_m),
+      amplitude_(drive.kind == DriveKind::none ? 0 : drive.amplitude_m),
       omega_(2 * std::numbers::pi * drive.frequency_hz),
       duration_(drive.cycles / drive.frequency_hz),
-      repetition_hz_(drive.repetition_hz),
+      repetition_hz_(drive.kind == DriveKind::none ? 0 : drive.repetition_hz),
       hann_(drive.envelope == Envelope::hann) {
     if (hann_) {
         rise_ = duration_;

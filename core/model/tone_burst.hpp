@@ -37,6 +37,9 @@ struct SmoothDrive {
     double left_s = 0;         ///< from then until the piece ends; infinite after a last burst
 };
 
+/// Largest velocity of the horn, 2 pi f A [m/s]; 0 where there is none.
+double largest_velocity(const Drive& drive) noexcept;
+
 /// The horn's displacement and velocity as functions of time.
 class ToneBurst {
 public:

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/sphere_row.hpp"
 #include "core/model/strength.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
@@ -53,7 +54,10 @@ void warn_of_suspicious_units(std::span<const SuspiciousUnit> values, std::vecto
 
 /// Solids softer than any gel or lighter than any foam.
 void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) {
-    std::vector<std::string> solids{s.drive.material, s.chain.material};
+    std::vector<std::string> solids = sphere_materials(s);
+    if (s.drive.kind != DriveKind::none) {
+        solids.push_back(s.drive.material);
+    }
     if (s.end.kind != EndKind::free) {
         const bool layered = s.end.kind == EndKind::plate && !s.end.materials.empty();
         const std::vector<std::string> disc{s.end.material};
@@ -77,7 +81,8 @@ void add_units_of_materials(const Scene& s, std::vector<std::string>& warnings) 
 void add_units(const Scene& s, std::vector<std::string>& warnings) {
     const bool plate = s.end.kind == EndKind::plate;
     const std::array values{
-        SuspiciousUnit{"chain.diameter_m", s.chain.diameter_m, s.chain.diameter_m >= 0.1, "m", "millimetres"},
+        SuspiciousUnit{"chain.diameter_m", s.chain.diameter_m,
+                       s.chain.diameters_m.empty() && s.chain.diameter_m >= 0.1, "m", "millimetres"},
         SuspiciousUnit{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
         SuspiciousUnit{"end.thickness_m", s.end.thickness_m,
                        plate && s.end.thicknesses_m.empty() && s.end.thickness_m >= 0.05, "m", "millimetres"},
@@ -163,11 +168,13 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     if (chain.end.plate) {
         add_modes(scene, *chain.end.plate, warnings);
     }
-    const double sag = scene.chain.preload_n * compliance(chain.end);
+    const double sag = chain.end_force_n * compliance(chain.end);
     if (sag > thickness / 2) {
-        warnings.push_back("the preload bends the disc by " + briefly(sag) +
-                           " m, more than half its thickness; a disc that bends so far stiffens, which the "
-                           "model leaves out");
+        warnings.push_back(
+            std::string(scene.chain.gravity_m_per_s2 == 0 ? "the preload bends" : "preload and weight bend") +
+            " the disc by " + briefly(sag) +
+            " m, more than half its thickness; a disc that bends so far stiffens, which the "
+            "model leaves out");
     }
 }
 
@@ -182,19 +189,29 @@ double contact_pressure(double stiffness, double overlap_m, double radius_m) noe
     return overlap_m > 0 ? 3 * stiffness * std::sqrt(overlap_m) / (2 * std::numbers::pi * radius_m) : 0;
 }
 
-ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, double radius_m) noexcept {
+double curvature_radius(const Chain& chain, Eigen::Index contact) noexcept {
+    const Eigen::Index last = chain.spheres();
+    if (contact == 0 || contact == last) {
+        return chain.radius[contact == 0 ? 0 : last - 1];
+    }
+    const double left = chain.radius[contact - 1];
+    return left / (1 + left / chain.radius[contact]);
+}
+
+ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps) noexcept {
     ContactLoad load;
     const Eigen::Index last = chain.spheres();
     for (Eigen::Index c = 0; c <= last; ++c) {
         const double stiffness = chain.stiffness[c];
         if (stiffness == 0) {
-            continue;  // a free end
+            continue;  // nothing to touch
         }
-        const double curvature_radius = c == 0 || c == last ? radius_m : radius_m / 2;
         load.force_n = std::max(load.force_n, elastic_force(stiffness, overlaps[c]));
-        double& pressure = load.pressures_pa[c == 0 ? 0 : c == last ? 2 : 1];
-        pressure = std::max(pressure, contact_pressure(stiffness, overlaps[c], curvature_radius));
-        load.overlap_ratio = std::max(load.overlap_ratio, overlaps[c] / radius_m);
+        double& pressure = load.pressures_pa[kind_of_contact(chain, c)];
+        pressure = std::max(pressure, contact_pressure(stiffness, overlaps[c], curvature_radius(chain, c)));
+        const double smaller =
+            std::min(chain.radius[std::max<Eigen::Index>(c - 1, 0)], chain.radius[std::min(c, last - 1)]);
+        load.overlap_ratio = std::max(load.overlap_ratio, overlaps[c] / smaller);
     }
     load.pressure_pa = *std::max_element(load.pressures_pa.begin(), load.pressures_pa.end());
     return load;
@@ -218,12 +235,13 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     add_units(scene, warnings);
     warn_of_unused_keys(scene, warnings);
     add_plate(scene, chain, warnings);
-    const ContactLoad rest = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
+    const ContactLoad rest = contact_load(chain, chain.static_overlap);
     if (rest.overlap_ratio > deepest_overlap) {
         warnings.push_back(deep_contact(rest.overlap_ratio, " by the preload alone"));
     }
     const double highest = fastest_contact_hz(scene);
-    if (scene.chain.spheres > 1 && scene.drive.frequency_hz > beyond_cut_off * highest) {
+    if (scene.chain.spheres > 1 && scene.drive.kind != DriveKind::none &&
+        scene.drive.frequency_hz > beyond_cut_off * highest) {
         warnings.push_back("the drive's frequency is " + briefly(scene.drive.frequency_hz / highest) +
                            " times the highest that the chain passes on, " + briefly(highest) +
                            " Hz; next to nothing of it reaches the end");
@@ -232,12 +250,13 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
         warnings.push_back(*std::move(unjudged));
     }
     const Scene paper;
+    const std::vector<std::string> materials = sphere_materials(scene);
     if (scene.chain.damping_law == DampingLaw::dashpot &&
         scene.chain.damping_kg_per_s == paper.chain.damping_kg_per_s &&
-        scene.chain.material != paper.chain.material) {
+        materials != std::vector{paper.chain.material}) {
         warnings.push_back("chain.damping_kg_per_s is " + number_text(scene.chain.damping_kg_per_s) +
                            ", which the paper gives for " + paper.chain.material + "; the spheres are of " +
-                           scene.chain.material + " (docs/model.md, section 3, \"Other spheres\")");
+                           enumeration(materials) + " (docs/model.md, section 3, \"Other spheres\")");
     }
     return warnings;
 }

@@ -17,8 +17,16 @@ namespace hertzline {
 /// on a flat body, R/2 between two spheres
 double contact_pressure(double stiffness, double overlap_m, double radius_m) noexcept;
 
-/// The load at these overlaps [m], one for each contact. @param radius_m of a sphere
-ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps, double radius_m) noexcept;
+/// Relative radius of curvature of a contact [m]: R of a sphere on a flat body, R_a R_b/(R_a + R_b) between two spheres.
+double curvature_radius(const Chain& chain, Eigen::Index contact) noexcept;
+
+/// 0, 1, 2: of the horn, between spheres, of the end (ContactLoad::pressures_pa).
+inline std::size_t kind_of_contact(const Chain& chain, Eigen::Index contact) noexcept {
+    return contact == 0 ? 0 : contact == chain.spheres() ? 2 : 1;
+}
+
+/// The load at these overlaps [m], one for each contact.
+ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps) noexcept;
 
 /// Warnings about a scene before anything moves: lengths that suggest another unit, a disc that is no thin plate or
 /// sags by more than half its thickness, contacts that the preload presses too deep, damping of another material. A

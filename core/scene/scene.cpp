@@ -38,6 +38,15 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
                           "at most frequency_hz / cycles = " + number_text(burst_rate_hz) +
                               " Hz, so that bursts do not overlap"});
     }
+    if (scene.drive.kind == DriveKind::none && scene.drive.repetition_hz != 0) {
+        faults.push_back({"drive.repetition_hz",
+                          number_text(scene.drive.repetition_hz) + " with drive.kind = \"none\"",
+                          "0: there is no horn to repeat its bursts"});
+    }
+    if (scene.chain.impact_spheres > std::max<std::int64_t>(1, scene.chain.spheres)) {
+        faults.push_back({"chain.impact_spheres", number_text(scene.chain.impact_spheres),
+                          "at most chain.spheres = " + number_text(scene.chain.spheres)});
+    }
     if (scene.numerics.step_s && scene.numerics.accuracy) {
         faults.push_back({"numerics.accuracy",
                           number_text(*scene.numerics.accuracy) + " together with step_s",

@@ -14,6 +14,7 @@ namespace hertzline::table {
 
 inline constexpr Need plate{"end.kind", "plate"};
 inline constexpr Need modal{"end.model", "modal"};
+inline constexpr Need horn{"drive.kind", "tone"};
 inline constexpr Need tukey{"drive.envelope", "tukey"};
 inline constexpr Hashed changed = Hashed::when_changed;
 inline constexpr std::string_view chosen = "the program's choice";
@@ -22,23 +23,42 @@ inline constexpr std::string_view chosen = "the program's choice";
 template <class AnyScene, class Visit>
 void visit_scene(AnyScene& scene, const Visit& visit) {
     {
-        auto& [material, frequency_hz, cycles, amplitude_m, envelope, taper, repetition_hz] = scene.drive;
+        auto& [kind, material, frequency_hz, cycles, amplitude_m, envelope, taper, repetition_hz] =
+            scene.drive;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("drive", member, facts); };
-        row(material, {"material", {}, "of the horn"});
+        row(kind, {"kind", {}, "a horn with tone bursts, or no horn", {.hashed = changed}});
+        row(material, {"material", {}, "of the horn", {.needs = horn}});
         row(frequency_hz, {"frequency_hz", {1e-3, 1e9, "Hz"}, "of the tone"});
-        row(cycles, {"cycles", {1e-3, 1e9}, "periods of the tone in a burst"});
-        row(amplitude_m, {"amplitude_m", {0, 1, "m"}, "largest displacement of the horn's tip"});
-        row(envelope, {"envelope", {}, "how the burst rises and falls"});
+        row(cycles, {"cycles", {1e-3, 1e9}, "periods of the tone in a burst", {.needs = horn}});
+        row(amplitude_m,
+            {"amplitude_m", {0, 1, "m"}, "largest displacement of the horn's tip", {.needs = horn}});
+        row(envelope, {"envelope", {}, "how the burst rises and falls", {.needs = horn}});
         row(taper, {"taper", {0, 1}, "fraction of a tukey burst spent rising and falling", {.needs = tukey}});
-        row(repetition_hz, {"repetition_hz", {0, 1e9, "Hz"}, "bursts a second; 0: a single burst"});
+        row(repetition_hz,
+            {"repetition_hz", {0, 1e9, "Hz"}, "bursts a second; 0: a single burst", {.needs = horn}});
     }
     {
-        auto& [material, spheres, diameter_m, damping_kg_per_s, damping_law, damping_time_s, damping_alpha,
-               preload_n, tension] = scene.chain;
+        auto& [material, spheres, diameter_m, materials, diameters_m, taper, damping_kg_per_s, damping_law,
+               damping_time_s, damping_alpha, preload_n, tension, gravity_m_per_s2, holder_time_s,
+               impact_velocity_m_per_s, impact_spheres] = scene.chain;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("chain", member, facts); };
-        row(material, {"material", {}, "of the spheres"});
+        row(material, {"material", {}, "of the spheres", {.replaced_by = "chain.materials"}});
         row(spheres, {"spheres", {1, max_spheres}, "how many"});
-        row(diameter_m, {"diameter_m", {1e-9, 10, "m"}, "of each sphere"});
+        row(diameter_m,
+            {"diameter_m", {1e-9, 10, "m"}, "of each sphere", {.replaced_by = "chain.diameters_m"}});
+        row(materials, {"materials",
+                        {},
+                        "of the spheres from the horn on, repeated along the chain",
+                        {.unset = "`[material]`", .most_entries = max_sphere_entries}});
+        row(diameters_m, {"diameters_m",
+                          {1e-9, 10, "m"},
+                          "of the spheres, repeated along the chain",
+                          {.unset = "`[diameter_m]`", .most_entries = max_sphere_entries}});
+        row(taper,
+            {"taper",
+             {-1, 1, "", Bounds::open},
+             "each sphere is smaller than the one before it by this part, beside its entry in the lists",
+             {.hashed = changed}});
         row(damping_kg_per_s,
             {"damping_kg_per_s", {0, 1e9, "kg/s"}, R"(of each closed contact, with `"dashpot"`)"});
         row(damping_law, {"damping_law",
@@ -49,6 +69,22 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(damping_alpha, {"damping_alpha", {0, 10}, "\u03b1 of `\"tsuji\"`, which needs it"});
         row(preload_n, {"preload_n", {0, 1e9, "N"}, "static force that presses the chain together"});
         row(tension, {"tension", {}, "whether damping may pull just before a contact opens"});
+        row(gravity_m_per_s2, {"gravity_m_per_s2",
+                               {-1e4, 1e4, "m/s^2"},
+                               "weight of the spheres, toward the end",
+                               {.hashed = changed}});
+        row(holder_time_s, {"holder_time_s",
+                            {1e-9, 1e6, "s"},
+                            "\u03c4 of the holder, which slows each sphere by v/\u03c4",
+                            {.hashed = changed}});
+        row(impact_velocity_m_per_s, {"impact_velocity_m_per_s",
+                                      {-1e3, 1e3, "m/s"},
+                                      "of the first spheres at the start",
+                                      {.hashed = changed}});
+        row(impact_spheres, {"impact_spheres",
+                             {1, max_spheres},
+                             "how many start with it, `spheres` at most",
+                             {.hashed = changed}});
     }
     {
         auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor,

@@ -20,6 +20,12 @@ template <class Choice>
 struct Words;  // Words<Envelope>::all and so on
 
 template <>
+struct Words<DriveKind> {
+    static constexpr std::array all{Word<DriveKind>{"tone", DriveKind::tone},
+                                    Word<DriveKind>{"none", DriveKind::none}};
+};
+
+template <>
 struct Words<Envelope> {
     static constexpr std::array all{Word<Envelope>{"hann", Envelope::hann},
                                     Word<Envelope>{"tukey", Envelope::tukey},

@@ -53,6 +53,14 @@ const std::string* only_one_that_contains(std::string_view text, std::span<const
 
 }  // namespace
 
+std::string enumeration(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        text += (i == 0 ? "" : i + 1 < names.size() ? ", " : " and ") + names[i];
+    }
+    return text;
+}
+
 std::string number_text(double value) {
     return shortest(value);
 }

@@ -44,4 +44,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// text also resembles the candidates that share its last part, or begin with it ("end.damping").
 std::string suggestion(std::string_view text, std::span<const std::string> candidates);
 
+/// "steel", "steel and pyrex", "steel, pyrex and acrylic"
+std::string enumeration(const std::vector<std::string>& names);
+
 }  // namespace hertzline

@@ -36,9 +36,9 @@ constexpr std::int64_t max_pieces = 65536;
 
 /// Velocity of the order of those that the scene will show [m/s]. @param omega of the fastest oscillation [rad/s]
 double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
-    const double horn = 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    const double given = std::max(largest_velocity(drive), std::abs(chain.impact_velocity));
     const double kick = (chain.bias * chain.inv_mass).abs().maxCoeff() / omega;
-    return std::max(horn, std::isfinite(kick) ? kick : 0);
+    return std::max(given, std::isfinite(kick) ? kick : 0);
 }
 
 /// Overlap [m] whose forces change a velocity by less than the tolerance [m/s] in a step. Below it a
@@ -55,7 +55,10 @@ double negligible_overlap(const Chain& chain, double tolerance, double step) noe
         const double strongest = (chain.damping * chain.inv_mass).maxCoeff() / power;
         overlap = std::min(overlap, std::pow(share * tolerance / strongest, 1 / power));
     }
-    return chain.preload_n > 0 ? std::min(overlap, 1e-6 * chain.static_overlap.minCoeff()) : overlap;
+    const double least_at_rest = (chain.static_overlap > 0)
+                                     .select(chain.static_overlap, std::numeric_limits<double>::infinity())
+                                     .minCoeff();
+    return std::min(overlap, 1e-6 * least_at_rest);
 }
 
 }  // namespace
@@ -97,11 +100,11 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
-    const bool starts_at_rest = (chain.bias == 0).all();
-    active_at_start_ = options.tracking == WavefrontTracking::on && starts_at_rest
-                           ? std::min(chain.bodies(), laid_out_at_least)
+    const bool balanced = (chain.bias == 0).all();
+    active_at_start_ = options.tracking == WavefrontTracking::on && balanced
+                           ? std::min(chain.bodies(), chain.impact_spheres + laid_out_at_least)
                            : chain.bodies();
-    rest_tolerance_ = chain.preload_n > 0 && starts_at_rest ? resolved.scene().numerics.rest_tolerance : 0;
+    rest_tolerance_ = chain.preload_n > 0 && balanced ? resolved.scene().numerics.rest_tolerance : 0;
     reset();
 }
 
@@ -111,7 +114,7 @@ void SeriesSolver::judge_by(double scale) noexcept {
     piece_.negligible = negligible_overlap(chain_, piece_.tolerance / piece_.unit_s, piece_.unit_s);
     still_ = still_share * scale;
     const double rest_velocity = rest_tolerance_ * scale;
-    rest_energy_ = 0.5 * rest_velocity * rest_velocity / chain_.inv_mass[0];
+    rest_energy_ = 0.5 * rest_velocity * rest_velocity / chain_.inv_mass.head(chain_.spheres()).maxCoeff();
 }
 
 void SeriesSolver::reset() noexcept {
@@ -129,7 +132,7 @@ void SeriesSolver::reset() noexcept {
     smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
     ledger_ = {};
-    ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
+    begin_ledger(chain_, state_, ledger_);
     set_horn(0);
     add_work_of_jump(0);
 }
@@ -176,6 +179,7 @@ Ledger SeriesSolver::ledger() noexcept {
     }
     now.work += *simd_chain_.column(kernels::ChainField::work);
     now.gross_work += *simd_chain_.column(kernels::ChainField::gross_work);
+    now.holder_lost += simd_chain_.held_lost;
     if (plate_) {
         now.passed = plate_->passed;
         now.plate_lost = plate_->lost;
@@ -275,8 +279,8 @@ Status SeriesSolver::take_piece() noexcept {
 
 double SeriesSolver::energy_above_rest() noexcept {
     const ChainState& now = state();
-    return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) - ledger_.at_start +
-           (plate_ ? plate_->energy() : 0);
+    return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) -
+           (ledger_.at_start - ledger_.kinetic_at_start) + (plate_ ? plate_->energy() : 0);
 }
 
 /// Puts the chain to exact rest; the rest of its motion counts as lost.

@@ -30,10 +30,11 @@ void SteppedSolver::reset() noexcept {
     state_.reset(chain_);
     simd_chain_.contact_events = 0;
     ledger_ = {};
-    ledger_.at_start = kinetic_energy(chain_, state_) + stored_energy(chain_, state_, 0);
+    begin_ledger(chain_, state_, ledger_);
     status_ = Status::running;
     horn_first_ = -1;
-    front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies() : 0;
+    front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies()
+                                                                                     : chain_.impact_spheres;
     lay_out(front_);
     sampler_.reset();
     begin_batch();
@@ -76,6 +77,7 @@ void SteppedSolver::collect_ledger() noexcept {
     std::fill_n(simd_chain_.column(kernels::ChainField::lost), simd_chain_.ledger_slots(), 0.0);
     std::fill_n(simd_chain_.column(kernels::ChainField::work), simd_chain_.lanes(), 0.0);
     std::fill_n(simd_chain_.column(kernels::ChainField::gross_work), simd_chain_.lanes(), 0.0);
+    simd_chain_.held_lost = 0;
 }
 
 /// A look must not change how later sums round, so the columns are only read.
@@ -87,7 +89,9 @@ Ledger SteppedSolver::ledger() noexcept {
     return {.work = booked(kernels::ChainField::work, simd_chain_.lanes(), ledger_.work),
             .gross_work = booked(kernels::ChainField::gross_work, simd_chain_.lanes(), ledger_.gross_work),
             .lost = booked(kernels::ChainField::lost, simd_chain_.ledger_slots(), ledger_.lost),
-            .at_start = ledger_.at_start};
+            .at_start = ledger_.at_start,
+            .kinetic_at_start = ledger_.kinetic_at_start,
+            .holder_lost = ledger_.holder_lost + simd_chain_.held_lost};
 }
 
 double SteppedSolver::horn_displacement() const noexcept {

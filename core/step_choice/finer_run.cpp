@@ -39,7 +39,7 @@ std::optional<Resolution> resolve_unmeasured(const Scene& asked) {
     result.integrator_reason = choice.reason;
     result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
     if (asked.numerics.step_s || !is_series(choice.integrator) || asked.chain.spheres > pilot_spheres ||
-        !plate_faults(asked).empty()) {
+        !model_faults(asked).empty()) {
         return std::nullopt;
     }
     result.scene = with_poles(with_integrator(asked));

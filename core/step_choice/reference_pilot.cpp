@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "core/integrators/stability.hpp"
@@ -41,23 +42,34 @@ constexpr double hopeless = 10;            // of the accuracy: a trial with such
 constexpr double samples_per_period = 16;  // at least
 constexpr std::size_t min_samples = 16;
 
+/// The period of the drive, or of the fastest oscillation where there is no horn [s].
+double watched_period_s(const Scene& scene, const Chain& chain) {
+    if (scene.drive.kind == DriveKind::tone) {
+        return 1 / scene.drive.frequency_hz;
+    }
+    const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
+    return omega > 0 ? 2 * std::numbers::pi / omega : scene.output.duration_s;
+}
+
 /// The burst and the wave's way, a half more since waves are slower than the stiffest contacts; or two bursts' periods [s].
 double burst_and_way_s(const Scene& scene, const Chain& chain) {
     const Drive& drive = scene.drive;
     const double omega = fastest_frequency(chain, expected_overlaps(chain, drive));
     const double way_s = omega > 0 ? 2 / omega * static_cast<double>(chain.spheres()) : 0;
-    const double first_s = 1.5 * (drive.cycles / drive.frequency_hz + way_s);
+    const double burst_s =
+        drive.kind == DriveKind::tone ? drive.cycles / drive.frequency_hz : watched_period_s(scene, chain);
+    const double first_s = 1.5 * (burst_s + way_s);
     return drive.repetition_hz > 0 ? std::max(first_s, 2 / drive.repetition_hz) : first_s;
 }
 
 /// Sampled as the scene is, so that samples beside a contact's switching count as they will; else at a whole part or multiple of its
 /// rate, on which the same steps fall.
-Scene sampled_for(Scene scene, double watched_s) {
+Scene sampled_for(Scene scene, double period_s, double watched_s) {
     const double columns = static_cast<double>(scene.chain.spheres) + 2;
     double& rate = scene.output.sample_rate_hz;
     const double affordable = max_values / columns / watched_s;
     const double needed =
-        std::max(samples_per_period * scene.drive.frequency_hz, static_cast<double>(min_samples) / watched_s);
+        std::max(samples_per_period / period_s, static_cast<double>(min_samples) / watched_s);
     const double wanted = std::max(std::min(rate, affordable), needed);
     rate = wanted < rate ? rate / std::floor(rate / wanted) : rate * std::ceil(wanted / rate);
     return scene;
@@ -82,7 +94,8 @@ double with_safety_factor(double own_error) noexcept {
 }
 
 double longest_for_drive(const Drive& drive) noexcept {
-    return series_drive_periods / drive.frequency_hz;
+    constexpr double longest_step_s = 1;
+    return drive.kind == DriveKind::tone ? series_drive_periods / drive.frequency_hz : longest_step_s;
 }
 
 double piece_error_for(double accuracy) noexcept {
@@ -98,6 +111,7 @@ double step_of_reference(const Scene& scene, const Chain& chain, double piece_er
 
 Scene shortened(Scene scene) {
     scene.chain.spheres = std::min(scene.chain.spheres, pilot_spheres);
+    scene.chain.impact_spheres = std::min(scene.chain.impact_spheres, scene.chain.spheres);
     return without_sleep(std::move(scene));
 }
 
@@ -112,7 +126,8 @@ ReferencePilot::ReferencePilot(const Scene& scene, double accuracy, double piece
       step_s_(step_of_reference(scene, chain, piece_error)),
       watched_s_(std::min(burst_and_way_s(scene, chain),
                           for_bursts.seconds(step_s_, static_cast<double>(chain.bodies())))),
-      scene_(sampled_for(shortened(scene), watched_s_)),
+      period_s_(watched_period_s(scene, chain)),
+      scene_(sampled_for(shortened(scene), period_s_, watched_s_)),
       motion_(with_finer_fit(scene_), reference_integrator, step_s_, stop),
       finer_(with_finer_fit(scene_), reference_integrator, finer * step_s_, stop),
       shortened_(scene.chain.spheres > pilot_spheres),
@@ -139,7 +154,7 @@ std::size_t ReferencePilot::samples_in(double time_s) const noexcept {
 
 /// Goes on until the spheres have a hundredth of the kinetic energy that they had at most, by drive periods.
 void ReferencePilot::ring_down() {
-    const std::size_t period = std::min(samples_in(1 / scene_.drive.frequency_hz), motion_.samples());
+    const std::size_t period = std::min(samples_in(period_s_), motion_.samples());
     const std::size_t most = motion_.samples() + samples_in(for_ringing.seconds(
                                                      step_s_, static_cast<double>(motion_.spheres() + 1)));
     if (period == 0) {

@@ -9,7 +9,7 @@
 
 namespace hertzline {
 
-/// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s].
+/// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s]. 1 s where there is none.
 double longest_for_drive(const Drive& drive) noexcept;
 
 /// The error of a piece of the reference that is as good as exact for such an accuracy.
@@ -111,6 +111,7 @@ private:
     const std::atomic<bool>* stop_;
     double step_s_;
     double watched_s_;  // without the ring-down
+    double period_s_;   // by which the ring-down is watched
     Scene scene_;       // sampled as pilots are
     Pilot motion_;
     Pilot finer_;

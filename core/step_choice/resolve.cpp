@@ -163,7 +163,7 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     result.scene = asked;
     result.faults = validate(asked);
     if (result.faults.empty()) {
-        result.faults = plate_faults(asked);
+        result.faults = model_faults(asked);
     }
     if (!result.faults.empty()) {
         return result;

@@ -63,6 +63,7 @@ struct Run {
     std::optional<std::string> strength_warning;  ///< warning of the scene with that ratio
     double energy_residual = 0;                   ///< residual of the ledger; the largest of several motions
     std::optional<PlateEnergy> plate;             ///< modal plates only
+    double holder_lost = 0;                       ///< energy that the spheres' holder took [J]
     std::chrono::nanoseconds busy{0};             ///< simulating
     double setup_s = 0;                           ///< before the first step
     bool stopped = false;                         ///< by the user, before the end

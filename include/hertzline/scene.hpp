@@ -17,6 +17,7 @@
 
 namespace hertzline {
 
+enum class DriveKind { tone, none };
 enum class Envelope { hann, tukey, rectangular };
 enum class DampingLaw { dashpot, kuwabara_kono, tsuji };
 enum class Tension { allowed, clamped };
@@ -31,6 +32,8 @@ inline constexpr double default_accuracy = 1e-4;
 
 /// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
 struct Drive {
+    DriveKind kind =
+        DriveKind::tone;  ///< none: there is no horn, and the preload alone holds the first sphere
     std::string material = "steel";
     double frequency_hz = 73e3;
     double cycles = 25;
@@ -41,17 +44,25 @@ struct Drive {
     bool operator==(const Drive&) const = default;
 };
 
-/// N equal spheres, pressed together.
+/// N spheres in a row, pressed together.
 struct Spheres {
     std::string material = "aluminium";
     std::int64_t spheres = 6;
     double diameter_m = 1e-3;
+    /// Repeated along the chain, in place of material and diameter_m; empty: all are alike.
+    std::vector<std::string> materials = {};
+    std::vector<double> diameters_m = {};
+    double taper = 0;                              ///< sphere i has (1 - taper)^(i - 1) times its diameter
     double damping_kg_per_s = 0.32;                ///< of a dashpot
     DampingLaw damping_law = DampingLaw::dashpot;  ///< how closed contacts lose energy
     std::optional<double> damping_time_s;          ///< A of Kuwabara and Kono's law, which needs it
     std::optional<double> damping_alpha;           ///< alpha of Tsuji's law, which needs it
     double preload_n = 0.1;
     Tension tension = Tension::allowed;
+    double gravity_m_per_s2 = 0;          ///< toward the end
+    std::optional<double> holder_time_s;  ///< tau: the holder of the spheres takes (m/tau) v of each
+    double impact_velocity_m_per_s = 0;   ///< of the first spheres at the start, toward the end
+    std::int64_t impact_spheres = 1;      ///< how many they are
     bool operator==(const Spheres&) const = default;
 };
 
@@ -163,6 +174,9 @@ std::vector<std::string> material_names(const Scene& scene, MaterialSort sort);
 
 /// The solid of that name in a scene without faults.
 const Solid& solid_of(const Scene& scene, std::string_view name);
+
+/// Most entries of chain.materials and chain.diameters_m.
+inline constexpr std::size_t max_sphere_entries = 1'000'000;
 
 /// Largest number of layers of a disc.
 inline constexpr std::size_t max_layers = 16;

@@ -28,6 +28,7 @@ Json faults_json(const std::vector<Fault>& faults) {
 bool motion_goes_on(const Scene& from, const Scene& to) {
     Scene same = from;
     same.drive = to.drive;
+    same.drive.kind = from.drive.kind;
     same.drive.material = from.drive.material;
     same.numerics.step_s = to.numerics.step_s;
     same.numerics.accuracy = to.numerics.accuracy;

@@ -112,13 +112,32 @@ TEST(Plot, DrawsTheColumnsThatAreNamed) {
     EXPECT_NE(svg.find("v_out [m/s]"), std::string::npos);
     EXPECT_NE(svg.find("x2_m [m]"), std::string::npos);
     EXPECT_EQ(svg.find("v_last"), std::string::npos);
-    const Outcome first = hertzline({"plot", folder.file("a.npy"), "-o", folder.file("b.svg")});
-    EXPECT_THAT(first.err, HasSubstr("the first 6 of 15 columns"));
+    hertzline({"run", "paper-vitreous-carbon", "-o", folder.file("b.npy"), "--all", "--tap", "v_horn",
+               "--tap", "f_last", "--tap", "f_chain"});
+    const Outcome first = hertzline({"plot", folder.file("b.npy"), "-o", folder.file("b.svg")});
+    EXPECT_THAT(first.err, HasSubstr("the picture shows 11 of 24 columns"));
     const Outcome wrong =
         hertzline({"plot", folder.file("a.npy"), "-o", folder.file("c.svg"), "--columns", "v_outt,y"});
     EXPECT_EQ(wrong.status, 2);
     EXPECT_THAT(wrong.err, AllOf(HasSubstr("--columns: found \"v_outt\", allowed: v_last, v_plate, v_out"),
                                  HasSubstr("did you mean 'v_out'?"), HasSubstr("found \"y\"")));
+}
+
+TEST(Plot, DrawsAChainAsAMapOfItsSpheresOverTime) {
+    const TemporaryFolder folder;
+    hertzline(
+        {"run", "striker", "-o", folder.file("a.h5"), "--tap", "v_chain", "--set", "output.duration_s=1e-4"});
+    const Outcome drawn =
+        hertzline({"plot", folder.file("a.h5"), "-o", folder.file("a.svg"), "--columns", "v_chain"});
+    ASSERT_EQ(drawn.status, 0) << drawn.err;
+    const std::string svg = contents(folder.file("a.svg"));
+    EXPECT_THAT(svg,
+                AllOf(HasSubstr("sphere, from the horn"), HasSubstr("velocity [m/s"), HasSubstr("<image")));
+    EXPECT_EQ(svg.find("v2_m_per_s"), std::string::npos);
+    const Outcome few = hertzline(
+        {"plot", folder.file("a.h5"), "-o", folder.file("b.svg"), "--columns", "v1_m_per_s,v20_m_per_s"});
+    ASSERT_EQ(few.status, 0) << few.err;
+    EXPECT_THAT(contents(folder.file("b.svg")), HasSubstr("v20_m_per_s"));
 }
 
 /// Writes a recording of v_out: `level` everywhere, and a single sample of another one.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/integrators/stability.hpp"
+#include "core/model/chain.hpp"
 #include "core/model/end.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/draw.hpp"
@@ -172,6 +173,37 @@ void draw_modal_plate(Draw& draw, Scene& scene) {
     }
 }
 
+/// Draws different spheres, a start and a support.
+void draw_row(Draw& draw, Scene& scene) {
+    Spheres& chain = scene.chain;
+    if (draw.one_in(2)) {
+        for (std::int64_t i = draw.whole(2, 4); i > 0; --i) {
+            chain.materials.push_back(any_solid(draw, scene));
+        }
+    }
+    if (draw.one_in(2)) {
+        for (std::int64_t i = draw.whole(2, 5); i > 0; --i) {
+            chain.diameters_m.push_back(rounded(chain.diameter_m * draw.magnitude(0.4, 2)));
+        }
+    }
+    chain.taper = draw.one_in(3) ? rounded(draw.between(-0.08, 0.08), 2) : 0;
+    chain.gravity_m_per_s2 = draw.one_in(3) ? draw.any(std::array{9.81, 1000.0, 1e4}) : 0;
+    if (draw.one_in(3)) {
+        chain.holder_time_s = size(draw, 10e-6, 10e-3);
+    }
+    if (draw.one_in(2)) {
+        chain.impact_velocity_m_per_s = size(draw, 1e-3, 3);
+        chain.impact_spheres = draw.whole(1, std::min<std::int64_t>(3, chain.spheres));
+        scene.drive.kind = draw.one_in(4) ? DriveKind::tone : DriveKind::none;
+        scene.drive.repetition_hz = 0;
+    }
+    if (draw.one_in(3)) {
+        chain.damping_law = draw.any(std::array{DampingLaw::kuwabara_kono, DampingLaw::tsuji});
+        chain.damping_time_s = size(draw, 1e-9, 1e-6);
+        chain.damping_alpha = size(draw, 0.01, 0.5);
+    }
+}
+
 /// Returns the rough travel time of a wave to the end [s]. Without preload the wave slows down after its first impact.
 double travel_s(const Scene& scene) {
     const Chain chain(scene);
@@ -199,8 +231,8 @@ double duration_s(const Scene& scene, Kind kind) {
 void drop_unused(Scene& scene) {
     std::erase_if(scene.materials, [&](const auto& own) {
         return own.first != scene.drive.material && own.first != scene.chain.material &&
-               own.first != scene.end.material && own.first != scene.medium.material &&
-               std::ranges::count(scene.end.materials, own.first) == 0;
+               std::ranges::count(scene.chain.materials, own.first) == 0 && own.first != scene.end.material &&
+               own.first != scene.medium.material && std::ranges::count(scene.end.materials, own.first) == 0;
     });
 }
 
@@ -258,6 +290,28 @@ DesignScene wet_design_scene(std::uint64_t seed, std::uint64_t index) {
     }
 }
 
+DesignScene mixed_design_scene(std::uint64_t seed, std::uint64_t index) {
+    const Draw drawing = Draw(seed + 2'000'000).branch(index);
+    for (std::uint64_t attempt = 0;; ++attempt) {
+        Draw draw = drawing.branch(attempt);
+        const Kind kind = draw.one_in(8) ? Kind::long_chain : Kind::short_chain;
+        DesignScene design{Scene{}, false};
+        Scene& scene = design.scene;
+        draw_drive(draw, scene, kind);
+        draw_chain(draw, scene, kind);
+        draw_end(draw, scene);
+        draw_row(draw, scene);
+        drop_unused(scene);
+        if (!validate(scene).empty() || !model_faults(scene).empty()) {
+            continue;
+        }
+        scene.output.duration_s = std::round(1e7 * duration_s(scene, kind)) / 1e7;
+        if (scene.output.duration_s <= longest_s) {
+            return design;
+        }
+    }
+}
+
 std::string description(const Scene& scene) {
     const Drive& drive = scene.drive;
     const Spheres& chain = scene.chain;
@@ -275,6 +329,23 @@ std::string description(const Scene& scene) {
     all += ", " + std::string(word(end.kind)) + (end.kind == EndKind::free ? "" : " " + end.material);
     all += end.kind == EndKind::plate && end.preload == PlatePreload::as_printed ? ", as_printed" : "";
     all += chain.tension == Tension::clamped ? ", clamped" : "";
+    all += chain.damping_law != DampingLaw::dashpot ? ", " + std::string(word(chain.damping_law)) : "";
+    if (!chain.materials.empty() || !chain.diameters_m.empty() || chain.taper != 0) {
+        std::snprintf(text.data(), text.size(), ", %zu materials, %zu diameters, taper %.2g",
+                      chain.materials.size(), chain.diameters_m.size(), chain.taper);
+        all += text.data();
+    }
+    if (chain.impact_velocity_m_per_s != 0) {
+        std::snprintf(text.data(), text.size(), ", %lld strike with %.3g m/s%s",
+                      static_cast<long long>(chain.impact_spheres), chain.impact_velocity_m_per_s,
+                      scene.drive.kind == DriveKind::none ? ", no horn" : "");
+        all += text.data();
+    }
+    if (chain.gravity_m_per_s2 != 0 || chain.holder_time_s) {
+        std::snprintf(text.data(), text.size(), ", g %.3g, holder %.3g s", chain.gravity_m_per_s2,
+                      chain.holder_time_s.value_or(0));
+        all += text.data();
+    }
     if (end.kind == EndKind::plate && end.model == PlateModel::modal) {
         std::snprintf(text.data(), text.size(),
                       " %s, a %.3g mm, %zu layers, %lld modes, %s in %s, z %.3g mm, %zu points",

@@ -23,6 +23,9 @@ DesignScene design_scene(std::uint64_t seed, std::uint64_t index);
 /// and in half of the scenes points anywhere.
 DesignScene wet_design_scene(std::uint64_t seed, std::uint64_t index);
 
+/// Draws a chain of different spheres with a horn or a striker, weights and a holder, with any law of damping.
+DesignScene mixed_design_scene(std::uint64_t seed, std::uint64_t index);
+
 /// Describes a scene in a line: "6 aluminium 1 mm, F0 0.1, l 0.32, 73 kHz x25 hann 3 um, plate pyrex".
 /// Preload in N, damping l in kg/s.
 std::string description(const Scene& scene);

@@ -57,11 +57,38 @@ void draw_chain_and_end(Draw& draw, Scene& scene) {
     end.preload = draw.any(choices<PlatePreload>);
 }
 
+/// Draws different spheres, a start and a support, for half of the scenes.
+void draw_any_row(Draw& draw, Scene& scene) {
+    Spheres& chain = scene.chain;
+    for (std::int64_t i = draw.one_in(3) ? draw.whole(1, 5) : 0; i > 0; --i) {
+        chain.materials.push_back(some_solid(draw, scene));
+    }
+    for (std::int64_t i = draw.one_in(3) ? draw.whole(1, 5) : 0; i > 0; --i) {
+        chain.diameters_m.push_back(std::clamp(chain.diameter_m * draw.magnitude(0.3, 3), 1e-9, 10.0));
+    }
+    chain.taper = draw.one_in(2) ? 0 : draw.between(-0.1, 0.1);
+    chain.gravity_m_per_s2 = draw.one_in(2) ? 0 : draw.magnitude(1e-3, 1e4);
+    if (draw.one_in(2)) {
+        chain.holder_time_s = draw.magnitude(1e-7, 1);
+    }
+    if (draw.one_in(2)) {
+        chain.impact_velocity_m_per_s = draw.magnitude(1e-6, 10) * (draw.one_in(4) ? -1 : 1);
+        chain.impact_spheres = draw.whole(1, chain.spheres);
+    }
+    if (draw.one_in(3)) {
+        scene.drive.kind = DriveKind::none;
+        scene.drive.repetition_hz = 0;
+    }
+}
+
 /// Sets some of a scene's numbers to the bounds of validate().
 void draw_extremes(Draw& draw, Scene& scene) {
     for (const SceneKey& key : scene_keys()) {
         const bool given = key.kind == ValueKind::number && key.value(scene);
-        const bool wanted = key.section() != "output" && !(key.is_optional && key.section() == "numerics");
+        const bool of_row =
+            key.key == "impact_spheres" || key.key == "gravity_m_per_s2" || key.name == "chain.taper";
+        const bool wanted = key.section() != "output" && !of_row && !key.is_list() &&
+                            !(key.is_optional && key.section() == "numerics");
         if (given && wanted && draw.one_in(6)) {
             key.set(scene, draw.one_in(2) ? key.range.min : key.range.max);
         }
@@ -99,6 +126,9 @@ Scene random_scene(std::uint64_t seed) {
     draw_chain_and_end(draw, scene);
     if (draw.one_in(8)) {
         draw_extremes(draw, scene);
+    }
+    if (Draw apart(~seed); apart.one_in(2)) {
+        draw_any_row(apart, scene);
     }
     draw_numerics(draw, scene);
     return scene;

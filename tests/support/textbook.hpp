@@ -14,7 +14,15 @@ namespace hertzline::test {
 class Textbook {
 public:
     Textbook(const Scene& scene, double step_s)
-        : chain_(scene), drive_(scene.drive), h_(step_s), x(size()), v(size()), force_(size() + 1) {}
+        : chain_(scene),
+          drive_(scene.drive),
+          gravity_(scene.chain.gravity_m_per_s2),
+          h_(step_s),
+          x(size()),
+          v(size()),
+          force_(size() + 1) {
+        std::fill_n(v.begin(), chain_.impact_spheres, chain_.impact_velocity);
+    }
 
     void step() {
         const double begin = static_cast<double>(steps_) * h_;
@@ -38,9 +46,9 @@ private:
         drift(h);
         contacts(v, middle, h);
         std::vector<double> half = v;
-        kick(half, h / 2);
+        kick(half, h / 2, v);
         contacts(half, middle, h);
-        kick(v, h);
+        kick(v, h, half);
         drift(h);
     }
 
@@ -49,7 +57,7 @@ private:
     /// Returns a Hann burst (docs/model.md, section 5).
     Horn horn(double t) const {
         const double duration = drive_.cycles / drive_.frequency_hz;
-        if (t <= 0 || t >= duration) {
+        if (t <= 0 || t >= duration || drive_.kind == DriveKind::none) {
             return {0, 0};
         }
         const double carrier = 2 * std::numbers::pi * drive_.frequency_hz;
@@ -83,23 +91,28 @@ private:
             }
         }
         if (chain_.end.loaded == EndLoad::last_sphere) {
-            force_[size() - 1] = chain_.preload_n;
+            force_[size() - 1] = chain_.end_force_n;
+        }
+        if (drive_.kind == DriveKind::none) {
+            force_[0] = chain_.preload_n;
         }
     }
 
-    /// Applies the equations of motion (docs/model.md, section 4).
-    void kick(std::vector<double>& u, double time) const {
+    /// Applies the equations of motion (docs/model.md, section 4) to the velocities at the start. @param in_holder by which the holder slows
+    void kick(std::vector<double>& u, double time, const std::vector<double>& in_holder) const {
         for (std::size_t b = 0; b < size(); ++b) {
             const auto i = static_cast<Eigen::Index>(b);
             const bool is_end = b + 1 == size();
             const double from_right =
-                !is_end ? force_[b + 1] : chain_.spring[i] * x[b] + chain_.preload_n - chain_.bias[i];
-            u[b] = v[b] + time * chain_.inv_mass[i] * (force_[b] - from_right);
+                !is_end ? force_[b + 1] : chain_.spring[i] * x[b] + chain_.end_force_n - chain_.bias[i];
+            const double of_itself = is_end ? 0 : gravity_ - chain_.holder_rate * in_holder[b];
+            u[b] = v[b] + time * (chain_.inv_mass[i] * (force_[b] - from_right) + of_itself);
         }
     }
 
     Chain chain_;
     Drive drive_;
+    double gravity_;
     double h_;
     long steps_ = 0;
 

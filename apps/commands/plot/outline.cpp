@@ -71,7 +71,8 @@ void Outline::widen() {
 }
 
 void Outline::take_part(std::int64_t first, std::span<const double> rows) {
-    const std::size_t most = max_spectrum_rows * columns_.size();
+    constexpr std::size_t max_numbers = 8 * max_spectrum_rows;  // a map of many spheres shows no spectrum
+    const std::size_t most = std::min(max_spectrum_rows, max_numbers / columns_.size()) * columns_.size();
     if (empty() || first != end_) {  // behind a gap
         if (part_.rows.size() > longest_.rows.size()) {
             std::swap(part_, longest_);

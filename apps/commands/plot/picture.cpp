@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -225,6 +226,22 @@ Json description_of(const RecordingOutline& recording) {
 }
 
 }  // namespace
+
+std::vector<std::size_t> columns_in_picture(const recordings::RecordingHead& head,
+                                            std::span<const std::size_t> chosen) {
+    constexpr std::size_t max_columns = 1000;
+    std::set<std::string> panels;
+    std::vector<std::size_t> shown;
+    for (const std::size_t column : chosen) {
+        const auto& [name, quantity, unit] = head.columns[column];
+        const std::string& panel = quantity.ends_with("_chain") ? quantity : name;
+        if (shown.size() < max_columns && (panels.contains(panel) || panels.size() < max_picture_panels)) {
+            panels.insert(panel);
+            shown.push_back(column);
+        }
+    }
+    return shown;
+}
 
 std::optional<std::string> picture_fault(const fs::path& picture) {
     if (std::ranges::find(endings, recordings::recording_ending(picture)) != endings.end()) {

@@ -16,8 +16,12 @@ namespace hertzline::app {
 /// The text of apps/plot/hertzline_plot.py, which is part of the program.
 extern const char* const plot_script;
 
-/// The most columns of a recording that a picture shows.
-inline constexpr std::size_t max_picture_columns = 6;
+/// The most panels of a picture.
+inline constexpr std::size_t max_picture_panels = 6;
+
+/// Returns the columns that a picture of one recording shows. All spheres of a chain share a panel. @param chosen those asked for
+std::vector<std::size_t> columns_in_picture(const recordings::RecordingHead& head,
+                                            std::span<const std::size_t> chosen);
 
 /// Returns the fault of a file whose ending is not that of a picture.
 std::optional<std::string> picture_fault(const std::filesystem::path& picture);

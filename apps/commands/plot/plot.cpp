@@ -99,9 +99,14 @@ std::vector<std::size_t> chosen_columns(const recordings::RecordingHead& head, c
         }
     }
     faults.refuse<WrongUse>();
-    if (chosen.size() > max_picture_columns) {
-        spdlog::info("the picture shows the first {} of {} columns", max_picture_columns, chosen.size());
-        chosen.resize(max_picture_columns);
+    const std::size_t asked = chosen.size();
+    if (one_of_many) {
+        chosen.resize(std::min(chosen.size(), max_picture_panels));
+    } else {
+        chosen = columns_in_picture(head, chosen);
+    }
+    if (chosen.size() < asked) {
+        spdlog::info("the picture shows {} of {} columns", chosen.size(), asked);
     }
     return chosen;
 }

@@ -45,7 +45,7 @@ recordings::RecordingHead head_of(const hertzline::Run& run, const Json& provena
         const TapRow& row = row_of(tap.tap);
         head.columns.push_back({std::string(row.column), std::string(row.name), std::string(row.unit)});
     }
-    head.columns.resize(std::min(head.columns.size(), max_picture_columns));
+    head.columns.resize(std::min(head.columns.size(), max_picture_panels));
     head.sample_rate_hz = run.scene().output.sample_rate_hz;
     head.provenance = provenance;
     return head;

@@ -26,6 +26,7 @@ struct Node {
     Col<K> total_accel;     ///< with dashpots [m/s^2]
     Col<K> loss, loss_dot;  ///< lambda w^2 [W] and its slope [W/s]
     Vec work, work_dot;     ///< force on the horn times its velocity [W], slope [W/s]; lane 0
+    Vec held, held_dot;     ///< loss in the holder [W], slope [W/s]
 };
 
 /// The dashpots' decay of a velocity over half a step, by the velocities of a body and of its neighbours.
@@ -66,6 +67,7 @@ struct Chin4aChain {
           static_force(rows.load(ChainField::static_force)),
           inv_mass(rows.load(ChainField::inv_mass)),
           spring(rows.load(ChainField::spring)),
+          drag(rows.load(ChainField::drag)),
           bias(rows.load(ChainField::bias)),
           closed(rows.load(ChainField::closed)),
           peak(rows.load(ChainField::peak_overlap)),
@@ -81,12 +83,16 @@ struct Chin4aChain {
                rows.load(ChainField::loss_rate),
                rows.load(ChainField::loss_rate_dot),
                load_row(chain.column(ChainField::work_rate)),
-               load_row(chain.column(ChainField::work_rate_dot))},
+               load_row(chain.column(ChainField::work_rate_dot)),
+               load_row(chain.column(ChainField::held_rate)),
+               load_row(chain.column(ChainField::held_rate_dot))},
           next{rows.load(Scratch::next_x), rows.load(Scratch::next_v), rows.load(Scratch::next_a)},
           next_node{rows.load(Scratch::next_overlap),
                     rows.load(Scratch::next_total_accel),
                     rows.load(Scratch::next_loss),
                     rows.load(Scratch::next_loss_dot),
+                    zero(),
+                    zero(),
                     zero(),
                     zero()},
           root_stiffness(rows.scratch(Scratch::root_stiffness)) {}
@@ -109,6 +115,8 @@ struct Chin4aChain {
         work.save(chain);
         store_row(node.work, chain.column(ChainField::work_rate));
         store_row(node.work_dot, chain.column(ChainField::work_rate_dot));
+        store_row(node.held, chain.column(ChainField::held_rate));
+        store_row(node.held_dot, chain.column(ChainField::held_rate_dot));
     }
     /// Saves as much of a whole step that crosses as its crossings are found from.
     HWY_INLINE void save_trial() const {
@@ -127,7 +135,7 @@ struct Chin4aChain {
     double h;
     double per_half_step;
     Tension tension;
-    Col<K> static_overlap, static_force, inv_mass, spring, bias;
+    Col<K> static_overlap, static_force, inv_mass, spring, drag, bias;
     Col<K> closed, peak, lost;
     HornWork work;
     Col<K> closed_stiffness, closed_damping;  ///< zero where a contact is open

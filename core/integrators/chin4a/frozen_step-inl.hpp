@@ -114,6 +114,14 @@ HWY_INLINE void observe(const Chin4aChain<K>& c, const Motion<K>& motion, Node<K
         const Vec dashpots = MulAdd(c.decay.left[k], c.rows.left(motion.v, k), with_right);
         node.total_accel.set(k, MulAdd(per_half, dashpots, motion.a[k]));
     }
+    node.held = node.held_dot = zero();
+    if (HWY_UNLIKELY(c.rows.chain().holds)) {
+        HERTZLINE_EACH_ROW(k, c.rows.count()) {
+            const Vec force = c.drag[k] * motion.v[k];
+            node.held = MulAdd(force, motion.v[k], node.held);
+            node.held_dot = MulAdd(force + force, node.total_accel[k], node.held_dot);
+        }
+    }
     HERTZLINE_EACH_ROW(k, c.rows.count()) {
         const Vec w = c.rows.difference(motion.v, k, horn.v);
         const Vec w_dot = c.rows.difference(node.total_accel, k, horn.a);
@@ -165,6 +173,13 @@ HWY_INLINE void accept(Chin4aChain<K>& c, double h) {
     }
     const Vec slopes = c.node.work_dot - c.next_node.work_dot;
     c.work.add(MulAdd(half, c.node.work + c.next_node.work, hermite * slopes));
+    if (HWY_UNLIKELY(c.rows.chain().holds)) {
+        const Vec held_slopes = c.node.held_dot - c.next_node.held_dot;
+        const Vec held = MulAdd(half, c.node.held + c.next_node.held, hermite * held_slopes);
+        c.rows.chain().held_lost += GetLane(hn::SumOfLanes(Doubles(), held));
+    }
+    c.node.held = c.next_node.held;
+    c.node.held_dot = c.next_node.held_dot;
     c.rows.copy(c.now.x, c.next.x);
     c.rows.copy(c.now.v, c.next.v);
     c.rows.copy(c.now.a, c.next.a);
@@ -190,7 +205,8 @@ HWY_INLINE void rebuild(Chin4aChain<K>& c, const HornMotion& horn) {
         const Vec mobility = half * c.inv_mass[k];
         c.decay.left.set(k, mobility * c.closed_damping[k]);
         c.decay.right.set(k, mobility * c.rows.right(c.closed_damping, k));
-        c.decay.self.set(k, Neg(c.decay.left[k] + c.decay.right[k]));
+        const Vec held = mobility * c.drag[k];
+        c.decay.self.set(k, Neg(c.decay.left[k] + c.decay.right[k] + held));
     }
     forces(c, c.now.x, c.now.a, c.node.overlap, horn);
     observe(c, c.now, c.node, horn);

@@ -36,6 +36,7 @@ public:
           damping_(rows_.load(ChainField::damping)),
           inv_mass_(rows_.load(ChainField::inv_mass)),
           spring_(rows_.load(ChainField::spring)),
+          drag_(rows_.load(ChainField::drag)),
           bias_(rows_.load(ChainField::bias)),
           x_(rows_.load(ChainField::x)),
           v_(rows_.load(ChainField::v)),
@@ -52,10 +53,10 @@ public:
         drift(0.5 * h_);
         contacts(horn.middle);
         dashpots(v_, horn.middle);
-        kick(middle_v_, 0.5 * h_);
+        kick(v_, 0.5 * h_, middle_v_);
         dashpots(middle_v_, horn.middle);
         account(horn.middle);
-        kick(v_, h_);
+        kick(middle_v_, h_, v_);
         drift(0.5 * h_);
     }
 
@@ -82,7 +83,7 @@ public:
             const Vec force = Max(elastic_force(stiffness_[k], overlap) + pulled, splat(lowest_));
             force_.set(k, force - static_force_[k]);
         }
-        HERTZLINE_EACH_ROW(k, rows_.count()) a.set(k, acceleration(k));
+        HERTZLINE_EACH_ROW(k, rows_.count()) a.set(k, acceleration(k, v_[k]));
         rows_.store(ChainField::total_accel, a);
     }
 
@@ -113,15 +114,17 @@ private:
         }
     }
 
-    HWY_INLINE Vec acceleration(std::size_t k) const {
-        const Vec constant = NegMulAdd(spring_[k], x_[k], bias_[k]);
+    /// @param v velocity of the bodies in their holder
+    HWY_INLINE Vec acceleration(std::size_t k, Vec v) const {
+        const Vec constant = NegMulAdd(drag_[k], v, NegMulAdd(spring_[k], x_[k], bias_[k]));
         const Vec net = force_[k] - rows_.right(force_, k);
         return inv_mass_[k] * (net + constant);
     }
 
-    HWY_INLINE void kick(Col<K>& result, double time) const {
+    /// The velocities at the start become those after `time`. @param u velocities by which the holder slows
+    HWY_INLINE void kick(const Col<K>& u, double time, Col<K>& result) const {
         HERTZLINE_EACH_ROW(k, rows_.count()) {
-            result.set(k, MulAdd(splat(time), acceleration(k), v_[k]));
+            result.set(k, MulAdd(splat(time), acceleration(k, u[k]), v_[k]));
         }
     }
 
@@ -138,6 +141,11 @@ private:
             closed_.set(k, one_where(touching));
             peak_.set(k, Max(peak_[k], overlap_[k]));
         }
+        if (HWY_UNLIKELY(rows_.chain().holds)) {
+            Vec held = zero();
+            HERTZLINE_EACH_ROW(k, rows_.count()) held = MulAdd(drag_[k] * middle_v_[k], middle_v_[k], held);
+            rows_.chain().held_lost += h_ * GetLane(hn::SumOfLanes(Doubles(), held));
+        }
         work_.add(h * (force_[0] + static_force_[0]) * rows_.horn(horn.v));
         rows_.chain().contact_events += static_cast<std::int64_t>(events);
     }
@@ -146,7 +154,7 @@ private:
     double h_;
     double per_step_;
     double lowest_;  ///< least total force of a contact [N]
-    Col<K> stiffness_, static_overlap_, static_force_, damping_, inv_mass_, spring_, bias_;
+    Col<K> stiffness_, static_overlap_, static_force_, damping_, inv_mass_, spring_, drag_, bias_;
     Col<K> x_, v_, closed_, peak_, lost_;
     HornWork work_;
     Col<K> overlap_, elastic_, force_, middle_v_;

@@ -77,7 +77,7 @@ public:
           first_(SimdChain::guard_rows),
           end_(chain.rows() - SimdChain::guard_rows),
           alike_from_(first_ + 1),
-          alike_to_(chain.slot(chain.active() - 1) / lanes()),
+          alike_to_(chain.alike ? chain.slot(chain.active() - 1) / lanes() : 0),
           lost_(row(ChainField::lost, 0)),
           work_(chain) {}
 
@@ -97,6 +97,9 @@ public:
         for (std::size_t s = 0; s < count; ++s) {
             sweep(places_[s], sweep_end(), horn[s].middle);
             lost_ = MulAdd(splat(h_), places_[s].carry.loss, lost_);
+            if (HWY_UNLIKELY(chain_->holds)) {
+                chain_->held_lost += h_ * GetLane(hn::SumOfLanes(Doubles(), places_[s].carry.held));
+            }
             advance_front();
             finished();
         }
@@ -124,7 +127,7 @@ public:
             const Vec force = limited(c, elastic + pulled);
             if (k > from) {
                 const Constants c1 = constants(k - 1);
-                const Vec net = force1 - rows_.right(force1, force) + c1.grounded(x1);
+                const Vec net = force1 - rows_.right(force1, force) + c1.grounded(x1, v1);
                 store_row(c1.inv_mass * net, chain_->column(ChainField::total_accel) + (k - 1) * lanes());
             }
             x1 = x;
@@ -141,9 +144,9 @@ private:
 
     /// Per body and its left contact, as in Chain.
     struct Constants {
-        Vec stiffness, static_overlap, static_force, damping, inv_mass, spring, bias;
-        /// Forces on a body besides those of its contacts.
-        HWY_INLINE Vec grounded(Vec x) const { return NegMulAdd(spring, x, bias); }
+        Vec stiffness, static_overlap, static_force, damping, inv_mass, spring, drag, bias;
+        /// Forces on a body besides those of its contacts. @param v velocity by which the holder slows
+        HWY_INLINE Vec grounded(Vec x, Vec v) const { return NegMulAdd(drag, v, NegMulAdd(spring, x, bias)); }
     };
 
     /// Values that a step hands on from row to row. Rows 1, 2, 3 are that many before the row that comes in next.
@@ -156,6 +159,7 @@ private:
         Vec x3, v3, middle_v3;  ///< and velocity at mid-step
         Vec total3;             ///< force at the velocity at mid-step
         Vec loss;               ///< in all rows so far [W]
+        Vec held;               ///< of the holder
     };
     /// Constants of the loop over rows, the same for all rows.
     struct Step {
@@ -187,7 +191,7 @@ private:
         return {row(ChainField::stiffness, k),    row(ChainField::static_overlap, k),
                 row(ChainField::static_force, k), row(ChainField::damping, k),
                 row(ChainField::inv_mass, k),     row(ChainField::spring, k),
-                row(ChainField::bias, k)};
+                row(ChainField::drag, k),         row(ChainField::bias, k)};
     }
 
     /// The row before the first is the horn, which no force moves.
@@ -195,7 +199,7 @@ private:
         const Vec none = zero();
         const Vec x = splat(horn.x);
         const Vec v = splat(horn.v);
-        return {x, v, none, none, x, v, none, none, none, x, v, v, none, none};
+        return {x, v, none, none, x, v, none, none, none, x, v, v, none, none, none};
     }
 
     /// In one step a disturbance travels two bodies; the rows that it may reach are done three rows later.
@@ -263,12 +267,15 @@ private:
         const Vec elastic = elastic_force(c1.stiffness, carry.overlap1, carry.root1) - c1.static_force;
         const Vec force = total(c1, elastic, shift, rows_.left(carry.v2, carry.v1) - carry.v1);
         // row k - 2: velocity at mid-step by half a kick, forces with the dashpots at that velocity
-        const Vec middle_v = kicked<rows>(c2, carry.v2, step.half, carry.force2, force, carry.x2);
+        const Vec middle_v = kicked<rows>(c2, carry.v2, step.half, carry.force2, force, carry.x2, carry.v2);
         const Vec w = rows_.left(carry.middle_v3, middle_v) - middle_v;
         const Vec total2 = total(c2, carry.elastic2, carry.shift2, w);
+        if (rows == Rows::any) {
+            carry.held = MulAdd(c2.drag * middle_v, middle_v, carry.held);
+        }
         const Vec loss = MulAdd(total2 - carry.elastic2, w, carry.loss);
         // row k - 3: the whole kick, drift to the end of the step
-        const Vec end_v = kicked<rows>(c3, carry.v3, step.h, carry.total3, total2, carry.x3);
+        const Vec end_v = kicked<rows>(c3, carry.v3, step.h, carry.total3, total2, carry.x3, carry.middle_v3);
         store_row(end_v, v_in - row_delay * lanes());
         store_row(MulAdd(step.half, end_v, carry.x3), x_in - row_delay * lanes());
         // one row on; member by member, or the compiler does it in memory
@@ -296,11 +303,12 @@ private:
     static HWY_INLINE Vec limited(const Constants& c, Vec force) {
         return tension == Tension::clamped ? Max(force, Neg(c.static_force)) : force;
     }
-    /// Velocities after the forces of the contacts to the left, and of those to the right, have acted.
+    /// Velocities after the forces of the contacts to the left, and of those to the right, have acted. @param u by which the holder slows
     template <Rows rows>
-    HWY_INLINE Vec kicked(const Constants& c, Vec v, Vec time, Vec force, Vec next_force, Vec x) const {
+    HWY_INLINE Vec kicked(const Constants& c, Vec v, Vec time, Vec force, Vec next_force, Vec x,
+                          Vec u) const {
         const Vec net = force - rows_.right(force, next_force);
-        return MulAdd(time * c.inv_mass, rows == Rows::alike ? net : net + c.grounded(x), v);
+        return MulAdd(time * c.inv_mass, rows == Rows::alike ? net : net + c.grounded(x, u), v);
     }
 
     /// Contact events and peak overlaps; none of it feeds back into the motion.

@@ -46,6 +46,7 @@ struct Expansion {
         per_overlap,
         decay,
         force,
+        slowing,
         onset_term_0,
         onset_term_1,
         onset_term_2,
@@ -58,6 +59,7 @@ struct Expansion {
         : rows(chain),
           piece(given),
           clamped(chain.tension == Tension::clamped),
+          held(chain.holds),
           square(given.unit_s * given.unit_s),
           stiffness(rows.load(ChainField::stiffness)),
           static_force(rows.load(ChainField::static_force)),
@@ -82,6 +84,7 @@ struct Expansion {
     StripedRows<K> rows;
     SeriesPiece& piece;
     bool clamped;
+    bool held;      ///< by a holder
     double square;  ///< unit^2 [s^2]
     Col<K> stiffness, static_force, inv_mass, spring;
     Col<K> x_now, v_now;

@@ -146,6 +146,21 @@ HWY_INLINE void prepare_higher_orders(Expansion<K, Degree, Kind>& e) {
     }
 }
 
+/// The holder's force in order N + 2, by the velocities' order N. Not on the way that the orders wait for: it is rare.
+template <int N, std::size_t K, int Degree, Damping Kind>
+HWY_INLINE void hold(Expansion<K, Degree, Kind>& e) {
+    Col<K> slowing = e.rows.scratch(Expansion<K, Degree, Kind>::Scratch::slowing);
+    const Col<K> drag = e.rows.load(ChainField::drag);
+    const Vec share = splat(e.piece.unit_s / (N + 2));
+    HERTZLINE_EACH_ROW(k, e.rows.count()) {
+        slowing.set(k, share * (e.inv_mass[k] * drag[k]) * e.x[N + 1][k]);
+        e.x[N + 2].set(k, e.x[N + 2][k] - slowing[k]);
+    }
+    HERTZLINE_EACH_ROW(k, e.rows.count()) {
+        e.d[N + 2].set(k, e.d[N + 2][k] - e.rows.difference(slowing, k, 0.0));
+    }
+}
+
 /// The forces of order N, and from them displacements and overlaps of order N + 2. Each order waits for the
 /// overlaps of the one before, so the way from these to the next ones is kept short.
 template <int N, std::size_t K, int Degree, Damping Kind>
@@ -169,6 +184,9 @@ HWY_INLINE void order(Expansion<K, Degree, Kind>& e) {
         const Vec from_self = NegMulAdd(e.mobility[k], force[k], horn);
         const Vec from_right = MulAdd(e.inv_mass[k], right, from_self);
         e.d[N + 2].set(k, MulAdd(e.mobility_left[k], e.rows.left(force, k), from_right));
+    }
+    if (HWY_UNLIKELY(e.held)) {
+        hold<N>(e);
     }
     if constexpr (N == 0) {
         prepare_higher_orders(e);

@@ -186,6 +186,9 @@ HWY_INLINE void take(Expansion<K, Degree, Kind>& e) {
     }
     if (piece.keeps_ledger) {
         account(e, length);
+        if (HWY_UNLIKELY(e.held)) {
+            account_holder(Copy(e), length);
+        }
     }
     if (!piece.waves.silent && piece.waves.turns) {
         turn_horn(piece.waves, length);

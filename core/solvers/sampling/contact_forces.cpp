@@ -30,9 +30,10 @@ void ContactForces::put(double* out, std::size_t stride) noexcept {
     const Body& left = bodies_[1 - right_];
     const Body& right = bodies_[right_];
     const bool touches = chain_.stiffness[contact_] > 0;
+    const double held = contact_ == 0 ? chain_.preload_n : chain_.end_force_n;
     for (std::size_t i = 0; i < count_; ++i) {
         const double force = contact_force(chain_, contact_, left.x[i] - right.x[i], left.v[i] - right.v[i]);
-        out[i * stride] = touches ? force : chain_.preload_n;
+        out[i * stride] = touches ? force : held;
     }
     right_ = 1 - right_;
     ++contact_;

@@ -138,8 +138,20 @@ void Sampler::reset() noexcept {
     next_sample_ = 0;
     next_position_ = {};
     std::fill_n(trace_.rows, trace_.row_size(), 0.0);
-    const Eigen::Index end = chain_.spheres();
-    trace_.rows[trace_.row_size() - 1] = chain_.bias[end] * chain_.inv_mass[end];
+    const auto bodies = static_cast<Eigen::Index>(trace_.row_size() / 3);
+    const auto velocity = [this](Eigen::Index body) {
+        return body >= 0 && body < chain_.impact_spheres ? chain_.impact_velocity : 0;
+    };
+    const auto dashpot = [&](Eigen::Index contact) {
+        const bool closed = contact < chain_.bodies() && chain_.static_overlap[contact] > 0;
+        return closed ? chain_.damping[contact] * (velocity(contact - 1) - velocity(contact)) : 0;
+    };
+    for (Eigen::Index i = 0; i < bodies; ++i) {
+        const Eigen::Index body = trace_.first_body + i;
+        const double force = dashpot(body) - dashpot(body + 1) - chain_.drag[body] * velocity(body);
+        trace_.rows[bodies + i] = velocity(body);
+        trace_.rows[2 * bodies + i] = (force + chain_.bias[body]) * chain_.inv_mass[body];
+    }
     trace_.steps[0] = 0;
     trace_.fractions[0] = 0;
     trace_.count = 1;

@@ -27,8 +27,7 @@ Scene scene_with(const std::optional<double>& yield_pa, const std::optional<doub
 
 std::optional<std::string> warning_at_rest(const Scene& scene) {
     const Chain chain(scene);
-    return strength_warning(scene, chain,
-                            contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2));
+    return strength_warning(judge_contacts(scene, chain, chain.static_overlap));
 }
 
 double pressure_at_rest(const Scene& scene) {
@@ -71,23 +70,26 @@ TEST(Strength, TheLowerLimitCounts) {
 TEST(Strength, EachKindOfContactIsNamedWithBothItsPressures) {
     Scene scene;  // aluminium spheres: 1.6 * 276 MPa
     const Chain chain(scene);
-    ContactLoad load = contact_load(chain, chain.static_overlap, scene.chain.diameter_m / 2);
+    const ContactLoad load = contact_load(chain, chain.static_overlap);
     EXPECT_NEAR(load.pressures_pa[1], 0.77e9, 0.01e9);
     EXPECT_EQ(*std::max_element(load.pressures_pa.begin(), load.pressures_pa.end()), load.pressure_pa);
-    load.pressures_pa[1] = 2.3e9;
-    const auto beyond = strength_warning(scene, chain, load);
+    Eigen::ArrayXd overlaps = chain.static_overlap;
+    overlaps[2] *= std::pow(2.3e9 / load.pressures_pa[1], 2);
+    const JudgedContacts judged = judge_contacts(scene, chain, overlaps);
+    const auto beyond = strength_warning(judged);
     ASSERT_TRUE(beyond);
     EXPECT_THAT(*beyond, AllOf(HasSubstr("horn - sphere "), HasSubstr(" MPa at rest (aluminium yields"),
                                HasSubstr("sphere - sphere 774 MPa at rest and 2300 MPa at most (aluminium "
                                          "yields from 442 MPa on)")));
-    EXPECT_NEAR(*strength_ratio(pressure_limits(scene), load), 2300 / (1.6 * 276), 1e-9);
+    EXPECT_NEAR(*strength_ratio(judged), 2300 / (1.6 * 276), 1e-9);
 }
 
 TEST(Strength, ContactsOfMaterialsWhoseStrengthIsNotKnownAreNotJudgedAndThatIsSaid) {
     Scene scene = scene_with({}, {});
     scene.chain.preload_n = 1000;
     EXPECT_FALSE(warning_at_rest(scene));
-    EXPECT_FALSE(strength_ratio(pressure_limits(scene), ContactLoad{.pressures_pa = {1e12, 1e12, 1e12}}));
+    const Chain chain(scene);
+    EXPECT_FALSE(strength_ratio(judge_contacts(scene, chain, chain.static_overlap)));
     EXPECT_EQ(unjudged_contacts(scene),
               "the strength of copper and mine is not known: the contacts horn - sphere, sphere - sphere, "
               "sphere - end are not judged by it");

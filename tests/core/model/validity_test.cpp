@@ -231,7 +231,7 @@ TEST(ContactLoad, IsThatOfTheTextbook) {
     Eigen::ArrayXd overlaps = Eigen::ArrayXd::Zero(chain.bodies());
     overlaps[2] = contact_radius * contact_radius / radius;
     overlaps[chain.spheres()] = 1;  // of a free end: nothing
-    const ContactLoad load = contact_load(chain, overlaps, 0.5e-3);
+    const ContactLoad load = contact_load(chain, overlaps);
     EXPECT_NEAR(load.force_n, force, 1e-9);
     EXPECT_NEAR(load.pressure_pa, 1.5 * force / (std::numbers::pi * contact_radius * contact_radius), 1);
     EXPECT_NEAR(load.overlap_ratio, overlaps[2] / 0.5e-3, 1e-12);
@@ -243,8 +243,7 @@ TEST(ContactLoad, OnAFlatBodyHasTheSpheresOwnRadius) {
     Eigen::ArrayXd overlaps = Eigen::ArrayXd::Zero(chain.bodies());
     overlaps[0] = 1e-6;
     const double k = chain.stiffness[0];
-    EXPECT_NEAR(contact_load(chain, overlaps, 0.5e-3).pressure_pa,
-                1.5 * k * 1e-3 / (std::numbers::pi * 0.5e-3), 1);
+    EXPECT_NEAR(contact_load(chain, overlaps).pressure_pa, 1.5 * k * 1e-3 / (std::numbers::pi * 0.5e-3), 1);
 }
 
 }  // namespace

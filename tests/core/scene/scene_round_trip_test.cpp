@@ -67,7 +67,11 @@ Scene random_scene(std::uint64_t seed) {
     for (const SceneKey& key : keys_of(scene)) {
         random.set(scene, key);
     }
-    scene.drive.repetition_hz = std::min(1e9, random.unit() * scene.drive.frequency_hz / scene.drive.cycles);
+    scene.drive.repetition_hz =
+        scene.drive.kind == DriveKind::none
+            ? 0
+            : std::min(1e9, random.unit() * scene.drive.frequency_hz / scene.drive.cycles);
+    scene.chain.impact_spheres = std::min(scene.chain.impact_spheres, scene.chain.spheres);
     if (scene.numerics.step_s) {
         scene.numerics.accuracy.reset();
     }

@@ -24,20 +24,28 @@ TEST(SceneToml, AnEmptyTextIsThePapersScene) {
 TEST(SceneToml, EveryKeyReachesItsMember) {
     const Scene scene = scene_of(R"(
 [drive]
+kind = "none"
 material = "pyrex"
 frequency_hz = 50e3
 cycles = 10
 amplitude_m = 1e-6
 envelope = "tukey"
 taper = 0.5
-repetition_hz = 100
+repetition_hz = 0
 [chain]
 material = "steel"
 spheres = 7
 diameter_m = 2e-3
+materials = ["steel", "glass"]
+diameters_m = [2e-3, 1e-3, 3e-3]
+taper = 0.1
 damping_kg_per_s = 0.1
 preload_n = 1
 tension = "clamped"
+gravity_m_per_s2 = 9.81
+holder_time_s = 1e-3
+impact_velocity_m_per_s = -2
+impact_spheres = 3
 [end]
 kind = "free"
 material = "acrylic"
@@ -63,8 +71,23 @@ poissons_ratio = 0.2
 density_kg_per_m3 = 2500
 )");
     const Scene expected{
-        {"pyrex", 50e3, 10, 1e-6, Envelope::tukey, 0.5, 100},
-        {"steel", 7, 2e-3, 0.1, DampingLaw::dashpot, std::nullopt, std::nullopt, 1, Tension::clamped},
+        {DriveKind::none, "pyrex", 50e3, 10, 1e-6, Envelope::tukey, 0.5, 0},
+        {"steel",
+         7,
+         2e-3,
+         {"steel", "glass"},
+         {2e-3, 1e-3, 3e-3},
+         0.1,
+         0.1,
+         DampingLaw::dashpot,
+         std::nullopt,
+         std::nullopt,
+         1,
+         Tension::clamped,
+         9.81,
+         1e-3,
+         -2,
+         3},
         {EndKind::free, "acrylic", 4e-3, 1e-3, 1e5, PlatePreload::as_printed},
         {"oil"},
         {Integrator::leapfrog, 1e-9, std::nullopt, 0, std::nullopt},
@@ -95,7 +118,7 @@ TEST(SceneToml, AllFaultsAreReportedInTheOrderOfTheirLines) {
                  "material = 'cheese'\n",  // unknown material
                  {"chain.spheres=0", "nonsense"}),
         ElementsAre(StartsWith("scene.toml:2: drive.frequency_hz: found \"fast\", allowed: a number from"),
-                    StartsWith("scene.toml:3: drive.colour: found an unknown key, allowed: one of material"),
+                    StartsWith("scene.toml:3: drive.colour: found an unknown key, allowed: one of kind"),
                     StartsWith("scene.toml:4: drive.envelope: found \"han\", allowed: one of \"hann\""),
                     StartsWith("scene.toml:5: ends: found an unknown section, allowed: one of drive"),
                     StartsWith("scene.toml:8: end.thickness_m: found -1"),

@@ -1,0 +1,63 @@
+// Chains of different spheres, struck or under their own weight, against an independent solver and published numbers
+// (docs/validation.md).
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/model/chain.hpp"
+#include "hertzline/resolve.hpp"
+#include "tests/support/integrators.hpp"
+#include "tests/support/reference.hpp"
+#include "tests/support/runs.hpp"
+
+namespace hertzline::test {
+namespace {
+
+class EveryMixedReference : public ::testing::TestWithParam<std::string> {
+protected:
+    EveryMixedReference()
+        : scene_(random_reference_scene("mixed/" + GetParam())),
+          reference_(read_reference("mixed/" + GetParam())) {}
+
+    Comparison run(const Scene& scene) const { return compare_with_reference(scene, reference_); }
+    Scene scene_;
+    Reference reference_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryMixedReference,
+                         ::testing::Values("dimer_tone", "defect_tone", "tapered_impact", "striker_train",
+                                           "standing_chain"),
+                         [](const auto& instance) { return instance.param; });
+
+TEST_P(EveryMixedReference, TheAccuracyAskedForIsKeptAndEstimated) {
+    constexpr double shown_by_references = 1e-8;
+    for (const double accuracy : {1e-3, 1e-4, 1e-6, 1e-8}) {
+        scene_.numerics.accuracy = accuracy;
+        const Resolution settled = resolve(scene_);
+        const Comparison errors = run(settled.scene);
+        const double error = std::max({errors.v_last, errors.v_plate, errors.v_out});
+        EXPECT_LE(error, accuracy + shown_by_references);
+        ASSERT_TRUE(settled.estimate.has_value());
+        EXPECT_GE(2 * settled.estimate->error + shown_by_references, error) << accuracy;
+        EXPECT_LE(settled.estimate->error, 3 * std::max(error, shown_by_references)) << accuracy;
+        EXPECT_LE(errors.energy_residual, std::max(10 * accuracy, 1e-8)) << accuracy;
+    }
+}
+
+TEST_P(EveryMixedReference, EveryMethodConvergesToIt) {
+    const double step = 0.02 / scene_.drive.frequency_hz / 8;
+    for (const Integrator integrator : choices<Integrator>) {
+        const Comparison errors = run(with_step(scene_, integrator, step));
+        const double bound = integrator == Integrator::leapfrog ? 2e-3 : 2e-5;
+        EXPECT_LE(errors.v_last, bound) << word(integrator);
+        EXPECT_LE(errors.energy_residual, bound) << word(integrator);
+    }
+}
+
+}  // namespace
+}  // namespace hertzline::test
