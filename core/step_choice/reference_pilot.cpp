@@ -155,8 +155,12 @@ std::size_t ReferencePilot::samples_in(double time_s) const noexcept {
 /// Goes on until the spheres have a hundredth of the kinetic energy that they had at most, by drive periods.
 void ReferencePilot::ring_down() {
     const std::size_t period = std::min(samples_in(period_s_), motion_.samples());
-    const std::size_t most = motion_.samples() + samples_in(for_ringing.seconds(
-                                                     step_s_, static_cast<double>(motion_.spheres() + 1)));
+    const double affordable = for_ringing.seconds(step_s_, static_cast<double>(motion_.spheres() + 1));
+    constexpr double of_free_flight =
+        10;  // of the stretch: spheres that meet nothing any more take endless pieces
+    const double ringing_s =
+        scene_.drive.kind == DriveKind::tone ? affordable : std::min(affordable, of_free_flight * watched_s_);
+    const std::size_t most = motion_.samples() + samples_in(ringing_s);
     if (period == 0) {
         return;  // it has failed at once
     }

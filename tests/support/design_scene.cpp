@@ -186,7 +186,8 @@ void draw_row(Draw& draw, Scene& scene) {
             chain.diameters_m.push_back(rounded(chain.diameter_m * draw.magnitude(0.4, 2)));
         }
     }
-    chain.taper = draw.one_in(3) ? rounded(draw.between(-0.08, 0.08), 2) : 0;
+    const double steepest = std::min(0.08, 1.5 / static_cast<double>(chain.spheres));
+    chain.taper = draw.one_in(3) ? rounded(draw.between(-steepest, steepest), 2) : 0;
     chain.gravity_m_per_s2 = draw.one_in(3) ? draw.any(std::array{9.81, 1000.0, 1e4}) : 0;
     if (draw.one_in(3)) {
         chain.holder_time_s = size(draw, 10e-6, 10e-3);
