@@ -16,8 +16,9 @@ namespace {
 /// A share of the horn's velocity; a quieter output has not passed the chain.
 constexpr double silence = 1e-9;
 
+/// Until the end of the first burst.
 double burst_s(const Drive& drive) {
-    return drive.cycles / drive.frequency_hz;
+    return drive.start_s + drive.cycles / drive.frequency_hz;
 }
 
 /// Rounded up to two digits, so that it can be typed.

@@ -251,7 +251,7 @@ void add_step(Report& report, const Resolution& resolved) {
 }  // namespace
 
 double first_burst_s(const Scene& scene) {
-    return 1.5 * scene.drive.cycles / scene.drive.frequency_hz;
+    return 1.5 * (scene.drive.start_s + scene.drive.cycles / scene.drive.frequency_hz);
 }
 
 std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s) {

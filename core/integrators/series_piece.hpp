@@ -76,6 +76,7 @@ struct HornWaves {
     double displacement = 0;       ///< sum of the sines [m]
     double slope = 0;              ///< its change in a unit [m]
     bool silent = true;            ///< all amplitudes are zero
+    bool expanded = false;         ///< by the solver: the kernels take the series as it is
     bool turns = true;             ///< slow enough for the kernels to turn them on by one unit
     double reach = 1;              ///< how far the series of those that sound reaches, at most a unit [z]
     std::array<double, 3> reach_of_each{};

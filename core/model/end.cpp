@@ -146,7 +146,7 @@ PlateParameters plate_parameters(const Scene& scene) {
     // rounded up to a quarter of an octave: scenes whose chains differ a little have the same plate, which is fitted once
     parameters.contact_hz = std::exp2(std::ceil(4 * std::log2(fastest_contact_hz(scene))) / 4);
     parameters.band_hz =
-        std::max({times_contact * parameters.contact_hz, times_drive * scene.drive.frequency_hz,
+        std::max({times_contact * parameters.contact_hz, times_drive * highest_frequency_hz(scene.drive),
                   times_highest_mode * highest_dry_hz(parameters)});
     return parameters;
 }

@@ -9,29 +9,40 @@ namespace hertzline {
 
 namespace {
 
+constexpr int waiting = -1;
 constexpr int rise = 0;
 constexpr int top = 1;
 constexpr int fall = 2;
 constexpr int silence = 3;
 constexpr double smallest_piece = 1e-9;  // [steps]: a break closer to a step's end than this is at its end
 
-/// Product of carrier s(t) and envelope e(t) with its derivatives.
-HornMotion product(double amplitude, double omega, double s, double c, double e, double de,
+/// Product of carrier s(t) and envelope e(t) with its derivatives. @param rate of change of the carrier's omega [rad/s^2]
+HornMotion product(double amplitude, double omega, double rate, double s, double c, double e, double de,
                    double dde) noexcept {
     return {amplitude * (e * s), amplitude * (de * s + e * (omega * c)),
-            amplitude * ((dde - omega * omega * e) * s + 2 * de * (omega * c))};
+            amplitude * ((dde - omega * omega * e) * s + (2 * de * (omega * c) + e * (rate * c)))};
 }
 
 }  // namespace
 
+double highest_frequency_hz(const Drive& drive) noexcept {
+    return std::max(drive.frequency_hz, drive.sweep_to_hz.value_or(0));
+}
+
 double largest_velocity(const Drive& drive) noexcept {
-    return drive.kind == DriveKind::none ? 0 : 2 * std::numbers::pi * drive.frequency_hz * drive.amplitude_m;
+    return drive.kind == DriveKind::none
+               ? 0
+               : 2 * std::numbers::pi * highest_frequency_hz(drive) * drive.amplitude_m;
 }
 
 ToneBurst::ToneBurst(const Drive& drive, double step_s)
     : step_(step_s),
       amplitude_(drive.kind == DriveKind::none ? 0 : drive.amplitude_m),
       omega_(2 * std::numbers::pi * drive.frequency_hz),
+      sweep_hz_per_s_(drive.sweep_to_hz
+                          ? (*drive.sweep_to_hz - drive.frequency_hz) * drive.frequency_hz / drive.cycles
+                          : 0),
+      start_(drive.start_s),
       duration_(drive.cycles / drive.frequency_hz),
       repetition_hz_(drive.kind == DriveKind::none ? 0 : drive.repetition_hz),
       hann_(drive.envelope == Envelope::hann) {
@@ -50,16 +61,18 @@ double ToneBurst::since_burst(std::int64_t step, double fraction, std::int64_t b
     const double t = n * step_;
     const double t_low = std::fma(n, step_, -t);
     if (burst == 0) {
-        return t + (t_low + fraction * step_);
+        return (t - start_) + (t_low + fraction * step_);
     }
     const auto k = static_cast<double>(burst);
     const double start = k / repetition_hz_;
     const double start_low = std::fma(-start, repetition_hz_, k) / repetition_hz_;
-    return (t - start) + ((t_low - start_low) + fraction * step_);
+    return ((t - start) - start_) + ((t_low - start_low) + fraction * step_);
 }
 
 double ToneBurst::piece_end(int piece) const noexcept {
     switch (piece) {
+        case waiting:
+            return 0;
         case rise:
             return rise_;
         case top:
@@ -84,6 +97,9 @@ ToneBurst::Place ToneBurst::place(std::int64_t step, double fraction) const noex
         }
     }
     const double local = since_burst(step, fraction, burst);
+    if (local < 0) {
+        return {burst, waiting, local};
+    }
     int piece = hann_ ? rise : (rise_ > 0 ? rise : top);
     while (piece < silence && local >= piece_end(piece)) {
         piece = hann_ ? silence : piece + 1;
@@ -92,18 +108,21 @@ ToneBurst::Place ToneBurst::place(std::int64_t step, double fraction) const noex
 }
 
 HornMotion ToneBurst::motion(int piece, double local) const noexcept {
-    if (piece == silence) {
+    if (piece == silence || piece == waiting) {
         return {};
     }
-    const double s = std::sin(omega_ * local);
-    const double c = std::cos(omega_ * local);
+    const double rate = 2 * std::numbers::pi * sweep_hz_per_s_;
+    const double omega = omega_ + rate * local;
+    const double angle = (omega_ + rate * local / 2) * local;
+    const double s = std::sin(angle);
+    const double c = std::cos(angle);
     if (piece == top) {
-        return product(amplitude_, omega_, s, c, 1, 0, 0);
+        return product(amplitude_, omega, rate, s, c, 1, 0, 0);
     }
     // (1 - cos)/2 is even: a fall is a rise that starts from minus its length
     const double ramp = ramp_omega_ * (piece == fall ? local - duration_ : local);
     const double half = std::sin(ramp / 2);  // (1 - cos)/2 without cancellation
-    return product(amplitude_, omega_, s, c, half * half, 0.5 * ramp_omega_ * std::sin(ramp),
+    return product(amplitude_, omega, rate, s, c, half * half, 0.5 * ramp_omega_ * std::sin(ramp),
                    0.5 * ramp_omega_ * ramp_omega_ * std::cos(ramp));
 }
 
@@ -132,7 +151,7 @@ SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept
     drive.left_s = piece_end(where.piece) - drive.since_burst_s;
     if (where.piece == top) {
         drive.amplitude_m = {amplitude_, 0, 0};
-    } else if (where.piece != silence) {
+    } else if (where.piece != silence && where.piece != waiting) {
         // (1 - cos r)/2 sin c = sin(c)/2 - sin(c + r)/4 - sin(c - r)/4
         drive.amplitude_m = {amplitude_ / 2, -amplitude_ / 4, -amplitude_ / 4};
     }
@@ -171,7 +190,7 @@ void ToneBurst::fill_smooth(const Place& start, HornStep* steps, int count) noex
         const double c = cos_carrier * carrier_cos_[j] - sin_carrier * carrier_sin_[j];
         const double rs = on_top ? 0 : sin_ramp * ramp_cos_[j] + cos_ramp * ramp_sin_[j];
         const double rc = on_top ? -1 : cos_ramp * ramp_cos_[j] - sin_ramp * ramp_sin_[j];
-        return product(amplitude_, omega_, s, c, 0.5 * (1 - rc), 0.5 * ramp_omega * rs,
+        return product(amplitude_, omega_, 0, s, c, 0.5 * (1 - rc), 0.5 * ramp_omega * rs,
                        0.5 * ramp_omega * ramp_omega * rc * (on_top ? 0 : 1));
     };
     HornMotion from = node(0);
@@ -202,9 +221,13 @@ bool ToneBurst::fill(std::int64_t first, HornStep* steps, int count) noexcept {
     const Place begin = place(first, 0);
     const Place last = place(first + count - 1, 1);
     if (first > 0 && before == begin && begin == last) {
-        if (begin.piece == silence) {
+        if (begin.piece == silence || begin.piece == waiting) {
             std::fill_n(steps, count, HornStep{});
             return true;
+        }
+        if (sweep_hz_per_s_ != 0) {
+            fill_piecewise(first, steps, count);
+            return false;
         }
         fill_smooth(begin, steps, count);
         return false;

@@ -29,13 +29,16 @@ struct HornStep {
 };
 
 /// A smooth piece of the motion as up to three sinusoids, sum of amplitude sin(2 pi (frequency t + phase))
-/// with t since the burst's start: the carrier, and the two side bands that a raised cosine gives it.
+/// with t since the burst's start, where a sweep adds to the frequencies: the carrier, and the two side bands that a raised cosine gives it.
 struct SmoothDrive {
     std::array<double, 3> amplitude_m{};
     std::array<double, 3> phase_turns{};
     double since_burst_s = 0;  ///< t at the moment that was asked for
     double left_s = 0;         ///< from then until the piece ends; infinite after a last burst
 };
+
+/// The highest frequency of the tone [Hz]: at its start, or at the end of its sweep.
+double highest_frequency_hz(const Drive& drive) noexcept;
 
 /// Largest velocity of the horn, 2 pi f A [m/s]; 0 where there is none.
 double largest_velocity(const Drive& drive) noexcept;
@@ -50,8 +53,10 @@ public:
     HornMotion at(std::int64_t step, double fraction, double on_piece) const noexcept;
     HornMotion at(std::int64_t step, double fraction) const noexcept { return at(step, fraction, fraction); }
 
-    /// Frequencies of the sinusoids of every SmoothDrive [Hz].
+    /// Frequencies of the sinusoids of every SmoothDrive at the start of a burst [Hz].
     std::array<double, 3> frequencies_hz() const noexcept;
+    /// By how much they all change in a second [Hz/s]: 0 but for sweeps.
+    double sweep_hz_per_s() const noexcept { return sweep_hz_per_s_; }
 
     /// The piece that begins or continues at (step + fraction) h.
     SmoothDrive smooth(std::int64_t step, double fraction) const noexcept;
@@ -68,7 +73,7 @@ public:
 private:
     struct Place {
         std::int64_t burst;
-        int piece;     ///< 0 rise, 1 top, 2 fall, 3 silence
+        int piece;     ///< -1 before the burst, 0 rise, 1 top, 2 fall, 3 silence
         double local;  ///< time since the burst's start [s]
         bool operator==(const Place& o) const noexcept { return burst == o.burst && piece == o.piece; }
     };
@@ -83,6 +88,8 @@ private:
     double step_;
     double amplitude_;
     double omega_;           ///< carrier 2 pi f [rad/s]
+    double sweep_hz_per_s_;
+    double start_;           ///< of the first burst [s]
     double duration_;        ///< of a burst [s]
     double rise_ = 0;        ///< of the envelope [s]; 0 for rectangular, the whole burst for hann
     double ramp_omega_ = 0;  ///< the envelope's angular frequency [rad/s]

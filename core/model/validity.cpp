@@ -116,6 +116,23 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
     }
 }
 
+/// Lists that are longer than the chain.
+void warn_of_unused_entries(const Scene& scene, std::vector<std::string>& warnings) {
+    const auto check = [&](const char* key, std::size_t entries) {
+        const auto spheres = static_cast<std::size_t>(scene.chain.spheres);
+        if (entries > spheres) {
+            const auto text = [](std::size_t number) {
+                return number_text(static_cast<std::int64_t>(number));
+            };
+            warnings.push_back(std::string(key) + " has " + text(entries) +
+                               " entries, of which the chain of " + text(spheres) + " spheres uses " +
+                               text(spheres));
+        }
+    };
+    check("chain.materials", scene.chain.materials.size());
+    check("chain.diameters_m", scene.chain.diameters_m.size());
+}
+
 /// Static displacement of the plate's centre per newton [m/N].
 double compliance(const EndModel& end) {
     if (!end.plate) {
@@ -234,6 +251,7 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     std::vector<std::string> warnings;
     add_units(scene, warnings);
     warn_of_unused_keys(scene, warnings);
+    warn_of_unused_entries(scene, warnings);
     add_plate(scene, chain, warnings);
     const ContactLoad rest = contact_load(chain, chain.static_overlap);
     if (rest.overlap_ratio > deepest_overlap) {

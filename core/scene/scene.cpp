@@ -38,6 +38,14 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
                           "at most frequency_hz / cycles = " + number_text(burst_rate_hz) +
                               " Hz, so that bursts do not overlap"});
     }
+    const double period_s = 1 / scene.drive.repetition_hz;  // infinite for a single burst
+    if (burst_rate_hz > 0 && scene.drive.repetition_hz <= burst_rate_hz && scene.drive.start_s > 0 &&
+        scene.drive.start_s + 1 / burst_rate_hz > period_s) {
+        faults.push_back({"drive.start_s", number_text(scene.drive.start_s),
+                          "at most 1 / repetition_hz - cycles / frequency_hz = " +
+                              number_text(period_s - 1 / burst_rate_hz) +
+                              " s: a burst lies within its period"});
+    }
     if (scene.drive.kind == DriveKind::none && scene.drive.repetition_hz != 0) {
         faults.push_back({"drive.repetition_hz",
                           number_text(scene.drive.repetition_hz) + " with drive.kind = \"none\"",

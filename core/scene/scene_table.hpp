@@ -23,8 +23,8 @@ inline constexpr std::string_view chosen = "the program's choice";
 template <class AnyScene, class Visit>
 void visit_scene(AnyScene& scene, const Visit& visit) {
     {
-        auto& [kind, material, frequency_hz, cycles, amplitude_m, envelope, taper, repetition_hz] =
-            scene.drive;
+        auto& [kind, material, frequency_hz, cycles, amplitude_m, envelope, taper, repetition_hz, sweep_to_hz,
+               start_s] = scene.drive;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("drive", member, facts); };
         row(kind, {"kind", {}, "a horn with tone bursts, or no horn", {.hashed = changed}});
         row(material, {"material", {}, "of the horn", {.needs = horn}});
@@ -36,6 +36,12 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
         row(taper, {"taper", {0, 1}, "fraction of a tukey burst spent rising and falling", {.needs = tukey}});
         row(repetition_hz,
             {"repetition_hz", {0, 1e9, "Hz"}, "bursts a second; 0: a single burst", {.needs = horn}});
+        row(sweep_to_hz, {"sweep_to_hz",
+                          {1e-3, 1e9, "Hz"},
+                          "frequency at the burst's end, for a linear sweep (chirp)",
+                          {.unset = "`frequency_hz`", .needs = horn, .hashed = changed}});
+        row(start_s,
+            {"start_s", {0, 1e6, "s"}, "until the burst begins", {.needs = horn, .hashed = changed}});
     }
     {
         auto& [material, spheres, diameter_m, materials, diameters_m, taper, damping_kg_per_s, damping_law,

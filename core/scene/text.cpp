@@ -86,7 +86,12 @@ std::string quoted(std::string_view text) {
 }
 
 std::string quoted_briefly(std::string_view text) {
-    return text.size() <= max_shown ? quoted(text) : quoted(text.substr(0, max_shown)) + "...";
+    std::string shown = quoted(text.substr(0, max_shown));
+    std::size_t count = std::min(text.size(), max_shown);
+    while (shown.size() > 2 * max_shown + 2) {  // of characters that are written as \u00FF
+        shown = quoted(text.substr(0, --count));
+    }
+    return count == text.size() ? shown : shown + "...";
 }
 
 std::string printable(std::string_view text, std::size_t max_length) {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
@@ -27,6 +28,15 @@ constexpr double coarsest = 3e-3;
 // A body that moves less, relative to the velocities of the scene, stands still: that is far below rounding.
 constexpr double still_share = 1e-20;
 constexpr Eigen::Index laid_out_at_least = 64;  // bodies
+
+/// Nodes and weights on [0, 1], exact up to the degree 13 (Abramowitz and Stegun, table 25.4).
+constexpr std::array<std::array<double, 2>, 7> gauss_legendre{{{0.0254460438286207, 0.0647424830844348},
+                                                               {0.1292344072003028, 0.1398526957446384},
+                                                               {0.2970774243113014, 0.1909150252525595},
+                                                               {0.5, 0.2089795918367347},
+                                                               {0.7029225756886986, 0.1909150252525595},
+                                                               {0.8707655927996972, 0.1398526957446384},
+                                                               {0.9745539561713793, 0.0647424830844348}}};
 
 constexpr FixedTime for_good{std::numeric_limits<std::int64_t>::max(), 0};
 
@@ -61,6 +71,21 @@ double negligible_overlap(const Chain& chain, double tolerance, double step) noe
     return std::min(overlap, 1e-6 * least_at_rest);
 }
 
+/// The horn's waves. Those of a sweep are judged by its highest frequency, and the solver expands them.
+kernels::HornWaves waves_of(const ToneBurst& burst, const Drive& drive, double unit_s) {
+    std::array<double, 3> frequencies_hz = burst.frequencies_hz();
+    if (burst.sweep_hz_per_s() == 0) {
+        return {frequencies_hz, unit_s};
+    }
+    for (double& frequency : frequencies_hz) {
+        frequency += highest_frequency_hz(drive) - drive.frequency_hz;
+    }
+    kernels::HornWaves waves(frequencies_hz, unit_s);
+    waves.expanded = true;
+    waves.turns = false;
+    return waves;
+}
+
 }  // namespace
 
 double SeriesSolver::phase_for(double tolerance) noexcept {
@@ -78,7 +103,7 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
       integrator_(resolved.integrator()),
       simd_chain_(chain, integrator_, kernels::kernel_lanes()),
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
-             kernels::series_degree(integrator_), kernels::HornWaves(frequencies_hz_, resolved.step_s()),
+             kernels::series_degree(integrator_), waves_of(burst_, resolved.scene().drive, resolved.step_s()),
              chain.damping_law),
       plate_(chain.end.plate ? std::make_unique<kernels::PlateMotion>(
                                    *chain.end.plate, kernels::kernel_lanes(),
@@ -179,7 +204,6 @@ Ledger SeriesSolver::ledger() noexcept {
     }
     now.work += *simd_chain_.column(kernels::ChainField::work);
     now.gross_work += *simd_chain_.column(kernels::ChainField::gross_work);
-    now.holder_lost += simd_chain_.held_lost;
     if (plate_) {
         now.passed = plate_->passed;
         now.plate_lost = plate_->lost;
@@ -190,6 +214,10 @@ Ledger SeriesSolver::ledger() noexcept {
 
 /// The horn's waves as they are some time [s] after the smooth piece was looked up, to the last digit.
 void SeriesSolver::set_horn(double since_look_up) noexcept {
+    if (piece_.waves.expanded) {
+        set_sweep(since_look_up);
+        return;
+    }
     kernels::HornWaves& waves = piece_.waves;
     const double local = smooth_.since_burst_s + since_look_up;
     waves.silent = smooth_.amplitude_m[0] == 0;
@@ -209,6 +237,41 @@ void SeriesSolver::set_horn(double since_look_up) noexcept {
         waves.displacement += waves.sine[i];
         waves.slope += waves.cosine[i] * waves.odd[i][0];
     }
+}
+
+/// The same of a sweep, and its series: s' = c phi' and c' = -s phi' with an angle phi of degree 2.
+void SeriesSolver::set_sweep(double since_look_up) noexcept {
+    kernels::HornWaves& waves = piece_.waves;
+    const double local = smooth_.since_burst_s + since_look_up;
+    const double rate = burst_.sweep_hz_per_s();
+    const double unit = piece_.unit_s;
+    waves.silent = smooth_.amplitude_m[0] == 0;
+    piece_.horn.fill(0);
+    waves.reach = 1;
+    for (std::size_t i = 0; i < frequencies_hz_.size() && !waves.silent; ++i) {
+        if (smooth_.amplitude_m[i] == 0) {
+            continue;
+        }
+        const double turns = (frequencies_hz_[i] + rate * local / 2) * local + smooth_.phase_turns[i];
+        const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
+        const double first = 2 * std::numbers::pi * (frequencies_hz_[i] + rate * local) * unit;
+        const double second = 2 * std::numbers::pi * rate * unit * unit;
+        double sine = smooth_.amplitude_m[i] * std::sin(angle);
+        double cosine = smooth_.amplitude_m[i] * std::cos(angle);
+        double sine_before = 0;
+        double cosine_before = 0;
+        for (std::size_t n = 0; n < piece_.horn.size(); ++n) {
+            piece_.horn[n] += sine;
+            const double per = 1 / static_cast<double>(n + 1);
+            const double next_sine = per * (first * cosine + second * cosine_before);
+            const double next_cosine = -per * (first * sine + second * sine_before);
+            sine_before = std::exchange(sine, next_sine);
+            cosine_before = std::exchange(cosine, next_cosine);
+        }
+        waves.reach = std::min(waves.reach, waves.reach_of_each[i]);
+    }
+    waves.displacement = piece_.horn[0];
+    waves.slope = piece_.horn[1];
 }
 
 /// Books the work of a jump of the horn: the change of the energy stored in contact 0.
@@ -255,7 +318,27 @@ void SeriesSolver::next_piece() noexcept {
     }
     piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
     kernels_.piece(simd_chain_, piece_);
+    if (chain_.holder_rate > 0 && piece_.keeps_ledger) {
+        ledger_.holder_lost += loss_in_holder();
+    }
     end_.advance(FixedTime::of(piece_.length * samples_per_unit_));
+}
+
+/// Over the piece, by the series of the velocities [J]: a polynomial's integral by Gauss and Legendre's rule.
+double SeriesSolver::loss_in_holder() const noexcept {
+    const int degree = piece_.degree();
+    double sum = 0;
+    for (const auto& [node, weight] : gauss_legendre) {
+        const double z = node * piece_.length;
+        for (std::size_t slot = 0; slot < simd_chain_.slots(); ++slot) {
+            double v = 0;  // times unit [m]
+            for (int n = degree; n > 0; --n) {
+                v = v * z + n * piece_.displacement(n)[slot];
+            }
+            sum += weight * simd_chain_.column(kernels::ChainField::drag)[slot] * v * v;
+        }
+    }
+    return sum * piece_.length * piece_.per_unit;
 }
 
 /// Whether the pieces have become so short that time stands still: checked once in max_pieces.

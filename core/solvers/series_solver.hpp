@@ -51,9 +51,11 @@ private:
     void next_piece() noexcept;
     Status take_piece() noexcept;
     void set_horn(double since_look_up) noexcept;
+    void set_sweep(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
+    double loss_in_holder() const noexcept;
     bool is_still() noexcept;
     bool finite() const noexcept;
 

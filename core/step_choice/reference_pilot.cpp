@@ -45,7 +45,7 @@ constexpr std::size_t min_samples = 16;
 /// The period of the drive, or of the fastest oscillation where there is no horn [s].
 double watched_period_s(const Scene& scene, const Chain& chain) {
     if (scene.drive.kind == DriveKind::tone) {
-        return 1 / scene.drive.frequency_hz;
+        return 1 / highest_frequency_hz(scene.drive);
     }
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
     return omega > 0 ? 2 * std::numbers::pi / omega : scene.output.duration_s;
@@ -56,8 +56,8 @@ double burst_and_way_s(const Scene& scene, const Chain& chain) {
     const Drive& drive = scene.drive;
     const double omega = fastest_frequency(chain, expected_overlaps(chain, drive));
     const double way_s = omega > 0 ? 2 / omega * static_cast<double>(chain.spheres()) : 0;
-    const double burst_s =
-        drive.kind == DriveKind::tone ? drive.cycles / drive.frequency_hz : watched_period_s(scene, chain);
+    const double burst_s = drive.kind == DriveKind::tone ? drive.start_s + drive.cycles / drive.frequency_hz
+                                                         : watched_period_s(scene, chain);
     const double first_s = 1.5 * (burst_s + way_s);
     return drive.repetition_hz > 0 ? std::max(first_s, 2 / drive.repetition_hz) : first_s;
 }
@@ -95,7 +95,8 @@ double with_safety_factor(double own_error) noexcept {
 
 double longest_for_drive(const Drive& drive) noexcept {
     constexpr double longest_step_s = 1;
-    return drive.kind == DriveKind::tone ? series_drive_periods / drive.frequency_hz : longest_step_s;
+    return drive.kind == DriveKind::tone ? series_drive_periods / highest_frequency_hz(drive)
+                                         : longest_step_s;
 }
 
 double piece_error_for(double accuracy) noexcept {

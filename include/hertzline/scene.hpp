@@ -30,7 +30,7 @@ enum class FluidLoad { none, added_mass, radiation };
 /// Relative L2 error of the velocities that a scene gets when it asks for nothing.
 inline constexpr double default_accuracy = 1e-4;
 
-/// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi f t)).
+/// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi (f t + (f_1 - f) t^2/(2 T)))).
 struct Drive {
     DriveKind kind =
         DriveKind::tone;  ///< none: there is no horn, and the preload alone holds the first sphere
@@ -41,6 +41,9 @@ struct Drive {
     Envelope envelope = Envelope::hann;
     double taper = 0.2;        ///< fraction of a tukey burst spent rising and falling
     double repetition_hz = 0;  ///< bursts a second; 0: a single burst
+    std::optional<double> sweep_to_hz =
+        {};              ///< the frequency at the burst's end, to which it changes steadily; unset: it stays
+    double start_s = 0;  ///< until the first burst
     bool operator==(const Drive&) const = default;
 };
 

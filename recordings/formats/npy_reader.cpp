@@ -57,7 +57,8 @@ struct NpyType {
                                      FileNumber::Kind::natural, FileNumber::Kind::truth,
                                      FileNumber::Kind::floating};
         const std::size_t place = kinds.find(kind);
-        if (kind == 0 || place == std::string_view::npos || bytes > 16) {
+        const bool half_numbers = is_complex() && bytes % 2 != 0;  // "<c9"
+        if (kind == 0 || place == std::string_view::npos || bytes > 16 || half_numbers) {
             return std::nullopt;
         }
         const FileNumber found{numbers[place], is_complex() ? bytes / 2 : bytes, order};

@@ -68,6 +68,7 @@ NOT_RUN = {
         "build/release/bench_accuracy": MINUTES,
         "build/release/bench_accuracy 0": MINUTES,
         "build/release/bench_accuracy --wet": MINUTES,
+        "build/release/bench_accuracy --mixed": MINUTES,
     },
     "examples/README.md": {
         "scripts/build.sh release hertzline hertzline_python": BUILDS,

@@ -173,9 +173,12 @@ void draw_modal_plate(Draw& draw, Scene& scene) {
     }
 }
 
-/// Draws different spheres, a start and a support.
+/// Draws different spheres, a start and a support, and a sweep.
 void draw_row(Draw& draw, Scene& scene) {
     Spheres& chain = scene.chain;
+    if (draw.one_in(4)) {
+        scene.drive.sweep_to_hz = rounded(scene.drive.frequency_hz * draw.between(0.5, 2));
+    }
     if (draw.one_in(2)) {
         for (std::int64_t i = draw.whole(2, 4); i > 0; --i) {
             chain.materials.push_back(any_solid(draw, scene));

@@ -76,6 +76,9 @@ void draw_any_row(Draw& draw, Scene& scene) {
         chain.impact_spheres = draw.whole(1, chain.spheres);
     }
     if (draw.one_in(3)) {
+        scene.drive.sweep_to_hz = scene.drive.frequency_hz * draw.magnitude(0.3, 3);
+    }
+    if (draw.one_in(3)) {
         scene.drive.kind = DriveKind::none;
         scene.drive.repetition_hz = 0;
     }

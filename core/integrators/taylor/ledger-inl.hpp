@@ -74,23 +74,6 @@ HWY_INLINE void account(const Expansion<K, Degree, Kind>& e, double length) {
     work.save(chain);
 }
 
-/// Adds the loss in the holder over the piece to the ledger.
-template <std::size_t K, int Degree, Damping Kind>
-HWY_NOINLINE void account_holder(const Expansion<K, Degree, Kind>& e, double length) {
-    using Nodes = Quadrature<Degree>;
-    const Col<K> drag = e.rows.load(ChainField::drag);
-    Vec lost = zero();
-    for (std::size_t i = 0; i < Nodes::node.size(); ++i) {
-        const Vec z = splat(length * Nodes::node[i]);
-        const Vec weight = splat(length * Nodes::weight[i]);
-        HERTZLINE_EACH_ROW(k, e.rows.count()) {
-            const Vec v = slope_at(e.x, k, z);  // [m]
-            lost = MulAdd(weight * drag[k], v * v, lost);
-        }
-    }
-    e.rows.chain().held_lost += e.piece.per_unit * GetLane(hn::SumOfLanes(Doubles(), lost));
-}
-
 /// A column's value in the last contact.
 template <std::size_t K>
 HWY_INLINE double in_last_contact(const PlateMotion& plate, const Col<K>& column) {

@@ -146,7 +146,7 @@ HWY_INLINE void prepare_higher_orders(Expansion<K, Degree, Kind>& e) {
     }
 }
 
-/// The holder's force in order N + 2, by the velocities' order N. Not on the way that the orders wait for: it is rare.
+/// The holder's force in order N + 2, by the velocities' order N.
 template <int N, std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void hold(Expansion<K, Degree, Kind>& e) {
     Col<K> slowing = e.rows.scratch(Expansion<K, Degree, Kind>::Scratch::slowing);
@@ -163,7 +163,7 @@ HWY_INLINE void hold(Expansion<K, Degree, Kind>& e) {
 
 /// The forces of order N, and from them displacements and overlaps of order N + 2. Each order waits for the
 /// overlaps of the one before, so the way from these to the next ones is kept short.
-template <int N, std::size_t K, int Degree, Damping Kind>
+template <bool Held, int N, std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void order(Expansion<K, Degree, Kind>& e) {
     Col<K> force = e.rows.scratch(Expansion<K, Degree, Kind>::Scratch::force);
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
@@ -185,16 +185,16 @@ HWY_INLINE void order(Expansion<K, Degree, Kind>& e) {
         const Vec from_right = MulAdd(e.inv_mass[k], right, from_self);
         e.d[N + 2].set(k, MulAdd(e.mobility_left[k], e.rows.left(force, k), from_right));
     }
-    if (HWY_UNLIKELY(e.held)) {
+    if constexpr (Held) {
         hold<N>(e);
     }
     if constexpr (N == 0) {
         prepare_higher_orders(e);
     }
 }
-template <std::size_t K, int Degree, Damping Kind, int... N>
+template <bool Held, std::size_t K, int Degree, Damping Kind, int... N>
 HWY_INLINE void orders(Expansion<K, Degree, Kind>& e, std::integer_sequence<int, N...>) {
-    (order<N>(e), ...);
+    (order<Held, N>(e), ...);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -156,14 +156,18 @@ template <std::size_t K, int Degree, Damping Kind>
 HWY_INLINE void take(Expansion<K, Degree, Kind>& e) {
     using Copy = Expansion<K, Degree, Kind>;
     SeriesPiece& piece = e.piece;
-    if (!piece.waves.silent) {
+    if (!piece.waves.silent && !piece.waves.expanded) {
         expand_horn(piece);
     }
     if (HWY_UNLIKELY(piece.plate != nullptr)) {
         begin_plate<Degree>(*piece.plate);
     }
     const bool onset = begin(e);
-    orders(e, std::make_integer_sequence<int, Degree - 1>());
+    if (HWY_UNLIKELY(e.held)) {
+        orders<true>(e, std::make_integer_sequence<int, Degree - 1>());
+    } else {
+        orders<false>(e, std::make_integer_sequence<int, Degree - 1>());
+    }
     double length = trusted_length(e, onset);
     move(e, length);
     if (HWY_UNLIKELY(e.clamped)) {
@@ -186,9 +190,6 @@ HWY_INLINE void take(Expansion<K, Degree, Kind>& e) {
     }
     if (piece.keeps_ledger) {
         account(e, length);
-        if (HWY_UNLIKELY(e.held)) {
-            account_holder(Copy(e), length);
-        }
     }
     if (!piece.waves.silent && piece.waves.turns) {
         turn_horn(piece.waves, length);

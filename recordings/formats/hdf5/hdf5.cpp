@@ -342,7 +342,9 @@ private:
         const std::vector<std::byte> bytes =
             bytes_of(captures_name, FileNumber::Kind::integer, sizeof(std::int64_t), 2, 2);
         std::vector<Capture> captures(bytes.size() / sizeof(Capture));
-        std::memcpy(captures.data(), bytes.data(), bytes.size());
+        if (!bytes.empty()) {
+            std::memcpy(captures.data(), bytes.data(), bytes.size());
+        }
         return captures;
     }
 

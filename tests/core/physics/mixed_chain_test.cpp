@@ -1,5 +1,5 @@
-// Chains of different spheres, struck or under their own weight, against an independent solver and published numbers
-// (docs/validation.md).
+// Chains of different spheres, struck or under their own weight, and a swept tone against an independent solver. docs/validation.md has
+// published numbers.
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +31,7 @@ protected:
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryMixedReference,
                          ::testing::Values("dimer_tone", "defect_tone", "tapered_impact", "striker_train",
-                                           "standing_chain"),
+                                           "standing_chain", "chirp"),
                          [](const auto& instance) { return instance.param; });
 
 TEST_P(EveryMixedReference, TheAccuracyAskedForIsKeptAndEstimated) {
@@ -57,6 +57,36 @@ TEST_P(EveryMixedReference, EveryMethodConvergesToIt) {
         EXPECT_LE(errors.v_last, bound) << word(integrator);
         EXPECT_LE(errors.energy_residual, bound) << word(integrator);
     }
+}
+
+TEST(LateBurst, IsTheSameBurstLater) {
+    Scene scene = with_step(Scene{}, Integrator::taylor8, 0.5e-6);
+    scene.drive.sweep_to_hz = 90e3;
+    constexpr std::size_t late = 100;  // samples
+    for (const Integrator integrator : choices<Integrator>) {
+        scene = with_step(scene, integrator, is_series(integrator) ? 0.3e-6 : 25e-9);
+        scene.drive.start_s = 0;
+        const Record now = recorded(scene, 3000);
+        scene.drive.start_s = static_cast<double>(late) / scene.output.sample_rate_hz;
+        const Record later = recorded(scene, 3000 + late);
+        EXPECT_EQ(std::vector(later.v_last.begin(), later.v_last.begin() + late),
+                  std::vector<double>(late, 0.0));
+        const std::vector<double> from_start(later.v_last.begin() + late, later.v_last.end());
+        // the step's grid moves against the burst's pieces, but not by more than rounding
+        EXPECT_LE(relative_l2(from_start, now.v_last), 1e-8) << word(integrator);
+    }
+}
+
+TEST(LateBurst, MustLieWithinItsPeriod) {
+    Scene scene;
+    scene.drive.repetition_hz = 2000;
+    scene.drive.start_s = 150e-6;
+    EXPECT_TRUE(validate(scene).empty());
+    scene.drive.start_s = 160e-6;
+    const std::vector<Fault> faults = validate(scene);
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_THAT(faults.front().message(),
+                testing::HasSubstr("drive.start_s: found 0.00016, allowed: at most 1 / repetition_hz"));
 }
 
 }  // namespace

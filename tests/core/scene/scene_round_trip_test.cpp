@@ -71,6 +71,7 @@ Scene random_scene(std::uint64_t seed) {
         scene.drive.kind == DriveKind::none
             ? 0
             : std::min(1e9, random.unit() * scene.drive.frequency_hz / scene.drive.cycles);
+    scene.drive.start_s = 0;
     scene.chain.impact_spheres = std::min(scene.chain.impact_spheres, scene.chain.spheres);
     if (scene.numerics.step_s) {
         scene.numerics.accuracy.reset();

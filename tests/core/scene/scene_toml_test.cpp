@@ -32,6 +32,8 @@ amplitude_m = 1e-6
 envelope = "tukey"
 taper = 0.5
 repetition_hz = 0
+sweep_to_hz = 80e3
+start_s = 1e-5
 [chain]
 material = "steel"
 spheres = 7
@@ -71,7 +73,7 @@ poissons_ratio = 0.2
 density_kg_per_m3 = 2500
 )");
     const Scene expected{
-        {DriveKind::none, "pyrex", 50e3, 10, 1e-6, Envelope::tukey, 0.5, 0},
+        {DriveKind::none, "pyrex", 50e3, 10, 1e-6, Envelope::tukey, 0.5, 0, 80e3, 1e-5},
         {"steel",
          7,
          2e-3,

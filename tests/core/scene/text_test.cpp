@@ -45,6 +45,7 @@ TEST(Text, QuotedIsPrintableAscii) {
     EXPECT_EQ(quoted("a\"b\\c"), R"("a\"b\\c")");
     EXPECT_EQ(quoted(std::string_view("\0\n\x1B\xFF", 4)), "\"\\u0000\\u000A\\u001B\\u00FF\"");
     EXPECT_EQ(quoted_briefly(std::string(100, 'x')).size(), 65);
+    EXPECT_LE(quoted_briefly(std::string(50, '\xFF')).size(), 125);
 }
 
 TEST(Text, PrintableHidesControlCharactersAndCutsLongTexts) {

@@ -88,6 +88,8 @@ TEST_F(Npy, PlainArraysOfOthersHaveChannels) {
 TEST_F(Npy, WhatIsNotAcceptedIsNamed) {
     put<std::int32_t>({{{"", "<U1"}}, {2}, false}, {1, 2});
     EXPECT_THAT(refusal(), HasSubstr("type \"<U1\", allowed: float16"));
+    put<std::uint8_t>({{{"", "<c9"}}, {1}, false}, {0, 0, 0, 0, 0, 0, 0, 0, 0});
+    EXPECT_THAT(refusal(), HasSubstr("type \"<c9\", allowed: float16"));
     put<float>({{{"v", "<f4"}, {"at", "<M8[ns]"}}, {1}, false}, {1, 2, 3});
     EXPECT_THAT(refusal(), HasSubstr("type \"<M8[ns]\" in field \"at\""));
     put<float>({{{"", "<f4"}}, {1, 1, 1}, false}, {1});
