@@ -98,6 +98,9 @@ void draw_extremes(Draw& draw, Scene& scene) {
     }
     const double max_bursts = scene.drive.frequency_hz / scene.drive.cycles;
     scene.drive.repetition_hz = std::min(scene.drive.repetition_hz, max_bursts);
+    if (scene.drive.repetition_hz > 0) {
+        scene.drive.start_s = 0;  // a burst lies within its period
+    }
 }
 
 /// Draws steps from much too short to beyond the stability limit, and samples on their grid and off it.
