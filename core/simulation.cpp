@@ -138,8 +138,8 @@ double Simulation::energy_missing() noexcept {
 
 double Simulation::energy_residual() noexcept {
     const Ledger now = ledger();
-    const double moved = std::max({now.gross_work, now.lost, now.holder_lost, now.kinetic_at_start,
-                                   kinetic_energy(*chain_, state())});
+    const double moved = std::max(
+        {now.gross_work, now.lost, now.holder_lost, now.kinetic_at_start, kinetic_energy(*chain_, state())});
     return moved > 0 ? energy_missing() / moved : 0;
 }
 

@@ -133,12 +133,13 @@ public:
 
     std::int64_t contact_events = 0;  ///< openings and closings so far
     std::size_t moving_rows = 0;      ///< linear: rows from here on are at rest, exactly
-    double held_lost = 0;           ///< in the holder since the solver last took it over [J]
+    double held_lost = 0;             ///< in the holder since the solver last took it over [J]
     double watched_overlap = 0;       ///< linear: kernels set ...
     bool beyond_watched = true;  ///< ... this when a contact was pressed further [m]; others leave it true
     double step_s = 0;
     bool holds = false;  ///< whether there is a holder
-    bool alike = true;   ///< linear: all spheres are equal, and all contacts between them, and no holder slows them
+    bool alike =
+        true;  ///< linear: all spheres are equal, and all contacts between them, and no holder slows them
     Tension tension = Tension::allowed;
     DampingLaw damping_law = DampingLaw::dashpot;
     bool rebuild = true;  ///< the kernel must rebuild the columns that it carries from step to step

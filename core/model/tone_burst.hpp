@@ -87,7 +87,7 @@ private:
 
     double step_;
     double amplitude_;
-    double omega_;           ///< carrier 2 pi f [rad/s]
+    double omega_;  ///< carrier 2 pi f [rad/s]
     double sweep_hz_per_s_;
     double start_;           ///< of the first burst [s]
     double duration_;        ///< of a burst [s]
