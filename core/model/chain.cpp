@@ -5,6 +5,7 @@
 
 #include "core/model/contact_law.hpp"
 #include "core/model/sphere_row.hpp"
+#include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -89,14 +90,13 @@ std::vector<Fault> chain_faults(const Scene& scene) {
         force += sphere.mass_kg * gravity;
         least_force = std::min(least_force, force);
     }
-    constexpr double smallest_allowed = 1e-9;
-    constexpr double largest_allowed = 10;
-    if (scene.chain.taper != 0 && !(smallest >= smallest_allowed && largest <= largest_allowed)) {
+    const Range allowed = scene_key_named(scene, "chain.diameter_m")->range;
+    if (scene.chain.taper != 0 && !(smallest >= allowed.min && largest <= allowed.max)) {
         faults.push_back(
             {"chain.taper",
              number_text(scene.chain.taper) + ", with spheres of " +
-                 number_text(smallest >= smallest_allowed ? largest : smallest) + " m",
-             "spheres of " + number_text(smallest_allowed) + " to " + number_text(largest_allowed) + " m"});
+                 number_text(smallest >= allowed.min ? largest : smallest) + " m",
+             "spheres of " + number_text(allowed.min) + " to " + number_text(allowed.max) + " m"});
     } else if (!(least_force >= 0)) {
         faults.push_back({"chain.gravity_m_per_s2",
                           number_text(gravity) + ", a weight of " +

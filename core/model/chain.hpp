@@ -50,8 +50,8 @@ struct Chain {
     double impact_velocity = 0;  ///< of the first spheres at the start [m/s]
     Eigen::Index impact_spheres = 0;  ///< how many they are
 
-    /// Whether nothing moves before the horn does.
-    bool starts_at_rest() const noexcept { return impact_spheres == 0 && (bias == 0).all(); }
+    /// Whether the static forces hold each other: then nothing moves but strikers, and what they or the horn push.
+    bool balanced() const noexcept { return (bias == 0).all(); }
 };
 
 /// Faults of a row of spheres that only its masses show: diameters that its taper takes beyond all bounds, weights that pull contacts apart.

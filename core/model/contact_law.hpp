@@ -10,6 +10,11 @@ namespace hertzline {
 
 // Elastic bodies (K. L. Johnson, Contact Mechanics, 1985, chapter 4): force k delta^(3/2).
 
+/// a b/(a + b), of masses or radii: half of two equal numbers, exactly.
+inline double in_series(double a, double b) noexcept {
+    return a / (1 + a / b);
+}
+
 /// Contact modulus of two solids [Pa]: 1/theta_ab = 1/theta_a + 1/theta_b.
 inline double contact_modulus(const Solid& a, const Solid& b) noexcept {
     return 1 / (1 / plane_strain_modulus(a) + 1 / plane_strain_modulus(b));

@@ -9,15 +9,6 @@
 
 namespace hertzline {
 
-namespace {
-
-/// a b/(a + b): half of two equal numbers, exactly.
-double in_series(double a, double b) noexcept {
-    return a / (1 + a / b);
-}
-
-}  // namespace
-
 SphereRow::SphereRow(const Scene& scene)
     : spheres_(scene.chain.spheres), diameters_m_(scene.chain.diameters_m), taper_(scene.chain.taper) {
     const Spheres& chain = scene.chain;

@@ -38,7 +38,7 @@ public:
     }
 
     const std::optional<PressureLimit>& of(Eigen::Index contact) const noexcept {
-        const std::size_t kind = contact == 0 ? 0 : contact == row_.size() ? 2 : 1;
+        const std::size_t kind = kind_of_contact(contact, row_.size());
         const auto& limits = limits_[kind];
         return limits[static_cast<std::size_t>(kind == 1 ? contact - 1 : 0) % limits.size()];
     }
@@ -119,7 +119,7 @@ JudgedContacts judge_contacts(const Scene& scene, const Chain& chain, const Eige
         if (stiffness == 0) {
             continue;  // nothing to touch
         }
-        const std::size_t kind = kind_of_contact(chain, c);
+        const std::size_t kind = kind_of_contact(c, chain.spheres());
         const auto& limit = limits.of(c);
         const double pressure = contact_pressure(stiffness, overlaps[c], curvature_radius(chain, c));
         JudgedContact& found = worst[kind];

@@ -119,14 +119,11 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
 /// Lists that are longer than the chain.
 void warn_of_unused_entries(const Scene& scene, std::vector<std::string>& warnings) {
     const auto check = [&](const char* key, std::size_t entries) {
-        const auto spheres = static_cast<std::size_t>(scene.chain.spheres);
-        if (entries > spheres) {
-            const auto text = [](std::size_t number) {
-                return number_text(static_cast<std::int64_t>(number));
-            };
-            warnings.push_back(std::string(key) + " has " + text(entries) +
-                               " entries, of which the chain of " + text(spheres) + " spheres uses " +
-                               text(spheres));
+        const auto count = static_cast<std::int64_t>(entries);
+        const std::string spheres = number_text(scene.chain.spheres);
+        if (count > scene.chain.spheres) {
+            warnings.push_back(std::string(key) + " has " + number_text(count) +
+                               " entries, of which the chain of " + spheres + " spheres uses " + spheres);
         }
     };
     check("chain.materials", scene.chain.materials.size());
@@ -211,8 +208,7 @@ double curvature_radius(const Chain& chain, Eigen::Index contact) noexcept {
     if (contact == 0 || contact == last) {
         return chain.radius[contact == 0 ? 0 : last - 1];
     }
-    const double left = chain.radius[contact - 1];
-    return left / (1 + left / chain.radius[contact]);
+    return in_series(chain.radius[contact - 1], chain.radius[contact]);
 }
 
 ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps) noexcept {
@@ -224,7 +220,7 @@ ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps) noe
             continue;  // nothing to touch
         }
         load.force_n = std::max(load.force_n, elastic_force(stiffness, overlaps[c]));
-        double& pressure = load.pressures_pa[kind_of_contact(chain, c)];
+        double& pressure = load.pressures_pa[kind_of_contact(c, last)];
         pressure = std::max(pressure, contact_pressure(stiffness, overlaps[c], curvature_radius(chain, c)));
         const double smaller =
             std::min(chain.radius[std::max<Eigen::Index>(c - 1, 0)], chain.radius[std::min(c, last - 1)]);

@@ -21,8 +21,8 @@ double contact_pressure(double stiffness, double overlap_m, double radius_m) noe
 double curvature_radius(const Chain& chain, Eigen::Index contact) noexcept;
 
 /// 0, 1, 2: of the horn, between spheres, of the end (ContactLoad::pressures_pa).
-inline std::size_t kind_of_contact(const Chain& chain, Eigen::Index contact) noexcept {
-    return contact == 0 ? 0 : contact == chain.spheres() ? 2 : 1;
+inline std::size_t kind_of_contact(Eigen::Index contact, Eigen::Index spheres) noexcept {
+    return contact == 0 ? 0 : contact == spheres ? 2 : 1;
 }
 
 /// The load at these overlaps [m], one for each contact.

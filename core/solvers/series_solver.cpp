@@ -11,6 +11,7 @@
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/contact_law.hpp"
+#include "core/plate/quadrature.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -28,15 +29,6 @@ constexpr double coarsest = 3e-3;
 // A body that moves less, relative to the velocities of the scene, stands still: that is far below rounding.
 constexpr double still_share = 1e-20;
 constexpr Eigen::Index laid_out_at_least = 64;  // bodies
-
-/// Nodes and weights on [0, 1], exact up to the degree 13 (Abramowitz and Stegun, table 25.4).
-constexpr std::array<std::array<double, 2>, 7> gauss_legendre{{{0.0254460438286207, 0.0647424830844348},
-                                                               {0.1292344072003028, 0.1398526957446384},
-                                                               {0.2970774243113014, 0.1909150252525595},
-                                                               {0.5, 0.2089795918367347},
-                                                               {0.7029225756886986, 0.1909150252525595},
-                                                               {0.8707655927996972, 0.1398526957446384},
-                                                               {0.9745539561713793, 0.0647424830844348}}};
 
 constexpr FixedTime for_good{std::numeric_limits<std::int64_t>::max(), 0};
 
@@ -125,11 +117,10 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
-    const bool balanced = (chain.bias == 0).all();
-    active_at_start_ = options.tracking == WavefrontTracking::on && balanced
+    active_at_start_ = options.tracking == WavefrontTracking::on && chain.balanced()
                            ? std::min(chain.bodies(), chain.impact_spheres + laid_out_at_least)
                            : chain.bodies();
-    rest_tolerance_ = chain.preload_n > 0 && balanced ? resolved.scene().numerics.rest_tolerance : 0;
+    rest_tolerance_ = chain.preload_n > 0 && chain.balanced() ? resolved.scene().numerics.rest_tolerance : 0;
     reset();
 }
 
@@ -324,21 +315,21 @@ void SeriesSolver::next_piece() noexcept {
     end_.advance(FixedTime::of(piece_.length * samples_per_unit_));
 }
 
-/// Over the piece, by the series of the velocities [J]: a polynomial's integral by Gauss and Legendre's rule.
+/// Over the piece, by the series of the velocities [J].
 double SeriesSolver::loss_in_holder() const noexcept {
-    const int degree = piece_.degree();
-    double sum = 0;
-    for (const auto& [node, weight] : gauss_legendre) {
-        const double z = node * piece_.length;
-        for (std::size_t slot = 0; slot < simd_chain_.slots(); ++slot) {
-            double v = 0;  // times unit [m]
-            for (int n = degree; n > 0; --n) {
-                v = v * z + n * piece_.displacement(n)[slot];
-            }
-            sum += weight * simd_chain_.column(kernels::ChainField::drag)[slot] * v * v;
-        }
-    }
-    return sum * piece_.length * piece_.per_unit;
+    constexpr std::size_t nodes = 7;  // exact up to the degree 13; higher terms are small
+    const double* const drag = simd_chain_.column(kernels::ChainField::drag);
+    return piece_.per_unit * integral<nodes>(0, piece_.length, [&](double z) {
+               double sum = 0;
+               for (std::size_t slot = 0; slot < simd_chain_.slots(); ++slot) {
+                   double v = 0;  // times unit [m]
+                   for (int n = piece_.degree(); n > 0; --n) {
+                       v = v * z + n * piece_.displacement(n)[slot];
+                   }
+                   sum += drag[slot] * v * v;
+               }
+               return sum;
+           });
 }
 
 /// Whether the pieces have become so short that time stands still: checked once in max_pieces.

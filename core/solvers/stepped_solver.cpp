@@ -33,8 +33,8 @@ void SteppedSolver::reset() noexcept {
     begin_ledger(chain_, state_, ledger_);
     status_ = Status::running;
     horn_first_ = -1;
-    front_ = options_.tracking == WavefrontTracking::off || (chain_.bias != 0).any() ? chain_.bodies()
-                                                                                     : chain_.impact_spheres;
+    front_ = options_.tracking == WavefrontTracking::off || !chain_.balanced() ? chain_.bodies()
+                                                                               : chain_.impact_spheres;
     lay_out(front_);
     sampler_.reset();
     begin_batch();

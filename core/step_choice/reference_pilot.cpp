@@ -93,10 +93,13 @@ double with_safety_factor(double own_error) noexcept {
     return own_error > amplified_rounding ? std::min(10 * own_error, std::max(1.0, own_error)) : own_error;
 }
 
+double part_of_period_s(const Drive& drive, double part) noexcept {
+    constexpr double without_horn_s = 1;
+    return drive.kind == DriveKind::tone ? part / highest_frequency_hz(drive) : without_horn_s;
+}
+
 double longest_for_drive(const Drive& drive) noexcept {
-    constexpr double longest_step_s = 1;
-    return drive.kind == DriveKind::tone ? series_drive_periods / highest_frequency_hz(drive)
-                                         : longest_step_s;
+    return part_of_period_s(drive, series_drive_periods);
 }
 
 double piece_error_for(double accuracy) noexcept {

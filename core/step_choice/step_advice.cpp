@@ -51,9 +51,7 @@ double coarsest_step(const Scene& scene) {
     const Chain chain(scene);
     const Eigen::ArrayXd overlaps = expected_overlaps(chain, scene.drive);
     const double omega = fastest_frequency(chain, overlaps);
-    const double by_drive = scene.drive.kind == DriveKind::tone
-                                ? drive_periods / highest_frequency_hz(scene.drive)
-                                : longest_for_drive(scene.drive);
+    const double by_drive = part_of_period_s(scene.drive, drive_periods);
     const double stable = largest_stable_step(chain, overlaps, *scene.numerics.integrator);
     return std::min({first_phase / omega, by_drive, stable / 2});
 }

@@ -299,7 +299,7 @@ TEST(Control, ChangesThatCannotBeMadeAreFaults) {
                 HasSubstr("the member \"foo\""));
     EXPECT_THAT(fault(R"([{"sample": 1e300, "set": {}}])"), HasSubstr("sample: found"));
     EXPECT_THAT(fault(R"([{"sample": 10, "set": {"chain.preload_n": 0.2}, "motion": "goes on"}])"),
-                HasSubstr("motion: found \"goes on\", but these keys begin it anew"));
+                HasSubstr("motion: found \"goes on\", but these keys restart the motion"));
 }
 
 TEST(Control, TheDocumentsChangesChangeTheRun) {

@@ -73,9 +73,10 @@ bool take_step(Session& session, stream::SceneChange& change, Scene& scene, Scen
     }
     const bool continues = change.goes_on && stream::motion_goes_on(before, *after);
     if (change.must_go_on && !continues) {
-        faults.add(where,
-                   "motion: found \"goes on\", but these keys begin it anew; allowed: \"begins anew\", or a "
-                   "change without this member");
+        faults.add(
+            where,
+            "motion: found \"goes on\", but these keys restart the motion; allowed: \"begins anew\", or a "
+            "change without this member");
         return false;
     }
     if (continues && !Simulation::can_hand_over(before)) {

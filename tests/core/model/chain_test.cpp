@@ -125,7 +125,9 @@ TEST(Chain, StartsWithItsStrikersAndReturnsToThemOnReset) {
     EXPECT_TRUE((state.v.tail(5) == 0).all());
     state.reset_motion(chain);
     EXPECT_TRUE((state.v == 0).all());
-    EXPECT_FALSE(chain.starts_at_rest());
+    EXPECT_TRUE(chain.balanced());
+    scene.end.preload = PlatePreload::as_printed;
+    EXPECT_FALSE(Chain(scene).balanced());
 }
 
 TEST(Validity, ListsThatAreLongerThanTheChainAreNoticed) {
