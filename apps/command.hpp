@@ -13,6 +13,8 @@ namespace hertzline::app {
 /// The program's exit status.
 enum class Exit { done = 0, failed = 1, wrong_use = 2 };
 
+inline constexpr const char* exit_statuses = "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
+
 /// A wrong command line or scene: exit status 2. One fault on each line of what().
 class WrongUse : public std::runtime_error {
 public:
@@ -43,7 +45,9 @@ using AddCommand = Run(CLI::App& app);
     ROW(scenes, "list the shipped scenes, or print one with every default resolved")  \
     ROW(materials, "list the built-in materials, their numbers and sources")          \
     ROW(check, "validate a scene; print derived values and advice on its step")       \
-    ROW(keys, "make a key pair for streams that encrypt")
+    ROW(keys, "make a key pair for streams that encrypt")                             \
+    ROW(man, "print a manual page, or write all of them")                             \
+    ROW(completion, "print the script with which a shell completes command lines")
 
 #define HERTZLINE_DECLARE(name, description) AddCommand name##_command;
 HERTZLINE_SUBCOMMANDS(HERTZLINE_DECLARE)

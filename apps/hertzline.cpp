@@ -7,9 +7,11 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <span>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -19,7 +21,6 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "apps/allocator.hpp"
 #include "apps/command.hpp"
 #include "apps/console/help.hpp"
 #include "apps/console/messages.hpp"
@@ -42,8 +43,7 @@ constexpr const char* examples =
     "  hertzline listen --connect tcp://127.0.0.1:5573\n"
     "  hertzline plot burst.csv -o burst.png\n"
     "  hertzline scenes\n"
-    "  hertzline check my-scene.toml\n"
-    "Exit status: 0 done, 1 failed, 2 wrong use or wrong scene.";
+    "  hertzline check my-scene.toml\n";
 
 struct Subcommand {
     const char* name;
@@ -87,17 +87,22 @@ struct Command {
     Run run;
 };
 
-std::vector<Command> add_subcommands(CLI::App& program) {
+bool is_subcommand(std::string_view word) {
+    return std::ranges::find(subcommands, word, &Subcommand::name) != subcommands.end();
+}
+
+/// Adds the options of the subcommand on the command line alone: those of all take as long as the rest of a start. Manual pages and
+/// completions are about all.
+std::vector<Command> add_subcommands(CLI::App& program, std::span<char*> words) {
+    const auto word = std::ranges::find_if(words, is_subcommand);
+    const std::string_view asked = word == words.end() ? "" : *word;
+    const bool about_all = asked == "man" || asked == "completion";
     std::vector<Command> commands;
     for (const Subcommand& subcommand : subcommands) {
         CLI::App* app = program.add_subcommand(subcommand.name, subcommand.description);
-        commands.push_back({app, subcommand.add(*app)});
+        commands.push_back({app, about_all || subcommand.name == asked ? subcommand.add(*app) : Run{}});
     }
     return commands;
-}
-
-bool is_subcommand(std::string_view word) {
-    return std::ranges::find(subcommands, word, &Subcommand::name) != subcommands.end();
 }
 
 /// Names the subcommands, which CLI11 would not.
@@ -127,17 +132,17 @@ void refuse_small_limits() {
     if (const auto shortage = measures::limit_shortage("hertzline", address_bytes, descriptors)) {
         throw std::runtime_error(*shortage);
     }
-    start_allocator_thread();
 }
 
 Exit parse_and_run(int argc, char** argv) {
     refuse_small_limits();
-    CLI::App app{"hertzline: real-time simulator of granular-chain ultrasound transducers", "hertzline"};
+    CLI::App app{"real-time simulator of granular-chain ultrasound transducers", "hertzline"};
     app.set_version_flag("--version",
                          fmt::format("hertzline {} ({})", measures::program_version(), measures::git_hash()));
-    app.footer(examples);
+    app.footer(std::string(examples) + exit_statuses);
     app.formatter(std::make_shared<HelpFormatter>());  // before the subcommands, which inherit it
-    const std::vector<Command> commands = add_subcommands(app);
+    const std::vector<Command> commands =
+        add_subcommands(app, std::span(argv, static_cast<std::size_t>(argc)).subspan(std::min(argc, 1)));
     app.require_subcommand(0, 1);
     refuse_unknown_subcommand(argc, argv);
     try {

@@ -1,5 +1,6 @@
 # Writes git_hash.hpp with the commit that is being built: cmake -D SOURCE=dir -D OUTPUT=git_hash.hpp -P GitHash.cmake
-# Run at each build; the file is touched only when the hash has changed. "unknown" where there is no git or no repository.
+# Run at each build; the file is touched only when the hash has changed. "unknown" where there is no git or no repository, and no tree
+# that `git archive` has exported: it puts the hash into this file.
 find_package(Git QUIET)
 set(hash "")
 if(GIT_FOUND)
@@ -9,6 +10,10 @@ if(GIT_FOUND)
   set(ENV{GIT_OPTIONAL_LOCKS} 0)
   execute_process(COMMAND ${GIT_EXECUTABLE} -C ${SOURCE} describe --always --dirty --abbrev=12 --exclude=*
     OUTPUT_VARIABLE hash ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+endif()
+set(exported "$Format:%H$")
+if(hash STREQUAL "" AND exported MATCHES "^[0-9a-f]+$")
+  string(SUBSTRING ${exported} 0 12 hash)
 endif()
 if(hash STREQUAL "")
   set(hash unknown)

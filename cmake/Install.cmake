@@ -22,7 +22,16 @@ install(TARGETS hertzline_measures hertzline_recordings hertzline_studies hertzl
   EXPORT hertzlineStreamTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY include/hertzline DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(PROGRAMS apps/plot/hertzline_plot.py DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline)
+install(DIRECTORY apps/plot/hertzline_pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline FILES_MATCHING PATTERN "*.py"
+  PATTERN __pycache__ EXCLUDE)
+install(DIRECTORY apps/matlab DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline)
 install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/hertzline FILES_MATCHING PATTERN "*.toml")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR})
+install(FILES apps/completion/hertzline.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME hertzline)
+install(FILES apps/completion/hertzline.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)
+set(HERTZLINE_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING
+  "Folder for zsh's completion; that of Debian's packages is share/zsh/vendor-completions")
+install(FILES apps/completion/hertzline.zsh DESTINATION ${HERTZLINE_ZSH_DIR} RENAME _hertzline)
 
 set(config_dir ${CMAKE_INSTALL_LIBDIR}/cmake/hertzline)
 install(EXPORT hertzlineCoreTargets NAMESPACE hertzline:: DESTINATION ${config_dir})

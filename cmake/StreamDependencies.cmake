@@ -1,6 +1,5 @@
 # Libraries that hertzline::stream is linked with beside core's; included by the project itself and by find_package(hertzline).
 find_package(Threads REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(FFTW REQUIRED IMPORTED_TARGET fftw3)
 pkg_check_modules(ZMQ REQUIRED IMPORTED_TARGET libzmq)

@@ -5,8 +5,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/array/array_solver.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
+#include "core/scene/elements.hpp"
 #include "core/solvers/series_solver.hpp"
 #include "core/solvers/stepped_solver.hpp"
 
@@ -19,8 +21,13 @@ SimulationOptions possible(SimulationOptions options, const Scene& scene) noexce
     return options;
 }
 
-std::unique_ptr<Solver> make_solver(const ResolvedScene& scene, const Chain& chain,
+/// @param chain of a scene without an array
+std::unique_ptr<Solver> make_solver(const ResolvedScene& scene, const std::unique_ptr<const Chain>& alone,
                                     const SimulationOptions& options) {
+    if (!alone) {
+        return std::make_unique<ArraySolver>(scene, options);
+    }
+    const Chain& chain = *alone;
     if (is_series(scene.integrator())) {
         return std::make_unique<SeriesSolver>(scene, chain, options);
     }
@@ -36,9 +43,9 @@ std::unique_ptr<Solver> make_solver(const ResolvedScene& scene, const Chain& cha
 Simulation::Simulation(ResolvedScene scene, const SimulationOptions& options)
     : scene_(std::move(scene)),
       options_(possible(options, this->scene())),
-      chain_(std::make_unique<const Chain>(this->scene())),
+      chain_(is_array(this->scene()) ? nullptr : std::make_unique<const Chain>(this->scene())),
       step_s_(exact_step(scene_.step_s(), this->scene().output.sample_rate_hz)),
-      solver_(make_solver(scene_, *chain_, options_)) {}
+      solver_(make_solver(scene_, chain_, options_)) {}
 
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
@@ -55,6 +62,9 @@ void Simulation::reset() noexcept {
 }
 
 bool Simulation::can_hand_over(const ResolvedScene& scene) noexcept {
+    if (is_array(scene.scene())) {
+        return false;
+    }
     return is_series(scene.integrator()) ||
            steps_per_sample(scene.step_s(), scene.scene().output.sample_rate_hz) > 0;
 }
@@ -77,7 +87,15 @@ void Simulation::end_at(std::int64_t sample) noexcept {
 }
 
 std::int64_t Simulation::steps() const noexcept {
-    return solver_->state().step;
+    return solver_->steps();
+}
+
+std::size_t Simulation::elements() const noexcept {
+    return chains_of(scene());
+}
+
+const Chain& Simulation::chain(std::size_t element) const noexcept {
+    return solver_->chain(element);
 }
 
 std::int64_t Simulation::next_sample() const noexcept {
@@ -88,8 +106,8 @@ std::int64_t Simulation::contact_events() const noexcept {
     return solver_->contact_events();
 }
 
-const ChainState& Simulation::state() noexcept {
-    return solver_->state();
+const ChainState& Simulation::state(std::size_t element) noexcept {
+    return solver_->state(element);
 }
 
 double Simulation::time_s() const noexcept {
@@ -131,32 +149,44 @@ Status Simulation::skip(std::int64_t count) noexcept {
 
 double Simulation::energy_missing() noexcept {
     const Ledger now = ledger();
-    const double held =
-        kinetic_energy(*chain_, state()) + stored_energy(*chain_, state(), solver_->horn_displacement());
-    return std::abs(held - now.at_start - now.work + now.lost + now.passed + now.holder_lost);
+    const Solver::Energy held = solver_->energy();
+    return std::abs(held.kinetic + held.stored - now.at_start - now.work + now.lost + now.passed +
+                    now.holder_lost);
 }
 
 double Simulation::energy_residual() noexcept {
     const Ledger now = ledger();
     const double moved = std::max(
-        {now.gross_work, now.lost, now.holder_lost, now.kinetic_at_start, kinetic_energy(*chain_, state())});
+        {now.gross_work, now.lost, now.holder_lost, now.kinetic_at_start, solver_->energy().kinetic});
     return moved > 0 ? energy_missing() / moved : 0;
+}
+
+double Simulation::fit_error() const noexcept {
+    return solver_->fit_error();
 }
 
 MotionExtremes Simulation::extremes() noexcept {
     MotionExtremes extremes{
         .time_s = time_s(), .contact_events = contact_events(), .energy_residual = energy_residual()};
-    const Eigen::ArrayXd& peaks = state().peak_overlap;
-    for (Eigen::Index c = 0; c < chain_->bodies(); ++c) {
-        if (chain_->stiffness[c] > 0) {  // the contact of a free end never pushes
-            extremes.last_press_m = peaks[c] - chain_->static_overlap[c];
-            extremes.largest_press_m = std::max(extremes.largest_press_m, extremes.last_press_m);
+    for (std::size_t element = 0; element < elements(); ++element) {
+        const Chain& chain = this->chain(element);
+        const Eigen::ArrayXd& peaks = state(element).peak_overlap;
+        double last_press_m = 0;
+        for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
+            if (chain.stiffness[c] > 0) {  // the contact of a free end never pushes
+                last_press_m = peaks[c] - chain.static_overlap[c];
+                extremes.largest_press_m = std::max(extremes.largest_press_m, last_press_m);
+            }
         }
+        extremes.last_press_m = std::max(extremes.last_press_m, last_press_m);
     }
     return extremes;
 }
 
 double Simulation::memory_bytes(const Scene& scene, TapSet taps) noexcept {
+    if (is_array(scene)) {
+        return ArraySolver::memory_bytes(scene, taps & taps_of(scene));
+    }
     constexpr double columns = 14;  // of Chain and ChainState, a double for each body
     const double bodies = static_cast<double>(scene.chain.spheres) + 1;
     const TapSet given = taps & taps_of(scene);

@@ -13,6 +13,7 @@
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/scene_file.hpp"
+#include "measures/beam.hpp"
 #include "measures/provenance.hpp"
 #include "measures/record_warnings.hpp"
 
@@ -49,7 +50,11 @@ bool has_plate_energy(const Run& run) {
 }
 
 bool has_points(const Run& run) {
-    return !run.scene().output.points_m.empty();
+    return !run.peaks_p_points.empty();
+}
+
+bool is_array_of_several(const Run& run) {
+    return run.scene().array.x_m.size() > 1;
 }
 
 bool has_poles(const Run& run) {
@@ -58,6 +63,15 @@ bool has_poles(const Run& run) {
 
 bool has_other_law(const Run& run) {
     return run.scene().chain.damping_law != DampingLaw::dashpot;
+}
+
+bool has_horn_energy(const Run& run) {
+    return run.horn.has_value();
+}
+
+template <double HornEnergy::*Member>
+Json of_horn(const Run& run) {
+    return run.horn ? Json((*run.horn).*Member) : Json(nullptr);
 }
 
 bool has_holder(const Run& run) {
@@ -89,6 +103,24 @@ const std::array table{
     Quantity{G::result, "peak_p_points_pa", "Pa", K::number, C::modal,
              "largest pressure at any of `output.points_m`; only with points",
              [](R run) { return Json(run.peak_p_points); }, has_points},
+    Quantity{G::result, "peaks_p_points_pa", "Pa", K::points, C::modal,
+             "the largest at each of them, in their order; columns of tables have the first ten",
+             [](R run) { return or_null(run.peaks_p_points); }, has_points},
+    Quantity{G::result, "first_arrival_s", "s", K::number, C::modal,
+             "when the pressure at the first of them first exceeds half of its peak: of a burst that rises slowly, long after the first sound",
+             [](R run) { return or_null(run.first_arrival_s); }, has_points},
+    Quantity{G::result, "spot_width_m", "m", K::number, C::modal,
+             "width of the spot at -6 dB of its peak pressure, along a straight line of `output.points_m`; null where the pressure has not "
+             "fallen as far at both ends, or the points are no such line in its order",
+             [](R run) { return or_null(spot_width_m(run)); }, has_points},
+    Quantity{G::result, "side_lobe_db", "dB", K::number, C::modal,
+             "the largest peak pressure along that line beyond the first minima on both sides, over that of the spot; null where there is no "
+             "minimum or no such line",
+             [](R run) { return or_null(side_lobe_db(run)); }, has_points},
+    Quantity{G::result, "focal_gain", "", K::number, C::modal,
+             "peak pressure at the first point over that of the array's middle element alone; null without an array",
+             [](R run) { return run.alone_p_pa && *run.alone_p_pa > 0 ? Json(run.peaks_p_points.front() / *run.alone_p_pa) : Json(nullptr); },
+             has_points},
     Quantity{G::result, "burst_shown_ratio", "", K::number, C::among,
              "the part of the burst that lies within the run: 1 when the run is at least as long",
              [](R run) { return Json(burst_shown_ratio(run.resolved.scene)); }},
@@ -204,6 +236,14 @@ const std::array table{
              "energy missing in the ledger over the energy that came and went ([model.md](model.md#8-energy)); good: far below 1; with "
              "series about the accuracy asked for, or below",
              [](R run) { return Json(run.energy_residual); }},
+    Quantity{G::trust, "horn_source_j", "J", K::number, C::none,
+             "energy that the source of the horn gave; only with `drive.horn_mass_kg`",
+             of_horn<&HornEnergy::source>, has_horn_energy},
+    Quantity{G::trust, "horn_lost_j", "J", K::number, C::none, "energy that the horn lost",
+             of_horn<&HornEnergy::lost>, has_horn_energy},
+    Quantity{G::trust, "horn_held_j", "J", K::number, C::none,
+             "energy that its motion and its spring hold at the end", of_horn<&HornEnergy::held>,
+             has_horn_energy},
     Quantity{G::trust, "holder_lost_j", "J", K::number, C::none,
              "energy that the holder of the spheres took; only with `chain.holder_time_s`",
              [](R run) { return Json(run.holder_lost); }, has_holder},
@@ -236,6 +276,9 @@ const std::array table{
     Quantity{G::run, "poles", "", K::count, C::modal,
              "of a modal plate's response (`numerics.poles`); only with such a plate",
              [](R run) { return Json(*run.scene().numerics.poles); }, has_poles},
+    Quantity{G::run, "elements", "", K::count, C::none,
+             "chains of the array, whose `v_out` and `v_last` are those of the middle one; only of arrays",
+             [](R run) { return Json(run.scene().array.x_m.size()); }, is_array_of_several},
     Quantity{G::run, "steps", "", K::count, C::last,
              "steps or pieces taken",
              [](R run) { return Json(run.steps); }},
@@ -266,6 +309,13 @@ constexpr std::array headings{"result", "spectrum of v_out", "contacts", "trust"
 std::string heading_of(std::string_view name, Tap tap) {
     const std::string_view meaning = row_of(tap).of_wet_plate;
     return meaning.empty() ? std::string(name) : fmt::format("{}, {}", name, meaning);
+}
+
+/// Numbers of a list that are columns of tables: as many as there are harmonics.
+constexpr std::size_t most_in_columns = SpectrumAnalyser::max_harmonics;
+
+bool is_list(const Quantity& quantity) {
+    return quantity.kind == Kind::harmonics || quantity.kind == Kind::points;
 }
 
 bool is_of_tap(const Quantity& quantity) {
@@ -301,11 +351,11 @@ void add_columns(std::vector<NumberColumn>& columns, const Quantity& quantity, T
     const std::string name = (is_of_tap(quantity) && tap != Tap::v_out ? std::string(row.name) + '.' : "") +
                              name_of(quantity, tap);
     const std::string unit(quantity.unit == "tap" ? row.unit : quantity.unit);
-    if (quantity.kind != Kind::harmonics) {
+    if (!is_list(quantity)) {
         columns.push_back({name, unit, quantity.kind == Kind::count, &quantity, tap, 0});
         return;
     }
-    for (std::size_t i = 0; i < SpectrumAnalyser::max_harmonics; ++i) {
+    for (std::size_t i = 0; i < most_in_columns; ++i) {
         columns.push_back({fmt::format("{}_{}", name, i + 1), unit, false, &quantity, tap, i});
     }
 }
@@ -313,7 +363,7 @@ void add_columns(std::vector<NumberColumn>& columns, const Quantity& quantity, T
 /// The name without the number of its element: of "harmonics_db_3" "harmonics_db".
 std::string_view name_of_array(const NumberColumn& column) {
     const std::string_view name = column.name;
-    return column.quantity->kind == Kind::harmonics ? name.substr(0, name.rfind('_')) : name;
+    return is_list(*column.quantity) ? name.substr(0, name.rfind('_')) : name;
 }
 
 bool names_it(const std::string& name, const NumberColumn& column) {
@@ -445,17 +495,27 @@ tl::expected<std::vector<NumberColumn>, std::vector<std::string>> chosen_columns
     return columns;
 }
 
+std::vector<double> numbers_of(const Run& run, std::span<const NumberColumn> columns) {
+    std::vector<double> numbers;
+    numbers.reserve(columns.size());
+    Json value;
+    const NumberColumn* before = nullptr;
+    for (const NumberColumn& column : columns) {
+        if (before == nullptr || column.quantity != before->quantity || column.tap != before->tap) {
+            const auto tap = std::ranges::find(run.taps, column.tap, &TapRecord::tap);
+            const bool there = tap != run.taps.end() && exists(*column.quantity, run);
+            value = there ? value_of(*column.quantity, run, *tap) : Json();
+            before = &column;
+        }
+        const Json& number =
+            value.is_array() && column.element < value.size() ? value[column.element] : value;
+        numbers.push_back(number.is_number() ? number.get<double>() : no_number);
+    }
+    return numbers;
+}
+
 double number_of(const Run& run, const NumberColumn& column) {
-    const Quantity& quantity = *column.quantity;
-    const auto tap = std::ranges::find(run.taps, column.tap, &TapRecord::tap);
-    if (tap == run.taps.end() || !exists(quantity, run)) {
-        return no_number;
-    }
-    const Json value = value_of(quantity, run, *tap);
-    if (value.is_array()) {
-        return column.element < value.size() ? value[column.element].get<double>() : no_number;
-    }
-    return value.is_number() ? value.get<double>() : no_number;
+    return numbers_of(run, {&column, 1}).front();
 }
 
 }  // namespace hertzline::measures

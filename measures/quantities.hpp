@@ -22,8 +22,8 @@ namespace hertzline::measures {
 /// Quantities that stand together in a summary.
 enum class Group : unsigned char { result, spectrum, contacts, trust, run };
 
-/// The kind of a quantity's value. Each but text is a column of a sweep's table, or one for each harmonic.
-enum class Kind : unsigned char { number, count, text, harmonics };
+/// The kind of a quantity's value. Each but text is a column of a sweep's table, or one for each harmonic or for each of the first points.
+enum class Kind : unsigned char { number, count, text, harmonics, points };
 
 /// The place of a quantity among the columns of a sweep's table.
 enum class Columns : unsigned char {
@@ -91,7 +91,8 @@ tl::expected<std::vector<NumberColumn>, std::vector<std::string>> chosen_columns
 
 inline constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
-/// The run's number in that column; no_number where the run does not determine it.
+/// The run's numbers in those columns; no_number where the run does not determine it.
+std::vector<double> numbers_of(const Run& run, std::span<const NumberColumn> columns);
 double number_of(const Run& run, const NumberColumn& column);
 
 }  // namespace hertzline::measures

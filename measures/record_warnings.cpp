@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "core/model/tone_burst.hpp"
+#include "core/model/drive.hpp"
 
 namespace hertzline::measures {
 
@@ -18,7 +18,7 @@ constexpr double silence = 1e-9;
 
 /// Until the end of the first burst.
 double burst_s(const Drive& drive) {
-    return drive.start_s + drive.cycles / drive.frequency_hz;
+    return drive.start_s + burst_duration_s(drive);
 }
 
 /// Rounded up to two digits, so that it can be typed.

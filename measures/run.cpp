@@ -9,10 +9,12 @@
 
 #include <fmt/format.h>
 
+#include "core/array/array_solver.hpp"
 #include "core/model/chain.hpp"
 #include "core/model/energy.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/text.hpp"
 #include "measures/record_warnings.hpp"
@@ -42,15 +44,8 @@ PlateEnergy sum_of(const PlateEnergy& a, const PlateEnergy& b) {
     return {a.passed + b.passed, a.lost + b.lost, a.held + b.held, a.radiated + b.radiated};
 }
 
-/// Adds the account of a simulation that is over. @param continued its motion and ledger continue those of the one before
-/// @param continues the next one continues them, and accounts for them
-void add_account(Run& run, Simulation& simulation, bool continued, bool continues) {
-    const Scene& scene = simulation.scene();
-    const Chain& chain = simulation.chain();
-    run.steps += simulation.steps();
-    run.step_s = simulation.step_s();
-    run.contact_events += simulation.contact_events();
-    const Eigen::ArrayXd& peaks = simulation.state().peak_overlap;
+/// Adds the loads of a chain's contacts.
+void add_contacts(Run& run, const Scene& scene, const Chain& chain, const Eigen::ArrayXd& peaks) {
     add_load(run.load, contact_load(chain, peaks));
     run.static_pressure_pa =
         std::max(run.static_pressure_pa, contact_load(chain, chain.static_overlap).pressure_pa);
@@ -60,9 +55,28 @@ void add_account(Run& run, Simulation& simulation, bool continued, bool continue
         run.strength_ratio = ratio;
         run.strength_warning = strength_warning(judged);
     }
+}
+
+/// Adds the account of a simulation that is over. @param continued its motion and ledger continue those of the one before
+/// @param continues the next one continues them, and accounts for them
+void add_account(Run& run, Simulation& simulation, bool continued, bool continues) {
+    const Chain& chain = simulation.chain();
+    run.steps += simulation.steps();
+    run.step_s = simulation.step_s();
+    run.contact_events += simulation.contact_events();
+    for (std::size_t element = 0; element < simulation.elements(); ++element) {
+        add_contacts(run, element_scene(simulation.scene(), element), simulation.chain(element),
+                     simulation.state(element).peak_overlap);
+    }
     if (!continues) {
         run.energy_residual = std::max(run.energy_residual, simulation.energy_residual());
-        run.holder_lost += simulation.ledger().holder_lost;
+        const Ledger ledger = simulation.ledger();
+        run.holder_lost += ledger.holder_lost;
+        if (chain.horn_inv_mass > 0) {
+            const HornEnergy before = run.horn.value_or(HornEnergy{});
+            run.horn = HornEnergy{before.source + ledger.source_work, before.lost + ledger.horn_lost,
+                                  before.held + ledger.horn_held};
+        }
     }
     if (chain.end.plate) {
         const PlateEnergy energy = energy_of_plate(simulation.ledger());
@@ -70,19 +84,76 @@ void add_account(Run& run, Simulation& simulation, bool continued, bool continue
     }
 }
 
+void keep_points(Run& run, const Samples& block) {
+    const std::span<const double> values = block[Tap::p_points];
+    const std::size_t points = block.channels(Tap::p_points);
+    run.peaks_p_points.resize(points);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        double& peak = run.peaks_p_points[i % points];
+        peak = std::max(peak, std::abs(values[i]));
+        if (i % points == 0) {
+            run.p_first.push_back(values[i]);
+        }
+    }
+    run.peak_p_points = peak_of(run.peaks_p_points);
+}
+
+/// When the pressure at the first point first exceeds half of its peak [s].
+std::optional<double> first_arrival_s(const Run& run) {
+    const double half = 0.5 * peak_of(run.p_first);
+    const auto first = std::ranges::find_if(run.p_first, [half](double p) { return std::abs(p) > half; });
+    return first == run.p_first.end() ? std::nullopt
+                                      : std::optional(static_cast<double>(first - run.p_first.begin()) /
+                                                      run.scene().output.sample_rate_hz);
+}
+
+/// The peak of the pressure that the middle element alone makes at the first point [Pa].
+std::optional<double> peak_of_one_alone(const Scene& scene) {
+    const std::size_t middle = middle_element(scene);
+    Scene one = element_scene(scene, middle);
+    one.output.points_m.resize(1);
+    one.output.points_m[0][0] -= scene.array.x_m[middle];
+    one.output.points_m[0][1] -= scene.array.y_m[middle];
+    Simulation simulation(one, {.taps = Tap::p_points, .ledger = LedgerKeeping::off});
+    Samples block = simulation.make_samples(block_of_run(one, Tap::p_points));
+    double peak = 0;
+    for (auto left = static_cast<std::size_t>(rows_of_run(one)); left > 0; left -= block.count) {
+        if (simulation.advance(block, std::min(block.capacity(), left)) != Status::running) {
+            return std::nullopt;
+        }
+        peak = std::max(peak, peak_of(block[Tap::p_points]));
+    }
+    return peak;
+}
+
+/// Appends the tap's samples; of an array those of the middle element.
+void append_samples(const Samples& block, Tap tap, const Scene& scene, std::vector<double>& values) {
+    const std::span<const double> all = block[tap];
+    const std::size_t channels = block.channels(tap);
+    if (channels == 1) {
+        values.insert(values.end(), all.begin(), all.end());
+        return;
+    }
+    for (std::size_t i = middle_element(scene); i < all.size(); i += channels) {
+        values.push_back(all[i]);
+    }
+}
+
 /// Keeps the next samples.
 void keep(Run& run, const Samples& block, const EndModel& end) {
     run.peak_v_last = std::max(run.peak_v_last, peak_of(block[Tap::v_last]));
     if (block.taps().contains(Tap::p_points)) {
-        run.peak_p_points = std::max(run.peak_p_points, peak_of(block[Tap::p_points]));
+        keep_points(run, block);
     }
     for (TapRecord& tap : run.taps) {
-        const std::span<const double> values = block[tap.tap];
-        tap.values.insert(tap.values.end(), values.begin(), values.end());
+        append_samples(block, tap.tap, run.resolved.scene, tap.values);
     }
     if (end.has_plate) {
+        const std::size_t before = run.v_out_smooth.size();
+        run.v_out_smooth.resize(before + block.count);
         std::ranges::transform(
-            block[Tap::v_last], block[Tap::v_plate], std::back_inserter(run.v_out_smooth),
+            block[Tap::v_last], block[Tap::v_plate],
+            run.v_out_smooth.begin() + static_cast<std::ptrdiff_t>(before),
             [&end](double v_last, double v_plate) { return end.output_velocity(v_last, v_plate, true); });
     }
 }
@@ -223,7 +294,7 @@ std::optional<double> rung_down_s(const Run& run, Simulation& simulation) {
             if (simulation.advance(block, std::min(block.capacity(), left)) != Status::running) {
                 return std::nullopt;
             }
-            record.insert(record.end(), block[Tap::v_out].begin(), block[Tap::v_out].end());
+            append_samples(block, Tap::v_out, scene, record);
         }
         peak = std::max(peak, peak_of(record));
         if (peak_of(std::span(record).last(period)) <= ringing_share * peak) {
@@ -263,7 +334,8 @@ std::size_t block_of_run(const Scene& scene, TapSet taps) noexcept {
 double memory_of_run(const Scene& scene, TapSet taps, TapSet measured) noexcept {
     const double rows = rows_of_run(scene);
     const double records =
-        1 + static_cast<double>((measured | Tap::v_out).size());  // v_out also without its jumps
+        2 +
+        static_cast<double>((measured | Tap::v_out).size());  // v_out also without its jumps; the first point
     const double block =
         static_cast<double>(block_of_run(scene, taps)) * channels_of(taps, channel_counts(scene));
     return Simulation::memory_bytes(scene, taps) + block * sizeof(double) + records * rows * sizeof(double) +
@@ -290,8 +362,10 @@ Run simulate(const Resolution& resolved, const RunOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     const Scene& scene = resolved.scene;
     const TapSet measured = measured_taps(scene, options.measured);
-    const SimulationOptions simulated{.taps = taps_of_run(scene, options.recorded | measured),
-                                      .stop = options.stop};
+    SimulationOptions simulated{.taps = taps_of_run(scene, options.recorded | measured),
+                                .stop = options.stop};
+    simulated.live = options.live;
+    simulated.threads = options.threads;
     Simulation simulation(resolved, simulated);
     Run run = empty_run(resolved, measured, simulation.chain().end);
     run.setup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -327,14 +401,20 @@ Status fill(Run& run, Simulation& simulation, const std::function<bool(const Sam
     return fill(run, sequence, take);
 }
 
-void measure(Run& run, SpectrumAnalyser& analyser, std::optional<double> band_from_hz) {
+void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz) {
     const Scene& scene = run.resolved.scene;
-    for (TapRecord& tap : run.taps) {
-        tap.spectrum = analyser.analyse(tap.values, scene.drive.frequency_hz, band_from_hz);
+    if (analyser != nullptr) {
+        for (TapRecord& tap : run.taps) {
+            tap.spectrum = analyser->analyse(tap.values, scene.drive.frequency_hz, band_from_hz);
+        }
+        run.switching_db = switching_of(*analyser, run);
     }
     const std::vector<double>& v_out = run.taps.front().values;
-    run.switching_db = switching_of(analyser, run);
     run.ringing_ratio = ringing_ratio(scene, v_out);
+    run.first_arrival_s = first_arrival_s(run);
+    if (scene.array.x_m.size() > 1 && !run.p_first.empty()) {
+        run.alone_p_pa = peak_of_one_alone(scene);
+    }
     append(run.warnings, record_warnings(scene, v_out, run.rung_down_s));
     append(run.warnings, band_warnings("v_out", run.taps.front().spectrum));
     append(run.warnings, switching_warnings(run.switching_db));
@@ -348,7 +428,11 @@ void measure(Run& run, SpectrumAnalyser& analyser, std::optional<double> band_fr
 }
 
 Warnings scene_warnings(const Resolution& resolved) {
-    Warnings warnings = validity_warnings(resolved.scene, Chain(resolved.scene));
+    const Scene first = element_scene(resolved.scene, 0);
+    Warnings warnings = validity_warnings(first, Chain(first));
+    if (is_array(resolved.scene)) {
+        append(warnings, array_warnings(resolved.scene));
+    }
     if (auto missed = missed_accuracy(resolved)) {
         warnings.push_back(*std::move(missed));
     }
@@ -453,7 +537,7 @@ Run run(const Resolution& resolved, const RunOptions& options) {
     Run run = measures::simulate(resolved, options);
     if (!run.stopped) {
         SpectrumAnalyser analyser(run.rows(), resolved.scene.output.sample_rate_hz);
-        measures::measure(run, analyser, options.band_from_hz);
+        measures::measure(run, &analyser, options.band_from_hz);
     }
     return run;
 }

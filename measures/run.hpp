@@ -24,8 +24,8 @@ namespace hertzline::measures {
 inline constexpr double max_run_rows = 268'435'456;
 
 /// Taps that have a peak and a spectrum of their own.
-inline constexpr TapSet measurable_taps =
-    taps_where([](const TapRow& row) { return row.channels == Channels::one; });
+inline constexpr TapSet measurable_taps = taps_where(
+    [](const TapRow& row) { return row.channels == Channels::one || row.channels == Channels::per_element; });
 
 /// Taps that are measured beside v_out without being asked for, when the scene has them.
 inline constexpr TapSet measured_unasked = TapSet(Tap::p_axis) | Tap::v_centre;
@@ -57,8 +57,9 @@ std::optional<std::string> band_from_fault(std::optional<double> from_hz);
 Run simulate(const Resolution& resolved, const RunOptions& options);
 
 /// Adds spectra and warnings to a run that has all its samples.
-/// @param analyser for records of that length and rate @param band_from_hz as SpectrumAnalyser::analyse
-void measure(Run& run, SpectrumAnalyser& analyser, std::optional<double> band_from_hz);
+/// @param analyser for records of that length and rate; null: no spectra, and no warnings of them
+/// @param band_from_hz as SpectrumAnalyser::analyse
+void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_from_hz);
 
 /// A run of a simulation without samples yet, with room for all of them.
 Run empty_run(Resolution resolved, TapSet measured, const EndModel& end);

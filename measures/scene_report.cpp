@@ -14,6 +14,7 @@
 #include "core/model/chain.hpp"
 #include "core/model/contact_law.hpp"
 #include "core/model/end.hpp"
+#include "core/model/sampled_motion.hpp"
 #include "core/model/sphere_row.hpp"
 #include "core/model/strength.hpp"
 #include "core/model/validity.hpp"
@@ -187,10 +188,56 @@ void add_end(Report& report, const Scene& scene, const Chain& chain) {
         {"plate", "transmission sqrt(Tm Tw)", "transmission", "", if_any(plate, chain.end.transmission)});
 }
 
+/// Numbers of a recorded drive and of the low-pass that it goes through.
+void add_record(Report& report, const Drive& drive) {
+    if (!has_samples(drive)) {
+        return;
+    }
+    const RecordFacts& record = SampledMotion::of(drive)->facts();
+    const bool velocity = drive.quantity == DriveQuantity::velocity;
+    const char* const unit = velocity ? "m/s" : "m";
+    const std::string suffix = velocity ? "_m_per_s" : "_m";
+    report.push_back({"record", "samples", "record_samples", "", record.samples});
+    report.push_back({"record", "sample rate", "record_sample_rate_hz", "Hz", *drive.sample_rate_hz});
+    report.push_back({"record", "duration", "record_duration_s", "s", record.duration_s});
+    report.push_back({"record", "quantity", "record_quantity", "",
+                      std::string(word(drive.quantity.value_or(DriveQuantity::displacement)))});
+    report.push_back(
+        {"record", "strongest line, or as set", "record_frequency_hz", "Hz", drive.frequency_hz});
+    report.push_back(
+        {"record", "largest displacement", "record_displacement_m", "m", record.largest_displacement_m});
+    report.push_back(
+        {"record", "largest velocity", "record_velocity_m_per_s", "m/s", record.largest_velocity});
+    report.push_back({"record", "low-pass keeps, up to", "record_lowpass_hz", "Hz", lowpass_hz(drive)});
+    report.push_back(
+        {"record", "low-pass takes, rms of the rest", "record_beyond_ratio", "", record.beyond_share});
+    report.push_back({"record", "noise floor, rms, at most", "record_noise" + suffix, unit, record.noise});
+    report.push_back({"record", "its velocity that is kept, rms", "record_noise_velocity_m_per_s", "m/s",
+                      record.noise_velocity});
+    report.push_back({"record", "offset (first sample)", "record_offset" + suffix, unit, record.offset});
+    report.push_back(
+        {"record", "drift (mean velocity)", "record_drift_m_per_s", "m/s", record.drift_m_per_s + 0.0});
+    report.push_back({"record", "drift removed", "record_drift_removed", "", record.drift_removed});
+}
+
+/// Adds the rows of a live drive: its rate, low-pass and latency.
+void add_live_drive(Report& report, const Scene& scene) {
+    const Drive& drive = scene.drive;
+    if (drive.kind != DriveKind::live) {
+        return;
+    }
+    const double rate = scene.output.sample_rate_hz;
+    report.push_back(
+        {"drive", "sample rate", "drive_sample_rate_hz", "Hz", drive.sample_rate_hz.value_or(rate)});
+    report.push_back({"drive", "low-pass keeps, up to", "drive_lowpass_hz", "Hz", lowpass_hz(drive)});
+    report.push_back({"drive", "latency", "latency_s", "s", drive.start_s});
+    report.push_back({"drive", "in samples of the output", "latency_samples", "",
+                      static_cast<std::int64_t>(std::llround(drive.start_s * rate))});
+}
+
 void add_time_scales(Report& report, const Scene& scene, const Chain& chain,
                      const std::optional<Eigen::ArrayXd>& peaks) {
-    report.push_back({"time", "duration of a burst", "burst_duration_s", "s",
-                      scene.drive.cycles / scene.drive.frequency_hz});
+    report.push_back({"time", "duration of a burst", "burst_duration_s", "s", burst_duration_s(scene.drive)});
     report.push_back({"time", "fastest mode at rest", "fastest_static_hz", "Hz",
                       fastest_frequency(chain, chain.static_overlap) / two_pi});
     report.push_back({"time", "fastest mode in motion", "fastest_dynamic_hz", "Hz",
@@ -244,14 +291,18 @@ void add_step(Report& report, const Resolution& resolved) {
     report.push_back({"step", "recommended step", "recommended_step_s", "s", advice.recommended_step_s});
     report.push_back({"step", "estimated error of that step", "recommended_step_estimated_error", "",
                       advice.estimated_error});
-    report.push_back(
-        {"step", "largest stable step", "largest_stable_step_s", "s", advice.largest_stable_step_s});
+    if (advice.largest_stable_step_s > 0) {  // not measured of an array
+        report.push_back(
+            {"step", "largest stable step", "largest_stable_step_s", "s", advice.largest_stable_step_s});
+    }
 }
 
 }  // namespace
 
 double first_burst_s(const Scene& scene) {
-    return 1.5 * (scene.drive.start_s + scene.drive.cycles / scene.drive.frequency_hz);
+    const Drive& drive = scene.drive;
+    const double start_s = drive.kind == DriveKind::live ? 0 : drive.start_s;
+    return 1.5 * (start_s + burst_duration_s(drive));
 }
 
 std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_s) {
@@ -260,7 +311,7 @@ std::optional<Eigen::ArrayXd> peak_overlaps(const Scene& scene, double duration_
     if (body_steps > max_body_steps) {
         return std::nullopt;
     }
-    Simulation simulation(scene);
+    Simulation simulation(as_declared(scene));
     const double samples = std::max(1.0, duration_s * scene.output.sample_rate_hz);
     if (simulation.skip(static_cast<std::int64_t>(samples)) != Status::running) {
         return std::nullopt;
@@ -288,6 +339,8 @@ std::vector<ReportRow> scene_report(const Resolution& resolved, const std::optio
     add_spheres(report, scene, chain);
     add_contacts(report, scene, chain, peaks);
     add_end(report, scene, chain);
+    add_record(report, scene.drive);
+    add_live_drive(report, scene);
     add_time_scales(report, scene, chain, peaks);
     add_accuracy(report, resolved);
     add_step(report, resolved);

@@ -1,6 +1,7 @@
 #include "hertzline/spectrum.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -50,14 +51,11 @@ double decibels(double ratio) {
 
 /// Largest |sample|; absent when one is not finite.
 std::optional<double> finite_peak_of(std::span<const double> record) {
-    double peak = 0;
+    bool finite = true;
     for (const double v : record) {
-        if (!std::isfinite(v)) {
-            return std::nullopt;
-        }
-        peak = std::max(peak, std::abs(v));
+        finite &= std::isfinite(v);
     }
-    return peak;
+    return finite ? std::optional(peak_of(record)) : std::nullopt;
 }
 
 /// Height of the parabola through the logarithms of three neighbours, the middle one the largest.
@@ -84,11 +82,17 @@ double square(double value) noexcept {
 }  // namespace
 
 double peak_of(std::span<const double> values) {
-    double peak = 0;
-    for (const double value : values) {
-        peak = std::max(peak, std::abs(value));
+    std::array<double, 8> peaks{};  // one would wait for itself at each value
+    std::size_t i = 0;
+    for (; i + peaks.size() <= values.size(); i += peaks.size()) {
+        for (std::size_t lane = 0; lane < peaks.size(); ++lane) {
+            peaks[lane] = std::max(peaks[lane], std::abs(values[i + lane]));
+        }
     }
-    return peak;
+    for (; i < values.size(); ++i) {
+        peaks[0] = std::max(peaks[0], std::abs(values[i]));
+    }
+    return std::ranges::max(peaks);
 }
 
 std::vector<double> level_differences_db(std::span<const double> harmonics, std::span<const double> others) {
@@ -165,7 +169,8 @@ bool SpectrumAnalyser::transform(std::span<const double> record) {
         return false;
     }
     scale_ = *peak;
-    const auto end = std::ranges::transform(record, buffer_.begin(), [&](double v) { return v / *peak; }).out;
+    const auto end =
+        std::ranges::transform(record, buffer_.begin(), [scale = *peak](double v) { return v / scale; }).out;
     std::fill(end, buffer_.end(), 0.0);
     fftw_execute(transform_->plan);
     take_powers();
@@ -179,17 +184,20 @@ void SpectrumAnalyser::take_powers() noexcept {
     const std::size_t pairs = last_bin_;
     powers_[0] = square(buffer_[0] + buffer_[1]);
     powers_[pairs] = square(buffer_[0] - buffer_[1]);
+    const double* const values = buffer_.data();
+    const std::complex<double>* const turns = transform_->turns.data();
+    double* const powers = powers_.data();
     for (std::size_t bin = 1; bin <= pairs / 2; ++bin) {
-        const double* const near = &buffer_[2 * bin];
-        const double* const far = &buffer_[2 * (pairs - bin)];
+        const double* const near = &values[2 * bin];
+        const double* const far = &values[2 * (pairs - bin)];
         const double even_re = 0.5 * (near[0] + far[0]);
         const double even_im = 0.5 * (near[1] - far[1]);
         const double odd_re = 0.5 * (near[1] + far[1]);
         const double odd_im = 0.5 * (far[0] - near[0]);
-        const double re = transform_->turns[bin].real() * odd_re - transform_->turns[bin].imag() * odd_im;
-        const double im = transform_->turns[bin].real() * odd_im + transform_->turns[bin].imag() * odd_re;
-        powers_[bin] = square(even_re + re) + square(even_im + im);
-        powers_[pairs - bin] = square(even_re - re) + square(even_im - im);
+        const double re = turns[bin].real() * odd_re - turns[bin].imag() * odd_im;
+        const double im = turns[bin].real() * odd_im + turns[bin].imag() * odd_re;
+        powers[bin] = square(even_re + re) + square(even_im + im);
+        powers[pairs - bin] = square(even_re - re) + square(even_im - im);
     }
 }
 
@@ -224,9 +232,13 @@ std::optional<Band> SpectrumAnalyser::band_above(double threshold, double lowest
     std::optional<Band> band;
     const double power = threshold * threshold;
     const auto first = static_cast<std::size_t>(lowest_hz / bin_hz_) + 1;
+    std::size_t last = last_bin_;  // most bins lie above all bands
+    while (last > 0 && powers_[last - 1] < power) {
+        --last;
+    }
     double left_hz = lowest_hz;
     double left = square(magnitude_at(lowest_hz));
-    for (std::size_t bin = first; bin <= last_bin_; ++bin) {
+    for (std::size_t bin = first; bin <= last; ++bin) {
         const double right = powers_[bin];
         if (std::max(left, right) >= power) {
             const double right_hz = bin_hz_ * static_cast<double>(bin);

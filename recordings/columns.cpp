@@ -12,40 +12,47 @@ namespace hertzline::recordings {
 namespace {
 
 /// Taps with as many channels, whose columns take turns: in a recording they stand in this order.
-constexpr std::array channels_in_order{Channels::one, Channels::per_point, Channels::per_sphere,
-                                       Channels::per_contact};
+constexpr std::array channels_in_order{Channels::per_element, Channels::one, Channels::per_point,
+                                       Channels::per_sphere, Channels::per_contact};
+
+/// A chain alone has no elements.
+Channels channels_for(const TapRow& row, const ChannelCounts& counts) noexcept {
+    return has_channels(row.tap, counts) ? row.channels : Channels::one;
+}
 
 /// Calls act(row) for each tap of the set with such channels.
 template <class Act>
-void for_each_tap(TapSet taps, Channels channels, const Act& act) {
+void for_each_tap(TapSet taps, const ChannelCounts& counts, Channels channels, const Act& act) {
     for (const TapRow& row : tap_rows) {
-        if (taps.contains(row.tap) && row.channels == channels) {
+        if (taps.contains(row.tap) && channels_for(row, counts) == channels) {
             act(row);
         }
     }
 }
 
-/// The name of a tap's column in a file. @param channel from 1; of a tap with a single one it does not matter
-std::string column_name(const TapRow& row, std::size_t channel) {
-    std::string name(row.column);
+/// The tap's column with '#' in the place of the channel's number: "v_last_#_m_per_s" of an array.
+std::string array_column(const TapRow& row) {
+    return std::string(row.name) + "_#" + std::string(row.column.substr(row.name.size()));
+}
+
+/// @param channel from 1; of a tap with a single one it does not matter
+Column column_of(const TapRow& row, const ChannelCounts& counts, std::size_t channel) {
+    const bool of_element = channels_for(row, counts) == Channels::per_element;
+    std::string name = of_element ? array_column(row) : std::string(row.column);
     if (const std::size_t place = name.find('#'); place != std::string::npos) {
         name.replace(place, 1, std::to_string(channel));
     }
-    return name;
+    return {name, std::string(row.name), std::string(row.unit)};
 }
 
-Column column_of(const TapRow& row, std::size_t channel) {
-    return {column_name(row, channel), std::string(row.name), std::string(row.unit)};
-}
-
-/// Whether `name` is a column of the tap: its name, with digits where the channel's number stands.
-bool is_column_of(const TapRow& row, std::string_view name) {
-    const std::size_t place = row.column.find('#');
+/// Whether `name` is the column: the same text, with digits where the channel's number stands.
+bool is_column(std::string_view column, std::string_view name) {
+    const std::size_t place = column.find('#');
     if (place == std::string_view::npos) {
-        return name == row.column;
+        return name == column;
     }
-    const std::string_view before = row.column.substr(0, place);
-    const std::string_view after = row.column.substr(place + 1);
+    const std::string_view before = column.substr(0, place);
+    const std::string_view after = column.substr(place + 1);
     if (name.size() <= before.size() + after.size() || !name.starts_with(before) || !name.ends_with(after)) {
         return false;
     }
@@ -79,10 +86,11 @@ std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts) {
     std::vector<Column> columns;
     for (const Channels channels : channels_in_order) {
         std::size_t count = 0;
-        for_each_tap(taps, channels, [&](const TapRow& row) { count = channels_of(row.tap, counts); });
+        for_each_tap(taps, counts, channels,
+                     [&](const TapRow& row) { count = channels_of(row.tap, counts); });
         for (std::size_t channel = 1; channel <= count; ++channel) {
-            for_each_tap(taps, channels,
-                         [&](const TapRow& row) { columns.push_back(column_of(row, channel)); });
+            for_each_tap(taps, counts, channels,
+                         [&](const TapRow& row) { columns.push_back(column_of(row, counts, channel)); });
         }
     }
     return columns;
@@ -90,17 +98,18 @@ std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts) {
 
 Column column_named(const std::string& name) {
     for (const TapRow& row : tap_rows) {
-        if (is_column_of(row, name)) {
+        const bool of_element = row.channels == Channels::per_element && is_column(array_column(row), name);
+        if (of_element || is_column(row.column, name)) {
             return {name, std::string(row.name), std::string(row.unit)};
         }
     }
     return with_unit_in_name(name).value_or(Column{name, name, ""});
 }
 
-RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {
+void RowBuilder::find_order(const ChannelCounts& counts) {
     for (const Channels channels : channels_in_order) {
         std::vector<Tap> alike;
-        for_each_tap(taps, channels, [&](const TapRow& row) { alike.push_back(row.tap); });
+        for_each_tap(taps_, counts, channels, [&](const TapRow& row) { alike.push_back(row.tap); });
         if (!alike.empty()) {
             alike_.push_back(std::move(alike));
         }
@@ -110,6 +119,9 @@ RowBuilder::RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(reco
 void RowBuilder::write(const Samples& block) {
     if (!recordings_.any_left()) {
         return;
+    }
+    if (alike_.empty()) {
+        find_order(block.counts());
     }
     std::vector<double> rows;
     rows.reserve(block.count * static_cast<std::size_t>(channels_of(taps_, block.counts())));

@@ -12,7 +12,7 @@
 
 namespace hertzline::recordings {
 
-/// The columns of a recording of those taps: first those with one channel, then those of the points, of the spheres, sphere by
+/// The columns of a recording of those taps: first those of an array's elements, element by element, then those with one channel, those of the points, of the spheres, sphere by
 /// sphere, and of the contacts.
 std::vector<Column> recorded_columns(TapSet taps, const ChannelCounts& counts);
 
@@ -23,7 +23,7 @@ Column column_named(const std::string& name);
 class RowBuilder {
 public:
     /// @param recordings outlives the builder; its columns are recorded_columns() of the same taps
-    RowBuilder(RecordingSet& recordings, TapSet taps);
+    RowBuilder(RecordingSet& recordings, TapSet taps) : recordings_(recordings), taps_(taps) {}
 
     TapSet taps() const noexcept { return taps_; }
 
@@ -32,6 +32,8 @@ public:
     void write(const Samples& block);
 
 private:
+    void find_order(const ChannelCounts& counts);
+
     RecordingSet& recordings_;
     TapSet taps_;
     std::vector<std::vector<Tap>> alike_;  ///< taps whose channels take turns

@@ -1,14 +1,17 @@
 #!/usr/bin/python3
-"""Draws the paper's results, the plate in water, its beam, and a sweep.
+"""Draws the paper's results, the plate in water, its beam, a focus, and the device of the tutorial.
 
     scripts/figures.py --program build/release/hertzline --out docs/
 
 runs the program on the shipped scenes and writes docs/paper-result.png, waveform and spectrum for five matching layers and
 the rigid wall, docs/plate-in-water.png, the two models of the plate side by side, docs/beam.png, the peak pressure before the
-plate, and docs/sweep.png, the band over thickness and preload. Debian: python3-numpy python3-matplotlib python3-h5py.
+plate, docs/focus-waterfall.png, the pressure across the focus of seven chains over time, and the pictures of the scene in docs/tutorial.md:
+docs/burst.png, a run, docs/sweep.png, the band over thickness and preload, and docs/field.png, the peak pressure.
+Debian: python3-numpy python3-matplotlib python3-h5py.
 """
 import argparse
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -148,20 +151,31 @@ def run_scenes(program, folder):
         subprocess.run([program, "run", scene, "-o", folder / f"{scene}.csv"], check=True, stdout=subprocess.DEVNULL)
 
 
-SWEEP = ["paper-vitreous-carbon", "--vary", "end.thickness_m=0.2e-3..2e-3:log:30", "--vary",
-         "chain.preload_n=0.01..2:log:30"]
+# The scene that the tutorial describes.
+TUTORIAL = pathlib.Path(__file__).resolve().parent.parent / "docs" / "tutorial.md"
+DEVICE = "my-device.toml"
 
+SWEEP = [DEVICE, "--vary", "end.thickness_m=0.2mm..1mm:log:30", "--vary", "chain.preload_n=0.02..2:log:30"]
 
 FIELD = ["wet-vitreous-carbon", "--plane", "x=-8mm..8mm:161,z=0..31mm:156"]
 
+FOCUS = ["seven-chains", "--set", "array.coupling=none", "--set", "drive.cycles=3", "--set", "output.duration_s=150us",
+         "--plane", "x=-30mm..30mm:121,z=40mm", "--waveforms"]
 
-def draw_table(program, folder, command, png):
+# The command that makes a table, the options of its picture, and the picture.
+TABLES = [(["run", DEVICE], [], "burst"), (["sweep", *SWEEP], [], "sweep"),
+          (["field", DEVICE, "--set", "end.model=modal", "--plane", "x=-8mm..8mm:41,z=1mm..31mm:31"], [], "field"),
+          (["field", *FIELD], [], "beam"),
+          (["field", *FOCUS], ["--kind", "waterfall", "--from", "20us"], "focus-waterfall")]
+
+
+def draw_table(program, folder, command, options, png):
     """Draws the table that the command makes."""
     program = pathlib.Path(program).resolve()
     quiet = {"check": True, "cwd": folder, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     table = f"{png.stem}.h5"
     subprocess.run([program, *command, "-o", table], **quiet)
-    subprocess.run([program, "plot", table, "-o", png.resolve()], **quiet)
+    subprocess.run([program, "plot", table, "-o", png.resolve(), *options], **quiet)
 
 
 def main():
@@ -178,9 +192,11 @@ def main():
             run_models(arguments.program, folder)
         draw_all(lambda scene: folder / f"{scene}.csv", arguments.out / "paper-result.png")
         draw_models(lambda model: folder / f"model-{model}.csv", arguments.out / "plate-in-water.png")
-        for command, picture in ((["sweep", *SWEEP], "sweep"), (["field", *FIELD], "beam")):
-            draw_table(arguments.program, pathlib.Path(temporary), command, arguments.out / f"{picture}.png")
-    print(*(arguments.out / f"{name}.png" for name in ("paper-result", "plate-in-water", "beam", "sweep")), sep="\n")
+        scene = re.search(r"^```toml\n(.*?)^```", TUTORIAL.read_text(encoding="utf-8"), re.M | re.S)[1]
+        pathlib.Path(temporary, DEVICE).write_text(scene, encoding="utf-8")
+        for command, options, picture in TABLES:
+            draw_table(arguments.program, pathlib.Path(temporary), command, options, arguments.out / f"{picture}.png")
+    print(*(arguments.out / f"{name}.png" for name in ("paper-result", "plate-in-water", *(picture for *_, picture in TABLES))), sep="\n")
 
 
 if __name__ == "__main__":

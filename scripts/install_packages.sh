@@ -1,10 +1,11 @@
 #!/bin/sh
-# install_packages.sh [--tests|--optional]: installs the missing Debian packages of packages.txt; with --tests also those for tests, with
-# --optional all. Quick and silent when none is missing.
+# install_packages.sh [--tests|--docs|--optional]: installs the missing Debian packages of packages.txt; with --tests also those for tests,
+# with --docs those for the manual, with --optional all. Quick and silent when none is missing.
 set -eu
-passed_over="tests optional"
+passed_over="tests docs optional"
 case "${1:-}" in
---tests) passed_over="optional" ;;
+--tests) passed_over="docs optional" ;;
+--docs) passed_over="tests optional" ;;
 --optional) passed_over="" ;;
 esac
 
@@ -17,7 +18,7 @@ missing=""
 while read -r first second third; do
     case "$first" in
     '' | '#'*) continue ;;
-    tests | optional) mark=$first package=$second command=$third ;;
+    tests | docs | optional) mark=$first package=$second command=$third ;;
     *) mark="" package=$first command=$second ;;
     esac
     case " $passed_over " in *" ${mark:-always} "*) continue ;; esac

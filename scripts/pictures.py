@@ -8,7 +8,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "apps" / "plot"))
-from hertzline_plot import STYLE  # noqa: E402 (its folder has to be known first)
+from hertzline_pictures.style import STYLE  # noqa: E402 (its folder has to be known first)
 
 
 def use_style(font_size=10):

@@ -1,6 +1,6 @@
 #!/bin/sh
 # scope_pictures.sh [PROGRAM [FOLDER [--pace X]]]: takes screenshots of the scope's page on a running stream, in Chromium:
-# docs/scope.png and docs/scope-dark-phone.png.
+# docs/scope.png and docs/scope-dark-phone.png, and of an array docs/scope-array.png.
 set -eu
 cd "$(dirname "$0")/.."
 program=$(realpath "${1:-build/release/hertzline}")

@@ -2,11 +2,14 @@
 
 #include <cerrno>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 namespace hertzline::stream {
@@ -15,6 +18,34 @@ namespace {
 
 /// Before every ordinary thread, behind the kernel's own (interrupt threads have 50).
 constexpr int priority = 10;
+
+constexpr std::uint64_t short_slice_ns = 100'000;
+constexpr std::uint64_t usual_slice_ns = 0;
+
+/// The arguments of sched_setattr(2), which has no header yet.
+struct Scheduling {
+    std::uint32_t size = sizeof(Scheduling);
+    std::uint32_t policy = 0;
+    std::uint64_t flags = 0;
+    std::int32_t nice = 0;
+    std::uint32_t priority = 0;
+    std::uint64_t slice_ns = 0;
+    std::uint64_t deadline_ns = 0;
+    std::uint64_t period_ns = 0;
+    std::uint32_t least_use = 0;
+    std::uint32_t most_use = 0;
+};
+
+/// Sets the slices of the calling thread. @returns those before; nothing when it has no slices, or the system refused
+std::optional<std::uint64_t> set_slices(std::uint64_t slice_ns) noexcept {
+    Scheduling scheduling;
+    if (syscall(SYS_sched_getattr, 0, &scheduling, sizeof scheduling, 0) != 0 ||
+        scheduling.policy != SCHED_OTHER) {
+        return std::nullopt;
+    }
+    const std::uint64_t before = std::exchange(scheduling.slice_ns, slice_ns);
+    return syscall(SYS_sched_setattr, 0, &scheduling, 0) == 0 ? std::optional(before) : std::nullopt;
+}
 
 std::string reason(int error) {
     return std::generic_category().message(error);
@@ -72,6 +103,20 @@ std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread) {
 void wake_on_time() noexcept {
     constexpr unsigned long slack_ns = 1;
     prctl(PR_SET_TIMERSLACK, slack_ns);
+}
+
+ShortSlices::ShortSlices() noexcept : before_(set_slices(short_slice_ns)) {}
+
+ShortSlices::~ShortSlices() {
+    if (before_) {
+        set_slices(*before_);
+    }
+}
+
+void begin_background_thread(const char* name, int nice) noexcept {
+    pthread_setname_np(pthread_self(), name);
+    setpriority(PRIO_PROCESS, 0, nice);
+    set_slices(usual_slice_ns);
 }
 
 }  // namespace hertzline::stream

@@ -1,12 +1,12 @@
 #pragma once
 // The scheduling of threads: of one that must not be late, and of those that compute beside it.
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <pthread.h>
-#include <sys/resource.h>
 
 namespace hertzline::stream {
 
@@ -27,11 +27,21 @@ std::vector<std::string> apply(const ThreadOptions& options, pthread_t thread);
 /// threads at once.
 void wake_on_time() noexcept;
 
-/// For the calling thread, at its start: gives it a name, as the system's tools list it (top -H), and a lower priority.
-/// @param nice from 1 to 19, the lowest. On Linux a priority is the calling thread's.
-inline void begin_background_thread(const char* name, int nice) noexcept {
-    pthread_setname_np(pthread_self(), name);
-    setpriority(PRIO_PROCESS, 0, nice);
-}
+/// While it lives, the calling thread and those that it starts run soon after they are woken, although others compute on
+/// their processor: they ask for short slices of time (Linux 6.12 and later). For threads that rest most of the time.
+class ShortSlices {
+public:
+    ShortSlices() noexcept;
+    ~ShortSlices();
+    ShortSlices(const ShortSlices&) = delete;
+    ShortSlices& operator=(const ShortSlices&) = delete;
+
+private:
+    std::optional<std::uint64_t> before_;  // [ns], if they could be changed
+};
+
+/// For the calling thread, at its start: gives it a name, as the system's tools list it (top -H), a lower priority, and slices
+/// of the usual length. @param nice from 1 to 19, the lowest. On Linux a priority is the calling thread's.
+void begin_background_thread(const char* name, int nice) noexcept;
 
 }  // namespace hertzline::stream

@@ -6,14 +6,20 @@
 #include <set>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "core/scene/text.hpp"
 
 namespace hertzline::studies {
 
 namespace {
 
-constexpr std::string_view form = "KEY=FROM..TO:COUNT[:lin|log] or KEY=A,B,C";
-constexpr std::string_view form_anywhere = "KEY=FROM..TO[:lin|log] or KEY=A,B,C, without a count";
+/// The form of the values of a key.
+std::string form_of(std::string_view key, Sampling sampling) {
+    return fmt::format("{0}=FROM..TO{1}[:lin|log] or {0}=A,B,C{2}", key,
+                       sampling == Sampling::grid ? ":COUNT" : "",
+                       sampling == Sampling::grid ? "" : ", without a count");
+}
 
 std::string_view without_blanks(std::string_view text) {
     return trimmed(text, " \t");
@@ -35,6 +41,7 @@ public:
     AxisReader(const Scene& scene, Sampling sampling) : scene_(scene), sampling_(sampling) {}
 
     std::optional<Axis> read(std::string_view option);
+    std::optional<Axis> read(SceneKey key, std::string_view text);
     std::optional<Axis> read(std::string_view key, std::span<const SceneValue> values);
 
     std::vector<Fault> faults;
@@ -45,7 +52,7 @@ private:
     }
     bool find_key(std::string_view name);
     std::optional<SceneValue> value(std::string_view text);
-    void add_to_list(tl::expected<SceneValue, Fault> value);
+    void add_to_list(tl::expected<SceneValue, Fault> value, std::string_view text = {});
     void read_list(std::string_view text);
     void read_range(std::string_view text);
     void read_count(std::string_view text);
@@ -76,13 +83,14 @@ std::optional<SceneValue> AxisReader::value(std::string_view text) {
     return *std::move(value);
 }
 
-void AxisReader::add_to_list(tl::expected<SceneValue, Fault> value) {
+/// @param text empty: the value was not read from one
+void AxisReader::add_to_list(tl::expected<SceneValue, Fault> value, std::string_view text) {
     if (!value) {
         faults.push_back(std::move(value).error());
         return;
     }
     if (!listed_.insert(*value).second) {
-        refuse(value_text(*value), "each value once");
+        refuse(text.empty() ? value_text(*value) : std::string(text), "each value once");
     }
     axis_.list.push_back(*std::move(value));
     axis_.count = static_cast<std::int64_t>(axis_.list.size());
@@ -90,7 +98,7 @@ void AxisReader::add_to_list(tl::expected<SceneValue, Fault> value) {
 
 void AxisReader::read_list(std::string_view text) {
     for (const std::string_view part : split(text, ',')) {
-        add_to_list(read_allowed(scene_, axis_.key, without_blanks(part)));
+        add_to_list(read_allowed(scene_, axis_.key, without_blanks(part)), without_blanks(part));
         if (faults.size() == max_faults) {
             return;
         }
@@ -139,7 +147,7 @@ void AxisReader::read_range(std::string_view text) {
         parts.erase(spacing);
     }
     if (parts.size() != (sampling_ == Sampling::grid ? 1U : 0U)) {
-        refuse(text, std::string(sampling_ == Sampling::grid ? form : form_anywhere));
+        refuse(text, form_of(axis_.key.name, sampling_));
         return;
     }
     if (axis_.key.kind == ValueKind::word) {
@@ -169,13 +177,18 @@ void AxisReader::read_range(std::string_view text) {
 std::optional<Axis> AxisReader::read(std::string_view option) {
     const std::size_t equals = option.find('=');
     if (equals == std::string_view::npos) {
-        refuse(option, std::string(sampling_ == Sampling::grid ? form : form_anywhere));
+        refuse(option, form_of("KEY", sampling_));
         return std::nullopt;
     }
     if (!find_key(without_blanks(option.substr(0, equals)))) {
         return std::nullopt;
     }
-    const std::string_view text = without_blanks(option.substr(equals + 1));
+    return read(std::move(axis_.key), option.substr(equals + 1));
+}
+
+std::optional<Axis> AxisReader::read(SceneKey key, std::string_view text) {
+    axis_.key = std::move(key);
+    text = without_blanks(text);
     if (text.find("..") != std::string_view::npos) {
         read_range(text);
     } else {
@@ -196,6 +209,11 @@ std::optional<Axis> AxisReader::read(std::string_view key, std::span<const Scene
         }
     }
     return faults.empty() ? std::optional(std::move(axis_)) : std::nullopt;
+}
+
+tl::expected<Axis, std::vector<Fault>> axis_or_faults(std::optional<Axis> axis, AxisReader& reader) {
+    return axis ? tl::expected<Axis, std::vector<Fault>>(*std::move(axis))
+                : tl::unexpected(std::move(reader.faults));
 }
 
 }  // namespace
@@ -253,21 +271,24 @@ tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::strin
                                                   Sampling sampling) {
     AxisReader reader(scene, sampling);
     auto axis = reader.read(option);
-    if (axis) {
-        return *std::move(axis);
-    }
     for (Fault& fault : reader.faults) {
         fault.place = {"--vary " + printable(option), 0};
     }
-    return tl::unexpected(std::move(reader.faults));
+    return axis_or_faults(std::move(axis), reader);
+}
+
+tl::expected<Axis, std::vector<Fault>> parse_values(const Scene& scene, SceneKey key, std::string_view text,
+                                                    Sampling sampling) {
+    AxisReader reader(scene, sampling);
+    auto axis = reader.read(std::move(key), text);
+    return axis_or_faults(std::move(axis), reader);
 }
 
 tl::expected<Axis, std::vector<Fault>> axis_of(const Scene& scene, std::string_view key,
                                                std::span<const SceneValue> values) {
     AxisReader reader(scene, Sampling::grid);
     auto axis = reader.read(key, values);
-    return axis ? tl::expected<Axis, std::vector<Fault>>(*std::move(axis))
-                : tl::unexpected(std::move(reader.faults));
+    return axis_or_faults(std::move(axis), reader);
 }
 
 double unit_fraction(std::uint64_t number) noexcept {

@@ -55,6 +55,10 @@ tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view na
 tl::expected<Axis, std::vector<Fault>> parse_axis(const Scene& scene, std::string_view option,
                                                   Sampling sampling);
 
+/// Reads the values of a key, as they stand in such an option behind "KEY=". Faults have no place.
+tl::expected<Axis, std::vector<Fault>> parse_values(const Scene& scene, SceneKey key, std::string_view text,
+                                                    Sampling sampling);
+
 /// Makes an axis of the values, at least one. @returns the axis or every fault
 tl::expected<Axis, std::vector<Fault>> axis_of(const Scene& scene, std::string_view key,
                                                std::span<const SceneValue> values);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <mutex>
 #include <numeric>
 #include <regex>
@@ -12,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "core/scene/elements.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/simulation.hpp"
 #include "hertzline/spectrum.hpp"
@@ -23,9 +25,13 @@ namespace {
 
 constexpr std::array<std::string_view, 3> coordinates{"x", "y", "z"};
 
-/// "x" as the key of a point's coordinate.
-std::string key_of(std::size_t coordinate) {
-    return fmt::format("output.points_m[1][{}]", coordinate + 1);
+/// The coordinate of a point as a key. The medium lies where z is positive.
+SceneKey key_of(std::size_t coordinate) {
+    const auto points = std::ranges::find(scene_keys(), "output.points_m", &SceneKey::name);
+    SceneKey key = points->entry(0).entry(coordinate);
+    key.name = coordinates[coordinate];
+    key.range.min = key.name == "z" ? 0 : key.range.min;
+    return key;
 }
 
 /// The parts "x=..." of the text; commas in a list end none.
@@ -46,7 +52,8 @@ double sound_length_m(const Scene& scene, const Point& point) {
 /// the same intervals.
 class Portions {
 public:
-    explicit Portions(const Scene& scene) : order_(scene.output.points_m.size()) {
+    explicit Portions(const Scene& scene)
+        : order_(scene.output.points_m.size()), points_(is_array(scene) ? 384 : 48) {
         std::iota(order_.begin(), order_.end(), std::size_t{0});
         std::vector<double> lengths;
         for (const Point& point : scene.output.points_m) {
@@ -57,13 +64,13 @@ public:
 
     /// The next ones; none: there are no more.
     std::span<const std::size_t> next() noexcept {
-        constexpr std::size_t points = 48;
-        const std::size_t begin = std::min(order_.size(), next_.fetch_add(points));
-        return std::span(order_).subspan(begin, std::min(points, order_.size() - begin));
+        const std::size_t begin = std::min(order_.size(), next_.fetch_add(points_));
+        return std::span(order_).subspan(begin, std::min(points_, order_.size() - begin));
     }
 
 private:
     std::vector<std::size_t> order_;
+    std::size_t points_;  // at once: chains of an array take longer to simulate than one
     std::atomic<std::size_t> next_{0};
 };
 
@@ -120,18 +127,11 @@ Point FieldGrid::point(std::size_t number) const {
 }
 
 std::string FieldGrid::text() const {
-    std::string text;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-        const std::string axis = axes[i].text();
-        text += fmt::format("{}{}{}", i > 0 ? "," : "", coordinates[i], axis.substr(axis.find('=')));
-    }
-    return text;
+    return fmt::format("{},{},{}", axes[0].text(), axes[1].text(), axes[2].text());
 }
 
 tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::string_view text) {
-    Scene with_point = scene;
-    with_point.output.points_m = {Point{}};
-    std::array<std::string, 3> options{key_of(0) + "=0", key_of(1) + "=0", ""};
+    std::array<std::string, 3> values{"0", "0", ""};
     std::array<bool, 3> given{};
     std::vector<Fault> faults;
     for (const std::string& part : parts_of(std::string(text))) {
@@ -139,23 +139,23 @@ tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::
         const auto name =
             std::ranges::find(coordinates, trimmed(std::string_view(part).substr(0, equals), " \t"));
         const auto coordinate = static_cast<std::size_t>(name - coordinates.begin());
-        if (name == coordinates.end() || given[coordinate]) {
+        if (equals == part.size() || name == coordinates.end() || given[coordinate]) {
             faults.push_back({"", quoted_briefly(part), "x, y and z once each, as x=-8mm..8mm:81 or z=10mm"});
             continue;
         }
         given[coordinate] = true;
-        options[coordinate] = key_of(coordinate) + part.substr(equals);
+        values[coordinate] = part.substr(equals + 1);
     }
     if (!given[2] && faults.empty()) {
         faults.push_back(
             {"", quoted_briefly(text), "with z, the distance from the plate's plane, as z=10mm"});
     }
     FieldGrid grid;
-    for (std::size_t i = 0; faults.empty() && i < options.size(); ++i) {
-        if (auto axis = parse_axis(with_point, options[i], Sampling::grid)) {
+    for (std::size_t i = 0; i < values.size() && given[2]; ++i) {
+        if (auto axis = parse_values(scene, key_of(i), values[i], Sampling::grid)) {
             grid.axes[i] = *std::move(axis);
         } else {
-            faults = std::move(axis.error());
+            std::ranges::move(axis.error(), std::back_inserter(faults));
         }
     }
     double points = 1;
@@ -165,11 +165,6 @@ tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::
     if (faults.empty() && points > static_cast<double>(hertzline::max_points)) {
         faults.push_back(
             {"", fmt::format("{:.0f} points", points), fmt::format("{} at most", hertzline::max_points)});
-    }
-    for (std::int64_t i = 0; faults.empty() && i < grid.axes[2].count; ++i) {
-        if (const double z = std::get<double>(grid.axes[2].value(i)); z < 0) {
-            faults.push_back({"z", number_text(z), "at least 0: the medium lies where z is positive"});
-        }
     }
     if (!faults.empty()) {
         return tl::unexpected(std::move(faults));

@@ -13,6 +13,7 @@
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
+#include "recordings/drive_record.hpp"
 
 namespace hertzline::studies {
 
@@ -23,13 +24,17 @@ TapSet waveform_taps(const Scene& scene, const PointOptions& options) noexcept {
 }
 
 /// Copies a block's samples into the waveform. @param first index of the block's first sample
-void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::vector<float>& waveform) {
+/// @param room channels of the waveform, as many as the block has or more
+void keep_waveform(const Samples& block, Tap tap, std::size_t first, std::size_t room,
+                   std::vector<float>& waveform) {
     const std::span<const double> values = block[tap];
-    const std::size_t room = waveform.size() - std::min(first, waveform.size());
-    std::transform(values.begin(),
-                   values.begin() + static_cast<std::ptrdiff_t>(std::min(room, values.size())),
-                   waveform.begin() + static_cast<std::ptrdiff_t>(std::min(first, waveform.size())),
-                   [](double value) { return static_cast<float>(value); });
+    const std::size_t channels = block.channels(tap);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::size_t place = (first + i / channels) * room + i % channels;
+        if (place < waveform.size()) {
+            waveform[place] = static_cast<float>(values[i]);
+        }
+    }
 }
 
 PointStatus status_of(const Resolution& resolved) {
@@ -65,9 +70,7 @@ PointResult PointRunner::row(std::int64_t point) const {
     PointResult result;
     result.point = point;
     result.numbers.assign(options_.columns.size(), no_number);
-    if (options_.waveform) {
-        result.waveform.assign(options_.waveform_samples, std::numeric_limits<float>::quiet_NaN());
-    }
+    result.waveform.assign(options_.waveform_size(), std::numeric_limits<float>::quiet_NaN());
     return result;
 }
 
@@ -86,14 +89,19 @@ std::optional<PointResult> PointRunner::run(std::int64_t point, const Scene& sce
     return result;
 }
 
-SpectrumAnalyser& PointRunner::analyser(std::size_t rows, double sample_rate_hz) {
+SpectrumAnalyser* PointRunner::analyser(std::size_t rows, double sample_rate_hz) {
+    if (std::ranges::none_of(options_.columns, [](const NumberColumn& column) {
+            return column.quantity->group == measures::Group::spectrum;
+        })) {
+        return nullptr;
+    }
     if (!analyser_ || analysed_rows_ != rows || analysed_rate_hz_ != sample_rate_hz) {
         analyser_.reset();  // its memory first
         analyser_ = std::make_unique<SpectrumAnalyser>(rows, sample_rate_hz);
         analysed_rows_ = rows;
         analysed_rate_hz_ = sample_rate_hz;
     }
-    return *analyser_;
+    return analyser_.get();
 }
 
 PointRunner::Candidate PointRunner::make_candidate(Resolution resolved) const {
@@ -113,7 +121,8 @@ bool PointRunner::simulate(Candidate& candidate, PointResult& result) {
     const TapSet waveform = waveform_taps(scene, options_);
     const Status status = measures::fill(candidate.run, candidate.simulation, [&](const Samples& block) {
         for (const Tap tap : waveform) {
-            keep_waveform(block, tap, candidate.run.rows() - block.count, result.waveform);
+            keep_waveform(block, tap, candidate.run.rows() - block.count, options_.waveform_channels,
+                          result.waveform);
         }
         return !candidate.finer || candidate.finer->follow(block);
     });
@@ -182,8 +191,7 @@ void PointRunner::measure(Candidate& candidate, PointResult& result) {
     const Scene& scene = run.resolved.scene;
     result.status = status_of(run.resolved);
     measures::measure(run, analyser(run.rows(), scene.output.sample_rate_hz), options_.band_from_hz);
-    std::ranges::transform(options_.columns, result.numbers.begin(),
-                           [&run](const NumberColumn& column) { return measures::number_of(run, column); });
+    result.numbers = measures::numbers_of(run, options_.columns);
     Warnings warnings = validity_warnings(scene, candidate.simulation.chain());
     if (auto missed = measures::missed_accuracy(run.resolved)) {
         warnings.insert(warnings.begin(), *std::move(missed));
@@ -196,6 +204,18 @@ void PointRunner::measure(Candidate& candidate, PointResult& result) {
 
 /// @returns false when it was stopped
 bool PointRunner::try_run(const Scene& scene, PointResult& result) {
+    if (scene.drive.kind == DriveKind::file && scene.drive.file) {  // varies from point to point
+        ParsedScene with_record{scene, "", {{"drive.file", {}}}};
+        if (scene.drive.frequency_hz != Drive{}.frequency_hz) {  // the scene gives it
+            with_record.places.emplace("drive.frequency_hz", Place{});
+        }
+        if (const auto fault = recordings::read_drive(with_record, [](const std::string&) {})) {
+            result.status = PointStatus::refused;
+            result.message = fault->message();
+            return true;
+        }
+        return try_run(with_record.scene, result);
+    }
     result.message = scene_refusal(scene);
     if (!result.message.empty()) {
         result.status = PointStatus::refused;

@@ -53,6 +53,10 @@ struct PointOptions {
     std::vector<NumberColumn> columns;   ///< numbers that are kept
     std::optional<Tap> waveform;         ///< samples that are kept
     std::size_t waveform_samples = 0;    ///< at the longest point
+    std::size_t waveform_channels = 1;   ///< at the point with most of them
+
+    /// How many numbers the waveform of a point has.
+    std::size_t waveform_size() const noexcept { return waveform ? waveform_samples * waveform_channels : 0; }
 };
 
 /// A row of a study, without the values of the plan.
@@ -63,7 +67,7 @@ struct PointResult {
     std::string scene_hash;       ///< hash of the resolved scene; empty: it could not be resolved
     std::string message;          ///< warnings, or the reason why there are no numbers
     std::vector<double> numbers;  ///< no_number where the run does not determine it
-    std::vector<float> waveform;  ///< NaN after the last sample
+    std::vector<float> waveform;  ///< row-major [sample][channel]; NaN after the last sample and channel
 };
 
 /// Returns the faults that a scene has by itself, before it runs: those of validate(), or a record too long for its spectrum.
@@ -98,7 +102,7 @@ private:
     Candidate make_candidate(Resolution resolved) const;
     bool simulate(Candidate& candidate, PointResult& result);
     void measure(Candidate& candidate, PointResult& result);
-    SpectrumAnalyser& analyser(std::size_t rows, double sample_rate_hz);
+    SpectrumAnalyser* analyser(std::size_t rows, double sample_rate_hz);
 
     const PointOptions& options_;
     const std::atomic<bool>& stop_;

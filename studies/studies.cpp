@@ -144,9 +144,7 @@ studies::PointOptions point_options(const StudyOptions& options, const studies::
     point.band_from_hz = options.band_from_hz;
     faults.add("band_from_hz", measures::band_from_fault(point.band_from_hz));
     if (options.waveforms) {
-        const TapSet tap = measures::taps_named("waveforms", {*options.waveforms}, there, faults);
-        point.waveform = tap.empty() ? std::nullopt : std::optional<Tap>(*tap.begin());
-        point.waveform_samples = static_cast<std::size_t>(plan.rows);
+        studies::keep_waveforms(point, *options.waveforms, plan, "waveforms", faults);
     }
     const auto columns =
         measures::number_columns((point.measured | measures::measured_unasked) & there, plan.modal);
@@ -171,7 +169,10 @@ StudyTable empty_table(const studies::Study& study) {
                 break;
         }
     }
-    table.waveform_samples = study.samples();
+    if (study.options.waveform) {
+        table.waveform_samples = study.options.waveform_samples;
+        table.waveform_channels = study.options.waveform_channels;
+    }
     table.provenance = studies::provenance_of(study);
     return table;
 }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "core/integrators/kernels.hpp"
+#include "core/scene/faults.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
@@ -63,6 +64,7 @@ constexpr std::array members{Member{"scene", "scene"},
                              Member{"columns", "--quantity"},
                              Member{"waveform", "--waveforms"},
                              Member{"waveform_samples", "length of waveforms"},
+                             Member{"waveform_channels", "channels of waveforms"},
                              Member{"shard", "--shard"}};
 
 /// Returns the identity of a study. Absent members are null or missing.
@@ -79,12 +81,13 @@ Json identity_of(const Study& study) {
     json["columns"] = number_names(options);
     json["waveform"] = options.waveform ? Json(hertzline::row_of(*options.waveform).name) : Json(nullptr);
     json["waveform_samples"] = options.waveform_samples;
+    json["waveform_channels"] = options.waveform_channels;
     json["shard"] = {study.shard.part, study.shard.parts};
     return json;
 }
 
 /// Returns the identity that a table has of its study, with the names of identity_of().
-Json identity_of_table(const Json& provenance, Json columns, bool has_waveforms) {
+Json identity_of_table(const Json& provenance, Json columns) {
     Json json = provenance;
     for (const char* part : {"plan", "search"}) {
         if (json.contains(part) && json[part].is_object()) {
@@ -92,7 +95,6 @@ Json identity_of_table(const Json& provenance, Json columns, bool has_waveforms)
         }
     }
     json["columns"] = std::move(columns);
-    json["waveform"] = has_waveforms;
     return json;
 }
 
@@ -190,9 +192,29 @@ PlanSummary summary_of(const SweepPlan& plan, TapSet measured) {
         summary.taps |= taps_of(scene);
         summary.modal = summary.modal || provides(scene, Requires::modal_plate);
         summary.rows = std::max(summary.rows, measures::rows_of_run(scene));
+        const ChannelCounts counts = channel_counts(scene);
+        summary.counts = {std::max(summary.counts.spheres, counts.spheres),
+                          std::max(summary.counts.points, counts.points),
+                          std::max(summary.counts.elements, counts.elements)};
         summary.memory_bytes = std::max(summary.memory_bytes, point_memory_bytes(scene, largest));
     }
     return summary;
+}
+
+void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,
+                    std::string_view subject, Faults& faults) {
+    options.waveform = faults.value_of(subject, measures::find_tap(name, plan.there()));
+    if (!options.waveform) {
+        return;
+    }
+    options.waveform_samples = static_cast<std::size_t>(plan.rows);
+    options.waveform_channels = std::max<std::size_t>(1, channels_of(*options.waveform, plan.counts));
+    const double numbers = plan.rows * static_cast<double>(options.waveform_channels);
+    if (numbers > measures::max_run_rows) {
+        faults.add(subject, fmt::format("found {:.0f} samples of {} channels, allowed: at most {:.0f} "
+                                        "numbers for each point",
+                                        plan.rows, options.waveform_channels, measures::max_run_rows));
+    }
 }
 
 Json maker_json() {
@@ -231,7 +253,10 @@ Study sweep_of_journal(const std::string& text) {
             study.options.waveform = tap_of(json.at("waveform"));
         }
         study.options.waveform_samples = json.at("waveform_samples").get<std::size_t>();
-        if (static_cast<double>(study.options.waveform_samples) > measures::max_run_rows) {
+        study.options.waveform_channels = json.at("waveform_channels").get<std::size_t>();
+        if (static_cast<double>(study.options.waveform_samples) *
+                static_cast<double>(study.options.waveform_channels) >
+            measures::max_run_rows) {
             throw std::runtime_error("its waveforms exceed the longest run");
         }
         study.shard = {json.at("shard").at(0).get<std::int64_t>(),
@@ -250,6 +275,9 @@ Json provenance_of(const Study& study) {
     json["scene"] = scene_json(study.plan.base());
     if (study.options.band_from_hz) {
         json["band_from_hz"] = *study.options.band_from_hz;
+    }
+    if (study.options.waveform) {
+        json["waveform"] = hertzline::row_of(*study.options.waveform).name;
     }
     if (study.is_search()) {
         json["search"] = study.search;
@@ -280,10 +308,8 @@ std::optional<std::string> table_difference(const recordings::WrittenTable& writ
     for (const TableColumn& column : columns_of(wanted)) {
         columns.push_back(column.about.name);
     }
-    return difference(
-        identity_of_table(written.provenance, written.columns, written.has_samples),
-        identity_of_table(provenance_of(wanted), std::move(columns), wanted.options.waveform.has_value()),
-        but);
+    return difference(identity_of_table(written.provenance, written.columns),
+                      identity_of_table(provenance_of(wanted), std::move(columns)), but);
 }
 
 std::vector<TableColumn> columns_of(const Study& study) {
@@ -364,7 +390,8 @@ recordings::Table table_of(const Study& study, std::span<const Journal> parts) {
     if (study.options.waveform) {
         const TapRow& row = hertzline::row_of(*study.options.waveform);
         table.samples =
-            recordings::TableSamples{std::string(row.name), std::string(row.unit), study.samples()};
+            recordings::TableSamples{std::string(row.name), std::string(row.unit),
+                                     study.options.waveform_samples, study.options.waveform_channels};
     }
     table.read = [parts](std::int64_t point, recordings::TableRow& row) {
         parts[static_cast<std::size_t>(point) % parts.size()].read(point, row);

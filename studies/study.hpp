@@ -37,7 +37,7 @@ struct Study {
     Json search = nullptr;  ///< the request of a search, which its files have in place of the plan
 
     bool is_search() const noexcept { return !search.is_null(); }
-    std::size_t samples() const noexcept { return options.waveform ? options.waveform_samples : 0; }
+    std::size_t samples() const noexcept { return options.waveform_size(); }
 };
 
 /// The points of a plan, all together.
@@ -48,12 +48,17 @@ struct PlanSummary {
     TapSet taps;                ///< taps that any point has
     bool modal = false;         ///< whether any point has a modal plate
     double rows = 0;            ///< of the longest point
+    ChannelCounts counts;       ///< the most of each
 
-    /// The taps of one channel that some point has; all such taps when no point can run.
-    TapSet measurable() const noexcept {
-        return taps.empty() ? measures::measurable_taps : taps & measures::measurable_taps;
-    }
+    /// The taps that some point has; all taps when no point can run.
+    TapSet there() const noexcept { return taps.empty() ? all_taps : taps; }
+    /// Those of them that have numbers of their own.
+    TapSet measurable() const noexcept { return there() & measures::measurable_taps; }
 };
+
+/// Lets a study keep the samples of the tap of that name, or adds its fault. @param subject of the fault
+void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,
+                    std::string_view subject, Faults& faults);
 
 /// Looks at the scene of every point. @param measured beside v_out
 PlanSummary summary_of(const SweepPlan& plan, TapSet measured);

@@ -14,7 +14,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-ROOMS = ["scene", "plate", "model", "integrators", "solvers", "simulation", "step_choice"]
+ROOMS = ["simd", "scene", "plate", "model", "integrators", "solvers", "array", "simulation", "step_choice"]
 INCLUDE = re.compile(r'\s*#\s*include\s*"core/([^"]+)"')
 UNITED = re.compile(r"Unity/unity_core-(\w+?)(?:-[\w-]+)?_cxx\.cxx")  # as cmake/Flags.cmake names united sources
 

@@ -7,14 +7,22 @@
 #include <fmt/format.h>
 
 #include "apps/command.hpp"
-#include "core/integrators/simd/target_choice.hpp"
 #include "core/scene/text.hpp"
+#include "core/simd/target_choice.hpp"
 #include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
 std::string missing_name(const std::string& value) {
     return value.empty() ? "found an empty name, allowed: the name of a file" : "";
+}
+
+bool takes_value(const CLI::Option& option) {
+    return option.get_expected_max() > 0;
+}
+
+std::string word_of(const CLI::Option& option) {
+    return option.get_positional() ? option.get_name(true, false) : option.get_type_name();
 }
 
 CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector<std::string>& values,
@@ -30,7 +38,7 @@ CLI::Option* add_columns_option(CLI::App& app, std::vector<std::string>& names, 
                app, "--columns", names,
                "save these outputs instead of the usual ones: " + comma_separated(names_of(there)))
         ->delimiter(',')
-        ->type_name("NAME,...");
+        ->type_name(there == all_taps ? "OUTPUT,..." : "STREAM,...");
 }
 
 CLI::Option* add_wav_scale_option(CLI::App& app, std::optional<double>& scale) {
@@ -51,8 +59,8 @@ void add_target_option(CLI::App& app) {
                        quoted_briefly(name), there));
                }
            },
-           "compute with these instructions, as other machines do (default: the widest; here: " + there + ")")
-        ->type_name("NAME");
+           "compute with these instructions, as other machines do (default: the widest)")
+        ->type_name("TARGET");
 }
 
 void check_wav_scale(std::optional<double> scale, std::span<const std::string> files, Faults& faults) {

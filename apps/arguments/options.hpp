@@ -18,6 +18,12 @@ namespace hertzline::app {
 /// empty one would mean that the option was not given.
 std::string missing_name(const std::string& value);
 
+/// Whether a value follows the option; none follows a flag.
+bool takes_value(const CLI::Option& option);
+
+/// The word that stands for the option's value in --help: "KEY=VALUE"; of a positional its name.
+std::string word_of(const CLI::Option& option);
+
 /// Adds an option that may be given several times, with one value each time: -o a.csv -o b.csv.
 CLI::Option* add_repeatable_option(CLI::App& app, const char* names, std::vector<std::string>& values,
                                    const std::string& description);

@@ -1,7 +1,9 @@
 #include "apps/arguments/scene_argument.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
@@ -15,10 +17,16 @@
 
 #include "apps/arguments/options.hpp"
 #include "apps/command.hpp"
+#include "core/model/drive.hpp"
+#include "core/scene/scene_json.hpp"
+#include "core/scene/text.hpp"
+#include "core/scene/toml_entries.hpp"
 #include "hertzline/scene_file.hpp"
 #include "hertzline/simulation.hpp"
 #include "measures/resources.hpp"
 #include "measures/run.hpp"
+#include "recordings/drive_record.hpp"
+#include "recordings/recording_formats.hpp"
 
 namespace hertzline::app {
 
@@ -28,6 +36,26 @@ CLI::Option* add_scene_options(CLI::App& app, SceneRequest& request) {
         ->type_name("KEY=VALUE");
     return app.add_option("SCENE", request.scene, "a scene file, or the name of a shipped scene")
         ->type_name("");
+}
+
+std::vector<SceneKey> documented_keys() {
+    const auto all = scene_keys();
+    std::vector<SceneKey> keys(all.begin(), all.end());
+    for (const Material& material : {Material(Solid{}), Material(Fluid{})}) {
+        for (const SceneKey& key : material_keys("NAME", material)) {
+            if (std::ranges::find(keys, key.name, &SceneKey::name) == keys.end()) {
+                keys.push_back(key);
+            }
+        }
+    }
+    return keys;
+}
+
+std::string default_text(const SceneKey& key) {
+    if (const auto value = key.value(Scene{})) {
+        return toml_text(*value);
+    }
+    return key.owner && !key.is_optional ? "needed" : std::string(key.traits.unset);
 }
 
 namespace {
@@ -50,10 +78,50 @@ private:
     std::jthread thread_;  // last: it uses the others
 };
 
+/// The scene in a recording of hertzline, with its settings; nothing where the name is no recording's.
+std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(const SceneRequest& request) {
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(request.scene, unknown) ||
+        recordings::recording_fault(request.scene, recordings::Access::reading)) {
+        return std::nullopt;
+    }
+    const auto fault = [&](const std::string& found, const std::string& allowed) {
+        return tl::unexpected(std::vector{Fault{"", found, allowed, {printable(request.scene)}}});
+    };
+    try {
+        const Json provenance = recordings::open_reader(request.scene)->head().provenance;
+        const Json& scene = OutsideJson(provenance).at("scene");
+        if (!scene.is_object()) {
+            return fault("no scene in this recording", "scenes, and recordings of hertzline");
+        }
+        const auto recorded = scene_of_json(scene);
+        if (!recorded) {
+            return tl::unexpected(recorded.error());
+        }
+        auto parsed = parse_scene(to_toml(*recorded), printable(request.scene), request.settings);
+        if (auto unread =
+                parsed ? recordings::read_drive(*parsed, [](const std::string&) {}) : std::nullopt) {
+            return tl::unexpected(std::vector{*std::move(unread)});
+        }
+        return parsed;
+    } catch (const std::runtime_error& error) {
+        return fault(error.what(), "");
+    }
+}
+
 }  // namespace
 
+std::size_t usable_threads() {
+    return static_cast<std::size_t>(measures::usable_processors());
+}
+
 tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request) {
-    return parse_scene_file(request.scene, request.settings);
+    if (auto recorded = scene_of_recording(request)) {
+        return *std::move(recorded);
+    }
+    return recordings::parse_scene_with_drive(
+        request.scene, request.settings,
+        [&](const std::string& warning) { spdlog::warn("{}: drive.file: {}", request.scene, warning); });
 }
 
 tl::expected<Resolution, std::vector<Fault>> resolved_scene(const SceneRequest& request, Lasting lasting) {
@@ -68,8 +136,10 @@ tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& p
         throw std::runtime_error(*shortage);
     }
     std::optional<Notice> notice(parsed.origin + ": choosing the step by short simulations ...");
-    Resolution resolved = lasting == Lasting::duration ? hertzline::resolve(parsed.scene)
-                                                       : hertzline::resolve(parsed.scene, std::nullopt);
+    const bool endless =
+        lasting == Lasting::endless || (lasting == Lasting::as_driven && awaits_samples(parsed.scene.drive));
+    Resolution resolved = endless ? hertzline::resolve(parsed.scene, std::nullopt, nullptr, usable_threads())
+                                  : hertzline::resolve(parsed.scene, nullptr, usable_threads());
     notice.reset();
     if (!resolved.faults.empty()) {
         for (Fault& fault : resolved.faults) {
@@ -83,8 +153,8 @@ tl::expected<Resolution, std::vector<Fault>> resolved_scene(const ParsedScene& p
     return resolved;
 }
 
-Resolution required_scene(const SceneRequest& request) {
-    auto resolved = resolved_scene(request);
+Resolution required_scene(const SceneRequest& request, Lasting lasting) {
+    auto resolved = resolved_scene(request, lasting);
     if (!resolved) {
         throw WrongUse(fault_text(resolved.error()));
     }

@@ -89,7 +89,7 @@ void add_costs(std::vector<ReportRow>& report, const Scene& scene) {
 }
 
 Exit check(const CheckOptions& options) {
-    const Resolution resolved = required_scene(options.scene);
+    const Resolution resolved = required_scene(options.scene, Lasting::as_driven);
     const Scene& scene = resolved.scene;
     const auto peaks =
         measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));

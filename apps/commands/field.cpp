@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <memory>
@@ -149,6 +150,19 @@ public:
     }
     double peak_pa(std::size_t point) const noexcept { return numbers_[point * columns]; }
 
+    /// The number of the point that lies nearest to a place.
+    std::size_t nearest_to(const std::vector<double>& place_m) const {
+        const auto distance_m = [&](std::size_t number) {
+            const studies::Point at = grid_.point(number);
+            return std::hypot(at[0] - place_m[0], at[1] - place_m[1], at[2] - place_m[2]);
+        };
+        std::size_t best = 0;
+        for (std::size_t i = 1; i < grid_.size(); ++i) {
+            best = distance_m(i) < distance_m(best) ? i : best;
+        }
+        return best;
+    }
+
 private:
     static constexpr std::size_t columns = 2 + SpectrumAnalyser::max_harmonics;
 
@@ -258,15 +272,17 @@ Exit field(const FieldOptions& options) {
         }
     }
     const std::size_t loudest = table.loudest();
-    const studies::Point at = asked.grid.point(loudest);
-    print_summary(
-        Json{{"points", all},
-             {"largest_peak_pa", table.peak_pa(loudest)},
-             {"at_m", {at[0], at[1], at[2]}},
-             {"estimated_error", resolved->estimate ? Json(resolved->estimate->error) : Json(nullptr)},
-             {"wall_s", elapsed_s()},
-             {"files", options.files}},
-        options.format);
+    Json summary{
+        {"points", all}, {"largest_peak_pa", table.peak_pa(loudest)}, {"at_m", asked.grid.point(loudest)}};
+    if (!scene.array.focus_m.empty()) {
+        const std::size_t nearest = table.nearest_to(scene.array.focus_m);
+        summary["peak_near_focus_pa"] = table.peak_pa(nearest);
+        summary["near_focus_m"] = asked.grid.point(nearest);
+    }
+    summary["estimated_error"] = resolved->estimate ? Json(resolved->estimate->error) : Json(nullptr);
+    summary["wall_s"] = elapsed_s();
+    summary["files"] = options.files;
+    print_summary(summary, options.format);
     return Exit::done;
 }
 

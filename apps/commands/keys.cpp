@@ -14,8 +14,7 @@ namespace {
 
 constexpr const char* keys_examples =
     "Makes NAME.key, for the other side, and NAME.key_secret, which you keep to yourself. Existing files "
-    "are\n"
-    "not overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
+    "are not overwritten. czmq and pyzmq (zmq.auth.load_certificate) read both.\n"
     "Examples:\n"
     "  hertzline keys laboratory\n"
     "  hertzline keys alice\n"

@@ -26,6 +26,7 @@
 #include "recordings/recording_set.hpp"
 #include "stream/listening/listener.hpp"
 #include "stream/listening/run_receiver.hpp"
+#include "stream/threads.hpp"
 #include "stream/wire/endpoint.hpp"
 
 namespace hertzline::app {
@@ -41,11 +42,21 @@ constexpr const char* listen_examples =
     "  hertzline listen --stream v_last --duration 1e-3 -o last.csv\n"
     "  hertzline listen --connect ipc:///tmp/hertzline --timeout 10 --json";
 
+/// The part of a run that is received; all of it where neither is set.
+struct Length {
+    std::optional<double> duration_s;  ///< simulated
+    std::optional<std::uint64_t> samples;
+
+    std::optional<double> samples_at(double fs) const {
+        return duration_s ? std::max(1.0, std::round(*duration_s * fs)) : std::optional<double>(samples);
+    }
+};
+
 struct ListenOptions {
     std::string endpoint = "tcp://127.0.0.1:5573";
     CurveClientRequest curve;
     std::string stream = "v_out";
-    std::optional<double> duration_s;
+    Length length;
     std::optional<double> timeout_s;
     std::vector<std::string> files;
     std::optional<double> wav_scale;
@@ -61,8 +72,8 @@ struct RecordingRequest {
 /// Saves one run, and sums it up.
 class ListenSession {
 public:
-    /// @param run the receiver of the frames @param wanted_s simulated seconds; unset: all of the run
-    ListenSession(stream::RunReceiver& run, std::optional<double> wanted_s, RecordingRequest request,
+    /// @param run the receiver of the frames @param length the part of it that is kept
+    ListenSession(stream::RunReceiver& run, const Length& length, RecordingRequest request,
                   stream::RunReceiver::Notify notify);
 
     /// Takes the next frame, and ends the run when it has lasted long enough.
@@ -85,16 +96,16 @@ private:
     void begin();
 
     stream::RunReceiver& run_;
-    std::optional<double> wanted_s_;
+    Length length_;
     RecordingRequest request_;
     stream::RunReceiver::Notify notify_;
     std::optional<recordings::RecordingSet> recordings_;  // from the first frame on
     std::uint64_t samples_ = 0;                           // kept
 };
 
-ListenSession::ListenSession(stream::RunReceiver& run, std::optional<double> wanted_s,
-                             RecordingRequest request, stream::RunReceiver::Notify notify)
-    : run_(run), wanted_s_(wanted_s), request_(std::move(request)), notify_(std::move(notify)) {}
+ListenSession::ListenSession(stream::RunReceiver& run, const Length& length, RecordingRequest request,
+                             stream::RunReceiver::Notify notify)
+    : run_(run), length_(length), request_(std::move(request)), notify_(std::move(notify)) {}
 
 void ListenSession::begin() {
     recordings::RecordingHead head{.columns = {},
@@ -117,9 +128,8 @@ void ListenSession::take(const stream::ReceivedFrame& frame) {
         recordings_->note_change(change);
     }
     std::size_t count = frame.header.n;
-    if (wanted_s_) {
-        const double wanted = std::max(1.0, std::round(*wanted_s_ * run_.fs()));
-        const double left = wanted - static_cast<double>(samples_);
+    if (const auto wanted = length_.samples_at(run_.fs())) {
+        const double left = *wanted - static_cast<double>(samples_);
         if (left <= static_cast<double>(count)) {
             count = static_cast<std::size_t>(left);
             run_.end(stream::EndReason::long_enough);
@@ -168,7 +178,11 @@ Wanted checked(const ListenOptions& options) {
     Faults faults;
     faults.add("--connect", stream::endpoint_fault(options.endpoint, stream::EndpointUse::connect));
     const auto tap = faults.value_of("--stream", measures::find_tap(options.stream, streamed_taps));
-    faults.add("--duration", positive_fault(options.duration_s));
+    faults.add("--duration", positive_fault(options.length.duration_s));
+    faults.add("--samples", positive_fault(options.length.samples));
+    if (options.length.duration_s && options.length.samples) {
+        faults.add("--samples: found --duration, too, allowed: one of them");
+    }
     faults.add("--timeout", positive_fault(options.timeout_s));
     check_recordings(options.files, faults);
     check_wav_scale(options.wav_scale, options.files, faults);
@@ -179,6 +193,7 @@ Wanted checked(const ListenOptions& options) {
 
 void listen_to_the_end(stream::Listener& listener, ListenSession& session, ProgressLine& line,
                        const ListenOptions& options) {
+    const stream::ShortSlices prompt;
     constexpr auto nap = std::chrono::milliseconds(100);  // between looks at the stop flag
     constexpr auto patience = std::chrono::seconds(2);
     const std::atomic<bool>& stop = stop_asked();
@@ -199,7 +214,7 @@ void listen_to_the_end(stream::Listener& listener, ListenSession& session, Progr
         if (line.due()) {
             const double passed_s = std::chrono::duration<double>(steady_clock::now() - start).count();
             line.show(listener.run().has_samples()
-                          ? progress_text({session.simulated_s(), options.duration_s, passed_s})
+                          ? progress_text({session.simulated_s(), options.length.duration_s, passed_s})
                           : waiting);
         }
     }
@@ -233,7 +248,7 @@ Exit listen(const ListenOptions& options) {
     stream::Listener listener(
         options.endpoint,
         {.taps = wanted.tap, .timeout_s = options.timeout_s, .curve = wanted.curve, .notify = notify});
-    ListenSession session(listener.run(), options.duration_s, {options.files, options.wav_scale.value_or(1)},
+    ListenSession session(listener.run(), options.length, {options.files, options.wav_scale.value_or(1)},
                           notify);
     listen_to_the_end(listener, session, line, options);
     line.clear();
@@ -257,10 +272,12 @@ Run listen_command(CLI::App& app) {
         ->capture_default_str();
     add_curve_options(app, options->curve);
     app.add_option("--stream", options->stream, "the stream's name, as hertzline stream prints it")
-        ->type_name("NAME")
+        ->type_name("STREAM")
         ->capture_default_str();
-    app.add_option("--duration", options->duration_s, "simulated seconds to receive (default: to the end)")
+    app.add_option("--duration", options->length.duration_s,
+                   "simulated seconds to receive (default: to the end)")
         ->type_name("S");
+    app.add_option("--samples", options->length.samples, "the same in samples")->type_name("N");
     add_repeatable_option(
         app, "-o,--output", options->files,
         "save the samples; the ending picks the format: " + recordings::recording_endings() + "; repeatable")

@@ -18,7 +18,7 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* materials_examples =
-    "E Young's modulus, nu Poisson's ratio, c speed of longitudinal waves, Z acoustic impedance,\n"
+    "E Young's modulus, nu Poisson's ratio, c speed of longitudinal waves, Z acoustic impedance, "
     "Y yield strength, sf flexural strength of solids that break before they yield.\n"
     "Solids are for drive.material, chain.material and end.material, fluids for medium.material.\n"
     "A scene may define its own: [materials.NAME], see scenes/README.md.\n"

@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include "apps/allocator.hpp"
 #include "apps/arguments/options.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/text.hpp"
@@ -109,11 +110,11 @@ void add_publish_options(CLI::App& app, PublishRequest& request) {
             CLI::CheckedTransformer(std::map<std::string, stream::OnOverrun>{
                                         {"drop", stream::OnOverrun::drop}, {"wait", stream::OnOverrun::wait}})
                 .description(""))
-        ->type_name("WORD");
+        ->type_name("drop|wait");
     app.add_option("--queue-memory", request.queue_bytes,
                    "memory for the queues of all slow subscribers together, such as 200MiB (default: an "
                    "eighth of the available memory, at most 1GiB)")
-        ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false))
+        ->transform(CLI::AsSizeValue(/*kb_is_1000=*/false).description(""))
         ->type_name("BYTES");
     app.add_option(
            "--max-clients", request.max_clients,
@@ -175,6 +176,7 @@ double stream_bytes(const stream::StreamFormat& format, stream::Pace pace,
 
 void publish_to_the_end(stream::Pipeline& pipeline, const stream::Publisher& publisher, ProgressLine& line,
                         Format format, const PublishedSource& source) {
+    start_allocator_thread();
     announce(publisher, pipeline);
     Json summary;
     bool is_late = false;

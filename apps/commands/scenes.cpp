@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <set>
 #include <string>
 
 #include <fmt/format.h>
@@ -13,7 +12,6 @@
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
-#include "core/scene/toml_entries.hpp"
 #include "hertzline/scene_file.hpp"
 
 namespace hertzline::app {
@@ -30,6 +28,7 @@ constexpr const char* scenes_examples =
 struct ScenesOptions {
     SceneRequest scene;
     bool keys = false;
+    bool unresolved = false;
     Format format = Format::text;
 };
 
@@ -49,10 +48,8 @@ void list_scenes(Format format) {
 
 /// Returns a row of the tables in scenes/README.md.
 std::string key_row(const SceneKey& key) {
-    const auto value = key.value(Scene{});
-    const std::string standard = value                           ? '`' + toml_text(*value) + '`'
-                                 : key.owner && !key.is_optional ? "needed"
-                                                                 : std::string(key.traits.unset);
+    const std::string text = default_text(key);
+    const std::string standard = key.value(Scene{}) ? '`' + text + '`' : text;
     return fmt::format("| `{}` | {} | {} | {} |\n", key.name, standard, key.allowed(), key.doc);
 }
 
@@ -62,14 +59,8 @@ void list_keys(Format format) {
         return;
     }
     std::string text = "| key | default | allowed |  |\n|---|---|---|---|\n";
-    for (const SceneKey& key : scene_keys()) {
+    for (const SceneKey& key : documented_keys()) {
         text += key_row(key);
-    }
-    std::set<std::string> names;
-    for (const Material& material : {Material(Solid{}), Material(Fluid{})}) {
-        for (const SceneKey& key : material_keys("NAME", material)) {
-            text += names.insert(key.name).second ? key_row(key) : "";
-        }
     }
     print(text);
 }
@@ -95,7 +86,19 @@ Exit scenes(const ScenesOptions& options) {
         if (!options.scene.settings.empty()) {
             throw WrongUse("--set needs a SCENE");
         }
+        if (options.unresolved) {
+            throw WrongUse("--unresolved needs a SCENE");
+        }
         list_scenes(options.format);
+        return Exit::done;
+    }
+    if (options.unresolved) {
+        const auto parsed = parsed_scene(options.scene);
+        if (!parsed) {
+            throw WrongUse(fault_text(parsed.error()));
+        }
+        print(options.format == Format::json ? json_text(scene_json(parsed->scene)) + '\n'
+                                             : to_toml(parsed->scene));
         return Exit::done;
     }
     const Resolution resolved = required_scene(options.scene);
@@ -111,6 +114,8 @@ Run scenes_command(CLI::App& app) {
     add_scene_options(app, options->scene);
     app.add_flag("--keys", options->keys,
                  "list the keys of scenes: defaults, bounds and meanings; with --json as a schema");
+    app.add_flag("--unresolved", options->unresolved,
+                 "leave open what the program chooses: integrator, step, poles of a modal plate");
     add_format_option(app, options->format, "print JSON");
     app.footer(scenes_examples);
     return [options] { return scenes(*options); };

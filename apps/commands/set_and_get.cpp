@@ -156,7 +156,12 @@ Exit get(const ControlOptions& arguments) {
     Json flat = Json::object();
     const Json values = reply.value("values", Json::object());
     for (const auto& [key, entry] : values.items()) {
-        flat[printable(key)] = entry.is_object() ? entry.value("value", Json(nullptr)) : Json(nullptr);
+        Json value = entry.is_object() ? entry.value("value", Json(nullptr)) : Json(nullptr);
+        constexpr std::size_t most_shown = 64;
+        if (value.is_array() && value.size() > most_shown) {  // --json has them all
+            value = fmt::format("{} entries", value.size());
+        }
+        flat[printable(key)] = std::move(value);
     }
     flat["epoch"] = reply.value("epoch", Json(nullptr));
     flat["scene_hash"] = reply.value("scene_hash", Json(nullptr));

@@ -4,11 +4,6 @@
 
 namespace hertzline::app {
 
-namespace {
-
-constexpr std::size_t line_width = 80;
-
-/// Wraps words into lines of at most that many characters, unless a word is longer.
 std::string wrapped(const std::string& text, std::size_t columns) {
     std::istringstream words(text);
     std::string lines;
@@ -21,8 +16,6 @@ std::string wrapped(const std::string& text, std::size_t columns) {
     }
     return lines;
 }
-
-}  // namespace
 
 std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
     return wrapped(option->get_description(), line_width - get_column_width());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -27,10 +28,15 @@ std::string value_text(const Json& value) {
     }
     if (value.is_structured()) {
         std::string text;
+        double largest = 0;
+        for (const Json& item : value) {
+            largest = std::max(largest, item.is_number() ? std::abs(item.get<double>()) : 0.0);
+        }
+        const bool level = largest >= 1 && largest < 1000;  // in decibels
         for (const Json& item : value) {
             const bool number = item.is_number_float();
             text += (text.empty() ? "" : " ") +
-                    (number ? fmt::format("{:.1f}", item.get<double>()) : value_text(item));
+                    (number && level ? fmt::format("{:.1f}", item.get<double>()) : value_text(item));
         }
         return text.empty() ? "-" : text;
     }

@@ -5,6 +5,7 @@
 //     bench_accuracy --integrator chin4a [COUNT [SEED]]    by this method
 //     bench_accuracy --wet [COUNT [SEED]]                  modal plates in their fluid, with points, and no references
 //     bench_accuracy --mixed [COUNT [SEED]]                chains of different spheres, struck ones, weights and holders, no references
+//     bench_accuracy --arrays [COUNT [SEED]]               arrays of 2 to 19 chains, no references
 //     bench_accuracy --scene SEED INDEX
 //
 // The scenes of tests/reference/accuracy/ come first; they have independent solutions. COUNT plausible devices, drawn
@@ -125,6 +126,7 @@ int main(int argc, char** argv) {
     bool finer_run = false;
     bool wet = false;
     bool mixed = false;
+    bool arrays = false;
     std::optional<Integrator> integrator;
     CLI::App app("Accuracy asked for, estimated and true, of whole runs");
     app.add_option("COUNT", count, "scenes to draw")->capture_default_str();
@@ -143,11 +145,13 @@ int main(int argc, char** argv) {
                  "choose steps and estimate errors by a finer run, as a sweep does");
     CLI::Option* const of_plates = app.add_flag("--wet", wet, "draw modal plates in their fluid");
     app.add_flag("--mixed", mixed, "draw chains of different spheres")->excludes(of_plates);
+    app.add_flag("--arrays", arrays, "draw arrays of chains");
     app.add_option("--json", json_file, "file for all results");
     CLI11_PARSE(app, argc, argv);
-    const Designs designs = wet     ? test::wet_design_scene
-                            : mixed ? test::mixed_design_scene
-                                    : test::design_scene;
+    const Designs designs = wet      ? test::wet_design_scene
+                            : mixed  ? test::mixed_design_scene
+                            : arrays ? test::array_design_scene
+                                     : test::design_scene;
     if (!wanted.empty()) {
         const Scene scene = designs(wanted[0], wanted[1]).scene;
         std::printf("# %s\n%s", test::description(scene).c_str(), to_toml(scene).c_str());
@@ -162,7 +166,7 @@ int main(int argc, char** argv) {
     std::printf("outputs below %.0e of the loudest velocity are judged on that scale\n\n",
                 test::quietest_output);
     const std::vector<std::string> names =
-        wet || mixed ? std::vector<std::string>() : test::random_references();
+        wet || mixed || arrays ? std::vector<std::string>() : test::random_references();
     const std::vector<JudgedScene> references = in_parallel(
         names.size(), threads, [&](std::size_t number) { return judged_reference(judge, names[number]); });
     bench::print_scenes(references);

@@ -24,6 +24,7 @@
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/pipeline/capacity.hpp"
 #include "stream/pipeline/pipeline.hpp"
+#include "stream/threads.hpp"
 #include "stream/wire/frame_codec.hpp"
 #include "stream/wire/subscriber.hpp"
 #include "stream/wire/topics.hpp"
@@ -43,6 +44,7 @@ struct Arrival {
 
 /// Records the arrival time of each frame until the end of the run.
 std::vector<Arrival> note_arrivals(const std::string& endpoint, Tap tap) {
+    const ShortSlices prompt;
     Subscriber subscriber(endpoint, {.receive_high_water_mark = 1 << 17});
     subscriber.subscribe(end_topic);
     subscriber.subscribe(topics_of(tap).np);
@@ -61,10 +63,9 @@ std::vector<Arrival> note_arrivals(const std::string& endpoint, Tap tap) {
     return arrivals;
 }
 
-/// Writes all arrivals to a pipe.
-void write_all(int pipe_end, const std::vector<Arrival>& arrivals) {
-    const auto* bytes = reinterpret_cast<const char*>(arrivals.data());
-    std::size_t left = arrivals.size() * sizeof(Arrival);
+/// Writes all bytes to a pipe.
+void write_all(int pipe_end, const void* data, std::size_t left) {
+    const auto* bytes = static_cast<const char*>(data);
     while (left > 0) {
         const ssize_t written = write(pipe_end, bytes, left);
         if (written < 0) {
@@ -75,16 +76,58 @@ void write_all(int pipe_end, const std::vector<Arrival>& arrivals) {
     }
 }
 
-std::vector<Arrival> read_all(int pipe_end) {
+std::string read_all(int pipe_end) {
     std::string bytes;
     char buffer[65536];
     for (ssize_t n = 0; (n = read(pipe_end, buffer, sizeof buffer)) > 0;) {
         bytes.append(buffer, static_cast<std::size_t>(n));
     }
-    std::vector<Arrival> arrivals(bytes.size() / sizeof(Arrival));
-    std::copy_n(bytes.data(), arrivals.size() * sizeof(Arrival), reinterpret_cast<char*>(arrivals.data()));
-    return arrivals;
+    close(pipe_end);
+    return bytes;
 }
+
+/// A subscriber in a process of its own. It is made before the stream: a later fork would share the ring's pages, and the
+/// stream would have to copy each one that it writes to.
+class Listening {
+public:
+    explicit Listening(Tap tap) {
+        int to[2], from[2];
+        if (pipe(to) != 0 || pipe(from) != 0 || (process_ = fork()) < 0) {
+            throw std::runtime_error("no process for the listener");
+        }
+        if (process_ == 0) {
+            close(to[1]);
+            close(from[0]);
+            const std::vector<Arrival> arrivals = note_arrivals(read_all(to[0]), tap);
+            write_all(from[1], arrivals.data(), arrivals.size() * sizeof(Arrival));
+            _exit(0);
+        }
+        close(to[0]);
+        close(from[1]);
+        endpoint_ = to[1];
+        arrivals_ = from[0];
+    }
+
+    void connect(const std::string& endpoint) const {
+        write_all(endpoint_, endpoint.data(), endpoint.size());
+        close(endpoint_);
+    }
+
+    /// Waits for the end of the stream.
+    std::vector<Arrival> arrivals() const {
+        const std::string bytes = read_all(arrivals_);
+        waitpid(process_, nullptr, 0);
+        std::vector<Arrival> arrivals(bytes.size() / sizeof(Arrival));
+        std::copy_n(bytes.data(), arrivals.size() * sizeof(Arrival),
+                    reinterpret_cast<char*>(arrivals.data()));
+        return arrivals;
+    }
+
+private:
+    pid_t process_ = 0;
+    int endpoint_ = 0;
+    int arrivals_ = 0;
+};
 
 struct Measured {
     std::vector<Arrival> arrivals;
@@ -93,6 +136,7 @@ struct Measured {
 };
 
 Measured stream(const Scene& scene, Tap tap, double seconds) {
+    const Listening listening(tap);
     SimulationSource source(scene, TapSet());
     Publisher publisher(
         "tcp://127.0.0.1:*", all_topics,
@@ -101,25 +145,14 @@ Measured stream(const Scene& scene, Tap tap, double seconds) {
                        .samples = static_cast<std::int64_t>(seconds * scene.output.sample_rate_hz),
                        .start = StreamStart::with_first_subscriber},
                       source, publisher, nullptr);
-    int ends[2];
-    if (pipe(ends) != 0) {
-        throw std::runtime_error("no pipe");
-    }
-    const pid_t listener = fork();
-    if (listener == 0) {
-        write_all(ends[1], note_arrivals(publisher.endpoint(), tap));
-        _exit(0);
-    }
-    close(ends[1]);
+    listening.connect(publisher.endpoint());
     std::vector<Arrival> arrivals;
-    std::thread reading([&] { arrivals = read_all(ends[0]); });
+    std::thread reading([&] { arrivals = listening.arrivals(); });
     const StreamMeters meters = pipeline.run(
         std::atomic<bool>(false), {.progress = [](const StreamMeters&) {},
                                    .warn = [](const std::string&) {},
                                    .summary = [](const StreamMeters&) { return std::string("{}"); }});
     reading.join();
-    close(ends[0]);
-    waitpid(listener, nullptr, 0);
     return {std::move(arrivals), pipeline.start_time(), meters};
 }
 

@@ -1,5 +1,5 @@
-// Measures the time of a sweep's points beside the same points with Boost.odeint's dopri5 at the same error. Threads take one point
-// after another.
+// Measures the time of a sweep's points beside the same points with a process of `hertzline run` for each, and with Boost.odeint's
+// dopri5 at the same error. Threads take one point after another.
 //
 //     bench_sweep_points [--json FILE] [POINTS [THREADS]]
 //
@@ -12,11 +12,18 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "bench/peers/problem.hpp"
 #include "bench/support/arguments.hpp"
@@ -40,10 +47,39 @@ constexpr double finer_steps = 0.75;  // as in core/step_choice/finer_run.cpp
 /// Runs a point.
 using RunPoint = std::function<void(std::int64_t point)>;
 
+/// Of this process and of those that it has started and that have ended.
 double processor_s() {
     std::timespec time{};
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
-    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    rusage children{};
+    getrusage(RUSAGE_CHILDREN, &children);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec) +
+           seconds(children.ru_utime) + seconds(children.ru_stime);
+}
+
+/// Runs the program to its end; its output goes nowhere.
+void run_program(std::vector<std::string> words) {
+    words.insert(words.begin(), HERTZLINE_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    for (const int stream : {STDOUT_FILENO, STDERR_FILENO}) {
+        posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_WRONLY, 0);
+    }
+    pid_t child = 0;
+    int status = posix_spawn(&child, argv[0], &files, nullptr, argv.data(), environ);
+    posix_spawn_file_actions_destroy(&files);
+    if (status != 0 || waitpid(child, &status, 0) != child || status != 0) {
+        std::fprintf(stderr, "%s %s failed\n", argv[0], argv[1]);
+        std::exit(1);
+    }
 }
 
 struct Cost {
@@ -74,6 +110,11 @@ void in_threads(std::int64_t points, int threads, const RunPoint& run) {
 /// The sweep and its points.
 class Subject {
 public:
+    static constexpr const char* scene_name = "paper-vitreous-carbon";
+    static std::string axis_of(std::int64_t points) {
+        return "chain.preload_n=0.01..2:log:" + std::to_string(points);
+    }
+
     explicit Subject(std::int64_t points) : sweep_{plan_of(points), {}, {}} {
         sweep_.options.columns = measures::number_columns({}, false);
     }
@@ -98,6 +139,23 @@ public:
         studies::run_points(sweep_, journal, all, threads, never, [](const studies::PointCounts&) {});
     }
 
+    /// The whole sweep as its user runs it.
+    void run_process(int threads) const {
+        const std::filesystem::path table = std::filesystem::temp_directory_path() /
+                                            ("bench_sweep_points." + std::to_string(getpid()) + ".csv");
+        run_program({"sweep", scene_name, "--vary", axis_of(points()), "--jobs", std::to_string(threads),
+                     "-o", table.string()});
+        std::filesystem::remove(table);
+    }
+
+    /// A process for one point, with the numbers of its row.
+    void run_alone(std::int64_t point) const {
+        char setting[48];
+        std::snprintf(setting, sizeof setting, "chain.preload_n=%.17g",
+                      sweep_.plan.scene(point).chain.preload_n);
+        run_program({"run", scene_name, "--set", setting, "--json"});
+    }
+
     /// Returns the point's scene with the integrator and the step that the sweep chooses.
     Scene settled(std::int64_t point) const {
         static const std::atomic<bool> never{false};
@@ -112,9 +170,8 @@ public:
 
 private:
     static studies::SweepPlan plan_of(std::int64_t points) {
-        const Scene base = parse_scene(find_shipped_scene("paper-vitreous-carbon")->text, "the scene")->scene;
-        return *studies::SweepPlan::make(
-            base, {{"chain.preload_n=0.01..2:log:" + std::to_string(points)}, "", "", std::nullopt});
+        const Scene base = parse_scene(find_shipped_scene(scene_name)->text, "the scene")->scene;
+        return *studies::SweepPlan::make(base, {{axis_of(points)}, "", "", std::nullopt});
     }
 
     studies::Study sweep_;
@@ -177,6 +234,7 @@ struct Row {
     std::vector<double> errors;
     std::function<void(int threads)> run;
     std::vector<Cost> costs;
+    std::optional<std::int64_t> points = {};  ///< that it takes of them, evenly spread; all unless given
 };
 
 using MakePeer = Contender (*)(const Problem&, double tolerance);
@@ -207,15 +265,17 @@ Row peer(const Subject& subject, const Bench& bench, const char* name, MakePeer 
     std::exit(1);
 }
 
-void print(const Row& row, double points, Json& results) {
-    const auto median_of = [&](double Cost::*member) {
-        std::vector<double> values;
-        std::ranges::transform(row.costs, std::back_inserter(values), std::mem_fn(member));
-        return quantile(values, 0.5);
-    };
-    const double per_s = points / median_of(&Cost::wall_s);
-    const double processor_us = 1e6 * median_of(&Cost::processor_s) / points;
-    std::printf("%-38s %-18s %9.1e %9.1e %12.0f %14.0f\n", row.name.c_str(), row.setting.c_str(),
+/// Of a point. @param points that rows take unless they say otherwise
+double median_of(const Row& row, double Cost::*member, std::int64_t points) {
+    std::vector<double> values;
+    std::ranges::transform(row.costs, std::back_inserter(values), std::mem_fn(member));
+    return quantile(values, 0.5) / static_cast<double>(row.points.value_or(points));
+}
+
+void print(const Row& row, std::int64_t points, Json& results) {
+    const double per_s = 1 / median_of(row, &Cost::wall_s, points);
+    const double processor_us = 1e6 * median_of(row, &Cost::processor_s, points);
+    std::printf("%-42s %-18s %9.1e %9.1e %12.0f %14.0f\n", row.name.c_str(), row.setting.c_str(),
                 quantile(row.errors, 0.5), quantile(row.errors, 0.95), per_s, processor_us);
     results.push_back({{"name", row.name},
                        {"setting", row.setting},
@@ -253,6 +313,11 @@ int main(int argc, char** argv) {
         *scene.numerics.step_s *= finer_steps;
         Simulation(scene, {.ledger = LedgerKeeping::off}).skip(samples);
     };
+    const auto resolved = [](const Scene& scene, const Problem&) {
+        return bench::hertzline_contender(resolve(scene).scene);
+    };
+    const std::int64_t processes = std::min(judged_points, points);
+    enum : std::size_t { of_points, of_samples, of_pieces, of_sweep, of_runs };
     std::vector<Row> rows;
     rows.push_back({"hertzline sweep, with all measures",
                     "default accuracy",
@@ -269,6 +334,20 @@ int main(int argc, char** argv) {
                     errors,
                     [&](int count) { in_threads(points, count, move_on); },
                     {}});
+    rows.push_back({"hertzline sweep, a process with its table",
+                    "default accuracy",
+                    errors,
+                    [&](int count) { subject.run_process(count); },
+                    {}});
+    rows.push_back({"hertzline run, a process for each point",
+                    "default accuracy",
+                    bench.errors(resolved, false),
+                    [&](int count) {
+                        in_threads(processes, count,
+                                   [&](std::int64_t i) { subject.run_alone(subject.judged(i)); });
+                    },
+                    {},
+                    processes});
     rows.push_back(
         peer(subject, bench, "odeint dopri5, contacts located", bench::odeint_dopri5_located, median));
     rows.push_back(peer(subject, bench, "odeint dopri5, as it comes", bench::odeint_dopri5, median));
@@ -277,13 +356,24 @@ int main(int argc, char** argv) {
             row.costs.push_back(cost_of([&] { row.run(threads); }));
         }
     }
-    std::printf("%lld points in %d thread%s\n%-38s %-18s %9s %9s %12s %14s\n", static_cast<long long>(points),
+    std::printf("%lld points in %d thread%s\n%-42s %-18s %9s %9s %12s %14s\n", static_cast<long long>(points),
                 threads, threads == 1 ? "" : "s", "", "setting", "median", "95 %", "points/s",
                 "processor us");
     Json results = Json::array();
     for (const Row& row : rows) {
-        print(row, static_cast<double>(points), results);
+        print(row, points, results);
     }
-    arguments.save({{"points", points}, {"threads", threads}, {"rows", results}});
+    const auto over = [&](std::size_t a, std::size_t b, double Cost::*member) {
+        return median_of(rows[a], member, points) / median_of(rows[b], member, points);
+    };
+    const double over_pieces = over(of_points, of_pieces, &Cost::processor_s);
+    const double runs_over_sweep = over(of_runs, of_sweep, &Cost::wall_s);
+    std::printf("a point over the pieces of its two runs: %.2f\na loop of runs over the sweep: %.1f\n",
+                over_pieces, runs_over_sweep);
+    arguments.save({{"points", points},
+                    {"threads", threads},
+                    {"rows", results},
+                    {"point_over_pieces", over_pieces},
+                    {"runs_over_sweep", runs_over_sweep}});
     return 0;
 }

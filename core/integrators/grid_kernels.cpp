@@ -2,7 +2,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/integrators/grid_kernels.cpp"
-#include "core/integrators/simd/simd_targets.hpp"
+#include "core/simd/simd_targets.hpp"
 // before highway.h
 #include <hwy/foreach_target.h>
 // after foreach_target
@@ -12,7 +12,7 @@
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/leapfrog/leapfrog-inl.hpp"
 #include "core/integrators/leapfrog/leapfrog_sweep-inl.hpp"
-#include "core/integrators/simd/dispatch.hpp"
+#include "core/simd/dispatch.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

@@ -10,7 +10,7 @@
 #include "hertzline/integrator.hpp"
 
 namespace hertzline {
-class ToneBurst;
+class Horn;
 struct HornStep;
 }  // namespace hertzline
 
@@ -56,7 +56,7 @@ struct Trace {
 
 /// Advances the chain by up to `count` steps, the first of them being step `first`.
 /// @returns the steps taken: fewer when the trace has no room for another.
-using Kernel = int (*)(SimdChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first,
+using Kernel = int (*)(SimdChain& chain, const Horn& prescribed, const HornStep* horn, std::int64_t first,
                        int count, Trace& trace);
 
 /// The kernel for a grid integrator and a number of rows, for the widest SIMD instructions of this processor.

@@ -97,7 +97,10 @@ public:
         std::array<double, most_terms> terms{};
         std::array<std::array<double, most_terms>, most_onset_forces> onset_terms{};
     };
-    alignas(64) Velocity face;                 ///< the wet face's mean
+    alignas(64) Velocity face;  ///< the wet face's mean
+    /// Motion of the body that forces on the modes other than the contact's give it: a series in z [m], and whether there is one.
+    std::array<double, most_terms> carried{};
+    bool is_carried = false;
     std::span<const OnsetForce> onset_forces;  ///< of the piece, if a contact has just closed
     bool shows_face = false;                   ///< whether an output asks for it
     bool moves = false;                        ///< whether the states are not all zero

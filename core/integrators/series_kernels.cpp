@@ -2,15 +2,15 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/integrators/series_kernels.cpp"
-#include "core/integrators/simd/simd_targets.hpp"
+#include "core/simd/simd_targets.hpp"
 // before highway.h
 #include <hwy/foreach_target.h>
 // after foreach_target
 #include <hwy/highway.h>
 
-#include "core/integrators/simd/dispatch.hpp"
 #include "core/integrators/taylor/force-inl.hpp"
 #include "core/integrators/taylor/taylor-inl.hpp"
+#include "core/simd/dispatch.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

@@ -24,6 +24,28 @@ HornWaves::HornWaves(const std::array<double, 3>& frequency_hz, double unit_s) {
     }
 }
 
+HornMotion SeriesPiece::tip_motion(const HornTip::Terms& terms, double z) const noexcept {
+    double x = 0;
+    double slope = 0;
+    for (std::size_t n = terms.size(); n-- > 0;) {
+        slope = slope * z + x;
+        x = x * z + terms[n];
+    }
+    if (onset) {
+        const std::span<const OnsetForce> forces = onset_forces();
+        for (std::size_t f = 0; f < forces.size(); ++f) {
+            double power = forces[f].integrated_power(z);
+            for (int n = 0; n < onset_terms; ++n, power *= z) {
+                const double once = n + (forces[f].exponent + 1);
+                const double term = tip->onset[f][static_cast<std::size_t>(n)] * power / once;
+                slope += term;
+                x += term * z / (once + 1);
+            }
+        }
+    }
+    return {.x = x, .v = slope * per_unit, .a = 0};
+}
+
 void SeriesPiece::reset_motion() noexcept {
     std::fill_n(terms_.get(), slots_ * static_cast<std::size_t>(degree_ + 1), 0.0);
     onset = false;

@@ -12,6 +12,7 @@
 #include <span>
 
 #include "core/integrators/simd_chain.hpp"
+#include "core/model/horn.hpp"
 
 namespace hertzline {
 class ForcedStates;
@@ -86,6 +87,19 @@ struct HornWaves {
     alignas(32) std::array<PerWave, pairs> even_by_pair{}, odd_by_pair{};  ///< [pair][wave]
 };
 
+/// A horn's tip that is a resonator on which contact 0 acts back: it adds a motion of its own to a free one. Their sum is SeriesPiece::horn,
+/// which the solver begins with the free motion and the first two terms of the sum.
+struct HornTip {
+    double square = 0;    ///< (omega unit)^2
+    double decay = 0;     ///< omega unit/Q
+    double inv_mass = 0;  ///< [1/kg]
+    using Terms = std::array<double, 2 * HornWaves::pairs>;
+    Terms forcing{};  ///< series of the motion that drives its own [m]
+    Terms own{};      ///< series of its own motion [m], whose first two terms the solver sets
+    /// Of a contact 0 that has just closed: terms of z^(n + exponent) in the tip's acceleration times unit^2 [m], of each OnsetForce.
+    std::array<std::array<double, onset_terms>, 2> onset{};
+};
+
 class SeriesPiece {
 public:
     SeriesPiece(std::size_t slots, int degree, const HornWaves& waves, DampingLaw law);
@@ -99,6 +113,7 @@ public:
     double response = 1;       ///< how fast the chain answers to a force, in 1/unit
     bool keeps_ledger = true;  ///< whether work and losses are added up
     HornWaves waves;
+    HornTip* tip = nullptr;        ///< null: the horn moves as prescribed
     PlateMotion* plate = nullptr;  ///< of a modal plate behind the last contact
 
     // out: set by the kernel
@@ -128,6 +143,10 @@ public:
     /// Coefficients of W (taylor/damping-inl.hpp), as overlap() and elastic(); for laws other than the dashpot.
     double* damping(int order) noexcept { return displacement(3 * (degree_ + 1) + 2 * onset_terms + order); }
 
+    /// Displacement [m] and velocity [m/s] of the tip at z; of its own motion alone.
+    HornMotion tip_at(double z) const noexcept { return tip_motion(horn, z); }
+    HornMotion own_tip_at(double z) const noexcept { return tip_motion(tip->own, z); }
+
     int degree() const noexcept { return degree_; }
 
     /// Numbers that it keeps for each slot.
@@ -140,6 +159,8 @@ public:
     void reset_motion() noexcept;
 
 private:
+    HornMotion tip_motion(const HornTip::Terms& terms, double z) const noexcept;
+
     std::size_t slots_;
     int degree_;
     DampingLaw law_;

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
-#include "core/model/tone_burst.hpp"
+#include "core/model/drive.hpp"
 
 namespace hertzline {
 
@@ -16,11 +16,14 @@ namespace {
 template <class Coupling>
 double spectral_bound(const Chain& chain, Eigen::Index bodies, Coupling coupling,
                       double spring_weight) noexcept {
-    double bound = 0;
     const Eigen::Index last = bodies - 1;
     double left = coupling(0);
-    double left_mobility = 0;  // the horn's motion is prescribed
+    double left_mobility = std::sqrt(chain.horn_inv_mass);  // 0 where the horn's motion is prescribed
     double root = std::sqrt(chain.inv_mass[0]);
+    double bound = spring_weight * chain.horn_square;
+    if (left_mobility > 0) {
+        bound += left_mobility * (left * left_mobility + left * root);
+    }
     for (Eigen::Index b = 0; b <= last; ++b) {
         const double right = b < last ? coupling(b + 1) : 0;
         const double right_mobility = b < last ? std::sqrt(chain.inv_mass[b + 1]) : 0;

@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/drive.hpp"
 #include "core/model/sphere_row.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 
@@ -15,10 +17,14 @@ Chain::Chain(const Scene& scene)
       damping_law(scene.chain.damping_law),
       // without damping nothing pulls: then there is nothing to clamp, and no grazing force to decide about
       tension(damping_factor(scene.chain, 1, 1) > 0 ? scene.chain.tension : Tension::allowed),
-      preload_n(scene.chain.preload_n),
+      preload_n(drawn_preload_n(scene)),
       holder_rate(scene.chain.holder_time_s ? 1 / *scene.chain.holder_time_s : 0),
       impact_velocity(scene.chain.impact_velocity_m_per_s),
       impact_spheres(impact_velocity != 0 ? scene.chain.impact_spheres : 0) {
+    if (const auto resonator = horn_resonator(scene.drive)) {
+        horn_inv_mass = resonator->inv_mass;
+        horn_square = resonator->square;
+    }
     const SphereRow row(scene);
     const Eigen::Index n = row.size();
     for (Eigen::ArrayXd* column : {&stiffness, &static_overlap, &static_force, &damping, &radius, &inv_mass,
@@ -79,7 +85,7 @@ std::vector<Fault> chain_faults(const Scene& scene) {
     std::vector<Fault> faults;
     double smallest = 1;
     double largest = 0;
-    double force = scene.chain.preload_n;
+    double force = drawn_preload_n(scene);
     double least_force = force;
     const double gravity = scene.chain.gravity_m_per_s2;
     const Eigen::Index spheres = gravity < 0 ? row.size() : row.distinct();
@@ -108,7 +114,10 @@ std::vector<Fault> chain_faults(const Scene& scene) {
 }
 
 std::vector<Fault> model_faults(const Scene& scene) {
-    std::vector<Fault> faults = chain_faults(scene);
+    std::vector<Fault> faults = drive_faults(scene.drive);
+    if (faults.empty()) {
+        faults = chain_faults(scene);
+    }
     return faults.empty() ? plate_faults(scene) : faults;
 }
 

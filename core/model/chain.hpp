@@ -46,6 +46,8 @@ struct Chain {
     Tension tension;
     double preload_n;            ///< F0 [N]
     double end_force_n = 0;      ///< F0 and the weight of all spheres: the static force on the end [N]
+    double horn_inv_mass = 0;    ///< of a resonator on which the chain acts back [1/kg]
+    double horn_square = 0;      ///< its omega^2 [1/s^2]
     double holder_rate = 0;      ///< 1/tau: the holder slows each sphere by that times its velocity [1/s]
     double impact_velocity = 0;  ///< of the first spheres at the start [m/s]
     Eigen::Index impact_spheres = 0;  ///< how many they are

@@ -7,8 +7,9 @@
 #include <numbers>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/drive.hpp"
 #include "core/model/sphere_row.hpp"
-#include "core/model/tone_burst.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/text.hpp"
 
 namespace hertzline {
@@ -112,7 +113,7 @@ double fastest_contact_hz(const Scene& scene) {
     // with weights no two contacts are alike
     const Eigen::Index spheres = std::max<Eigen::Index>(2, weight > 0 ? row.size() : row.distinct());
     double fastest = 0;
-    double force = scene.chain.preload_n;
+    double force = drawn_preload_n(scene);
     Sphere a = row[0];
     for (Eigen::Index i = 1; i < spheres; ++i) {
         const Sphere b = row.size() > 1 ? row[i] : a;

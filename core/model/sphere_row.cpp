@@ -6,11 +6,15 @@
 #include <numeric>
 
 #include "core/model/contact_law.hpp"
+#include "core/scene/elements.hpp"
 
 namespace hertzline {
 
 SphereRow::SphereRow(const Scene& scene)
-    : spheres_(scene.chain.spheres), diameters_m_(scene.chain.diameters_m), taper_(scene.chain.taper) {
+    : spheres_(scene.chain.spheres),
+      diameters_m_(scene.chain.diameters_m),
+      taper_(scene.chain.taper),
+      drawn_(scene.chain.tolerance > 0 ? &scene : nullptr) {
     const Spheres& chain = scene.chain;
     if (chain.materials.empty()) {
         names_ = {&chain.material};
@@ -29,13 +33,14 @@ SphereRow::SphereRow(const Scene& scene)
 Sphere SphereRow::operator[](Eigen::Index number) const noexcept {
     const Solid& solid = *solids_[of(number, solids_)];
     const double scale = taper_ == 0 ? 1 : std::pow(1 - taper_, static_cast<double>(number));
-    const double radius = diameters_m_[of(number, diameters_m_)] * scale / 2;
+    const double by_chance = drawn_ != nullptr ? 1 + drawn_->chain.tolerance * drawn(*drawn_, number) : 1;
+    const double radius = diameters_m_[of(number, diameters_m_)] * scale * by_chance / 2;
     return {&solid, radius, solid.density_kg_per_m3 * 4 / 3 * std::numbers::pi * radius * radius * radius};
 }
 
 Eigen::Index SphereRow::period() const noexcept {
     const auto both = static_cast<Eigen::Index>(std::lcm(solids_.size(), diameters_m_.size()));
-    return taper_ == 0 ? std::min(both, spheres_) : spheres_;
+    return taper_ == 0 && drawn_ == nullptr ? std::min(both, spheres_) : spheres_;
 }
 
 Eigen::Index SphereRow::distinct() const noexcept {

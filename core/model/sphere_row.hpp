@@ -46,6 +46,7 @@ private:
     std::vector<const Solid*> solids_;
     std::vector<double> diameters_m_;
     double taper_;
+    const Scene* drawn_ = nullptr;  ///< whose tolerance draws each diameter; null: there is none
 };
 
 /// The material of the last sphere.

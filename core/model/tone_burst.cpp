@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace hertzline {
 
@@ -25,26 +25,14 @@ HornMotion product(double amplitude, double omega, double rate, double s, double
 
 }  // namespace
 
-double highest_frequency_hz(const Drive& drive) noexcept {
-    return std::max(drive.frequency_hz, drive.sweep_to_hz.value_or(0));
-}
-
-double largest_velocity(const Drive& drive) noexcept {
-    return drive.kind == DriveKind::none
-               ? 0
-               : 2 * std::numbers::pi * highest_frequency_hz(drive) * drive.amplitude_m;
-}
-
 ToneBurst::ToneBurst(const Drive& drive, double step_s)
-    : step_(step_s),
+    : clock_(step_s, drive.start_s, drive.kind == DriveKind::none ? 0 : drive.repetition_hz),
       amplitude_(drive.kind == DriveKind::none ? 0 : drive.amplitude_m),
       omega_(2 * std::numbers::pi * drive.frequency_hz),
       sweep_hz_per_s_(drive.sweep_to_hz
                           ? (*drive.sweep_to_hz - drive.frequency_hz) * drive.frequency_hz / drive.cycles
                           : 0),
-      start_(drive.start_s),
       duration_(drive.cycles / drive.frequency_hz),
-      repetition_hz_(drive.kind == DriveKind::none ? 0 : drive.repetition_hz),
       hann_(drive.envelope == Envelope::hann) {
     if (hann_) {
         rise_ = duration_;
@@ -53,20 +41,6 @@ ToneBurst::ToneBurst(const Drive& drive, double step_s)
         rise_ = drive.taper * duration_ / 2;
         ramp_omega_ = std::numbers::pi / rise_;
     }
-}
-
-double ToneBurst::since_burst(std::int64_t step, double fraction, std::int64_t burst) const noexcept {
-    // step * h - burst / repetition_hz, both products in two parts: near-equal large numbers are subtracted
-    const auto n = static_cast<double>(step);
-    const double t = n * step_;
-    const double t_low = std::fma(n, step_, -t);
-    if (burst == 0) {
-        return (t - start_) + (t_low + fraction * step_);
-    }
-    const auto k = static_cast<double>(burst);
-    const double start = k / repetition_hz_;
-    const double start_low = std::fma(-start, repetition_hz_, k) / repetition_hz_;
-    return ((t - start) - start_) + ((t_low - start_low) + fraction * step_);
 }
 
 double ToneBurst::piece_end(int piece) const noexcept {
@@ -80,23 +54,13 @@ double ToneBurst::piece_end(int piece) const noexcept {
         case fall:
             return duration_;
         default:
-            return repetition_hz_ > 0 ? 1 / repetition_hz_ : std::numeric_limits<double>::infinity();
+            return clock_.period_s();
     }
 }
 
 ToneBurst::Place ToneBurst::place(std::int64_t step, double fraction) const noexcept {
-    std::int64_t burst = 0;
-    if (repetition_hz_ > 0) {
-        const double bursts = (static_cast<double>(step) + fraction) * step_ * repetition_hz_;
-        burst = std::max<std::int64_t>(0, static_cast<std::int64_t>(bursts));
-        // rounding may have put the time on the wrong side of a burst's start
-        if (burst > 0 && since_burst(step, fraction, burst) < 0) {
-            --burst;
-        } else if (since_burst(step, fraction, burst + 1) >= 0) {
-            ++burst;
-        }
-    }
-    const double local = since_burst(step, fraction, burst);
+    const std::int64_t burst = clock_.burst_at(step, fraction);
+    const double local = clock_.since(step, fraction, burst);
     if (local < 0) {
         return {burst, waiting, local};
     }
@@ -128,13 +92,13 @@ HornMotion ToneBurst::motion(int piece, double local) const noexcept {
 
 HornMotion ToneBurst::at(std::int64_t step, double fraction, double on_piece) const noexcept {
     const Place where = place(step, on_piece);
-    return motion(where.piece, since_burst(step, fraction, where.burst));
+    return motion(where.piece, clock_.since(step, fraction, where.burst));
 }
 
 double ToneBurst::next_break(std::int64_t step, double after) const noexcept {
     const double begin = after + smallest_piece;
     const Place where = place(step, begin);
-    const double fraction = begin + (piece_end(where.piece) - where.local) / step_;
+    const double fraction = begin + (piece_end(where.piece) - where.local) / clock_.step_s();
     return fraction < 1 - smallest_piece ? fraction : 1;
 }
 
@@ -147,7 +111,7 @@ std::array<double, 3> ToneBurst::frequencies_hz() const noexcept {
 SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept {
     const Place where = place(step, fraction + smallest_piece);
     SmoothDrive drive;
-    drive.since_burst_s = since_burst(step, fraction, where.burst);
+    drive.since_burst_s = clock_.since(step, fraction, where.burst);
     drive.left_s = piece_end(where.piece) - drive.since_burst_s;
     if (where.piece == top) {
         drive.amplitude_m = {amplitude_, 0, 0};
@@ -162,9 +126,38 @@ SmoothDrive ToneBurst::smooth(std::int64_t step, double fraction) const noexcept
     return drive;
 }
 
+/// Of a sweep: s' = c phi' and c' = -s phi' with an angle phi of degree 2.
+void ToneBurst::series(const SmoothDrive& piece, double since_look_up, double unit_s,
+                       std::span<double> terms) const noexcept {
+    const double local = piece.since_burst_s + since_look_up;
+    const std::array<double, 3> frequencies = frequencies_hz();
+    std::ranges::fill(terms, 0.0);
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+        if (piece.amplitude_m[i] == 0) {
+            continue;
+        }
+        const double turns = (frequencies[i] + sweep_hz_per_s_ * local / 2) * local + piece.phase_turns[i];
+        const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
+        const double first = 2 * std::numbers::pi * (frequencies[i] + sweep_hz_per_s_ * local) * unit_s;
+        const double second = 2 * std::numbers::pi * sweep_hz_per_s_ * unit_s * unit_s;
+        double sine = piece.amplitude_m[i] * std::sin(angle);
+        double cosine = piece.amplitude_m[i] * std::cos(angle);
+        double sine_before = 0;
+        double cosine_before = 0;
+        for (std::size_t n = 0; n < terms.size(); ++n) {
+            terms[n] += sine;
+            const double per = 1 / static_cast<double>(n + 1);
+            const double next_sine = per * (first * cosine + second * cosine_before);
+            const double next_cosine = -per * (first * sine + second * sine_before);
+            sine_before = std::exchange(sine, next_sine);
+            cosine_before = std::exchange(cosine, next_cosine);
+        }
+    }
+}
+
 void ToneBurst::fill_tables() noexcept {
     for (std::size_t j = 0; j < table_size; ++j) {
-        const double offset = 0.5 * static_cast<double>(j) * step_;
+        const double offset = 0.5 * static_cast<double>(j) * clock_.step_s();
         carrier_cos_[j] = std::cos(omega_ * offset);
         carrier_sin_[j] = std::sin(omega_ * offset);
         ramp_cos_[j] = std::cos(ramp_omega_ * offset);

@@ -9,6 +9,8 @@
 #include <string_view>
 
 #include "core/model/contact_law.hpp"
+#include "core/model/drive.hpp"
+#include "core/model/sampled_motion.hpp"
 #include "core/model/sphere_row.hpp"
 #include "core/model/strength.hpp"
 #include "core/scene/scene_key.hpp"
@@ -86,7 +88,8 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
         SuspiciousUnit{"end.radius_m", s.end.radius_m, plate && s.end.radius_m >= 0.5, "m", "millimetres"},
         SuspiciousUnit{"end.thickness_m", s.end.thickness_m,
                        plate && s.end.thicknesses_m.empty() && s.end.thickness_m >= 0.05, "m", "millimetres"},
-        SuspiciousUnit{"drive.amplitude_m", s.drive.amplitude_m, std::abs(s.drive.amplitude_m) >= 1e-3, "m",
+        SuspiciousUnit{"drive.amplitude_m", s.drive.amplitude_m,
+                       s.drive.kind != DriveKind::file && std::abs(s.drive.amplitude_m) >= 1e-3, "m",
                        "micrometres"},
         SuspiciousUnit{"drive.frequency_hz", s.drive.frequency_hz, s.drive.frequency_hz < 1000, "Hz",
                        "kilohertz"},
@@ -101,6 +104,16 @@ void add_units(const Scene& s, std::vector<std::string>& warnings) {
     add_units_of_materials(s, warnings);
 }
 
+/// "tone", "file" or "live"
+std::string one_of_quoted(std::span<const std::string_view> words) {
+    std::string text;
+    for (std::size_t i = 0; i < words.size() && !words[i].empty(); ++i) {
+        const bool last = i + 1 == words.size() || words[i + 1].empty();
+        text += (i == 0 ? "" : last ? " or " : ", ") + hertzline::quoted(words[i]);
+    }
+    return text;
+}
+
 /// Keys that were changed although nothing asks for them.
 void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings) {
     const Scene untouched;
@@ -111,7 +124,7 @@ void warn_of_unused_keys(const Scene& scene, std::vector<std::string>& warnings)
             warnings.push_back(key.name + " has no effect " +
                                (list != nullptr ? "beside " + list->name
                                                 : "without " + std::string(traits.needs.key) + " = " +
-                                                      hertzline::quoted(traits.needs.word)));
+                                                      one_of_quoted(traits.needs.words)));
         }
     }
 }
@@ -192,6 +205,50 @@ void add_plate(const Scene& scene, const Chain& chain, std::vector<std::string>&
     }
 }
 
+/// A record that moves on at its end, loses much to the low-pass, drifts, or has few samples.
+void add_record(const Scene& scene, std::vector<std::string>& warnings) {
+    const Drive& drive = scene.drive;
+    if (!has_samples(drive)) {
+        return;
+    }
+    const RecordFacts& record = SampledMotion::of(drive)->facts();
+    const auto percent = [](double share) { return briefly(100 * share) + " %"; };
+    if (record.largest_velocity == 0) {
+        warnings.emplace_back("the record of drive.file does not move: all of its samples are alike");
+    }
+    constexpr double noticed = 0.01;
+    if (record.end_share > noticed && drive.start_s + record.duration_s < scene.output.duration_s) {
+        warnings.push_back("the record of drive.file ends amid a motion, at " + percent(record.end_share) +
+                           " of its largest velocity: there it stops at once");
+    }
+    if (record.beyond_share > noticed) {
+        warnings.push_back("the low-pass at " + briefly(lowpass_hz(drive)) + " Hz (drive.lowpass_hz) takes " +
+                           percent(record.beyond_share) + " of the record of drive.file");
+    }
+    if (record.noise_velocity > noticed * record.largest_velocity) {
+        warnings.push_back("the noise of the record of drive.file moves the horn at up to " +
+                           briefly(record.noise_velocity) + " m/s rms, " +
+                           percent(record.noise_velocity / record.largest_velocity) +
+                           " of its largest velocity; a lower drive.lowpass_hz takes more of it");
+    }
+    if (record.drift_removed) {
+        warnings.push_back("the record of drive.file drifts by " + briefly(record.drift_m_per_s) +
+                           " m/s, which is removed");
+    }
+    constexpr double fewest = 7;  // samples in a period of a spline of degree 7 that errs by 1e-6
+    if (const double samples = *drive.sample_rate_hz / record.mean_frequency_hz;
+        samples < fewest && record.largest_velocity > 0) {
+        warnings.push_back("the record of drive.file has " + briefly(samples) +
+                           " samples in a period of its mean frequency; with less than 7 the motion between "
+                           "them is not certain");
+    }
+    warn_of_suspicious_units(
+        std::array{SuspiciousUnit{"drive.file", record.largest_displacement_m,
+                                  record.largest_displacement_m >= 1e-3, "m",
+                                  "micrometres (drive.scale), or a velocity (drive.quantity),"}},
+        warnings);
+}
+
 std::string deep_contact(double ratio, std::string_view when) {
     return "a contact is pressed " + briefly(ratio) + " of a sphere's radius deep" + std::string(when) +
            "; Hertz's law is for less than 0.05";
@@ -249,6 +306,7 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
     warn_of_unused_keys(scene, warnings);
     warn_of_unused_entries(scene, warnings);
     add_plate(scene, chain, warnings);
+    add_record(scene, warnings);
     const ContactLoad rest = contact_load(chain, chain.static_overlap);
     if (rest.overlap_ratio > deepest_overlap) {
         warnings.push_back(deep_contact(rest.overlap_ratio, " by the preload alone"));

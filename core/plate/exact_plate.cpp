@@ -51,19 +51,32 @@ Eigen::MatrixXd ExactPlate::masses() const {
 }
 
 Eigen::VectorXd ExactPlate::mobility_at_once() const {
+    const Eigen::MatrixXd inverse = mode_mobilities_at_once();
+    return inverse * Eigen::VectorXd::Ones(inverse.rows());
+}
+
+Eigen::MatrixXd ExactPlate::mode_mobilities_at_once() const {
     // a fluid that radiates gives way at once
     const Eigen::MatrixXd mass =
         p_.load == FluidLoad::added_mass ? Eigen::MatrixXd(masses() + added_) : masses();
-    return mass.inverse() * Eigen::VectorXd::Ones(mass.rows());
+    return mass.inverse();
 }
 
 Eigen::VectorXcd ExactPlate::mobilities(double frequency_hz) const {
+    return hertzline::mode_mobilities(modes_, fluid_impedance(frequency_hz), frequency_hz);
+}
+
+Eigen::MatrixXcd ExactPlate::mode_mobilities(double frequency_hz) const {
+    return mode_impedances(modes_, fluid_impedance(frequency_hz), frequency_hz).inverse();
+}
+
+Eigen::MatrixXcd ExactPlate::fluid_impedance(double frequency_hz) const {
     Eigen::MatrixXcd impedance = Complex(0, two_pi * frequency_hz) * added_;
     if (radiation_) {
         impedance = p_.fluid.density_kg_per_m3 * p_.fluid.sound_speed_m_per_s * disc_area(p_) *
                     (*radiation_)(ka(frequency_hz));
     }
-    return mode_mobilities(modes_, impedance, frequency_hz);
+    return impedance;
 }
 
 Eigen::VectorXcd ExactPlate::pressures(double frequency_hz) const {
@@ -88,16 +101,21 @@ void ExactPlate::find_wet_frequencies() {
     }
 }
 
-Eigen::VectorXcd mode_mobilities(const std::vector<PlateMode>& modes, const Eigen::MatrixXcd& impedance,
+Eigen::MatrixXcd mode_impedances(const std::vector<PlateMode>& modes, const Eigen::MatrixXcd& fluid,
                                  double frequency_hz) {
-    const auto size = static_cast<Index>(modes.size());
     const double omega = two_pi * frequency_hz;
-    Eigen::MatrixXcd all = impedance;
-    for (Index n = 0; n < size; ++n) {
+    Eigen::MatrixXcd all = fluid;
+    for (Index n = 0; n < all.rows(); ++n) {
         const PlateMode& mode = modes[static_cast<std::size_t>(n)];
         all(n, n) += Complex(mode.loss_kg_per_s, omega * mode.mass_kg - mode.stiffness_n_per_m / omega);
     }
-    return all.partialPivLu().solve(Eigen::VectorXcd::Ones(size));
+    return all;
+}
+
+Eigen::VectorXcd mode_mobilities(const std::vector<PlateMode>& modes, const Eigen::MatrixXcd& impedance,
+                                 double frequency_hz) {
+    const Eigen::MatrixXcd all = mode_impedances(modes, impedance, frequency_hz);
+    return all.partialPivLu().solve(Eigen::VectorXcd::Ones(all.rows()));
 }
 
 }  // namespace hertzline

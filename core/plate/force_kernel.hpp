@@ -39,16 +39,30 @@ private:
     std::vector<double> columns_;
 };
 
+/// Nodes of the integrals over a stretch of time in which a kernel is smooth.
+inline constexpr std::size_t stretch_nodes = 24;
+
+/// The answer to a jump of the force, less the part of it that the moments have, while the kernel is smooth.
+struct JumpRest {
+    double from, to;             ///< ages after the first sound [intervals]
+    std::vector<double> series;  ///< Chebyshev's coefficients over the smooth step of the age [Pa/N]
+};
+
 /// The pressure at one point: a sum of products with moments and states. The first sound sets in at once. So the newest moments are those
 /// of a part of an interval, up to the moment from which the first sound arrives.
 struct ForceKernel {
     /// @param share of an interval that the newest part covers, above 0 and at most 1
-    ForceKernel(const PlateResponse& response, const PointSound& sound, double interval_s, double share);
+    ForceKernel(const PlateResponse& response, const SoundSum& sound, double interval_s, double share);
 
     std::array<double, moment_stride> newest{};  ///< factors of that part's moments [Pa/(N s)]
     std::size_t intervals = 0;                   ///< before it, whose moments count; even
     std::vector<double> moments;  ///< factors of their moments [Pa/(N s)], the oldest interval first
     std::vector<double> states;   ///< factors of the states before these intervals, as ForcedStates has them
+    /// Where moments are not enough for a force that jumps, by ages: near the first and last sounds, where kernels begin and end like square roots.
+    std::vector<JumpRest> steep;
+
+    /// The part of the pressure after a jump of the force that the moments lack [Pa/N]. @param age from the first sound on [intervals]
+    double rest_of_jump(double age) const noexcept;
 };
 
 }  // namespace hertzline

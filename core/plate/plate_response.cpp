@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
-#include <mutex>
 #include <numbers>
+#include <utility>
 
+#include "core/plate/disc_pair.hpp"
 #include "core/plate/exact_plate.hpp"
+#include "core/scene/latest_results.hpp"
 
 namespace hertzline {
 
@@ -262,39 +263,86 @@ PlateResponse fitted(const PlateParameters& parameters, int count) {
     return response;
 }
 
+ModeResponse fitted_modes(const PlateResponse& response) {
+    PlateParameters wide = response.parameters;
+    wide.band_hz = response.band_hz;
+    const ExactPlate plate(wide);
+    const double omega = 2 * std::numbers::pi * response.band_hz;
+    const double unit_kg = plate.modes()[0].mass_kg;
+    Poles poles = response.poles;
+    for (Complex& pole : poles) {
+        pole /= omega;
+    }
+    constexpr int points = 150;
+    const std::vector<double> at = frequencies(response.band_hz, points, sharp(poles, response.band_hz));
+    const auto modes = static_cast<Index>(plate.modes().size());
+    Eigen::VectorXcd s(static_cast<Index>(at.size()));
+    Eigen::MatrixXcd values(s.size(), pairs_of(modes));
+    for (Index i = 0; i < s.size(); ++i) {
+        const double f = at[static_cast<std::size_t>(i)];
+        const Eigen::MatrixXcd all = unit_kg * omega * plate.mode_mobilities(f);
+        s[i] = Complex(0, f / response.band_hz);
+        for (Index n = 0; n < modes; ++n) {
+            for (Index m = 0; m <= n; ++m) {
+                values(i, pair_of(m, n)) = all(m, n);
+            }
+        }
+    }
+    ModeResponse found;
+    found.mobility = plate.mode_mobilities_at_once();
+    // the water passes on waves down to the length of the highest mode's
+    const PlateParameters& p = response.parameters;
+    const double corner = disc_modes(p).back().root() * p.fluid.sound_speed_m_per_s /
+                          (2 * std::numbers::pi * p.radius_m * response.band_hz);
+    const Eigen::ArrayXd heard = (1 + (s.imag().array() / corner).pow(4)).inverse();
+    for (Index n = 0; n < modes; ++n) {
+        for (Index m = 0; m <= n; ++m) {
+            const Index pair = pair_of(m, n);
+            const auto own = [](Index mode) { return pair_of(mode, mode); };
+            const Eigen::VectorXd weights =
+                heard *
+                (weights_of(values.col(own(m))).array() * weights_of(values.col(own(n))).array()).sqrt();
+            const PlateMode& mode = plate.modes()[static_cast<std::size_t>(n)];
+            const double soft = m == n ? unit_kg * omega * omega / mode.stiffness_n_per_m : 0;
+            const std::vector<Moment> moments{
+                {-1, 0},
+                {-2, -soft},
+                {-3, soft * omega * mode.loss_kg_per_s / mode.stiffness_n_per_m},
+                {0, unit_kg * found.mobility(m, n)}};
+            const Eigen::VectorXcd of_pair = residues(poles, s, values.col(pair), weights, moments);
+            Eigen::VectorXcd fit(s.size());
+            for (Index i = 0; i < s.size(); ++i) {
+                fit[i] = value_at(poles, of_pair, s[i]);
+            }
+            const double scale =
+                error_under_contact(s, corner, Eigen::VectorXcd::Zero(s.size()), values.col(own(n)));
+            found.error =
+                std::max(found.error, scale * error_under_contact(s, corner, fit, values.col(pair)) *
+                                          values.col(pair).norm() / values.col(own(n)).norm());
+            found.m_per_s.emplace_back(of_pair / unit_kg);
+        }
+    }
+    return found;
+}
+
+/// All that a response depends on.
+struct ResponseKey {
+    PlateParameters parameters;
+    int poles;
+    bool operator==(const ResponseKey&) const = default;
+};
+constexpr std::size_t most_responses = 256;  // 20 kB each: those of all threads of a sweep
+
 }  // namespace
 
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles) {
-    struct Kept {
-        int poles;
-        std::shared_ptr<const PlateResponse> response;
-    };
-    static std::mutex mutex;
-    static std::deque<Kept> kept;
-    const auto known = [&]() -> std::shared_ptr<const PlateResponse> {
-        const auto found = std::find_if(kept.begin(), kept.end(), [&](const Kept& entry) {
-            return entry.poles == poles && entry.response->parameters == parameters;
-        });
-        return found != kept.end() ? found->response : nullptr;
-    };
-    {
-        const std::scoped_lock lock(mutex);
-        if (auto response = known()) {
-            return response;
-        }
-    }
-    // Other threads fit other plates meanwhile. Two that fit the same one get the same.
-    auto response = std::make_shared<const PlateResponse>(fitted(parameters, poles));
-    constexpr std::size_t most = 256;  // 20 kB each: those of all threads of a sweep
-    const std::scoped_lock lock(mutex);
-    if (auto same = known()) {
-        return same;
-    }
-    if (kept.size() == most) {
-        kept.pop_front();
-    }
-    kept.push_back({poles, response});
-    return response;
+    static LatestResults<ResponseKey, PlateResponse> kept(most_responses);
+    return kept.of({parameters, poles}, [&] { return fitted(parameters, poles); });
+}
+
+std::shared_ptr<const ModeResponse> mode_response(const PlateResponse& response) {
+    static LatestResults<std::pair<PlateParameters, Poles>, ModeResponse> kept(most_responses);
+    return kept.of({response.parameters, response.poles}, [&] { return fitted_modes(response); });
 }
 
 int poles_for(const PlateParameters& parameters, double accuracy) {

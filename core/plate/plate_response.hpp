@@ -42,6 +42,18 @@ inline constexpr double largest_ka = 300;
 /// The response with that number of poles: the more, the further the fit reaches. The latest are kept: a second call costs nothing. @throws std::bad_alloc
 std::shared_ptr<const PlateResponse> plate_response(const PlateParameters& parameters, int poles);
 
+/// The velocity of each mode per force on each mode, by the same states: residues of the pairs of modes (disc_pair.hpp), and the
+/// accelerations at once [1/kg].
+struct ModeResponse {
+    std::vector<Eigen::VectorXcd> m_per_s;
+    Eigen::MatrixXd mobility;
+    double error =
+        0;  ///< relative (L2) of the worst of them to its mode's own, of the answer to forces that water passes on
+};
+
+/// The latest are kept, as of plate_response(). @throws std::bad_alloc
+std::shared_ptr<const ModeResponse> mode_response(const PlateResponse& response);
+
 /// As few poles as bring both errors below a share of the accuracy; as many as there may be if none do.
 int poles_for(const PlateParameters& parameters, double accuracy);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/plate/quadrature.hpp"
 
@@ -45,12 +46,12 @@ ShapeTable::Shapes ShapeTable::operator()(double square) const {
     return coefficients_.col(0) + t * next - after;
 }
 
-PointSound::PointSound(const ShapeTable& shapes, double from_axis, double from_plane)
-    : shapes_(shapes), from_axis_(from_axis), from_plane_(from_plane) {
+PointSound::PointSound(const ShapeTable& shapes, double from_axis, double from_plane, double delay)
+    : shapes_(shapes), from_axis_(from_axis), from_plane_(from_plane), delay_(delay) {
     const double s = from_axis;
     // the first sound, the moment from which the circle leaves the disc, and the last sound
     for (const double way : {std::max(0.0, s - 1), std::abs(1 - s), 1 + s}) {
-        const double time = std::hypot(way, from_plane);
+        const double time = delay + std::hypot(way, from_plane);
         if (breaks_.empty() || time > breaks_.back()) {
             breaks_.push_back(time);
         }
@@ -58,11 +59,13 @@ PointSound::PointSound(const ShapeTable& shapes, double from_axis, double from_p
 }
 
 Eigen::ArrayXd PointSound::operator()(double time) const {
+    const ShapeTable& shapes = shapes_;
     const double s = from_axis_;
-    const double square = std::max(0.0, (time - from_plane_) * (time + from_plane_));
+    const double way = time - delay_;
+    const double square = std::max(0.0, (way - from_plane_) * (way + from_plane_));
     const double u = std::sqrt(square);  // radius of the circle
     if (s == 0) {
-        return shapes_(std::min(square, 1.0)).head(shapes_.modes());
+        return shapes(std::min(square, 1.0)).head(shapes.modes());
     }
     const double end =
         u <= 1 - s ? std::numbers::pi : std::acos(std::clamp((s * s + square - 1) / (2 * s * u), -1.0, 1.0));
@@ -72,8 +75,48 @@ Eigen::ArrayXd PointSound::operator()(double time) const {
     };
     ShapeTable::Shapes sum = ShapeTable::Shapes::Zero();
     each_node<nodes_of_arc>(
-        0, end, [&](double angle, double weight) { sum += weight / std::numbers::pi * shapes_(at(angle)); });
-    return sum.head(shapes_.modes());
+        0, end, [&](double angle, double weight) { sum += weight / std::numbers::pi * shapes(at(angle)); });
+    return sum.head(shapes.modes());
+}
+
+SoundSum::SoundSum(std::vector<PointSound> sounds) : sounds_(std::move(sounds)) {
+    for (const PointSound& sound : sounds_) {
+        breaks_.insert(breaks_.end(), sound.breaks().begin(), sound.breaks().end());
+    }
+    std::sort(breaks_.begin(), breaks_.end());
+    // discs at one distance, or with one sound at a focus, differ by the rounding of their times
+    const double rounding = 1e-12 * breaks_.back();
+    const auto same = [rounding](double a, double b) { return b - a <= rounding; };
+    breaks_.erase(std::unique(breaks_.begin(), breaks_.end(), same), breaks_.end());
+}
+
+Eigen::ArrayXd SoundSum::operator()(double time) const {
+    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(sounds_.front().modes());
+    for (const PointSound& sound : sounds_) {
+        if (time >= sound.first() && time <= sound.last()) {
+            sum += sound(time);
+        }
+    }
+    return sum;
+}
+
+std::vector<SoundSum> grouped(std::vector<PointSound> sounds) {
+    constexpr double closely = 1;
+    std::ranges::stable_sort(sounds, {}, &PointSound::first);
+    std::vector<SoundSum> groups;
+    std::vector<PointSound> open;
+    double end = 0;
+    for (const PointSound& sound : sounds) {
+        if (!open.empty() && sound.first() > end + closely) {
+            groups.emplace_back(std::exchange(open, {}));
+        }
+        end = std::max(end, sound.last());
+        open.push_back(sound);
+    }
+    if (!open.empty()) {
+        groups.emplace_back(std::move(open));
+    }
+    return groups;
 }
 
 PointSpectrum::PointSpectrum(const PointSound& sound, double max_ka) {

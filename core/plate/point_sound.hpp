@@ -7,6 +7,7 @@
 // docs/model.md, section 10).
 
 #include <complex>
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -34,9 +35,10 @@ private:
 
 class PointSound {
 public:
-    /// @param shapes outlives the object @param from_axis, from_plane distances of the point, not negative
-    PointSound(const ShapeTable& shapes, double from_axis, double from_plane);
+    /// @param shapes outlives the object @param from_axis, from_plane distances of the point, not negative @param delay of the disc's motion
+    PointSound(const ShapeTable& shapes, double from_axis, double from_plane, double delay = 0);
 
+    Eigen::Index modes() const noexcept { return shapes_.get().modes(); }
     /// Times of the first and the last sound.
     double first() const noexcept { return breaks_.front(); }
     double last() const noexcept { return breaks_.back(); }
@@ -46,10 +48,30 @@ public:
     Eigen::ArrayXd operator()(double time) const;
 
 private:
-    const ShapeTable& shapes_;
-    double from_axis_, from_plane_;
+    std::reference_wrapper<const ShapeTable> shapes_;
+    double from_axis_, from_plane_, delay_;
     std::vector<double> breaks_;
 };
+
+/// The sound at one point of several discs that move alike.
+class SoundSum {
+public:
+    /// @param sounds of the discs, at least one
+    explicit SoundSum(std::vector<PointSound> sounds);
+
+    // as of a PointSound
+    double first() const noexcept { return breaks_.front(); }
+    double last() const noexcept { return breaks_.back(); }
+    const std::vector<double>& breaks() const noexcept { return breaks_; }
+    Eigen::ArrayXd operator()(double time) const;
+
+private:
+    std::vector<PointSound> sounds_;
+    std::vector<double> breaks_;
+};
+
+/// Groups of those whose sounds overlap or follow each other closely: the silence between two groups takes no time to compute.
+std::vector<SoundSum> grouped(std::vector<PointSound> sounds);
 
 /// Its spectrum: pressure per rho c and per velocity of each mode, with time as exp(i w t) and counted from the first sound,
 /// i k int h(s) exp(-i k (s - first)) ds.

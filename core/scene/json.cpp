@@ -78,9 +78,8 @@ Json json_from_outside(std::string_view text) {
     return Json::parse(text);
 }
 
-Json object_from_outside(std::string_view text) {
-    constexpr std::size_t largest = std::size_t{1} << 20;
-    if (text.size() > largest) {
+Json object_from_outside(std::string_view text, std::size_t most_bytes) {
+    if (text.size() > most_bytes) {
         return nullptr;
     }
     try {

@@ -17,8 +17,11 @@ using Json = nlohmann::ordered_json;
 /// millions of values or objects of thousands of keys
 Json json_from_outside(std::string_view text);
 
-/// Parses a message that should be an object; null when it is none, is larger than a MiB or is refused by json_from_outside().
-Json object_from_outside(std::string_view text);
+/// A scene with a million samples of a recorded drive, and more [bytes].
+inline constexpr std::size_t largest_scene_json = std::size_t{32} << 20;
+
+/// Parses a message that should be an object; null when it is none, is larger than that or is refused by json_from_outside().
+Json object_from_outside(std::string_view text, std::size_t most_bytes = std::size_t{1} << 20);
 
 /// Reads members of JSON from outside by their paths: "scene/drive/frequency_hz". A member that is missing, or of another type,
 /// reads as nothing. Refers to the JSON.

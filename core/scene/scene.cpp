@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/scene/elements.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
@@ -31,7 +32,9 @@ void check_values(const Scene& scene, std::span<const SceneKey> keys, std::vecto
 }
 
 void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
-    const double burst_rate_hz = scene.drive.frequency_hz / scene.drive.cycles;
+    // of a tone: those of a record are for drive_faults() to find
+    const bool is_sampled = scene.drive.kind == DriveKind::file || scene.drive.kind == DriveKind::live;
+    const double burst_rate_hz = is_sampled ? 0 : scene.drive.frequency_hz / scene.drive.cycles;
     // Without a positive rate the frequency or the cycles are at fault.
     if (burst_rate_hz > 0 && scene.drive.repetition_hz > burst_rate_hz) {
         faults.push_back({"drive.repetition_hz", number_text(scene.drive.repetition_hz),
@@ -50,6 +53,9 @@ void check_combinations(const Scene& scene, std::vector<Fault>& faults) {
         faults.push_back({"drive.repetition_hz",
                           number_text(scene.drive.repetition_hz) + " with drive.kind = \"none\"",
                           "0: there is no horn to repeat its bursts"});
+    }
+    if (is_sampled && scene.drive.scale == 0.0) {
+        faults.push_back({"drive.scale", "0", "a number other than 0"});
     }
     if (scene.chain.impact_spheres > std::max<std::int64_t>(1, scene.chain.spheres)) {
         faults.push_back({"chain.impact_spheres", number_text(scene.chain.impact_spheres),
@@ -108,6 +114,16 @@ void check_modal_plate(const Scene& scene, std::vector<Fault>& faults) {
         if (is_far(std::hypot(x, y, z))) {
             faults.push_back({point, number_text(std::hypot(x, y, z)) + " m from the plate's centre", near});
         }
+    }
+}
+
+/// A horn that gives way needs an integrator that knows it.
+void check_horn(const Scene& scene, std::vector<Fault>& faults) {
+    if (scene.drive.kind != DriveKind::none && scene.drive.horn == HornModel::resonator &&
+        scene.numerics.integrator && !is_series(*scene.numerics.integrator)) {
+        faults.push_back({"numerics.integrator",
+                          quoted(word(*scene.numerics.integrator)) + R"( with drive.horn = "resonator")",
+                          R"("taylor8" or "taylor12")"});
     }
 }
 
@@ -172,7 +188,11 @@ std::vector<Fault> validate(const Scene& scene) {
     check_combinations(scene, faults);
     check_modal_plate(scene, faults);
     check_damping_law(scene, faults);
+    check_horn(scene, faults);
     check_layers(scene, faults);
+    if (faults.empty()) {
+        check_array(scene, faults);
+    }
     check_materials(scene, faults);
     return faults;
 }

@@ -1,5 +1,7 @@
 #include "hertzline/scene_file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <filesystem>
@@ -29,8 +31,17 @@ tl::expected<std::string, Fault> text_of_file(const std::string& name) {
     if (file == nullptr) {
         return tl::unexpected(unreadable(name, errno));
     }
-    std::string text(max_scene_bytes + 1, '\0');
-    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+    // a little at a time: room for the largest scene would take longer to clear than most scenes to simulate
+    std::string text;
+    std::array<char, 65536> part{};
+    while (text.size() <= max_scene_bytes) {
+        const std::size_t wanted = std::min(part.size(), max_scene_bytes + 1 - text.size());
+        const std::size_t count = std::fread(part.data(), 1, wanted, file.get());
+        text.append(part.data(), count);
+        if (count < wanted) {
+            break;
+        }
+    }
     if (std::ferror(file.get()) != 0) {
         return tl::unexpected(unreadable(name, errno));
     }
@@ -39,6 +50,19 @@ tl::expected<std::string, Fault> text_of_file(const std::string& name) {
         return tl::unexpected(Fault{"", "more than " + most, "at most " + most, {printable(name)}});
     }
     return text;
+}
+
+/// The fault of a name that is neither a file's nor a shipped scene's.
+Fault unknown_scene(const std::string& name) {
+    std::vector<std::string> shipped;
+    for (const ShippedScene& scene : shipped_scenes()) {
+        shipped.emplace_back(scene.name);
+    }
+    const std::string stem = fs::path(name).stem().string();  // "paper-wal.toml" means a shipped one, too
+    return {"",
+            "no such file or shipped scene",
+            "a file, or one of " + comma_separated(shipped) + suggestion(stem, shipped),
+            {printable(name)}};
 }
 
 tl::expected<std::string, Fault> text_of(const std::string& name) {
@@ -57,18 +81,6 @@ tl::expected<std::string, Fault> text_of(const std::string& name) {
 }
 
 }  // namespace
-
-Fault unknown_scene(const std::string& name) {
-    std::vector<std::string> shipped;
-    for (const ShippedScene& scene : shipped_scenes()) {
-        shipped.emplace_back(scene.name);
-    }
-    const std::string stem = fs::path(name).stem().string();  // "paper-wal.toml" means a shipped one, too
-    return {"",
-            "no such file or shipped scene",
-            "a file, or one of " + comma_separated(shipped) + suggestion(stem, shipped),
-            {printable(name)}};
-}
 
 tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string& name,
                                                                std::span<const std::string> settings) {

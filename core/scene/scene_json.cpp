@@ -1,6 +1,8 @@
 #include "core/scene/scene_json.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -156,7 +158,10 @@ Json key_schema(const SceneKey& key) {
         schema["default"] = json_of(key.value(Scene{}));
     }
     if (!key.traits.needs.key.empty()) {
-        schema["needs"] = {{std::string(key.traits.needs.key), key.traits.needs.word}};
+        const Need& needs = key.traits.needs;
+        Json words = Json::array();
+        std::ranges::copy_if(needs.words, std::back_inserter(words), [](auto word) { return !word.empty(); });
+        schema["needs"][std::string(needs.key)] = words.size() == 1 ? words[0] : words;
     }
     if (!key.traits.replaced_by.empty()) {
         schema["replaced_by"] = key.traits.replaced_by;

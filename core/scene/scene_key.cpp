@@ -9,8 +9,6 @@
 #include "core/scene/scene_table.hpp"
 #include "core/scene/scene_words.hpp"
 #include "core/scene/text.hpp"
-#include "core/scene/toml_entries.hpp"
-#include "core/scene/units.hpp"
 
 namespace hertzline {
 
@@ -22,13 +20,6 @@ template <class T>
 constexpr bool may_be_unset = false;
 template <class T>
 constexpr bool may_be_unset<std::optional<T>> = true;
-
-template <class T>
-constexpr bool has_entries = false;
-template <class T>
-constexpr bool has_entries<std::vector<T>> = true;
-template <class T, std::size_t N>
-constexpr bool has_entries<std::array<T, N>> = true;
 
 /// The places of an entry in its lists; none: the whole value.
 using EntryPath = std::span<const std::size_t>;
@@ -110,7 +101,7 @@ void describe(SceneKey& key, const Member& /*member*/) {
     } else if constexpr (has_entries<Member>) {
         constexpr bool is_list = std::is_constructible_v<SceneValue, Member>;
         key.is_optional = is_list;
-        key.counts.push_back(is_list ? EntryCount{1, key.traits.most_entries}
+        key.counts.push_back(is_list ? EntryCount{0, key.traits.most_entries}
                                      : EntryCount{Member{}.size(), Member{}.size()});
         const bool is_optional = key.is_optional;
         describe(key, typename Member::value_type{});
@@ -122,23 +113,46 @@ void describe(SceneKey& key, const Member& /*member*/) {
         }
     } else {
         key.kind = static_cast<ValueKind>(SceneValue(Member{}).index());
-        key.is_material = key.kind == ValueKind::word;
+        key.is_material = key.kind == ValueKind::word && !key.traits.is_text;
     }
 }
 
-/// Calls act(member) for the key's member of the scene, if it has it.
+/// A member of a scene: its place, and how it is read and set there.
+struct SceneMember {
+    std::ptrdiff_t offset;
+    std::optional<SceneValue> (*value)(const void* member, EntryPath path);
+    bool (*assign)(void* member, EntryPath path, const std::optional<SceneValue>& value);
+};
+
+/// The members in the order of the table. A key looks itself up here: to visit all rows for each key would take longer than many a run.
+const std::vector<SceneMember>& scene_members() {
+    // never destroyed, as scene_keys()
+    static const auto& members = *new const std::vector<SceneMember>([scene = Scene{}] {
+        std::vector<SceneMember> all;
+        table::visit_scene(scene, [&]<class Member>(std::string_view, const Member& member, const KeyRow&) {
+            all.push_back(
+                {reinterpret_cast<const std::byte*>(&member) - reinterpret_cast<const std::byte*>(&scene),
+                 [](const void* at, EntryPath path) {
+                     return value_in(*static_cast<const Member*>(at), path);
+                 },
+                 [](void* at, EntryPath path, const std::optional<SceneValue>& value) {
+                     return assign(*static_cast<Member*>(at), path, value);
+                 }});
+        });
+        return all;
+    }());
+    return members;
+}
+
+/// Calls act(member) for the member of the scene's own material that the key belongs to, if there is one.
 template <class AnyScene, class Act>
-void at_member(AnyScene& scene, const SceneKey& key, const Act& act) {
-    std::size_t number = 0;
-    const auto chosen = [&](std::string_view, auto& member, const KeyRow& row) {
-        if (number++ == key.row && row.key == key.key) {
-            act(member);
-        }
-    };
-    if (!key.owner) {
-        table::visit_scene(scene, chosen);
-    } else if (const auto own = scene.materials.find(*key.owner); own != scene.materials.end()) {
-        table::visit_material(own->second, "", chosen);
+void at_own_member(AnyScene& scene, const SceneKey& key, const Act& act) {
+    if (const auto own = scene.materials.find(*key.owner); own != scene.materials.end()) {
+        table::visit_material(own->second, "", [&](std::string_view, auto& member, const KeyRow& row) {
+            if (row.key == key.key) {
+                act(member);
+            }
+        });
     }
 }
 
@@ -156,40 +170,16 @@ std::vector<SceneKey> keys_in(const VisitAll& visit_all) {
     return keys;
 }
 
-/// A number without a look at TOML's other ways to write one; nothing where those may matter.
-template <class Number>
-std::optional<SceneValue> plain_number(std::string_view text) {
-    Number number{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = error == std::errc{} && end == text.data() + text.size();
-    return whole ? std::optional<SceneValue>(number) : std::nullopt;
-}
-
-/// The names of many materials as a message shows them.
-std::string listed(std::span<const std::string> names) {
-    constexpr std::size_t max_listed = 16;
-    return comma_separated(names.first(std::min(max_listed, names.size()))) +
-           (names.size() > max_listed ? ", ..." : "");
-}
-
-std::optional<Fault> material_fault(const Scene& scene, const SceneKey& key, const std::string& name) {
-    const MaterialSort sort = key.traits.sort;
-    const Material* material = find_material(scene, name);
-    if (material != nullptr && sort_of(*material) == sort) {
-        return std::nullopt;
-    }
-    const std::vector<std::string> names = material_names(scene, sort);
-    const auto* const other = sort == MaterialSort::solid ? ", a fluid" : ", a solid";
-    return Fault{key.name, quoted_briefly(name) + (material == nullptr ? "" : other),
-                 key.allowed() + ": " + listed(names) + suggestion(name, names)};
-}
-
-/// Returns the units of a number that was given with another one.
-std::string unit_advice(const SceneKey& key, std::string_view text) {
-    if (!has_unit(text)) {
-        return "";
-    }
-    return key.range.unit.empty() ? ", without a unit" : " (" + units_like(key.range.unit) + ")";
+/// How many entries the list has; 0: the scene does not give it.
+std::size_t entries_in(const std::optional<SceneValue>& list) {
+    const auto size = [](const auto& held) -> std::size_t {
+        if constexpr (has_entries<std::decay_t<decltype(held)>>) {
+            return held.size();
+        } else {
+            return 0;
+        }
+    };
+    return list ? std::visit(size, *list) : 0;
 }
 
 /// The whole number from 1 on that an entry's name has in its brackets; 0: none.
@@ -198,6 +188,39 @@ std::size_t entry_number(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
     const bool whole = error == std::errc{} && end == text.data() + text.size();
     return whole && text.front() != '0' ? number : 0;
+}
+
+/// The list as it would be given so that nothing changes, with that entry; nothing where no such list suits the scene.
+std::optional<SceneValue> list_given(const Scene& scene, const SceneKey& key, std::size_t number) {
+    std::size_t count = key.section() == "chain" ? static_cast<std::size_t>(scene.chain.spheres) : number;
+    for (const SceneKey& other : scene_keys()) {  // lists of a section have an entry each for the same bodies
+        if (other.is_list() && other.section() == key.section()) {
+            count = std::max(count, entries_in(other.value(scene)));
+        }
+    }
+    count = std::min(count, key.counts.front().most);
+    if (number == 0 || number > count || count > max_elements) {
+        return std::nullopt;
+    }
+    SceneValue one = 0.0;
+    if (key.counts.size() > 1) {
+        one = std::vector<double>(key.counts.back().most);
+    } else if (!key.traits.each.empty()) {
+        one = *std::ranges::find(scene_keys(), key.traits.each, &SceneKey::name)->value(scene);
+    }
+    SceneValue list = joined(key, std::vector(count, one));
+    Scene with_list = scene;
+    key.set(with_list, list);
+    return validate(with_list).empty() ? std::optional(std::move(list)) : std::nullopt;
+}
+
+/// The remedy where the scene does not give a list whose entry is named.
+std::string advice_to_give(const Scene& scene, const SceneKey& key, std::size_t number) {
+    constexpr std::size_t longest = 1000;
+    const auto list = list_given(scene, key, number);
+    const std::string text = list ? value_text(*list) : "";
+    return "none: the scene does not give " + key.name + "; first give the whole list" +
+           (text.empty() || text.size() > longest ? "" : ": --set '" + key.name + '=' + text + '\'');
 }
 
 /// The entry of the key. @param entry "[2]", or "[2][3]" of a list of points
@@ -211,52 +234,19 @@ tl::expected<SceneKey, Fault> entry_named(const Scene& scene, SceneKey key, std:
         if (!key.is_list()) {
             return tl::unexpected(Fault{printable(name), "an entry of a single value", key.name});
         }
-        const auto value = key.value(scene);
-        const std::size_t count = value ? entries_of(*value) : 0;
+        const std::size_t count = entries_in(key.value(scene));
         if (number == 0 || number > count) {
             const std::string last = number_text(static_cast<std::int64_t>(count));
             return tl::unexpected(Fault{
                 printable(name),
                 number > 0 ? "entry " + number_text(static_cast<std::int64_t>(number)) : "no entry",
-                count == 0 ? "none: the scene does not give " + key.name
+                count == 0 ? advice_to_give(scene, key, number)
                            : key.name + "[1]" + (count > 1 ? " to " + key.name + "[" + last + "]" : "")});
         }
         key = key.entry(number - 1);
         entry.remove_prefix(end + 1);
     }
     return key;
-}
-
-/// The parts between the commas of a text in brackets that are in no further ones; nothing where it has no such form.
-std::optional<std::vector<std::string_view>> parts_of_list(std::string_view text) {
-    text = trimmed(text, " \t");
-    if (text.size() < 2 || text.front() != '[' || text.back() != ']') {
-        return std::nullopt;
-    }
-    text = text.substr(1, text.size() - 2);
-    std::vector<std::string_view> parts;
-    int open = 0;
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        open += text[i] == '[' ? 1 : text[i] == ']' ? -1 : 0;
-        if (open < 0) {
-            return std::nullopt;
-        }
-        if (text[i] == ',' && open == 0) {
-            parts.push_back(trimmed(text.substr(begin, i - begin), " \t"));
-            begin = i + 1;
-        }
-    }
-    if (const auto last = trimmed(text.substr(begin), " \t");
-        !last.empty()) {  // TOML, too, allows a comma after the last one
-        parts.push_back(last);
-    }
-    return open == 0 ? std::optional(std::move(parts)) : std::nullopt;
-}
-
-bool is_inside(double value, const Range& range) {  // false also where the value is not a number
-    return range.bounds == Bounds::closed ? value >= range.min && value <= range.max
-                                          : value > range.min && value < range.max;
 }
 
 }  // namespace
@@ -273,10 +263,8 @@ SceneKey SceneKey::entry(std::size_t number) const {
 std::string SceneKey::allowed() const {
     if (is_list()) {
         const EntryCount& count = counts.front();
-        const auto text = [](std::size_t number) { return number_text(static_cast<std::int64_t>(number)); };
-        return "a list of " + text(count.least) +
-               (count.most > count.least ? " to " + text(count.most) : "") + " entries, each " +
-               entry(0).allowed();
+        return std::string("a list [A, B, ...] of ") + (count.most > count.least ? "at most " : "") +
+               number_text(static_cast<std::int64_t>(count.most)) + " entries, each " + entry(0).allowed();
     }
     switch (kind) {
         case ValueKind::number: {
@@ -291,6 +279,9 @@ std::string SceneKey::allowed() const {
         case ValueKind::word:
             break;
     }
+    if (traits.is_text) {
+        return "a text of at most " + number_text(std::int64_t{longest_text}) + " characters";
+    }
     if (is_material) {
         return traits.sort == MaterialSort::solid ? "the name of a solid" : "the name of a fluid";
     }
@@ -302,18 +293,29 @@ std::string SceneKey::allowed() const {
 }
 
 std::optional<SceneValue> SceneKey::value(const Scene& scene) const {
+    if (!owner) {
+        const SceneMember& member = scene_members()[row];
+        return member.value(reinterpret_cast<const std::byte*>(&scene) + member.offset, at);
+    }
     std::optional<SceneValue> value;
-    at_member(scene, *this, [&](const auto& member) { value = value_in(member, at); });
+    at_own_member(scene, *this, [&](const auto& member) { value = value_in(member, at); });
     return value;
 }
 
 bool SceneKey::set(Scene& scene, const std::optional<SceneValue>& value) const {
+    if (!owner) {
+        const SceneMember& member = scene_members()[row];
+        return member.assign(reinterpret_cast<std::byte*>(&scene) + member.offset, at, value);
+    }
     bool done = false;
-    at_member(scene, *this, [&](auto& member) { done = assign(member, at, value); });
+    at_own_member(scene, *this, [&](auto& member) { done = assign(member, at, value); });
     return done;
 }
 
 const SceneKey* SceneKey::replacement(const Scene& scene) const {
+    if (traits.replaced_by.empty()) {
+        return nullptr;
+    }
     const auto keys = scene_keys();
     const auto list = std::ranges::find(keys, traits.replaced_by, &SceneKey::name);
     return list != keys.end() && list->value(scene) && list->has_effect(scene) ? &*list : nullptr;
@@ -323,9 +325,17 @@ bool SceneKey::has_effect(const Scene& scene) const {
     if (replacement(scene) != nullptr) {
         return false;
     }
+    if (traits.needs.key.empty()) {
+        return true;
+    }
     const auto keys = scene_keys();
     const auto needed = std::ranges::find(keys, traits.needs.key, &SceneKey::name);
-    return needed == keys.end() || needed->value(scene) == SceneValue(std::string(traits.needs.word));
+    if (needed == keys.end()) {
+        return true;
+    }
+    const auto word = needed->value(scene);
+    return std::ranges::any_of(traits.needs.words,
+                               [&](std::string_view one) { return word == SceneValue(std::string(one)); });
 }
 
 std::span<const SceneKey> scene_keys() {
@@ -390,201 +400,8 @@ std::vector<std::string> words_of(const Scene& scene, const SceneKey& key) {
     return names;
 }
 
-std::string_view word(ValueKind kind) noexcept {
-    return std::array{"number", "integer", "word"}[static_cast<std::size_t>(kind)];
-}
-
 std::string_view without_entry(std::string_view name) noexcept {
     return name.substr(0, name.find('['));
-}
-
-std::size_t entries_of(const SceneValue& value) noexcept {
-    return std::visit(
-        [](const auto& held) -> std::size_t {
-            if constexpr (has_entries<std::decay_t<decltype(held)>>) {
-                return held.size();
-            } else {
-                return 0;
-            }
-        },
-        value);
-}
-
-namespace {
-
-template <class Value>
-std::string text_of(const Value& value, TextOfEntry* text) {
-    if constexpr (has_entries<Value>) {
-        std::string result;
-        for (const auto& entry : value) {
-            result += (result.empty() ? "[" : ", ") + text_of(entry, text);
-        }
-        return (result.empty() ? "[" : result) + "]";
-    } else {
-        return text(SceneValue(value));
-    }
-}
-
-}  // namespace
-
-std::string list_text(const SceneValue& list, TextOfEntry* text) {
-    return std::visit([text](const auto& entries) { return text_of(entries, text); }, list);
-}
-
-std::string value_text(const SceneValue& value) {
-    if (value.index() > 2) {
-        return list_text(value, value_text);
-    }
-    if (const auto* text = std::get_if<std::string>(&value)) {
-        return *text;
-    }
-    const auto* number = std::get_if<double>(&value);
-    return number != nullptr ? number_text(*number) : number_text(std::get<std::int64_t>(value));
-}
-
-std::optional<Fault> count_fault(const SceneKey& key, std::size_t count) {
-    const EntryCount& allowed = key.counts.front();
-    return count >= allowed.least && count <= allowed.most
-               ? std::nullopt
-               : std::optional(Fault{
-                     key.name,
-                     number_text(static_cast<std::int64_t>(count)) + (count == 1 ? " entry" : " entries"),
-                     key.allowed()});
-}
-
-SceneValue joined(const SceneKey& key, const std::vector<SceneValue>& entries) {
-    if (key.counts.size() > 1) {
-        std::vector<std::array<double, 3>> points(entries.size());
-        for (std::size_t i = 0; i < entries.size(); ++i) {
-            std::ranges::copy(std::get<std::vector<double>>(entries[i]), points[i].begin());
-        }
-        return points;
-    }
-    const auto list = [&](auto values) {
-        for (const SceneValue& entry : entries) {
-            values.push_back(std::get<typename decltype(values)::value_type>(entry));
-        }
-        return SceneValue(std::move(values));
-    };
-    return key.kind == ValueKind::word ? list(std::vector<std::string>()) : list(std::vector<double>());
-}
-
-std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value) {
-    const auto* integer = std::get_if<std::int64_t>(&value);
-    if (kind == ValueKind::number && integer != nullptr) {
-        return static_cast<double>(*integer);
-    }
-    return static_cast<std::size_t>(kind) == value.index() ? std::optional(value) : std::nullopt;
-}
-
-std::optional<SceneValue> read_value(ValueKind kind, std::string_view text) {
-    auto plain = kind == ValueKind::number    ? plain_number<double>(text)
-                 : kind == ValueKind::integer ? plain_number<std::int64_t>(text)
-                                              : std::nullopt;
-    if (plain) {
-        return plain;
-    }
-    const auto found = toml_value(text);
-    const auto* const given = found ? std::get_if<SceneValue>(&*found) : nullptr;
-    return given != nullptr ? value_as(kind, *given) : std::nullopt;
-}
-
-tl::expected<SceneValue, Fault> read_text(const SceneKey& key, std::string_view text) {
-    if (key.is_list()) {
-        const auto parts = parts_of_list(text);
-        return parts ? read_list(key, parts->size(),
-                                 [&](const SceneKey& entry, std::size_t i) {
-                                     return read_text(entry, (*parts)[i]);
-                                 })
-                     : tl::unexpected(Fault{key.name, quoted_briefly(text), key.allowed()});
-    }
-    if (const auto value = read_value(key.kind, text)) {
-        return *value;
-    }
-    if (const auto number = number_in_unit(text, key.range.unit)) {
-        return SceneValue(*number);
-    }
-    const auto found = toml_value(text);
-    if (!found && key.kind == ValueKind::word) {
-        return SceneValue(std::string(text));  // "w.csv"
-    }
-    return tl::unexpected(Fault{key.name, found ? found_text(*found) : quoted_briefly(text),
-                                key.allowed() + unit_advice(key, text)});
-}
-
-tl::expected<SceneValue, Fault> read_allowed(const Scene& scene, const SceneKey& key, std::string_view text) {
-    auto value = read_text(key, text);
-    if (value) {
-        if (auto fault = value_fault(scene, key, *value)) {
-            return tl::unexpected(*std::move(fault));
-        }
-    }
-    return value;
-}
-
-tl::expected<SceneValue, Fault> allowed_value(const Scene& scene, const SceneKey& key, SceneValue value) {
-    if (const auto* text = std::get_if<std::string>(&value);
-        text != nullptr && (key.kind != ValueKind::word || key.is_list())) {
-        return read_allowed(scene, key, *text);
-    }
-    if (key.kind == ValueKind::number && std::holds_alternative<std::int64_t>(value)) {
-        value = static_cast<double>(std::get<std::int64_t>(value));
-    }
-    if (key.is_list() != (entries_of(value) > 0) ||
-        (!key.is_list() && static_cast<std::size_t>(key.kind) != value.index())) {
-        return tl::unexpected(Fault{key.name, toml_text(value), key.allowed()});
-    }
-    if (auto fault = value_fault(scene, key, value)) {
-        return tl::unexpected(*std::move(fault));
-    }
-    return value;
-}
-
-namespace {
-
-/// The fault of the first wrong entry.
-template <class Value>
-std::optional<Fault> entry_fault(const Scene& scene, const SceneKey& key, const Value& value) {
-    if constexpr (has_entries<Value>) {
-        if (auto fault = count_fault(key, value.size())) {
-            return fault;
-        }
-        const SceneKey first = key.entry(0);  // a key for each entry would take long
-        for (std::size_t i = 0; i < value.size(); ++i) {
-            if (entry_fault(scene, first, value[i])) {
-                return entry_fault(scene, key.entry(i), value[i]);
-            }
-        }
-        return std::nullopt;
-    } else {
-        return key.is_list() ? std::optional(Fault{key.name, value_text(value), key.allowed()})
-                             : value_fault(scene, key, value);
-    }
-}
-
-}  // namespace
-
-std::optional<Fault> value_fault(const Scene& scene, const SceneKey& key, const SceneValue& value) {
-    if (key.is_list()) {
-        return std::visit([&](const auto& list) { return entry_fault(scene, key, list); }, value);
-    }
-    if (entries_of(value) > 0) {
-        return Fault{key.name, value_text(value), key.allowed()};
-    }
-    if (const auto* text = std::get_if<std::string>(&value)) {
-        if (key.is_material) {
-            return material_fault(scene, key, *text);
-        }
-        return std::ranges::find(key.words, *text) != key.words.end()
-                   ? std::nullopt
-                   : std::optional(Fault{key.name, quoted_briefly(*text),
-                                         key.allowed() + suggestion(*text, key.words)});
-    }
-    const auto* number = std::get_if<double>(&value);
-    const double size = number != nullptr ? *number : static_cast<double>(std::get<std::int64_t>(value));
-    return key.kind != ValueKind::word && is_inside(size, key.range)
-               ? std::nullopt
-               : std::optional(Fault{key.name, value_text(value), key.allowed()});
 }
 
 }  // namespace hertzline

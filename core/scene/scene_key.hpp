@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -24,7 +25,21 @@ using SceneValue = std::variant<double, std::int64_t, std::string, std::vector<d
                                 std::vector<std::string>, std::vector<std::array<double, 3>>>;
 
 enum class ValueKind { number, integer, word };  // in the order of SceneValue
+
+/// Whether a member of a scene, or a value, has entries.
+template <class T>
+struct HasEntries : std::false_type {};
+template <class T>
+struct HasEntries<std::vector<T>> : std::true_type {};
+template <class T, std::size_t N>
+struct HasEntries<std::array<T, N>> : std::true_type {};
+template <class T>
+inline constexpr bool has_entries = HasEntries<T>::value;
+
 enum class Bounds { closed, open };
+
+/// Of a key that takes any text [bytes].
+inline constexpr std::size_t longest_text = 4096;
 
 /// The numbers or integers that a key allows.
 struct Range {
@@ -34,15 +49,15 @@ struct Range {
     Bounds bounds = Bounds::closed;
 };
 
-/// Another key and the word without which a key has no effect.
+/// Another key and its words, one of which a key needs to have an effect.
 struct Need {
     std::string_view key{};  ///< empty: the key always has an effect
-    std::string_view word{};
+    std::array<std::string_view, 3> words{};
 };
 
-/// How many entries a list may have.
+/// How many entries a list may have. One without entries is not given.
 struct EntryCount {
-    std::size_t least = 1;
+    std::size_t least = 0;
     std::size_t most = 1;
 };
 
@@ -56,7 +71,9 @@ struct KeyTraits {
     Hashed hashed = Hashed::always;
     MaterialSort sort = MaterialSort::solid;  ///< of the name of a material
     std::size_t most_entries = 0;             ///< of a list
+    bool is_text = false;                     ///< any text, not a word
     std::string_view replaced_by = {};        ///< the list that is used in its place where a scene gives it
+    std::string_view each = {};  ///< of a list: the key whose value every entry has where it is not given
 };
 
 /// A row of the table.
@@ -125,8 +142,8 @@ std::string_view without_entry(std::string_view name) noexcept;
 using TextOfEntry = std::string(const SceneValue&);
 std::string list_text(const SceneValue& list, TextOfEntry* text);
 
-/// How many values a list has; 0 where it is none.
-std::size_t entries_of(const SceneValue& value) noexcept;
+/// Whether it is a list, without entries, too.
+bool is_list(const SceneValue& value) noexcept;
 
 /// The value for a message, words without quotes; reads back to the same value.
 std::string value_text(const SceneValue& value);

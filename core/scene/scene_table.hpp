@@ -12,10 +12,15 @@
 
 namespace hertzline::table {
 
-inline constexpr Need plate{"end.kind", "plate"};
-inline constexpr Need modal{"end.model", "modal"};
-inline constexpr Need horn{"drive.kind", "tone"};
-inline constexpr Need tukey{"drive.envelope", "tukey"};
+inline constexpr Need plate{"end.kind", {"plate"}};
+inline constexpr Need modal{"end.model", {"modal"}};
+inline constexpr Need horn{"drive.kind", {"tone", "file", "live"}};
+inline constexpr Need bursts{"drive.kind", {"tone", "file"}};
+inline constexpr Need tone{"drive.kind", {"tone", "live"}};
+inline constexpr Need samples_of{"drive.kind", {"file", "live"}};
+inline constexpr Need live{"drive.kind", {"live"}};
+inline constexpr Need resonator{"drive.horn", {"resonator"}};
+inline constexpr Need tukey{"drive.envelope", {"tukey"}};
 inline constexpr Hashed changed = Hashed::when_changed;
 inline constexpr std::string_view chosen = "the program's choice";
 
@@ -24,42 +29,123 @@ template <class AnyScene, class Visit>
 void visit_scene(AnyScene& scene, const Visit& visit) {
     {
         auto& [kind, material, frequency_hz, cycles, amplitude_m, envelope, taper, repetition_hz, sweep_to_hz,
-               start_s] = scene.drive;
+               start_s, record, column, quantity, sample_rate_hz, scale, lowpass_hz, samples, endpoint,
+               socket, on_underrun, horn_model, horn_frequency_hz, horn_quality, horn_mass_kg] = scene.drive;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("drive", member, facts); };
-        row(kind, {"kind", {}, "a horn with tone bursts, or no horn", {.hashed = changed}});
+        row(kind, {"kind",
+                   {},
+                   "a horn with tone bursts, one that moves [as a record does](#a-recorded-drive) or [as "
+                   "samples come](#a-live-drive), or no horn",
+                   {.hashed = changed}});
         row(material, {"material", {}, "of the horn", {.needs = horn}});
-        row(frequency_hz, {"frequency_hz", {1e-3, 1e9, "Hz"}, "of the tone"});
-        row(cycles, {"cycles", {1e-3, 1e9}, "periods of the tone in a burst", {.needs = horn}});
-        row(amplitude_m,
-            {"amplitude_m", {0, 1, "m"}, "largest displacement of the horn's tip", {.needs = horn}});
-        row(envelope, {"envelope", {}, "how the burst rises and falls", {.needs = horn}});
+        row(frequency_hz, {"frequency_hz",
+                           {1e-3, 1e9, "Hz"},
+                           "of the tone; of samples, the line whose harmonics are measured"});
+        row(cycles, {"cycles",
+                     {1e-3, 1e9},
+                     "periods of the tone in a burst; of a live drive, see there",
+                     {.needs = tone}});
+        row(amplitude_m, {"amplitude_m",
+                          {0, 1, "m"},
+                          "largest displacement of the horn's tip; of a live drive, the one to be expected",
+                          {.needs = tone}});
+        row(envelope, {"envelope", {}, "how the burst rises and falls", {.needs = tone}});
         row(taper, {"taper", {0, 1}, "fraction of a tukey burst spent rising and falling", {.needs = tukey}});
-        row(repetition_hz,
-            {"repetition_hz", {0, 1e9, "Hz"}, "bursts a second; 0: a single burst", {.needs = horn}});
+        row(repetition_hz, {"repetition_hz",
+                            {0, 1e9, "Hz"},
+                            "bursts, or records, a second; 0: a single one",
+                            {.needs = bursts}});
         row(sweep_to_hz, {"sweep_to_hz",
                           {1e-3, 1e9, "Hz"},
                           "frequency at the burst's end, for a linear sweep (chirp)",
-                          {.unset = "`frequency_hz`", .needs = horn, .hashed = changed}});
+                          {.unset = "`frequency_hz`", .needs = tone, .hashed = changed}});
         row(start_s,
-            {"start_s", {0, 1e6, "s"}, "until the burst begins", {.needs = horn, .hashed = changed}});
+            {"start_s",
+             {0, 1e6, "s"},
+             "until the burst begins; of a live drive, the latency, as long as it has to be at least",
+             {.needs = horn, .hashed = changed}});
+        row(record, {"file",
+                     {},
+                     "the record of the horn's motion, beside the scene; its samples become `samples`",
+                     {.needs = samples_of, .hashed = changed, .is_text = true}});
+        row(column,
+            {"column",
+             {},
+             "of the file: its name, or its number from 1 on; with the socket `sub`, the stream's name",
+             {.unset = "the first", .needs = samples_of, .hashed = changed, .is_text = true}});
+        row(quantity,
+            {"quantity",
+             {},
+             "that was recorded",
+             {.unset = "by the column's unit, else a displacement", .needs = samples_of, .hashed = changed}});
+        row(sample_rate_hz, {"sample_rate_hz",
+                             {1e-3, 1e12, "Hz"},
+                             "of the samples",
+                             {.unset = "the file's; of a live drive, that of the output",
+                              .needs = samples_of,
+                              .hashed = changed}});
+        row(scale, {"scale",
+                    {-1e12, 1e12},
+                    "m, or m/s, for each unit of the record, in place of the unit of its column; not 0",
+                    {.unset = "by the column's unit, else 1", .needs = samples_of, .hashed = changed}});
+        row(lowpass_hz,
+            {"lowpass_hz",
+             {1e-3, 1e9, "Hz"},
+             "that much of the record is kept, a third of its rate at most",
+             {.unset = "a third of the rate, at most 1 MHz", .needs = samples_of, .hashed = changed}});
+        row(samples, {"samples",
+                      {-1e100, 1e100},
+                      "the record",
+                      {.needs = samples_of, .hashed = changed, .most_entries = max_drive_samples}});
+        row(endpoint, {"endpoint",
+                       {},
+                       "where the samples come in: `pull` binds it, or connects where a sender has bound it; "
+                       "`sub` connects; "
+                       "`bind:` or `connect:` in front decides",
+                       {.needs = live, .hashed = changed, .is_text = true}});
+        row(socket, {"socket",
+                     {},
+                     "ZeroMQ's socket: `pull` holds its senders back, `sub` may lose messages",
+                     {.needs = live, .hashed = changed}});
+        row(on_underrun, {"on_underrun",
+                          {},
+                          "when samples come too late, the stream waits for them, or takes 0 in their place",
+                          {.needs = live, .hashed = changed}});
+        row(horn_model, {"horn",
+                         {},
+                         "whether the tip moves as prescribed, or as [a resonator on which the chain acts "
+                         "back](../docs/model.md#a-horn-that-gives-way)",
+                         {.needs = horn, .hashed = changed}});
+        row(horn_frequency_hz, {"horn_frequency_hz",
+                                {1e-3, 1e9, "Hz"},
+                                "of the resonator",
+                                {.unset = "`frequency_hz`", .needs = resonator, .hashed = changed}});
+        row(horn_quality,
+            {"horn_quality", {0.5, 1e6}, "Q of the resonator", {.needs = resonator, .hashed = changed}});
+        row(horn_mass_kg, {"horn_mass_kg",
+                           {0, 1e6, "kg"},
+                           "that moves with its tip; 0: the chain does not act back",
+                           {.needs = resonator, .hashed = changed}});
     }
     {
         auto& [material, spheres, diameter_m, materials, diameters_m, taper, damping_kg_per_s, damping_law,
                damping_time_s, damping_alpha, preload_n, tension, gravity_m_per_s2, holder_time_s,
-               impact_velocity_m_per_s, impact_spheres] = scene.chain;
+               impact_velocity_m_per_s, impact_spheres, tolerance, preload_tolerance, seed] = scene.chain;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("chain", member, facts); };
         row(material, {"material", {}, "of the spheres", {.replaced_by = "chain.materials"}});
         row(spheres, {"spheres", {1, max_spheres}, "how many"});
         row(diameter_m,
             {"diameter_m", {1e-9, 10, "m"}, "of each sphere", {.replaced_by = "chain.diameters_m"}});
-        row(materials, {"materials",
-                        {},
-                        "of the spheres from the horn on, repeated along the chain",
-                        {.unset = "`[material]`", .most_entries = max_sphere_entries}});
-        row(diameters_m, {"diameters_m",
-                          {1e-9, 10, "m"},
-                          "of the spheres, repeated along the chain",
-                          {.unset = "`[diameter_m]`", .most_entries = max_sphere_entries}});
+        row(materials,
+            {"materials",
+             {},
+             "of the spheres from the horn on, repeated along the chain",
+             {.unset = "`[material]`", .most_entries = max_sphere_entries, .each = "chain.material"}});
+        row(diameters_m,
+            {"diameters_m",
+             {1e-9, 10, "m"},
+             "of the spheres, repeated along the chain",
+             {.unset = "`[diameter_m]`", .most_entries = max_sphere_entries, .each = "chain.diameter_m"}});
         row(taper,
             {"taper",
              {-1, 1, "", Bounds::open},
@@ -91,6 +177,16 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                              {1, max_spheres},
                              "how many start with it, `spheres` at most",
                              {.hashed = changed}});
+        row(tolerance, {"tolerance",
+                        {0, 0.5},
+                        "each diameter is larger or smaller by a part drawn at random, this at most",
+                        {.hashed = changed}});
+        row(preload_tolerance,
+            {"preload_tolerance", {0, 0.9}, "the same of the preload", {.hashed = changed}});
+        row(seed, {"seed",
+                   {0, 1'000'000'000},
+                   "of what the tolerances draw, which is the same on every machine",
+                   {.hashed = changed}});
     }
     {
         auto& [kind, material, radius_m, thickness_m, stiffness_n_per_m, preload, model, modes, loss_factor,
@@ -122,24 +218,74 @@ void visit_scene(AnyScene& scene, const Visit& visit) {
                      {},
                      "of a modal plate: Kirchhoff's, or Mindlin's with shear and rotary inertia",
                      {.needs = modal, .hashed = Hashed::when_in_effect}});
-        row(materials, {"materials",
-                        {},
-                        "of the disc's [layers](#layers), from the sphere to the medium",
-                        {.unset = "`[material]`", .needs = plate, .most_entries = max_layers}});
+        row(materials,
+            {"materials",
+             {},
+             "of the disc's [layers](#layers), from the sphere to the medium",
+             {.unset = "`[material]`", .needs = plate, .most_entries = max_layers, .each = "end.material"}});
         row(thicknesses_m, {"thicknesses_m",
                             {1e-9, 10, "m"},
                             "of the layers",
-                            {.unset = "`[thickness_m]`", .needs = plate, .most_entries = max_layers}});
+                            {.unset = "`[thickness_m]`",
+                             .needs = plate,
+                             .most_entries = max_layers,
+                             .each = "end.thickness_m"}});
         row(loss_factors, {"loss_factors",
                            {1e-6, 1},
                            "of the layers of a modal plate",
-                           {.unset = "`loss_factor` for each", .needs = modal, .most_entries = max_layers}});
+                           {.unset = "`loss_factor` for each",
+                            .needs = modal,
+                            .most_entries = max_layers,
+                            .each = "end.loss_factor"}});
     }
     {
         auto& [material, load] = scene.medium;
         const auto row = [&](auto& member, const KeyRow& facts) { visit("medium", member, facts); };
         row(material, {"material", {}, "that the disc radiates into", {.sort = MaterialSort::fluid}});
         row(load, {"load", {}, "effect on a modal plate", {.needs = modal, .hashed = changed}});
+    }
+    {
+        auto& [x_m, y_m, delays_s, preloads_n, amplitudes_m, materials, diameters_m, focus_m, coupling] =
+            scene.array;
+        const auto row = [&](auto& member, const KeyRow& facts) { visit("array", member, facts); };
+        row(x_m, {"x_m",
+                  {-10, 10, "m"},
+                  "where the discs of [several chains](#arrays) stand in one baffle",
+                  {.unset = "one chain", .needs = modal, .most_entries = max_elements}});
+        row(y_m, {"y_m", {-10, 10, "m"}, "the same", {.needs = modal, .most_entries = max_elements}});
+        row(delays_s, {"delays_s",
+                       {0, 1, "s"},
+                       "of the elements' drives, beside `drive.start_s`; an entry for each element, or one",
+                       {.unset = "0", .needs = horn, .most_entries = max_elements}});
+        row(preloads_n, {"preloads_n",
+                         {0, 1e9, "N"},
+                         "of the elements, in place of `chain.preload_n`",
+                         {.unset = "`preload_n`", .most_entries = max_elements, .each = "chain.preload_n"}});
+        row(amplitudes_m, {"amplitudes_m",
+                           {0, 1, "m"},
+                           "of the elements' drives, in place of `drive.amplitude_m`",
+                           {.unset = "`amplitude_m`",
+                            .needs = tone,
+                            .most_entries = max_elements,
+                            .each = "drive.amplitude_m"}});
+        row(materials, {"materials",
+                        {},
+                        "of the elements' spheres, in place of `chain.material`",
+                        {.unset = "`material`", .most_entries = max_elements, .each = "chain.material"}});
+        row(diameters_m,
+            {"diameters_m",
+             {1e-9, 10, "m"},
+             "of the elements' spheres, in place of `chain.diameter_m`",
+             {.unset = "`diameter_m`", .most_entries = max_elements, .each = "chain.diameter_m"}});
+        row(focus_m, {"focus_m",
+                      {-10, 10, "m"},
+                      "`[x, y, z]` of a point: delays are added so that the sound of all elements arrives "
+                      "there together; `[]`: no focus",
+                      {.needs = horn, .most_entries = 3}});
+        row(coupling, {"coupling",
+                       {},
+                       "whether the discs feel each other through the fluid",
+                       {.needs = modal, .hashed = changed}});
     }
     {
         auto& [integrator, step_s, accuracy, rest_tolerance, poles] = scene.numerics;

@@ -103,16 +103,22 @@ bool changes_nothing(const Scene& scene, const SceneKey& key, const SceneValue& 
 std::string text_of(const Scene& scene, const Scene* defaults) {
     std::string text;
     std::string section;
-    for (const SceneKey& key : keys_of(scene)) {
-        const auto value = key.value(scene);
-        if (!value || (defaults != nullptr && changes_nothing(scene, key, *value, *defaults))) {
-            continue;
+    const auto add = [&](std::span<const SceneKey> keys) {
+        for (const SceneKey& key : keys) {
+            const auto value = key.value(scene);
+            if (!value || (defaults != nullptr && changes_nothing(scene, key, *value, *defaults))) {
+                continue;
+            }
+            if (key.section() != section) {
+                section = key.section();
+                text += (text.empty() ? "[" : "\n[") + section + "]\n";
+            }
+            text += std::string(key.key) + " = " + toml_text(*value) + '\n';
         }
-        if (key.section() != section) {
-            section = key.section();
-            text += (text.empty() ? "[" : "\n[") + section + "]\n";
-        }
-        text += std::string(key.key) + " = " + toml_text(*value) + '\n';
+    };
+    add(scene_keys());
+    for (const auto& [name, material] : scene.materials) {
+        add(material_keys(name, material));
     }
     return text;
 }

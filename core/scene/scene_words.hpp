@@ -21,8 +21,33 @@ struct Words;  // Words<Envelope>::all and so on
 
 template <>
 struct Words<DriveKind> {
-    static constexpr std::array all{Word<DriveKind>{"tone", DriveKind::tone},
-                                    Word<DriveKind>{"none", DriveKind::none}};
+    static constexpr std::array all{
+        Word<DriveKind>{"tone", DriveKind::tone}, Word<DriveKind>{"file", DriveKind::file},
+        Word<DriveKind>{"live", DriveKind::live}, Word<DriveKind>{"none", DriveKind::none}};
+};
+
+template <>
+struct Words<DriveSocket> {
+    static constexpr std::array all{Word<DriveSocket>{"pull", DriveSocket::pull},
+                                    Word<DriveSocket>{"sub", DriveSocket::sub}};
+};
+
+template <>
+struct Words<OnUnderrun> {
+    static constexpr std::array all{Word<OnUnderrun>{"wait", OnUnderrun::wait},
+                                    Word<OnUnderrun>{"zero", OnUnderrun::zero}};
+};
+
+template <>
+struct Words<DriveQuantity> {
+    static constexpr std::array all{Word<DriveQuantity>{"displacement", DriveQuantity::displacement},
+                                    Word<DriveQuantity>{"velocity", DriveQuantity::velocity}};
+};
+
+template <>
+struct Words<HornModel> {
+    static constexpr std::array all{Word<HornModel>{"prescribed", HornModel::prescribed},
+                                    Word<HornModel>{"resonator", HornModel::resonator}};
 };
 
 template <>
@@ -75,6 +100,12 @@ struct Words<FluidLoad> {
     static constexpr std::array all{Word<FluidLoad>{"none", FluidLoad::none},
                                     Word<FluidLoad>{"added_mass", FluidLoad::added_mass},
                                     Word<FluidLoad>{"radiation", FluidLoad::radiation}};
+};
+
+template <>
+struct Words<Coupling> {
+    static constexpr std::array all{Word<Coupling>{"fluid", Coupling::fluid},
+                                    Word<Coupling>{"none", Coupling::none}};
 };
 
 template <>

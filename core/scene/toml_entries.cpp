@@ -4,7 +4,8 @@
 #include <array>
 #include <optional>
 
-// Where toml++ is compiled here instead of linked: its assertions abort on "[+a]", which it reports as an error anyway.
+// toml++ is compiled here, not linked, which would make each start of a program longer. Its assertions abort on "[+a]", which it
+// reports as an error anyway.
 #define TOML_ASSERT(condition) static_assert(true)
 #include <toml++/toml.h>
 
@@ -122,13 +123,16 @@ tl::expected<SceneValue, Fault> value_of(const SceneKey& key, const TomlValue& v
             return value_of(entry, list->entries[i]);
         });
     }
+    if (key.traits.is_text && single != nullptr && single->index() < 2) {
+        return SceneValue(value_text(*single));  // the number of a column
+    }
     const auto found = single != nullptr && !key.is_list() ? value_as(key.kind, *single) : std::nullopt;
     return found ? tl::expected<SceneValue, Fault>(*found)
                  : tl::unexpected(Fault{key.name, found_text(value), key.allowed()});
 }
 
 std::string toml_text(const SceneValue& value) {
-    if (entries_of(value) > 0) {
+    if (is_list(value)) {
         return list_text(value, toml_text);
     }
     if (const auto* text = std::get_if<std::string>(&value)) {

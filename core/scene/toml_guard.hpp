@@ -14,7 +14,7 @@
 namespace hertzline {
 
 /// Longer texts of scenes are refused [bytes].
-inline constexpr std::size_t max_scene_bytes = 65'536;
+inline constexpr std::size_t max_scene_bytes = std::size_t{32} << 20;  // a record of a million samples
 
 /// Checks a text as any editor saves it, and returns it without byte order mark and comments, its lines ended by LF, in printable ASCII and
 /// tabs. Comments are UTF-8. A line may hold 32 single dots. The fault tells its line.

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <utility>
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/stability.hpp"
 #include "core/model/contact_law.hpp"
+#include "core/model/drive.hpp"
 #include "core/plate/quadrature.hpp"
 #include "core/scene/text.hpp"
 
@@ -32,12 +32,11 @@ constexpr Eigen::Index laid_out_at_least = 64;  // bodies
 
 constexpr FixedTime for_good{std::numeric_limits<std::int64_t>::max(), 0};
 
-constexpr std::int64_t turned_pieces = 64;  // until the horn's waves are computed again
 // Pieces within the time of the longest: more mean that the motion stands still.
 constexpr std::int64_t max_pieces = 65536;
 
 /// Velocity of the order of those that the scene will show [m/s]. @param omega of the fastest oscillation [rad/s]
-double velocity_scale(const Chain& chain, const Drive& drive, double omega) noexcept {
+double velocity_scale(const Chain& chain, const Drive& drive, double omega) {
     const double given = std::max(largest_velocity(drive), std::abs(chain.impact_velocity));
     const double kick = (chain.bias * chain.inv_mass).abs().maxCoeff() / omega;
     return std::max(given, std::isfinite(kick) ? kick : 0);
@@ -63,21 +62,6 @@ double negligible_overlap(const Chain& chain, double tolerance, double step) noe
     return std::min(overlap, 1e-6 * least_at_rest);
 }
 
-/// The horn's waves. Those of a sweep are judged by its highest frequency, and the solver expands them.
-kernels::HornWaves waves_of(const ToneBurst& burst, const Drive& drive, double unit_s) {
-    std::array<double, 3> frequencies_hz = burst.frequencies_hz();
-    if (burst.sweep_hz_per_s() == 0) {
-        return {frequencies_hz, unit_s};
-    }
-    for (double& frequency : frequencies_hz) {
-        frequency += highest_frequency_hz(drive) - drive.frequency_hz;
-    }
-    kernels::HornWaves waves(frequencies_hz, unit_s);
-    waves.expanded = true;
-    waves.turns = false;
-    return waves;
-}
-
 }  // namespace
 
 double SeriesSolver::phase_for(double tolerance) noexcept {
@@ -85,25 +69,24 @@ double SeriesSolver::phase_for(double tolerance) noexcept {
 }
 
 SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
-                           const SimulationOptions& options)
+                           const SimulationOptions& options, const DiscPlaces& places)
     : chain_(chain),
       options_(options),
       sample_period_s_(1 / resolved.scene().output.sample_rate_hz),
-      burst_(resolved.scene().drive, sample_period_s_),
-      frequencies_hz_(burst_.frequencies_hz()),
+      horn_(resolved.scene().drive, sample_period_s_, options.live),
       state_(chain),
       integrator_(resolved.integrator()),
       simd_chain_(chain, integrator_, kernels::kernel_lanes()),
       piece_((simd_chain_.load(chain, state_, chain.bodies()), simd_chain_.slots()),
-             kernels::series_degree(integrator_), waves_of(burst_, resolved.scene().drive, resolved.step_s()),
+             kernels::series_degree(integrator_), horn_.waves(resolved.scene().drive, resolved.step_s()),
              chain.damping_law),
       plate_(chain.end.plate ? std::make_unique<kernels::PlateMotion>(
                                    *chain.end.plate, kernels::kernel_lanes(),
                                    kernels::series_degree(integrator_), resolved.step_s())
                              : nullptr),
       samples_(chain, state_, simd_chain_, piece_, sample_period_s_),
-      plate_outputs_(chain, plate_.get(), piece_, resolved, options.taps),
-      end_taps_(chain, resolved.scene().drive, resolved.scene().output.sample_rate_hz),
+      plate_outputs_(chain, plate_.get(), piece_, resolved, options.taps, places),
+      end_taps_(chain, resolved.scene(), options),
       contact_forces_(chain, end_taps_.horn()) {
     const Drive& drive = resolved.scene().drive;
     const Eigen::ArrayXd overlaps = expected_overlaps(chain, drive);
@@ -116,6 +99,7 @@ SeriesSolver::SeriesSolver(const ResolvedScene& resolved, const Chain& chain,
     relative_tolerance_ = std::clamp(at_one * std::pow(omega * unit, exponent), rounding, coarsest);
     piece_.response = unit * (omega + fastest_decay(chain, overlaps));
     samples_per_unit_ = unit / sample_period_s_;
+    horn_.move(piece_);
     piece_.keeps_ledger = options.ledger == LedgerKeeping::on;
     active_at_start_ = options.tracking == WavefrontTracking::on && chain.balanced()
                            ? std::min(chain.bodies(), chain.impact_spheres + laid_out_at_least)
@@ -142,18 +126,23 @@ void SeriesSolver::reset() noexcept {
     plate_outputs_.reset();
     lay_out(active_at_start_);
     simd_chain_.contact_events = 0;
-    begin_ = end_ = smooth_from_ = looked_at_ = {};
+    begin_ = end_ = looked_at_ = {};
     last_moment_ = for_good;
     sleeping_ = false;
-    smooth_ = burst_.smooth(0, 0);
     next_sample_ = 0;
     ledger_ = {};
     begin_ledger(chain_, state_, ledger_);
-    set_horn(0);
+    if (delayed_ != nullptr) {
+        delayed_->reset({.at = {},
+                         .ledger = ledger_,
+                         .energy = {kinetic_energy(chain_, state_), stored_energy(chain_, state_, 0)}});
+    }
+    piece_.length = 0;
+    horn_.reset();
     add_work_of_jump(0);
 }
 
-const ChainState& SeriesSolver::state() noexcept {
+const ChainState& SeriesSolver::state(std::size_t /*element*/) noexcept {
     simd_chain_.store(state_);
     return state_;
 }
@@ -203,102 +192,43 @@ Ledger SeriesSolver::ledger() noexcept {
     return now;
 }
 
-/// The horn's waves as they are some time [s] after the smooth piece was looked up, to the last digit.
-void SeriesSolver::set_horn(double since_look_up) noexcept {
-    if (piece_.waves.expanded) {
-        set_sweep(since_look_up);
-        return;
-    }
-    kernels::HornWaves& waves = piece_.waves;
-    const double local = smooth_.since_burst_s + since_look_up;
-    waves.silent = smooth_.amplitude_m[0] == 0;
-    waves.displacement = waves.slope = 0;
-    if (waves.silent) {
-        piece_.horn.fill(0);
-    }
-    waves.reach = 1;
-    for (std::size_t i = 0; i < frequencies_hz_.size(); ++i) {
-        const double turns = frequencies_hz_[i] * local + smooth_.phase_turns[i];
-        const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
-        waves.sine[i] = smooth_.amplitude_m[i] * std::sin(angle);
-        waves.cosine[i] = smooth_.amplitude_m[i] * std::cos(angle);
-        if (smooth_.amplitude_m[i] != 0) {
-            waves.reach = std::min(waves.reach, waves.reach_of_each[i]);
-        }
-        waves.displacement += waves.sine[i];
-        waves.slope += waves.cosine[i] * waves.odd[i][0];
-    }
-}
-
-/// The same of a sweep, and its series: s' = c phi' and c' = -s phi' with an angle phi of degree 2.
-void SeriesSolver::set_sweep(double since_look_up) noexcept {
-    kernels::HornWaves& waves = piece_.waves;
-    const double local = smooth_.since_burst_s + since_look_up;
-    const double rate = burst_.sweep_hz_per_s();
-    const double unit = piece_.unit_s;
-    waves.silent = smooth_.amplitude_m[0] == 0;
-    piece_.horn.fill(0);
-    waves.reach = 1;
-    for (std::size_t i = 0; i < frequencies_hz_.size() && !waves.silent; ++i) {
-        if (smooth_.amplitude_m[i] == 0) {
-            continue;
-        }
-        const double turns = (frequencies_hz_[i] + rate * local / 2) * local + smooth_.phase_turns[i];
-        const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
-        const double first = 2 * std::numbers::pi * (frequencies_hz_[i] + rate * local) * unit;
-        const double second = 2 * std::numbers::pi * rate * unit * unit;
-        double sine = smooth_.amplitude_m[i] * std::sin(angle);
-        double cosine = smooth_.amplitude_m[i] * std::cos(angle);
-        double sine_before = 0;
-        double cosine_before = 0;
-        for (std::size_t n = 0; n < piece_.horn.size(); ++n) {
-            piece_.horn[n] += sine;
-            const double per = 1 / static_cast<double>(n + 1);
-            const double next_sine = per * (first * cosine + second * cosine_before);
-            const double next_cosine = -per * (first * sine + second * sine_before);
-            sine_before = std::exchange(sine, next_sine);
-            cosine_before = std::exchange(cosine, next_cosine);
-        }
-        waves.reach = std::min(waves.reach, waves.reach_of_each[i]);
-    }
-    waves.displacement = piece_.horn[0];
-    waves.slope = piece_.horn[1];
-}
-
 /// Books the work of a jump of the horn: the change of the energy stored in contact 0.
 void SeriesSolver::add_work_of_jump(double before_m) noexcept {
     const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
     ledger_.add_work(work_of_jump(chain_, x, before_m, piece_.waves.displacement));
 }
 
-double SeriesSolver::horn_displacement() const noexcept {
-    if (piece_.waves.turns) {
-        return piece_.waves.displacement;  // the kernels have moved it on to the piece's end
+/// The samples of the delayed chains that show the present piece.
+void SeriesSolver::put_delayed(std::int64_t until) noexcept {
+    delayed_->put({begin_, end_}, until,
+                  [this](EndTapsWriter& writer, ContactForces& contact_forces, const Stretch& later,
+                         std::int64_t sample, std::int64_t available) {
+                      return samples_.put(writer, kernels_, plate_outputs_, contact_forces, later, sample,
+                                          available);
+                  });
+}
+
+void SeriesSolver::leave_piece() noexcept {
+    if (delayed_ != nullptr && state_.step > 0) {
+        put_delayed(std::numeric_limits<std::int64_t>::max());
+        if (piece_.keeps_ledger) {
+            delayed_->note({.at = end_, .ledger = ledger(), .energy = energy()});
+        }
     }
-    double horn = 0;
-    for (std::size_t n = piece_.horn.size(); n-- > 0;) {
-        horn = horn * piece_.length + piece_.horn[n];
+    plate_outputs_.leave_piece({begin_, end_});
+    if (disc_ != nullptr) {
+        disc_->leave_piece(begin_, end_, piece_.plate, piece_.unit_s);
     }
-    return horn;
 }
 
 void SeriesSolver::next_piece() noexcept {
-    plate_outputs_.leave_piece({begin_, end_});
+    leave_piece();
     follow_the_wave();
     begin_ = end_;
-    double since_look_up = difference(begin_, smooth_from_) * sample_period_s_;
-    if (smooth_.left_s - since_look_up < sliver * sample_period_s_) {
-        const double before = horn_displacement();
-        smooth_ = burst_.smooth(begin_.whole, begin_.fraction());
-        smooth_from_ = begin_;
-        since_look_up = 0;
-        set_horn(0);
-        add_work_of_jump(before);
-    } else if (!piece_.waves.turns || state_.step % turned_pieces == 0) {
-        set_horn(since_look_up);
+    if (const auto before_m = horn_.begin_piece(begin_, state_.step)) {
+        add_work_of_jump(*before_m);
     }
-    const double left_s =
-        std::min(smooth_.left_s - since_look_up, difference(last_moment_, begin_) * sample_period_s_);
+    const double left_s = std::min(horn_.left_s(begin_), difference(last_moment_, begin_) * sample_period_s_);
     ++state_.step;
     sleeping_ = rest_energy_ > 0 && piece_.waves.silent && energy_above_rest() <= rest_energy_;
     if (sleeping_) {
@@ -308,9 +238,15 @@ void SeriesSolver::next_piece() noexcept {
         return;
     }
     piece_.reach = std::min(piece_.waves.reach, left_s * piece_.per_unit);
+    if (disc_ != nullptr) {
+        disc_->expand(begin_, piece_.unit_s, plate_->carried);
+    }
     kernels_.piece(simd_chain_, piece_);
     if (chain_.holder_rate > 0 && piece_.keeps_ledger) {
         ledger_.holder_lost += loss_in_holder();
+    }
+    if (chain_.horn_inv_mass > 0 && piece_.keeps_ledger) {
+        horn_.add_energy(ledger_);
     }
     end_.advance(FixedTime::of(piece_.length * samples_per_unit_));
 }
@@ -318,15 +254,22 @@ void SeriesSolver::next_piece() noexcept {
 /// Over the piece, by the series of the velocities [J].
 double SeriesSolver::loss_in_holder() const noexcept {
     constexpr std::size_t nodes = 7;  // exact up to the degree 13; higher terms are small
+    constexpr std::size_t together = 8;
     const double* const drag = simd_chain_.column(kernels::ChainField::drag);
     return piece_.per_unit * integral<nodes>(0, piece_.length, [&](double z) {
                double sum = 0;
-               for (std::size_t slot = 0; slot < simd_chain_.slots(); ++slot) {
-                   double v = 0;  // times unit [m]
+               for (std::size_t first = 0; first < simd_chain_.slots(); first += together) {
+                   const std::size_t count = std::min(together, simd_chain_.slots() - first);
+                   std::array<double, together> v{};  // times unit [m]
                    for (int n = piece_.degree(); n > 0; --n) {
-                       v = v * z + n * piece_.displacement(n)[slot];
+                       const double* const terms = piece_.displacement(n) + first;
+                       for (std::size_t i = 0; i < count; ++i) {
+                           v[i] = v[i] * z + n * terms[i];
+                       }
                    }
-                   sum += drag[slot] * v * v;
+                   for (std::size_t i = 0; i < count; ++i) {
+                       sum += drag[first + i] * v[i] * v[i];
+                   }
                }
                return sum;
            });
@@ -352,7 +295,7 @@ Status SeriesSolver::take_piece() noexcept {
 }
 
 double SeriesSolver::energy_above_rest() noexcept {
-    const ChainState& now = state();
+    const ChainState& now = state(0);
     return kinetic_energy(chain_, now) + stored_energy(chain_, now, 0) -
            (ledger_.at_start - ledger_.kinetic_at_start) + (plate_ ? plate_->energy() : 0);
 }
@@ -399,6 +342,9 @@ Status SeriesSolver::produce(Samples* samples, std::int64_t count) noexcept {
             return status;
         }
     }
+    if (delayed_ != nullptr) {
+        put_delayed(end);
+    }
     return finite() ? Status::running : Status::unstable;
 }
 
@@ -410,21 +356,53 @@ void SeriesSolver::end_at(std::int64_t sample) noexcept {
 }
 
 Status SeriesSolver::reach_end() noexcept {
-    while (difference(last_moment_, end_) >= sliver) {
+    while (difference(last_moment_, end_) >= HornSeries::sliver) {
         if (const Status status = take_piece(); status != Status::running) {
             return status;
         }
     }
-    plate_outputs_.leave_piece({begin_, end_});
+    leave_piece();
     return finite() ? Status::running : Status::unstable;
+}
+
+Status SeriesSolver::advance_to(FixedTime moment, Samples* samples, std::int64_t count) noexcept {
+    last_moment_ = moment;
+    Status status = count > 0 ? produce(samples, count) : Status::running;
+    while (status == Status::running && difference(last_moment_, end_) >= HornSeries::sliver) {
+        status = take_piece();
+    }
+    if (status == Status::running && disc_ != nullptr) {
+        leave_piece();
+        begin_ = end_ =
+            moment;  // it is left once more when the next one begins, and has nothing to tell then
+    }
+    return status;
+}
+
+void SeriesSolver::join(DiscInWater& disc, double scale) noexcept {
+    disc_ = &disc;
+    plate_->is_carried = true;
+    scale_ = std::max(scale_, scale);
+    active_at_start_ = chain_.bodies();
+    reset();
+}
+
+void SeriesSolver::lead(DelayedChains& chains) noexcept {
+    delayed_ = &chains;
+    reset();
+}
+
+Solver::Energy SeriesSolver::energy() noexcept {
+    return {kinetic_energy(chain_, state(0)), stored_energy(chain_, state_, horn_.displacement())};
 }
 
 Motion SeriesSolver::motion() noexcept {
     return {.sample = last_moment_.whole,
-            .state = state(),
+            .state = state(0),
             .moving = simd_chain_.active(),
             .ledger = ledger(),
-            .horn_m = horn_displacement(),
+            .horn_m = horn_.displacement(),
+            .horn_m_per_s = horn_.velocity(),
             .overlaps = simd_chain_.column(kernels::ChainField::overlap),
             .plate = plate_.get(),
             .sound = &plate_outputs_};
@@ -444,6 +422,7 @@ void SeriesSolver::begin_with(const Motion& motion) noexcept {
     std::copy_n(motion.overlaps, simd_chain_.slots(), simd_chain_.column(kernels::ChainField::overlap));
     plate_outputs_.continue_from(*motion.sound, motion.sample);
     ledger_ = motion.ledger;
+    horn_.continue_from(motion.horn_m, motion.horn_m_per_s);
     add_work_of_jump(motion.horn_m);
 }
 

@@ -5,11 +5,14 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
-#include "core/model/tone_burst.hpp"
+#include "core/solvers/delayed_chains.hpp"
+#include "core/solvers/disc_in_water.hpp"
 #include "core/solvers/fixed_time.hpp"
+#include "core/solvers/horn_series.hpp"
 #include "core/solvers/sampling/end_taps.hpp"
 #include "core/solvers/sampling/plate_outputs.hpp"
 #include "core/solvers/sampling/series_samples.hpp"
@@ -19,7 +22,8 @@ namespace hertzline {
 
 class SeriesSolver final : public Solver {
 public:
-    SeriesSolver(const ResolvedScene& resolved, const Chain& chain, const SimulationOptions& options);
+    SeriesSolver(const ResolvedScene& resolved, const Chain& chain, const SimulationOptions& options,
+                 const DiscPlaces& places = {});
 
     void reset() noexcept override;
     Status produce(Samples* samples, std::int64_t count) noexcept override;
@@ -29,13 +33,24 @@ public:
     }
     void end_at(std::int64_t sample) noexcept override;
     Status reach_end() noexcept override;
+    /// As produce() and reach_end() up to a moment [samples], beyond which no piece goes. @param count of the samples before it
+    Status advance_to(FixedTime moment, Samples* samples, std::int64_t count) noexcept;
+    /// The plate moves as the others in its water let it, too. @param disc outlives the solver
+    /// @param scale velocities that they make it expect at least [m/s]
+    void join(DiscInWater& disc, double scale) noexcept;
+    /// Others move as this chain does, later. @param chains outlives the solver
+    void lead(DelayedChains& chains) noexcept;
+    /// Of the velocities that the scene's own drive makes [m/s].
+    double expected_velocity() const noexcept { return scale_; }
     Motion motion() noexcept override;
     void begin_with(const Motion& motion) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
-    const ChainState& state() noexcept override;
+    std::int64_t steps() noexcept override { return state_.step; }
+    const ChainState& state(std::size_t element) noexcept override;
+    const Chain& chain(std::size_t /*element*/) const noexcept override { return chain_; }
     double time_s() const noexcept override;
-    double horn_displacement() const noexcept override;
     Ledger ledger() noexcept override;
+    Energy energy() noexcept override;
     std::string failure() const override;
 
     static double memory_bytes(double bodies, DampingLaw law) noexcept;
@@ -48,10 +63,10 @@ private:
     void judge_by(double scale) noexcept;
     void lay_out(Eigen::Index active) noexcept;
     void follow_the_wave() noexcept;
+    void put_delayed(std::int64_t until) noexcept;
+    void leave_piece() noexcept;
     void next_piece() noexcept;
     Status take_piece() noexcept;
-    void set_horn(double since_look_up) noexcept;
-    void set_sweep(double since_look_up) noexcept;
     void add_work_of_jump(double before_m) noexcept;
     double energy_above_rest() noexcept;
     void sleep() noexcept;
@@ -59,25 +74,22 @@ private:
     bool is_still() noexcept;
     bool finite() const noexcept;
 
-    static constexpr double sliver = 1e-9;  // [samples]: too short for a piece
-
     const Chain& chain_;
     SimulationOptions options_;
     double sample_period_s_;
     double samples_per_unit_ = 1;
-    ToneBurst burst_;
-    std::array<double, 3> frequencies_hz_;
+    HornSeries horn_;
     ChainState state_;
     Integrator integrator_;
     kernels::SimdChain simd_chain_;
     kernels::SeriesPiece piece_;
     std::unique_ptr<kernels::PlateMotion> plate_;  ///< of a modal plate
     kernels::SeriesKernels kernels_{};
-    FixedTime begin_, end_;  ///< of the present piece [samples]
-    FixedTime last_moment_;  ///< no piece goes beyond it [samples]
-    FixedTime looked_at_;    ///< when is_still() last checked [samples]
-    FixedTime smooth_from_;  ///< where the horn's smooth piece was looked up [samples]
-    SmoothDrive smooth_;
+    DiscInWater* disc_ = nullptr;       ///< among others
+    DelayedChains* delayed_ = nullptr;  ///< that move as this one
+    FixedTime begin_, end_;             ///< of the present piece [samples]
+    FixedTime last_moment_;             ///< no piece goes beyond it [samples]
+    FixedTime looked_at_;               ///< when is_still() last checked [samples]
     double scale_ = 0;                  ///< of the velocities that the scene's own drive makes [m/s]
     double relative_tolerance_ = 0;     ///< of a piece
     double rest_tolerance_ = 0;         ///< of the scene; 0 where the chain does not rest as it began

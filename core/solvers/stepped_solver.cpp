@@ -17,11 +17,11 @@ SteppedSolver::SteppedSolver(const ResolvedScene& resolved, const Chain& chain,
       step_s_(exact_step(resolved.step_s(), resolved.scene().output.sample_rate_hz)),
       options_(options),
       limit_at_rest_(largest_stable_step(chain_, chain_.static_overlap, integrator_)),
-      burst_(resolved.scene().drive, step_s_),
+      horn_(make_horn(resolved.scene().drive, step_s_, options.live)),
       state_(chain_),
       simd_chain_(chain_, integrator_, kernels::kernel_lanes()),
-      horn_(ToneBurst::batch_steps),
-      sampler_(chain_, resolved.scene(), step_s_, options.taps) {
+      horn_steps_(Horn::batch_steps),
+      sampler_(chain_, resolved.scene(), step_s_, options) {
     simd_chain_.step_s = step_s_;
     reset();
 }
@@ -45,7 +45,7 @@ void SteppedSolver::lay_out(Eigen::Index active) noexcept {
     kernel_ = kernels::kernel(integrator_, simd_chain_.kernel_rows());
 }
 
-const ChainState& SteppedSolver::state() noexcept {
+const ChainState& SteppedSolver::state(std::size_t /*element*/) noexcept {
     simd_chain_.store(state_);
     return state_;
 }
@@ -54,7 +54,7 @@ const ChainState& SteppedSolver::state() noexcept {
 void SteppedSolver::begin_batch() noexcept {
     collect_ledger();
     load_active();
-    burst_.fill(state_.step, horn_.data(), ToneBurst::batch_steps);
+    horn_->fill(state_.step, horn_steps_.data(), Horn::batch_steps);
     horn_first_ = state_.step;
 }
 
@@ -69,7 +69,7 @@ void SteppedSolver::load_active() noexcept {
         --front_;
     }
     const Eigen::Index reach = method(integrator_).reach;
-    lay_out(std::min(bodies, front_ + reach * ToneBurst::batch_steps + 1));
+    lay_out(std::min(bodies, front_ + reach * Horn::batch_steps + 1));
 }
 
 void SteppedSolver::collect_ledger() noexcept {
@@ -94,8 +94,12 @@ Ledger SteppedSolver::ledger() noexcept {
             .holder_lost = ledger_.holder_lost + simd_chain_.held_lost};
 }
 
+Solver::Energy SteppedSolver::energy() noexcept {
+    return {kinetic_energy(chain_, state(0)), stored_energy(chain_, state(0), horn_displacement())};
+}
+
 double SteppedSolver::horn_displacement() const noexcept {
-    return burst_.at(state_.step, 0, -1e-6).x;
+    return horn_->at(state_.step, 0, -1e-6).x;
 }
 
 bool SteppedSolver::stable() noexcept {
@@ -155,15 +159,15 @@ void SteppedSolver::take_in_parts(kernels::Trace& trace) noexcept {
     double horn = horn_displacement();
     double from = 0;
     for (int part = 1; from < 1; ++part) {
-        const double to = part < most_parts ? burst_.next_break(state_.step, from) : 1;
+        const double to = part < most_parts ? horn_->next_break(state_.step, from) : 1;
         const double inside = 0.5 * (from + to);
-        const HornStep smooth{.start = burst_.at(state_.step, from, inside),
-                              .middle = burst_.at(state_.step, inside, inside),
-                              .end = burst_.at(state_.step, to, inside)};
+        const HornStep smooth{.start = horn_->at(state_.step, from, inside),
+                              .middle = horn_->at(state_.step, inside, inside),
+                              .end = horn_->at(state_.step, to, inside)};
         const double x = simd_chain_.column(kernels::ChainField::x)[simd_chain_.slot(0)];
         ledger_.add_work(work_of_jump(chain_, x, horn, smooth.start.x));
         simd_chain_.step_s = (to - from) * step_s_;
-        kernel_(simd_chain_, burst_, &smooth, state_.step, 1, to < 1 ? nothing : trace);
+        kernel_(simd_chain_, *horn_, &smooth, state_.step, 1, to < 1 ? nothing : trace);
         horn = smooth.end.x;
         from = to;
     }
@@ -172,14 +176,14 @@ void SteppedSolver::take_in_parts(kernels::Trace& trace) noexcept {
 
 /// At most `count` steps of the present batch; as many as the trace has room for. @returns how many
 int SteppedSolver::take_steps(int count, kernels::Trace& trace) noexcept {
-    const HornStep* const horn = horn_.data() + (state_.step - horn_first_);
+    const HornStep* const horn = horn_steps_.data() + (state_.step - horn_first_);
     if (integrator_ != Integrator::leapfrog) {
-        return kernel_(simd_chain_, burst_, horn, state_.step, count, trace);
+        return kernel_(simd_chain_, *horn_, horn, state_.step, count, trace);
     }
     const auto smooth = static_cast<int>(
         std::find_if(horn, horn + count, [](const HornStep& step) { return step.fresh; }) - horn);
     if (smooth > 0) {
-        return kernel_(simd_chain_, burst_, horn, state_.step, smooth, trace);
+        return kernel_(simd_chain_, *horn_, horn, state_.step, smooth, trace);
     }
     if (!trace.has_room()) {
         return 0;
@@ -193,7 +197,7 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
     // A batch of a long chain may take seconds: number of bodies that are moved between two checks of the stop flag.
     constexpr std::int64_t bodies_at_a_time = 1 << 24;
     const std::int64_t most = options_.stop == nullptr
-                                  ? ToneBurst::batch_steps
+                                  ? Horn::batch_steps
                                   : std::max<std::int64_t>(1, bodies_at_a_time / chain_.bodies());
     while (state_.step < step && status_ == Status::running) {
         if (options_.stop_asked(state_.step)) {
@@ -201,7 +205,7 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
             return;
         }
         const std::int64_t in_batch = state_.step - horn_first_;
-        const std::int64_t left_in_batch = ToneBurst::batch_steps - in_batch;
+        const std::int64_t left_in_batch = Horn::batch_steps - in_batch;
         const int count = static_cast<int>(std::min({left_in_batch, step - state_.step, most}));
         const int taken = take_steps(count, trace);
         state_.step += taken;
@@ -209,7 +213,7 @@ void SteppedSolver::run_until(std::int64_t step, kernels::Trace& trace) noexcept
             status_ = Status::unstable;
             return;
         }
-        if (state_.step == horn_first_ + ToneBurst::batch_steps) {
+        if (state_.step == horn_first_ + Horn::batch_steps) {
             begin_batch();
         }
         if (taken == 0) {
@@ -254,10 +258,11 @@ Status SteppedSolver::reach_end() noexcept {
 
 Motion SteppedSolver::motion() noexcept {
     return {.sample = last_sample_,
-            .state = state(),
+            .state = state(0),
             .moving = std::max(front_, simd_chain_.active()),
             .ledger = ledger(),
-            .horn_m = horn_displacement()};
+            .horn_m = horn_displacement(),
+            .horn_m_per_s = horn_->at(state_.step, 0, -1e-6).v};
 }
 
 void SteppedSolver::begin_with(const Motion& motion) noexcept {

@@ -6,7 +6,7 @@
 
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd_chain.hpp"
-#include "core/model/tone_burst.hpp"
+#include "core/model/horn.hpp"
 #include "core/solvers/sampling/sampler.hpp"
 #include "core/solvers/solver.hpp"
 
@@ -25,15 +25,18 @@ public:
     Motion motion() noexcept override;
     void begin_with(const Motion& motion) noexcept override;
     std::int64_t contact_events() const noexcept override { return simd_chain_.contact_events; }
-    const ChainState& state() noexcept override;
+    std::int64_t steps() noexcept override { return state_.step; }
+    const ChainState& state(std::size_t element) noexcept override;
+    const Chain& chain(std::size_t /*element*/) const noexcept override { return chain_; }
     double time_s() const noexcept override { return static_cast<double>(state_.step) * step_s_; }
-    double horn_displacement() const noexcept override;
     Ledger ledger() noexcept override;
+    Energy energy() noexcept override;
     std::string failure() const override;
 
     static double memory_bytes(double bodies, TapSet taps) noexcept;
 
 private:
+    double horn_displacement() const noexcept;
     void run_until(std::int64_t step, kernels::Trace& trace) noexcept;
     int take_steps(int count, kernels::Trace& trace) noexcept;
     void take_in_parts(kernels::Trace& trace) noexcept;
@@ -49,11 +52,11 @@ private:
     double step_s_;
     SimulationOptions options_;
     double limit_at_rest_;  ///< largest stable step of the chain at rest [s]
-    ToneBurst burst_;
+    std::unique_ptr<Horn> horn_;
     ChainState state_;
     kernels::SimdChain simd_chain_;
     kernels::Kernel kernel_ = nullptr;
-    std::vector<HornStep> horn_;
+    std::vector<HornStep> horn_steps_;
     std::int64_t horn_first_ = -1;
     Eigen::Index front_ = 0;  ///< bodies from here on are still at rest, exactly
     Sampler sampler_;

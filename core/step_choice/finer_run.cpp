@@ -6,6 +6,7 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/model/end.hpp"
+#include "core/scene/elements.hpp"
 #include "core/step_choice/pilot.hpp"
 #include "core/step_choice/step_advice.hpp"
 
@@ -15,15 +16,21 @@ namespace {
 
 constexpr double margin = 300;         // of the accuracy over the expected error of a piece: errors add up
 constexpr double finer_pieces = 0.75;  // errors fall to a tenth or a fiftieth
+constexpr double finer_water = 0.6;    // of the intervals that follow from the steps
 constexpr double finer_grid = 0.5;     // errors fall to a half at least, at a contact's switching
 constexpr double affordable_samples = 2e7;
 constexpr double convincing = 0.7;   // of the accuracy: a difference may be less than the error
 constexpr double lowest_slope = 10;  // of log(error) over log(step), from below
 
-Scene with_finer_steps(const ResolvedScene& scene) {
+Scene with_finer_steps(const ResolvedScene& scene, std::size_t fit) {
     const double finer = is_series(scene.integrator()) ? finer_pieces : finer_grid;
-    return with_finer_fit(
-        without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s())));
+    return with_finer_fit(without_sleep(with_step(scene.scene(), scene.integrator(), finer * scene.step_s())),
+                          fit);
+}
+
+/// Whether motions amplify errors so far that two fits of the discs which are alike by chance would hide them.
+bool takes_two_fits(const Scene& scene) {
+    return is_array(scene) && (Chain(element_scene(scene, 0)).damping == 0).all();
 }
 
 /// The largest error of a run, relative to its difference from one with finer steps.
@@ -39,7 +46,7 @@ std::optional<Resolution> resolve_unmeasured(const Scene& asked) {
     result.integrator_reason = choice.reason;
     result.advice.accuracy = asked.numerics.accuracy.value_or(default_accuracy);
     if (asked.numerics.step_s || !is_series(choice.integrator) || asked.chain.spheres > pilot_spheres ||
-        !model_faults(asked).empty()) {
+        !model_faults(asked).empty() || takes_two_fits(asked)) {
         return std::nullopt;
     }
     result.scene = with_poles(with_integrator(asked));
@@ -73,8 +80,8 @@ std::optional<Resolution> with_stable_step(Resolution tried, const Chain& chain,
 }
 
 FinerRun::FinerRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
-                   std::int64_t max_steps)
-    : run_(with_finer_steps(scene), capacity, stop, max_steps), errors_(run_) {}
+                   std::int64_t max_steps, std::size_t threads, std::size_t fit)
+    : run_(with_finer_steps(scene, fit), capacity, stop, max_steps, threads, finer_water), errors_(run_) {}
 
 bool FinerRun::follow(const Samples& run) noexcept {
     if (!run_.advance(run.count)) {
@@ -87,26 +94,38 @@ bool FinerRun::follow(const Samples& run) noexcept {
 
 ErrorEstimate FinerRun::estimate() const noexcept {
     const Scene& scene = run_.simulation.scene();
-    return {.error = std::max(error_per_difference(scene) * errors_.worst(), least_error) + run_.fit_error(),
+    const double difference = std::max(error_per_difference(scene) * errors_.worst(), least_error);
+    const double of_fit = run_.fit_error();
+    return {.error = is_array(scene) ? std::max(difference, of_fit)  // its runs have different fits
+                                     : difference + of_fit,
             .over_s = static_cast<double>(compared_ - std::min<std::size_t>(compared_, 1)) /
                       scene.output.sample_rate_hz,
             .amplifies = false};
 }
 
-ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop) {
+ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop,
+                              std::size_t threads) {
     const double wanted = std::ceil(run_s * scene.scene().output.sample_rate_hz) + 1;
     const auto samples = static_cast<std::int64_t>(std::min(wanted, affordable_samples));
     const double bodies = static_cast<double>(scene.scene().chain.spheres) + 1;
     const auto max_steps = static_cast<std::int64_t>(affordable_body_steps / bodies);
-    JudgedRun run(scene, counted_block, stop, max_steps);
-    FinerRun follower(scene, counted_block, stop, max_steps);
+    JudgedRun run(scene, counted_block, stop, max_steps, threads);
+    FinerRun follower(scene, counted_block, stop, max_steps, threads);
+    std::optional<FinerRun> another;
+    if (takes_two_fits(scene.scene())) {
+        another.emplace(scene, counted_block, stop, max_steps, threads, 1);
+    }
     for (std::int64_t left = samples; left > 0; left = samples - run.simulation.next_sample()) {
         const auto count = static_cast<std::size_t>(std::min<std::int64_t>(counted_block, left));
-        if (!run.advance(count) || !follower.follow(run.block)) {
+        if (!run.advance(count) || !follower.follow(run.block) || (another && !another->follow(run.block))) {
             break;
         }
     }
-    return follower.estimate();
+    ErrorEstimate found = follower.estimate();
+    if (another) {
+        found.error = std::max(found.error, another->estimate().error);
+    }
+    return found;
 }
 
 bool FinerRun::meets(double accuracy) const noexcept {

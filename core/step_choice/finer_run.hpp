@@ -34,9 +34,11 @@ std::optional<Resolution> with_stable_step(Resolution tried, const Chain& chain,
 /// A run's scene with shorter steps. Follows the run.
 class FinerRun {
 public:
-    /// @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions. @throws std::bad_alloc
+    /// @param capacity of the run's blocks @param stop, max_steps as of SimulationOptions @param fit as of with_finer_fit().
+    /// @throws std::bad_alloc
     FinerRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
-             std::int64_t max_steps = SimulationOptions{}.max_steps);
+             std::int64_t max_steps = SimulationOptions{}.max_steps, std::size_t threads = 1,
+             std::size_t fit = 0);
 
     /// Takes the run's next samples. @returns false when it failed or was stopped
     bool follow(const Samples& run) noexcept;
@@ -52,8 +54,9 @@ private:
     std::size_t compared_ = 0;  // samples
 };
 
-/// Simulates a run and a FinerRun beside it, as far as is affordable: some seconds of a processor's time.
+/// Simulates a run and a FinerRun beside it, two of an array without losses, as far as is affordable: some seconds of a processor's time.
 /// @param stop ends it within a few steps. @throws std::bad_alloc
-ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop);
+ErrorEstimate estimate_of_run(const ResolvedScene& scene, double run_s, const std::atomic<bool>* stop,
+                              std::size_t threads = 1);
 
 }  // namespace hertzline

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/step_choice/pilot.hpp"
@@ -23,19 +24,20 @@ inline constexpr TapSet judged_outputs = TapSet(Tap::v_last) | Tap::v_plate | Ta
 struct JudgedRun {
     /// @param capacity of the block @param stop, max_steps as of SimulationOptions. @throws std::bad_alloc
     JudgedRun(const ResolvedScene& scene, std::size_t capacity, const std::atomic<bool>* stop,
-              std::int64_t max_steps = SimulationOptions{}.max_steps)
-        : simulation(
-              scene,
-              {.taps = judged_outputs, .ledger = LedgerKeeping::off, .stop = stop, .max_steps = max_steps}),
+              std::int64_t max_steps = SimulationOptions{}.max_steps, std::size_t threads = 1,
+              double water_part = 1)
+        : simulation(scene, {.taps = judged_outputs,
+                             .ledger = LedgerKeeping::off,
+                             .stop = stop,
+                             .threads = threads,
+                             .water_part = water_part,
+                             .max_steps = max_steps}),
           block(simulation.make_samples(capacity)) {}
 
     /// Takes the next samples into the block. @returns false when the simulation failed or was stopped
     bool advance(std::size_t count) noexcept { return simulation.advance(block, count) == Status::running; }
     /// Error of the fit of a modal plate's response, which all steps share [relative].
-    double fit_error() const noexcept {
-        const auto& plate = simulation.chain().end.plate;
-        return plate ? plate->fit_error() : 0;
-    }
+    double fit_error() const noexcept { return simulation.fit_error(); }
 
     Simulation simulation;
     Samples block;
@@ -57,12 +59,17 @@ public:
         for (const Tap tap : run.taps() & better.taps() & judged_outputs) {
             std::vector<Sums>& sums = sums_[static_cast<std::size_t>(tap)];
             const double scale = scales_[static_cast<std::size_t>(tap)];
-            for (std::size_t i = 0; i < better.count * sums.size(); ++i) {
-                const double truth = scale * better[tap][i];
-                const double wrong = scale * run[tap][i] - truth;
-                Sums& of_channel = sums[i % sums.size()];
-                of_channel.wrong += wrong * wrong;
-                of_channel.norm += truth * truth;
+            const std::span<const double> values = run[tap];
+            const std::span<const double> truths = better[tap];
+            for (std::size_t channel = 0; channel < sums.size(); ++channel) {
+                Sums of_channel = sums[channel];
+                for (std::size_t i = channel; i < better.count * sums.size(); i += sums.size()) {
+                    const double truth = scale * truths[i];
+                    const double wrong = scale * values[i] - truth;
+                    of_channel.wrong += wrong * wrong;
+                    of_channel.norm += truth * truth;
+                }
+                sums[channel] = of_channel;
             }
         }
     }

@@ -33,7 +33,8 @@ Scene with_step(Scene scene, Integrator integrator, double step_s);
 Scene without_sleep(Scene scene);
 
 /// The scene with a fit of a modal plate's response that is as good as any: the motion may amplify the error of a coarser one.
-Scene with_finer_fit(Scene scene);
+/// @param other of an array: 0 or 1, one of two fits other than the scene's
+Scene with_finer_fit(Scene scene, std::size_t other = 0);
 
 /// The scene with no more points than pilots can afford to judge: a part of them, evenly spread.
 Scene with_few_points(Scene scene);

@@ -44,7 +44,7 @@ constexpr std::size_t min_samples = 16;
 
 /// The period of the drive, or of the fastest oscillation where there is no horn [s].
 double watched_period_s(const Scene& scene, const Chain& chain) {
-    if (scene.drive.kind == DriveKind::tone) {
+    if (scene.drive.kind != DriveKind::none) {
         return 1 / highest_frequency_hz(scene.drive);
     }
     const double omega = fastest_frequency(chain, expected_overlaps(chain, scene.drive));
@@ -56,7 +56,7 @@ double burst_and_way_s(const Scene& scene, const Chain& chain) {
     const Drive& drive = scene.drive;
     const double omega = fastest_frequency(chain, expected_overlaps(chain, drive));
     const double way_s = omega > 0 ? 2 / omega * static_cast<double>(chain.spheres()) : 0;
-    const double burst_s = drive.kind == DriveKind::tone ? drive.start_s + drive.cycles / drive.frequency_hz
+    const double burst_s = drive.kind != DriveKind::none ? drive.start_s + burst_duration_s(drive)
                                                          : watched_period_s(scene, chain);
     const double first_s = 1.5 * (burst_s + way_s);
     return drive.repetition_hz > 0 ? std::max(first_s, 2 / drive.repetition_hz) : first_s;
@@ -93,12 +93,12 @@ double with_safety_factor(double own_error) noexcept {
     return own_error > amplified_rounding ? std::min(10 * own_error, std::max(1.0, own_error)) : own_error;
 }
 
-double part_of_period_s(const Drive& drive, double part) noexcept {
+double part_of_period_s(const Drive& drive, double part) {
     constexpr double without_horn_s = 1;
-    return drive.kind == DriveKind::tone ? part / highest_frequency_hz(drive) : without_horn_s;
+    return drive.kind != DriveKind::none ? part / highest_frequency_hz(drive) : without_horn_s;
 }
 
-double longest_for_drive(const Drive& drive) noexcept {
+double longest_for_drive(const Drive& drive) {
     return part_of_period_s(drive, series_drive_periods);
 }
 
@@ -163,7 +163,7 @@ void ReferencePilot::ring_down() {
     constexpr double of_free_flight =
         10;  // of the stretch: spheres that meet nothing any more take endless pieces
     const double ringing_s =
-        scene_.drive.kind == DriveKind::tone ? affordable : std::min(affordable, of_free_flight * watched_s_);
+        scene_.drive.kind != DriveKind::none ? affordable : std::min(affordable, of_free_flight * watched_s_);
     const std::size_t most = motion_.samples() + samples_in(ringing_s);
     if (period == 0) {
         return;  // it has failed at once

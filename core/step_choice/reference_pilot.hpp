@@ -10,10 +10,10 @@
 namespace hertzline {
 
 /// A part of a period of the drive's highest frequency [s]; 1 s where there is no horn.
-double part_of_period_s(const Drive& drive, double part) noexcept;
+double part_of_period_s(const Drive& drive, double part);
 
 /// The longest step that a series may take, whatever the chain does: the horn's series reaches that far [s].
-double longest_for_drive(const Drive& drive) noexcept;
+double longest_for_drive(const Drive& drive);
 
 /// The error of a piece of the reference that is as good as exact for such an accuracy.
 double piece_error_for(double accuracy) noexcept;

@@ -5,9 +5,13 @@
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <utility>
 
+#include "core/model/drive.hpp"
 #include "core/model/end.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/scene_words.hpp"
+#include "core/step_choice/array_step.hpp"
 #include "core/step_choice/finer_run.hpp"
 #include "core/step_choice/step_advice.hpp"
 
@@ -70,7 +74,7 @@ void estimate(Resolution& result, ReferencePilot& reference, std::optional<Trial
               const std::atomic<bool>* stop) {
     const Drive& drive = result.scene.drive;
     result.steps_per_burst =
-        drive.cycles / drive.frequency_hz * (trial ? trial->steps_per_s : 1 / *result.scene.numerics.step_s);
+        burst_duration_s(drive) * (trial ? trial->steps_per_s : 1 / *result.scene.numerics.step_s);
     result.estimate.reset();
     if (!trial) {
         return;
@@ -151,13 +155,20 @@ double pole_error(const Scene& scene) {
 }
 
 StepAdvice advise_step(const Scene& asked) {
-    const Scene scene = with_poles(with_integrator(asked));
+    const Scene scene = with_poles(with_integrator(as_declared(asked)));
     Resolution counted;
     ReferencePilot reference = reference_for(scene, counted, nullptr);
     return advise(scene, reference).advice;
 }
 
-Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop) {
+Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::atomic<bool>* stop,
+                   std::size_t threads) {
+    if (const Scene complete = with_live_drive(asked); complete != asked) {
+        return resolve(complete, run_s, stop, threads);
+    }
+    if (is_array(asked) && validate(asked).empty()) {
+        return resolve_array(asked, run_s, stop, threads);
+    }
     Resolution result;
     result.run_s = run_s;
     result.scene = asked;
@@ -165,7 +176,19 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     if (result.faults.empty()) {
         result.faults = model_faults(asked);
     }
+    if (result.faults.empty() && run_s && awaits_samples(asked.drive)) {
+        result.faults.push_back({"drive.kind", R"("live" without samples)",
+                                 "a stream (hertzline stream --drive ENDPOINT), or a recording of one"});
+    }
     if (!result.faults.empty()) {
+        return result;
+    }
+    if (asked.drive.kind == DriveKind::live) {
+        result = resolve(as_declared(asked), run_s, stop);
+        result.scene.drive = asked.drive;
+        if (result.faults.empty()) {
+            result.scene = with_latency(std::move(result.scene));
+        }
         return result;
     }
     result.scene = with_poles(with_integrator(asked));
@@ -214,8 +237,8 @@ Resolution resolve(const Scene& asked, std::optional<double> run_s, const std::a
     return result;
 }
 
-Resolution resolve(const Scene& scene, const std::atomic<bool>* stop) {
-    return resolve(scene, scene.output.duration_s, stop);
+Resolution resolve(const Scene& scene, const std::atomic<bool>* stop, std::size_t threads) {
+    return resolve(scene, scene.output.duration_s, stop, threads);
 }
 
 }  // namespace hertzline

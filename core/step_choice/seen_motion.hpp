@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/model/drive.hpp"
 #include "hertzline/resolve.hpp"
 #include "hertzline/simulation.hpp"
 
@@ -21,8 +22,8 @@ constexpr double residual_in_keeping_with(double error) noexcept {
 /// Contact events, counted by stretches of a burst's period, or of a burst where there is but one.
 class EventRate {
 public:
-    explicit EventRate(const Drive& drive) noexcept
-        : stretch_s_(drive.repetition_hz > 0 ? 1 / drive.repetition_hz : drive.cycles / drive.frequency_hz) {}
+    explicit EventRate(const Drive& drive)
+        : stretch_s_(drive.repetition_hz > 0 ? 1 / drive.repetition_hz : burst_duration_s(drive)) {}
 
     /// @param events so far, at a time that only grows [s]
     void note(double time_s, std::int64_t events) noexcept {

@@ -88,9 +88,11 @@ struct Resolution {
 };
 
 /// @param run_s how long the run is over which the error is estimated [s]; none: as long as the pilots watch
-/// @param stop ends the estimate of a long run within a few steps: it then ends early. @throws std::bad_alloc
-Resolution resolve(const Scene& scene, std::optional<double> run_s, const std::atomic<bool>* stop = nullptr);
+/// @param stop ends the estimate of a long run within a few steps: it then ends early
+/// @param threads as of SimulationOptions. @throws std::bad_alloc
+Resolution resolve(const Scene& scene, std::optional<double> run_s, const std::atomic<bool>* stop = nullptr,
+                   std::size_t threads = 1);
 /// Over output.duration_s.
-Resolution resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr);
+Resolution resolve(const Scene& scene, const std::atomic<bool>* stop = nullptr, std::size_t threads = 1);
 
 }  // namespace hertzline

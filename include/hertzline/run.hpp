@@ -45,15 +45,27 @@ struct PlateEnergy {
     double radiated = 0;  ///< into the fluid
 };
 
+/// The energy of a horn on which the chain acts back [J].
+struct HornEnergy {
+    double source = 0;  ///< that its source gave
+    double lost = 0;    ///< in the horn
+    double held = 0;    ///< in its motion and spring at the end
+};
+
 /// A run and its results.
 struct Run {
     Resolution resolved;              ///< of the first scene; its estimate becomes the worst of all scenes
     std::optional<Scene> last_scene;  ///< at the end, if the scene changed on the way
 
-    std::vector<TapRecord> taps;       ///< v_out, then the other measured taps
-    std::vector<double> v_out_smooth;  ///< with a plate: v_out as if the last contact never opened
-    double peak_v_last = 0;            ///< [m/s]
-    double peak_p_points = 0;          ///< at the loudest of the scene's points [Pa]
+    std::vector<TapRecord> taps;         ///< v_out, then the other measured taps
+    std::vector<double> v_out_smooth;    ///< with a plate: v_out as if the last contact never opened
+    double peak_v_last = 0;              ///< [m/s]
+    double peak_p_points = 0;            ///< at the loudest of the scene's points [Pa]
+    std::vector<double> peaks_p_points;  ///< at each of them [Pa]
+    std::vector<double> p_first;         ///< samples at the first of them [Pa]
+    std::optional<double>
+        first_arrival_s;               ///< when the pressure at the first point exceeds half of its peak [s]
+    std::optional<double> alone_p_pa;  ///< peak at the first point of the middle element of an array, alone
     std::int64_t steps = 0;
     double step_s = 0;  ///< step of the last simulation
     std::int64_t contact_events = 0;
@@ -63,6 +75,7 @@ struct Run {
     std::optional<std::string> strength_warning;  ///< warning of the scene with that ratio
     double energy_residual = 0;                   ///< residual of the ledger; the largest of several motions
     std::optional<PlateEnergy> plate;             ///< modal plates only
+    std::optional<HornEnergy> horn;               ///< where the chain acts back on it
     double holder_lost = 0;                       ///< energy that the spheres' holder took [J]
     std::chrono::nanoseconds busy{0};             ///< simulating
     double setup_s = 0;                           ///< before the first step
@@ -100,13 +113,15 @@ struct SceneStep {
 
 /// Options of a run.
 struct RunOptions {
-    TapSet recorded = {};                               ///< taps for take, beside measured ones
-    TapSet measured = {};                               ///< taps with a record and a spectrum, beside v_out
-    std::optional<double> band_from_hz = {};            ///< as SpectrumAnalyser::analyse
-    const std::atomic<bool>* stop = nullptr;            ///< true: the run ends before its end
-    std::function<bool(const Samples&)> take = {};      ///< is given each block; false ends the run
-    std::span<const SceneStep> steps = {};              ///< scenes that follow the first one
-    std::function<void(std::size_t step)> begins = {};  ///< is called before the samples of a step
+    TapSet recorded = {};                           ///< taps for take, beside measured ones
+    TapSet measured = {};                           ///< taps with a record and a spectrum, beside v_out
+    std::optional<double> band_from_hz = {};        ///< as SpectrumAnalyser::analyse
+    const std::atomic<bool>* stop = nullptr;        ///< true: the run ends before its end
+    std::function<bool(const Samples&)> take = {};  ///< is given each block; false ends the run
+    std::span<const SceneStep> steps = {};          ///< scenes that follow the first one
+    std::shared_ptr<const PiecewiseMotion> live = nullptr;  ///< as in SimulationOptions
+    std::size_t threads = 1;                                ///< as in SimulationOptions
+    std::function<void(std::size_t step)> begins = {};      ///< is called before the samples of a step
 };
 
 /// A request for more memory than there is; the text has both amounts.

@@ -1,6 +1,7 @@
 #pragma once
 // The output of a simulation: blocks of samples.
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +37,18 @@ public:
     std::span<const double> operator[](Tap tap) const noexcept {
         const std::vector<double>& column = columns_[static_cast<std::size_t>(tap)];
         return {column.data(), column.empty() ? 0 : count * channels(tap)};
+    }
+
+    /// Takes the first samples out of the block. @param samples at most count
+    void drop(std::size_t samples) noexcept {
+        for (const Tap tap : taps_) {
+            std::vector<double>& column = columns_[static_cast<std::size_t>(tap)];
+            const std::size_t numbers = samples * channels(tap);
+            std::copy(column.begin() + static_cast<std::ptrdiff_t>(numbers),
+                      column.begin() + static_cast<std::ptrdiff_t>(count * channels(tap)), column.begin());
+        }
+        first += static_cast<std::int64_t>(samples);
+        count -= samples;
     }
 
     /// All the room of a tap, to be filled.

@@ -17,7 +17,14 @@
 
 namespace hertzline {
 
-enum class DriveKind { tone, none };
+enum class DriveKind { tone, file, live, none };
+enum class DriveQuantity { displacement, velocity };
+/// ZeroMQ's socket that takes a live drive: one that holds its senders back, or one that may lose messages.
+enum class DriveSocket { pull, sub };
+/// When samples of a live drive come too late: the stream waits, or the horn's samples are 0.
+enum class OnUnderrun { wait, zero };
+/// How the chain acts back on the horn: not at all, or on a tip that is a mass on a spring.
+enum class HornModel { prescribed, resonator };
 enum class Envelope { hann, tukey, rectangular };
 enum class DampingLaw { dashpot, kuwabara_kono, tsuji };
 enum class Tension { allowed, clamped };
@@ -26,14 +33,16 @@ enum class PlatePreload { balanced, as_printed };
 enum class PlateModel { lumped, modal };
 enum class PlateTheory { thin, thick };
 enum class FluidLoad { none, added_mass, radiation };
+/// Whether the discs of an array feel each other through the fluid.
+enum class Coupling { fluid, none };
 
 /// Relative L2 error of the velocities that a scene gets when it asks for nothing.
 inline constexpr double default_accuracy = 1e-4;
 
-/// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi (f t + (f_1 - f) t^2/(2 T)))).
+/// The horn's tone burst (model: x_h(t) = A e(t) sin(2 pi (f t + (f_1 - f) t^2/(2 T)))), or its recorded motion.
 struct Drive {
-    DriveKind kind =
-        DriveKind::tone;  ///< none: there is no horn, and the preload alone holds the first sphere
+    /// live: samples come while a stream runs; none: there is no horn, and the preload alone holds the first sphere.
+    DriveKind kind = DriveKind::tone;
     std::string material = "steel";
     double frequency_hz = 73e3;
     double cycles = 25;
@@ -44,6 +53,22 @@ struct Drive {
     std::optional<double> sweep_to_hz =
         {};              ///< the frequency at the burst's end, to which it changes steadily; unset: it stays
     double start_s = 0;  ///< until the first burst
+    std::optional<std::string> file =
+        {};  ///< of a record that is still to be read; read_drive() puts it into samples
+    std::optional<std::string> column = {};      ///< of the file; unset: the first
+    std::optional<DriveQuantity> quantity = {};  ///< that was recorded; unset: displacement
+    std::optional<double> sample_rate_hz = {};   ///< of the record
+    std::optional<double> scale = {};  ///< metres, or metres a second, for each unit of the record; unset: 1
+    std::optional<double> lowpass_hz = {};  ///< unset: a third of the rate, at most 1 MHz
+    std::vector<double> samples = {};       ///< the record
+    /// Of a live drive, whose frequency_hz, cycles and amplitude_m declare the drive for which the step is chosen.
+    std::string endpoint = "tcp://127.0.0.1:5575";
+    DriveSocket socket = DriveSocket::pull;
+    OnUnderrun on_underrun = OnUnderrun::wait;
+    HornModel horn = HornModel::prescribed;
+    std::optional<double> horn_frequency_hz = {};  ///< of the resonator; unset: frequency_hz
+    double horn_quality = 100;                     ///< Q of the resonator
+    double horn_mass_kg = 0;                       ///< of its tip; 0: the chain does not act back on it
     bool operator==(const Drive&) const = default;
 };
 
@@ -66,6 +91,11 @@ struct Spheres {
     std::optional<double> holder_time_s;  ///< tau: the holder of the spheres takes (m/tau) v of each
     double impact_velocity_m_per_s = 0;   ///< of the first spheres at the start, toward the end
     std::int64_t impact_spheres = 1;      ///< how many they are
+    /// Diameters differ at random by this part at most, each with the same chance, and preloads by theirs. The seed draws them; the elements
+    /// of an array draw one after another.
+    double tolerance = 0;
+    double preload_tolerance = 0;
+    std::int64_t seed = 1;
     bool operator==(const Spheres&) const = default;
 };
 
@@ -96,6 +126,22 @@ struct Medium {
     bool operator==(const Medium&) const = default;
 };
 
+/// Several chains, each with a disc of its own in one rigid baffle; none where it has no positions. Lists by element have an entry for
+/// each, or one for all, or none: then all are as the rest of the scene says.
+struct Array {
+    std::vector<double> x_m = {};  ///< of the discs' centres, in the plane of the baffle
+    std::vector<double> y_m = {};
+    std::vector<double> delays_s = {};  ///< of the elements' drives, beside drive.start_s
+    std::vector<double> preloads_n = {};
+    std::vector<double> amplitudes_m = {};
+    std::vector<std::string> materials = {};  ///< of the spheres
+    std::vector<double> diameters_m = {};     ///< of the spheres
+    /// x, y, z of a point where the sound of all elements arrives together: adds to the delays; empty: none.
+    std::vector<double> focus_m = {};
+    Coupling coupling = Coupling::fluid;
+    bool operator==(const Array&) const = default;
+};
+
 /// How to integrate. At most one of step_s and accuracy may be given; unset members are chosen by resolve().
 struct Numerics {
     std::optional<Integrator> integrator;
@@ -124,6 +170,7 @@ struct Scene {
     Spheres chain;
     End end;
     Medium medium;
+    Array array;
     Numerics numerics;
     Output output;
     std::map<std::string, Material> materials;  ///< the scene's own, beside the built-in ones
@@ -178,8 +225,14 @@ std::vector<std::string> material_names(const Scene& scene, MaterialSort sort);
 /// The solid of that name in a scene without faults.
 const Solid& solid_of(const Scene& scene, std::string_view name);
 
+/// Most samples of a record that drives the horn.
+inline constexpr std::size_t max_drive_samples = 1'000'000;
+
 /// Most entries of chain.materials and chain.diameters_m.
 inline constexpr std::size_t max_sphere_entries = 1'000'000;
+
+/// Most elements of an array.
+inline constexpr std::size_t max_elements = 256;
 
 /// Largest number of layers of a disc.
 inline constexpr std::size_t max_layers = 16;

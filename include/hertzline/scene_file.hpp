@@ -13,7 +13,7 @@
 
 namespace hertzline {
 
-/// Reads the scene of that name, a file's or a shipped one's. @throws std::invalid_argument with every fault, a line each
+/// Reads the scene of that name, a file's or a shipped one's, but not the record that drive.file names. @throws std::invalid_argument with every fault, a line each
 Scene read_scene(const std::string& name);
 
 /// A scene that can be simulated, and where its keys were given.
@@ -30,9 +30,6 @@ struct ParsedScene {
 /// @returns the scene, or every fault, with file and line or setting
 tl::expected<ParsedScene, std::vector<Fault>> parse_scene_file(const std::string& name,
                                                                std::span<const std::string> settings = {});
-
-/// The fault of a name that is neither a file's nor a shipped scene's.
-Fault unknown_scene(const std::string& name);
 
 /// Reads the text of a scene file, which messages call `origin`. Each override is the argument of a --set
 /// option, "section.key=value" or "materials.NAME.key=value", and replaces the value in the text; the last one

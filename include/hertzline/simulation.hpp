@@ -18,6 +18,7 @@ namespace hertzline {
 struct Chain;
 struct ChainState;
 struct Ledger;
+class PiecewiseMotion;
 class Solver;
 
 /// Whether the integration still stands.
@@ -44,6 +45,12 @@ struct SimulationOptions {
     WavefrontTracking tracking = WavefrontTracking::on;
     /// Once it is true, samples come to an end within a few steps, in the midst of a block. Unset: never.
     const std::atomic<bool>* stop = nullptr;
+    /// The motion of a live drive, unless the scene has its samples.
+    std::shared_ptr<const PiecewiseMotion> live = nullptr;
+    /// That work on the chains of an array, side by side. The samples are the same with any number.
+    std::size_t threads = 1;
+    /// The water between discs is worked out in intervals that are this part of the usual ones.
+    double water_part = 1;
     /// It is stopped after this number of steps or pieces, too.
     std::int64_t max_steps = std::numeric_limits<std::int64_t>::max();
 
@@ -77,8 +84,8 @@ struct ContactLoad {
 /// A scene in motion. Owns all that it needs; not for several threads at once.
 class Simulation {
 public:
-    /// Takes a Resolution of resolve(), too. @throws std::bad_alloc; std::invalid_argument where a grid is to integrate a modal plate or
-    /// a law of damping other than the dashpot, which validate() refuses
+    /// Takes a Resolution of resolve(), too. @throws std::bad_alloc @throws std::invalid_argument where a grid is to integrate a modal
+    /// plate or a law of damping other than the dashpot, which validate() refuses
     explicit Simulation(ResolvedScene scene, const SimulationOptions& options = {});
     ~Simulation();
     Simulation(Simulation&&) noexcept;
@@ -109,7 +116,8 @@ public:
     Status continue_from(Simulation& before, std::int64_t first) noexcept;
 
     /// The next `count` samples (at most the block's capacity) of the wanted taps for which the block has room. Allocates nothing. If
-    /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() names place and time.
+    /// the step turns out to lie beyond the stability limit the block comes back empty, and failure() names place and time. In an array a
+    /// tap that was not wanted before may be missing, which the block's `holds` says, for as long as an element is later than others.
     Status advance(Samples& samples, std::size_t count, TapSet wanted) noexcept;
     /// The same for all taps of the block.
     Status advance(Samples& samples, std::size_t count) noexcept {
@@ -121,7 +129,9 @@ public:
 
     const Scene& scene() const noexcept { return scene_.scene(); }  ///< with integrator and step
     TapSet taps() const noexcept { return options_.taps; }
-    const Chain& chain() const noexcept { return *chain_; }
+    /// How many chains there are: the elements of an array, or 1.
+    std::size_t elements() const noexcept;
+    const Chain& chain(std::size_t element = 0) const noexcept;
     /// Step of a grid, or the longest piece of a series [s].
     double step_s() const noexcept { return step_s_; }
     /// Steps or pieces so far.
@@ -130,7 +140,7 @@ public:
     std::int64_t contact_events() const noexcept;
 
     /// State at the last step taken. Not cheap: for tests, checks and ledgers, not for each sample.
-    const ChainState& state() noexcept;
+    const ChainState& state(std::size_t element = 0) noexcept;
     /// Its time since the simulation's first sample [s]. Steps do not end where samples lie.
     double time_s() const noexcept;
     Ledger ledger() noexcept;
@@ -138,6 +148,8 @@ public:
     double energy_missing() noexcept;
     /// The same relative to the largest of the horn's work back and forth, the losses and the kinetic energy.
     double energy_residual() noexcept;
+    /// Error of the fit of modal plates' responses, which all steps share [relative].
+    double fit_error() const noexcept;
     /// Takes a pass over the chain. Allocates nothing.
     MotionExtremes extremes() noexcept;
 
@@ -150,7 +162,7 @@ public:
 private:
     ResolvedScene scene_;
     SimulationOptions options_;
-    std::unique_ptr<const Chain> chain_;
+    std::unique_ptr<const Chain> chain_;  ///< null: those of an array belong to its solver
     double step_s_;
     std::unique_ptr<Solver> solver_;
     std::int64_t first_sample_ = 0;

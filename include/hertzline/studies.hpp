@@ -56,8 +56,10 @@ struct StudyColumn {
 struct StudyTable {
     std::vector<StudyColumn>
         columns;  ///< point, the keys that vary, status, the numbers, integrator, scene_hash, message
-    std::vector<float> waveforms;      ///< row-major [point][sample]; empty without StudyOptions::waveforms
-    std::size_t waveform_samples = 0;  ///< of each point; NaN after a point's last one
+    std::vector<float>
+        waveforms;  ///< row-major [point][sample][channel]; empty without StudyOptions::waveforms
+    std::size_t waveform_samples = 0;   ///< of each point; NaN after a point's last one
+    std::size_t waveform_channels = 1;  ///< as many as the tap has at any point, NaN where it has fewer
     nlohmann::ordered_json provenance;
 
     /// The numbers or integers of a column. @throws std::out_of_range when no such column has that name

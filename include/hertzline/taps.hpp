@@ -20,6 +20,8 @@ enum class Tap : unsigned {
     v_chain,   ///< of all spheres [m/s], row-major [sample][sphere], horn side first
     x_chain,   ///< displacements of all spheres from static equilibrium [m], as v_chain
     v_horn,    ///< of the horn: the drive [m/s]
+    x_horn,    ///< of the horn: its displacement [m]
+    f_first,   ///< force of the first contact, on the horn, positive when it pushes [N]
     f_last,    ///< force of the last contact, positive when it pushes [N]
     v_centre,  ///< of a modal plate under the contact [m/s]
     v_face,    ///< of a modal plate's face, its mean [m/s]
@@ -28,19 +30,20 @@ enum class Tap : unsigned {
     p_points,  ///< pressures at output.points_m before a modal plate [Pa], row-major [sample][point]
 };
 
-/// How many channels a tap has.
-enum class Channels { one, per_sphere, per_contact, per_point };
+/// How many channels a tap has: one for each element of an array, ...
+enum class Channels { one, per_element, per_sphere, per_contact, per_point };
 
-/// How many spheres and points a scene has: with them, a tap's number of channels is known.
+/// How many spheres, points and elements a scene has: with them, a tap's number of channels is known.
 struct ChannelCounts {
     std::size_t spheres = 0;
     std::size_t points = 0;
+    std::size_t elements = 0;  ///< of an array; 0: there is none, which is the same as one
 
     bool operator==(const ChannelCounts&) const noexcept = default;
 };
 
 /// Requirement on a scene for a tap to exist.
-enum class Requires { nothing, last_contact, lumped_plate, modal_plate, points };
+enum class Requires { nothing, last_contact, lumped_plate, modal_plate, points, single_chain };
 
 /// When a recording of a run holds a tap by default.
 enum class Recorded { always, with_lumped_plate, with_modal_plate, on_request };
@@ -62,7 +65,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_last,
            .name = "v_last",
            .unit = "m/s",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::nothing,
            .recorded = Recorded::always,
            .streamed = true,
@@ -70,7 +73,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_plate,
            .name = "v_plate",
            .unit = "m/s",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::lumped_plate,
            .recorded = Recorded::with_lumped_plate,
            .streamed = true,
@@ -78,7 +81,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_out,
            .name = "v_out",
            .unit = "m/s",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::nothing,
            .recorded = Recorded::with_lumped_plate,
            .streamed = true,
@@ -87,7 +90,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_centre,
            .name = "v_centre",
            .unit = "m/s",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
@@ -96,7 +99,7 @@ inline constexpr std::array tap_rows{
     TapRow{.tap = Tap::v_face,
            .name = "v_face",
            .unit = "m/s",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::modal_plate,
            .recorded = Recorded::with_modal_plate,
            .streamed = true,
@@ -122,7 +125,7 @@ inline constexpr std::array tap_rows{
            .name = "x_chain",
            .unit = "m",
            .channels = Channels::per_sphere,
-           .required = Requires::nothing,
+           .required = Requires::single_chain,
            .recorded = Recorded::on_request,
            .streamed = false,
            .column = "x#_m"},
@@ -130,22 +133,38 @@ inline constexpr std::array tap_rows{
            .name = "v_chain",
            .unit = "m/s",
            .channels = Channels::per_sphere,
-           .required = Requires::nothing,
+           .required = Requires::single_chain,
            .recorded = Recorded::on_request,
            .streamed = true,
            .column = "v#_m_per_s"},
     TapRow{.tap = Tap::v_horn,
            .name = "v_horn",
            .unit = "m/s",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::nothing,
            .recorded = Recorded::on_request,
            .streamed = true,
            .column = "v_horn_m_per_s"},
+    TapRow{.tap = Tap::x_horn,
+           .name = "x_horn",
+           .unit = "m",
+           .channels = Channels::per_element,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "x_horn_m"},
+    TapRow{.tap = Tap::f_first,
+           .name = "f_first",
+           .unit = "N",
+           .channels = Channels::per_element,
+           .required = Requires::nothing,
+           .recorded = Recorded::on_request,
+           .streamed = true,
+           .column = "f_first_n"},
     TapRow{.tap = Tap::f_last,
            .name = "f_last",
            .unit = "N",
-           .channels = Channels::one,
+           .channels = Channels::per_element,
            .required = Requires::last_contact,
            .recorded = Recorded::on_request,
            .streamed = true,
@@ -154,7 +173,7 @@ inline constexpr std::array tap_rows{
            .name = "f_chain",
            .unit = "N",
            .channels = Channels::per_contact,
-           .required = Requires::nothing,
+           .required = Requires::single_chain,
            .recorded = Recorded::on_request,
            .streamed = true,
            .column = "f#_n"},
@@ -185,6 +204,8 @@ constexpr std::size_t channels_of(Tap tap, const ChannelCounts& counts) noexcept
     switch (row_of(tap).channels) {
         case Channels::one:
             return 1;
+        case Channels::per_element:
+            return counts.elements > 0 ? counts.elements : 1;
         case Channels::per_sphere:
             return counts.spheres;
         case Channels::per_contact:
@@ -200,19 +221,23 @@ constexpr ChannelCounts counts_of(Tap tap, std::size_t channels) noexcept {
     switch (row_of(tap).channels) {
         case Channels::one:
             break;
+        case Channels::per_element:
+            return {.spheres = 0, .points = 0, .elements = channels > 1 ? channels : 0};
         case Channels::per_sphere:
-            return {.spheres = channels};
+            return {.spheres = channels, .points = 0, .elements = 0};
         case Channels::per_contact:
-            return {.spheres = channels - 1};
+            return {.spheres = channels - 1, .points = 0, .elements = 0};
         case Channels::per_point:
-            return {.points = channels};
+            return {.spheres = 0, .points = channels, .elements = 0};
     }
     return {};
 }
 
 /// The counts of a scene.
 inline ChannelCounts channel_counts(const Scene& scene) noexcept {
-    return {.spheres = static_cast<std::size_t>(scene.chain.spheres), .points = scene.output.points_m.size()};
+    return {.spheres = static_cast<std::size_t>(scene.chain.spheres),
+            .points = scene.output.points_m.size(),
+            .elements = scene.array.x_m.size()};
 }
 
 /// A set of taps; a value of 32 bits, so that std::atomic<TapSet> needs no lock. Iterates in the order of the enumeration.
@@ -290,6 +315,8 @@ inline bool provides(const Scene& scene, Requires required) noexcept {
             return end.kind == EndKind::plate && end.model == PlateModel::modal;
         case Requires::points:
             return provides(scene, Requires::modal_plate) && channel_counts(scene).points > 0;
+        case Requires::single_chain:
+            return scene.array.x_m.empty();
     }
     return false;
 }
@@ -299,14 +326,19 @@ inline TapSet taps_of(const Scene& scene) noexcept {
     return taps_where([&scene](const TapRow& row) { return provides(scene, row.required); });
 }
 
-/// The taps whose samples have channels, even where it is a single one.
-inline constexpr TapSet multichannel_taps =
-    taps_where([](const TapRow& row) { return row.channels != Channels::one; });
+/// Whether the tap's samples have channels, even where it is a single one.
+constexpr bool has_channels(Tap tap, const ChannelCounts& counts) noexcept {
+    const Channels channels = row_of(tap).channels;
+    return channels == Channels::per_element ? counts.elements > 1 : channels != Channels::one;
+}
 
 /// The taps that show the whole chain: a channel for each sphere or contact.
 inline constexpr TapSet chain_taps = taps_where([](const TapRow& row) {
     return row.channels == Channels::per_sphere || row.channels == Channels::per_contact;
 });
+
+/// The taps that show more of the chain than its far end.
+inline constexpr TapSet near_taps = chain_taps | Tap::f_first;
 
 /// The taps that can be streamed, of some scene.
 inline constexpr TapSet streamed_taps = taps_where([](const TapRow& row) { return row.streamed; });

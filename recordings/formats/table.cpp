@@ -217,7 +217,7 @@ std::string text_of_file(const fs::path& path) {
 WrittenTable read_csv(const fs::path& path) {
     const std::string text = text_of_file(path);
     CsvCells cells(text);
-    return {csv_names(cells), false,
+    return {csv_names(cells),
             json_from_outside(text_of_file(csv_metadata_path(path))).at("urn:hertzline:provenance")};
 }
 

@@ -39,7 +39,8 @@ struct TableColumn {
 struct TableSamples {
     std::string name;
     std::string unit;
-    std::size_t count = 0;  ///< in a row
+    std::size_t count = 0;     ///< in a row
+    std::size_t channels = 1;  ///< numbers of each sample
 };
 
 struct TableRow {
@@ -78,7 +79,6 @@ bool write_table(const std::filesystem::path& path, const Table& table, const st
 /// A file of records that write_table() has written.
 struct WrittenTable {
     std::vector<std::string> columns;  ///< names
-    bool has_samples = false;
     Json provenance;
 };
 

@@ -2,6 +2,9 @@
 
 const PREFIXES = [[1e9, 'G'], [1e6, 'M'], [1e3, 'k'], [1, ''], [1e-3, 'm'], [1e-6, '\u00b5'], [1e-9, 'n'], [1e-12, 'p']];
 
+/** Colours of channels beside the first one, which repeat after these: variables of style.css. */
+export const BESIDE = ['third', 'fourth', 'fifth', 'sixth', 'ink'];
+
 /** The room for labels around a plot [CSS pixels]. */
 export const MARGIN = {left: 46, top: 16, below: 18};
 
@@ -48,7 +51,7 @@ export function colours() {
   const style = getComputedStyle(document.documentElement);
   const of = (name) => style.getPropertyValue(`--${name}`).trim();
   return {paper: of('paper'), ink: of('ink'), faint: of('faint'), line: of('line'), trace: of('trace'),
-    second: of('second'), third: of('third'), shade: of('shade')};
+    second: of('second'), third: of('third'), shade: of('shade'), beside: BESIDE.map(of)};
 }
 
 /** Gives the canvas as many pixels as the screen has there. @returns {width, height, scale} in those pixels */
@@ -81,6 +84,15 @@ export class SvgPen {
     const safe = String(words).replaceAll('&', '&amp;').replaceAll('<', '&lt;');
     this.parts.push(`<text x="${x}" y="${y}" fill="${fill}" font-size="12" font-family="sans-serif" text-anchor="${anchor}">${safe}</text>`);
   }
+  widthOf(words) { return 6.6 * words.length; }  // about
+  /** Paints what lies in a rectangle. */
+  within(x, y, width, height, paint) {
+    const outside = this.parts;
+    this.parts = [];
+    paint();
+    outside.push(`<svg x="${x}" y="${y}" width="${width}" height="${height}" viewBox="${x} ${y} ${width} ${height}">${this.parts.join('')}</svg>`);
+    this.parts = outside;
+  }
   toString(caption, colour) {
     const [drawn, above] = [this.parts, 18 * caption.length + 6];
     this.parts = [];
@@ -110,6 +122,19 @@ export class CanvasPen {
     context.beginPath();
     points.forEach(([x, y], i) => (i === 0 ? context.moveTo(x, y) : context.lineTo(x, y)));
     context.stroke();
+  }
+  within(x, y, width, height, paint) {
+    const {context} = this;
+    context.save();
+    context.beginPath();
+    context.rect(x, y, width, height);
+    context.clip();
+    paint();
+    context.restore();
+  }
+  widthOf(words) {
+    this.context.font = `${12 * this.scale}px system-ui, sans-serif`;
+    return this.context.measureText(words).width;
   }
   text(x, y, words, fill, anchor = 'start') {
     const {context} = this;

@@ -41,7 +41,10 @@ export class Knobs {
       this.build(values);
     }
     for (const [key, knob] of Object.entries(values)) {
-      this.rows.get(key)?.update(knob, this.there);
+      const row = this.rows.get(key);
+      row?.update(knob, this.there);
+      const needs = scene?.keys?.[key]?.needs;
+      row?.show(!needs || needs.words.includes(values[needs.key]?.value));
     }
   }
 
@@ -59,6 +62,13 @@ export class Knobs {
   accept(keys) {
     for (const key of keys) {
       this.rows.get(key)?.clear();
+    }
+  }
+
+  /** Shows a text below these keys, and below no other one. */
+  note(keys, text) {
+    for (const [key, row] of this.rows) {
+      row.say(row.noted, keys.includes(key) ? text : '');
     }
   }
 
@@ -90,7 +100,7 @@ class Knob {
     this.set = set;
     this.turnedAt = -Infinity;
     this.element = document.createElement('div');
-    this.element.className = 'knob';
+    this.element.className = Array.isArray(knob.value) || knob.kind === 'list' ? 'knob list' : 'knob';
     const label = document.createElement('label');
     label.textContent = key.split('.').slice(1).join('.');
     label.title = knob.description ?? '';
@@ -102,7 +112,8 @@ class Knob {
     this.fault = this.part('span', 'fault');
     this.fault.setAttribute('aria-live', 'polite');
     this.input.setAttribute('aria-describedby', `${this.use.id} ${this.limits.id} ${this.fault.id}`);
-    this.element.append(label, this.use, this.input, this.fault);
+    this.noted = this.part('span', 'noted');
+    this.element.append(label, this.use, this.input, this.fault, this.noted);
     if (this.isNumber(knob) && typeof knob.value === 'number' && knob.value > 0 && knob.kind) {
       this.addSlider(knob);
     }
@@ -139,9 +150,11 @@ class Knob {
     return input;
   }
 
-  /** A number is one, with or without its unit ("3 um"), which the stream reads. */
+  /** A number is one, with or without its unit ("3 um"), which the stream reads; so is a list. An empty one is taken back. */
   setText(text) {
-    if (text === '') {
+    if (text === '' && this.knob.kind === 'list' && this.knob.value !== null) {
+      this.set(null);
+    } else if (text === '') {
       this.showValue();
     } else if (text !== this.valueText()) {
       this.set(this.isNumber(this.knob) && Number.isFinite(Number(text)) ? Number(text) : text);
@@ -150,7 +163,8 @@ class Knob {
 
   valueText() {
     if (Array.isArray(this.knob.value)) {
-      return listText(this.knob.value, this.knob.unit ?? '', 15);
+      const mostShown = 1000;
+      return this.knob.value.length > mostShown ? `${this.knob.value.length} entries` : listText(this.knob.value, this.knob.unit ?? '', 15);
     }
     return typeof this.knob.value === 'number' ? withUnit(this.knob.value, this.knob.unit ?? '', 15) : this.knob.value ?? '';
   }
@@ -241,6 +255,13 @@ class Knob {
     const allowed = minimum !== undefined && knob.kind !== 'list' ? `allowed: ${text(minimum)} to ${text(maximum)}` : knob.allowed ?? knob.description ?? '';
     const slider = this.slider && there ? `slider: ${this.sliderEnds().map(text).join(' to ')}; ` : '';
     this.say(this.limits, slider + allowed);
+  }
+
+  /** A key that has no effect in this scene is out of the way. */
+  show(shown) {
+    if (this.element.hidden === shown) {
+      this.element.hidden = !shown;
+    }
   }
 
   /** Sets a text that has changed, and leaves the page alone otherwise. */

@@ -4,7 +4,7 @@ import {protocol} from './protocol.js';  // made by the scope: see scope/picture
 
 const kinds = Object.fromEntries(Object.entries(protocol.kinds).map(([name, number]) => [number, name]));
 
-/** Reads a picture: the members of its head, its flags as booleans, its numbers. */
+/** Reads a picture: the members of its head, its flags as booleans, its numbers; of a waveform the first row again as its own. */
 export function readPicture(buffer) {
   const view = new DataView(buffer);
   const picture = Object.fromEntries(protocol.head.map(([name, type, place]) => [name, Number(view[`get${type}`](place, true))]));
@@ -14,8 +14,9 @@ export function readPicture(buffer) {
   picture.kind = kinds[picture.kind];
   const numbers = new Float32Array(buffer, protocol.head_bytes);
   if (picture.kind === 'waveform') {
-    picture.low = numbers.subarray(0, picture.columns);
-    picture.high = picture.each_sample ? picture.low : numbers.subarray(picture.columns);
+    const row = (number) => numbers.subarray(number * picture.columns, (number + 1) * picture.columns);
+    picture.traces = Array.from({length: picture.rows}, (_, i) => ({low: row(i), high: row(picture.each_sample ? i : picture.rows + i)}));
+    Object.assign(picture, picture.traces[0]);
   } else {
     picture.values = numbers;
   }
@@ -23,7 +24,7 @@ export function readPicture(buffer) {
 }
 
 export class Link {
-  /** @param events {picture(p), text(json), open(), closed(tries)} */
+  /** @param events {update(pictures, text), open(), closed(tries)} */
   constructor(events) {
     this.events = events;
     this.tries = 0;
@@ -34,6 +35,7 @@ export class Link {
     const url = new URL('socket', location.href);
     url.protocol = location.protocol === 'https:' ? 'wss:' : 'ws:';
     this.socket = new WebSocket(url);
+    this.pictures = [];  // of the update whose text has not come yet
     this.socket.binaryType = 'arraybuffer';
     this.socket.onopen = () => { this.tries = 0; this.events.open(); };
     this.socket.onmessage = ({data}) => this.take(data);
@@ -46,12 +48,12 @@ export class Link {
 
   take(data) {
     if (typeof data !== 'string') {
-      this.events.picture(readPicture(data));
+      this.pictures.push(readPicture(data));
       return;
     }
     const text = JSON.parse(data);
     this.socket.send(`{"ack":${text.update}}`);  // the text is the last part of an update
-    this.events.text(text);
+    this.events.update(this.pictures.splice(0), text);
   }
 
   send(request) {

@@ -1,6 +1,7 @@
 // The page: sends requests, takes updates, and draws.
 import {MARGIN, colours, withUnit} from './axes.js';
 import {Chain} from './chain.js';
+import {ChannelChoice, streamOf} from './channels.js';
 import {Knobs} from './knobs.js';
 import {Link} from './link.js';
 import {showMeasures, showMeters} from './meters.js';
@@ -17,7 +18,7 @@ const waveform = new Waveform($('waveform'));
 const spectrum = new Spectrum($('spectrum'), $('waterfall'));
 const chain = new Chain($('chain'), $('chain-text'));
 
-const view = {stream: 'v_out', trigger: 'burst', level: 0.1, slope: 'rising', hold_off_s: 5e-4, from_s: 0, span_s: 1e-3,
+const view = {channel: 'v_out', beside: [], choice: 0, trigger: 'burst', level: 0.1, slope: 'rising', hold_off_s: 5e-4, from_s: 0, span_s: 1e-3,
   mode: 'run', shot: 0, spectrum: true, spectrum_to_hz: 8e5, average: 1, columns: 1000, pictures_per_s: 60};
 const own = {drawn: 0, replaced: 0, rate: 0, delay_ms: 0, delays: [], drawnAtSecond: 0};
 let scene = null;
@@ -28,25 +29,32 @@ const stale = {waveform: true, spectrum: true, chain: true};  // pictures that d
 let undrawn = false;
 
 const link = new Link({
-  picture(picture) {
-    if (picture.kind === 'waveform') {
-      own.replaced += undrawn && !document.hidden ? 1 : 0;
-      undrawn = true;
-      waveform.take(picture);
-    } else if (picture.kind === 'spectrum') {
-      spectrum.take(picture);
-    } else {
-      chain.take(picture);
+  update(pictures, text) {
+    if (text.choice === view.choice) {  // not of the channels before
+      pictures.forEach(takePicture);
+      showBurst(text);
     }
-    stale[picture.kind] = true;
+    take(text);
   },
-  text: take,
   open() { ask(); },
   closed() {
     showState('gone', 'The scope itself does not answer: hertzline scope was ended, or cannot be reached. '
       + 'This page goes on when it is back at this address; a scope that was started anew has another address.');
   },
 });
+
+function takePicture(picture) {
+  if (picture.kind === 'waveform') {
+    own.replaced += undrawn && !document.hidden ? 1 : 0;
+    undrawn = true;
+    waveform.take(picture);
+  } else if (picture.kind === 'spectrum') {
+    spectrum.take(picture);
+  } else {
+    chain.take(picture);
+  }
+  stale[picture.kind] = true;
+}
 
 // ---- requests
 
@@ -60,7 +68,7 @@ function ask() {
   asking ??= setTimeout(() => {
     asking = null;
     view.columns = waveform.columns();
-    view.chain = $('chain-panel').open ? $('chain-stream').value : undefined;  // left out: none
+    view.chain = $('chain-panel').open && !$('chain-panel').hidden ? $('chain-stream').value : undefined;  // left out: none
     view.spectrum = $('spectrum-panel').open;
     link.send({view});
   }, 15);
@@ -113,8 +121,9 @@ const act = {
     setWindow(fixed - share * view.span_s, view.span_s);
     stale.waveform ||= before !== view.span_s;
   },
-  zoomLevel(factor, share) {
+  zoomLevel(factor, at) {
     const {low, high} = waveform.shown;
+    const share = Math.min(at * waveform.lanes(), 1);
     const fixed = high - share * (high - low);
     waveform.level = {low: fixed + (low - fixed) * factor, high: fixed + (high - fixed) * factor};
     $('low').value = Number(waveform.level.low.toPrecision(5));
@@ -165,13 +174,6 @@ for (const edge of ['low', 'high']) {
   onNumber(edge, (level) => { waveform.level[edge] = level; stale.waveform = true; });
 }
 $('persistence').onchange = () => { waveform.persistence = Number($('persistence').value); stale.waveform = true; };
-$('stream').onchange = () => {
-  view.stream = $('stream').value;
-  waveform.forget();
-  spectrum.forget();
-  setMode('run');
-  showUnit();
-};
 $('trigger').onchange = () => { waveform.trigger = view.trigger = $('trigger').value; $('level-trigger').hidden = view.trigger !== 'level'; ask(); };
 onNumber('level', (level) => { view.level = level ?? 0; ask(); });
 $('slope').onchange = () => { view.slope = $('slope').value; ask(); };
@@ -184,6 +186,39 @@ $('chain-stream').onchange = ask;
 $('spectrum-panel').ontoggle = ask;
 new ResizeObserver(ask).observe($('waveform'));
 matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redrawAll);
+
+// ---- channels
+
+const channels = new ChannelChoice({stream: $('stream'), channel: $('channel'), beside: $('beside'), list: $('beside-list')}, (fault) => {
+  if (channels.first !== view.channel) {
+    spectrum.forget();
+    setMode('run');
+  }
+  Object.assign(view, {channel: channels.first, beside: channels.beside, choice: view.choice + 1});
+  $('view-fault').textContent = fault;
+  waveform.show(channels.all());
+  for (const place of document.querySelectorAll('.stream-unit')) {
+    place.textContent = waveform.channels[0].unit;
+  }
+  showLanes();
+  ask();
+});
+
+function showLanes() {
+  $('stack').hidden = view.beside.length === 0;
+  $('stack').setAttribute('aria-pressed', String(waveform.stacked));
+  document.documentElement.style.setProperty('--lanes', waveform.lanes());
+  stale.waveform = true;
+}
+$('stack').onclick = () => { waveform.stacked = !waveform.stacked; showLanes(); };
+
+/** Offers the channels of all streams but those of whole chains, which have a picture of their own. */
+function offerChannels() {
+  const streams = scene.streams ?? [];
+  const whole = [...$('chain-stream').options].map(({value}) => value);
+  channels.offer(streams.filter(({name}) => !whole.includes(name)), scene.latency_samples ? ['v_horn'] : []);  // the input of a live drive
+  $('chain-panel').hidden = streams.length > 0 && !streams.some(({name}) => whole.includes(name));
+}
 
 // ---- knobs: one change is on its way at a time, the newest value of a key waits
 
@@ -198,6 +233,15 @@ function change() {
 }
 const knobs = new Knobs($('knobs'), (key, value) => { waiting.set(key, value); change(); });
 $('undo').onclick = () => { changing = true; link.send({undo: true}); };
+
+/** Shows whether the motion went on when the scene changed, below the keys that this page has changed, too. */
+function showMotion() {
+  const how = scene?.motion === 'goes on' ? 'went on' : 'began anew, from rest';
+  const text = scene?.epoch > 0 && scene.motion ? `Epoch ${scene.epoch}, from sample ${scene.epoch_sample} on: the motion ${how}.` : '';
+  $('motion').textContent = text;
+  const {to, answer} = page.answer ?? {};
+  knobs.note(text !== '' && answer?.epoch === scene.epoch ? Object.keys(to.set ?? {}) : [], text);
+}
 
 function showAnswer({to, answer}) {
   changing = false;
@@ -215,6 +259,7 @@ function showAnswer({to, answer}) {
     $('knob-answer').textContent = `${what}: from sample ${answer.applies_at_sample} on (epoch ${answer.epoch}).${warnings}`;
   }
   page.answer = {to, answer};
+  showMotion();
   change();
 }
 
@@ -230,16 +275,17 @@ function caption() {
   const of = drive && chainOf ? `: ${chainOf.spheres} spheres of ${chainOf.material}, ${withUnit(drive.frequency_hz, 'Hz')}, `
     + `${withUnit(drive.amplitude_m, 'm')}` : '';
   return [
-    `${view.stream} from sample ${picture?.first ?? '\u2013'} on, epoch ${picture?.epoch ?? scene?.epoch ?? 0}, of ${state.endpoint ?? 'no stream'}`,
+    `${view.channel}${view.beside.length > 0 ? ` beside ${view.beside.join(', ')},` : ''} from sample ${picture?.first ?? '\u2013'} on, epoch ${picture?.epoch ?? scene?.epoch ?? 0}, of ${state.endpoint ?? 'no stream'}`,
     `scene ${scene?.scene_hash ?? '\u2013'}${of}`,
     `run ${scene?.run ?? '\u2013'}, saved ${new Date().toISOString()}`,
   ];
 }
 
-/** A name that sorts by time: hertzline-v_out-0123abcd-20260131T120000.png */
+/** A name that sorts by time: hertzline-v_out-0123abcd-20260131T120000.png; v_last_3 of v_last[3] */
 function pictureName(ending) {
   const time = new Date().toISOString().replace(/[-:]/g, '').slice(0, 15);
-  return `hertzline-${view.stream}-${(scene?.scene_hash ?? 'none').slice(0, 8)}-${time}.${ending}`;
+  const channel = view.channel.replace('[', '_').replace(']', '');
+  return `hertzline-${channel}-${(scene?.scene_hash ?? 'none').slice(0, 8)}-${time}.${ending}`;
 }
 
 $('save-png').onclick = async () => {
@@ -248,7 +294,7 @@ $('save-png').onclick = async () => {
 };
 $('save-svg').onclick = () => download(pictureName('svg'), 'image/svg+xml', waveform.svg(1200, 500, caption()));
 $('record').onclick = () => link.send(state.recording?.on
-  ? {record: null} : {record: {stream: view.stream, ending: $('record-ending').value}});
+  ? {record: null} : {record: {stream: streamOf(view.channel), ending: $('record-ending').value}});
 
 function showRecording(recording) {
   $('record').setAttribute('aria-pressed', String(recording.on));
@@ -261,24 +307,10 @@ function showRecording(recording) {
 
 // ---- updates
 
-function showUnit() {
-  waveform.unit = scene?.streams?.find(({name}) => name === view.stream)?.unit ?? '';
-  for (const place of document.querySelectorAll('.stream-unit')) {
-    place.textContent = waveform.unit;
-  }
-}
-
 function showScene() {
-  const one = (scene.streams ?? []).filter(({channels}) => channels === 1).map(({name}) => name);
-  if ([...$('stream').options].map((option) => option.value).join() !== one.join()) {
-    $('stream').replaceChildren(...one.map((name) => new Option(name, name)));
-  }
-  if (one.length > 0 && !one.includes(view.stream)) {
-    [view.stream] = one;
-  }
-  $('stream').value = view.stream;
+  offerChannels();
+  showMotion();
   spectrum.fundamental = scene.fundamental_hz;
-  showUnit();
   if (!touched) {
     home();
   } else {
@@ -299,6 +331,15 @@ function showState(name, text) {
   }
 }
 
+function showBurst(text) {
+  if (text.measures) {
+    spectrum.measures = text.measures;
+    stale.spectrum = true;  // shades the band
+    page.measures = {...text.measures, ...text.measures_of};
+    showMeasures($('measures'), text.measures, text.measures_of, waveform.channels[0].unit);
+  }
+}
+
 function take(text) {
   if (text.scene) {
     const another = scene?.run !== text.scene.run;
@@ -316,12 +357,6 @@ function take(text) {
   }
   if (text.knobs || text.scene) {
     knobs.show(knobsText, scene);
-  }
-  if (text.measures) {
-    spectrum.measures = text.measures;
-    stale.spectrum = true;  // shades the band
-    page.measures = {...text.measures, ...text.measures_of};
-    showMeasures($('measures'), text.measures, text.measures_of, waveform.unit);
   }
   for (const reply of text.replies ?? []) {
     if (reply.scene_toml) {
@@ -346,11 +381,12 @@ function showCursors() {
   $('cursors').hidden = rows.length === 0;
   const body = $('cursors').tBodies[0];
   const values = rows.map(([name, time]) => [name, time, waveform.at(time)]);
-  const cells = values.map(([name, time, at]) => [name, withUnit(time, 's', 6), withUnit(at?.low, waveform.unit), withUnit(at?.high, waveform.unit)]);
+  const [{unit}] = waveform.channels;
+  const cells = values.map(([name, time, at]) => [name, withUnit(time, 's', 6), withUnit(at?.low, unit), withUnit(at?.high, unit)]);
   if (values.length === 2) {
     const [[, a, atA], [, b, atB]] = values;
     cells.push([`B \u2212 A`, `${withUnit(b - a, 's', 6)} (${withUnit(1 / Math.abs(b - a), 'Hz')})`,
-      withUnit(atB && atA ? atB.low - atA.low : NaN, waveform.unit), withUnit(atB && atA ? atB.high - atA.high : NaN, waveform.unit)]);
+      withUnit(atB && atA ? atB.low - atA.low : NaN, unit), withUnit(atB && atA ? atB.high - atA.high : NaN, unit)]);
   }
   body.replaceChildren(...cells.map((texts) => {
     const row = document.createElement('tr');
@@ -389,7 +425,7 @@ setInterval(() => {
   const sorted = [...own.delays].sort((a, b) => a - b);
   own.delay_ms = sorted[Math.floor(sorted.length / 2)];
   if (state.state) {
-    showMeters($('meters'), state, view.stream, scene?.pace, own);
+    showMeters($('meters'), state, streamOf(view.channel), scene?.pace, own);
   }
 }, 500);
 

@@ -1,4 +1,5 @@
-// The waveform: each column of the picture is a pixel, from its smallest to its largest sample.
+// The waveform: each column of the picture is a pixel, from its smallest to its largest sample. Further channels lie beside the first
+// one, or in lanes below it.
 import {CanvasPen, MARGIN, SvgPen, colours, fit, prefixFor, ticks, withUnit} from './axes.js';
 import {protocol} from './protocol.js';
 
@@ -7,10 +8,11 @@ export class Waveform {
     this.canvas = canvas;
     this.context = canvas.getContext('2d');
     this.picture = null;
+    this.channels = [{name: '', stream: '', unit: ''}];  // the chosen ones, the one with the trigger first
+    this.stacked = false;  // each in a lane of its own
     this.older = [];
     this.persistence = 0;
     this.view = {from_s: 0, span_s: 1e-3};
-    this.unit = '';
     this.trigger = 'burst';
     this.level = {low: null, high: null};  // null: as the picture needs
     this.shown = {low: -1, high: 1};
@@ -33,7 +35,9 @@ export class Waveform {
     this.picture = picture;
   }
 
-  forget() {
+  /** Shows other channels. Pictures of the ones before are forgotten. */
+  show(channels) {
+    this.channels = channels;
     this.picture = null;
     this.older = [];
   }
@@ -60,10 +64,11 @@ export class Waveform {
   choose() {
     let low = Infinity;
     let high = -Infinity;
-    for (const picture of [this.picture, ...this.older]) {
-      for (let i = 0; picture && i < picture.columns; ++i) {
-        low = picture.low[i] < low ? picture.low[i] : low;
-        high = picture.high[i] > high ? picture.high[i] : high;
+    const alike = this.picture?.traces.filter((_, i) => this.sharesScale(i)) ?? [];
+    for (const trace of [...alike, ...this.older]) {
+      for (let i = 0; i < trace.low.length; ++i) {
+        low = trace.low[i] < low ? trace.low[i] : low;
+        high = trace.high[i] > high ? trace.high[i] : high;
       }
     }
     if (!(low <= high)) {
@@ -83,8 +88,36 @@ export class Waveform {
     }
   }
 
+  /** Whether a row of the picture has the scale of the first one: channels of one stream have one scale. */
+  sharesScale(row) { return this.channels[row].stream === this.channels[0].stream; }
+
+  /** The scale of a row: that of its stream, whose largest size fills it. */
+  scaleOf(row) {
+    if (this.sharesScale(row)) {
+      return this.shown;
+    }
+    let size = 0;
+    const alike = this.picture?.traces.filter((_, i) => this.channels[i].stream === this.channels[row].stream) ?? [];
+    for (const {low, high} of alike) {
+      for (let i = 0; i < low.length; ++i) {
+        size = Math.max(size, Math.abs(low[i]) || 0, Math.abs(high[i]) || 0);
+      }
+    }
+    return {low: -1.05 * (size || 1), high: 1.05 * (size || 1)};
+  }
+
+  /** The number of rows that lie one above the other. */
+  lanes() { return this.stacked ? this.channels.length : 1; }
+
+  /** The place of a row of the picture: its part of the window, and its scale. */
+  placeOf(row) {
+    const height = this.box.height / this.lanes();
+    const top = this.box.top + (this.stacked ? row * height : 0);
+    const {low, high} = this.scaleOf(row);
+    return {top, height, y: (value) => top + (high - value) / (high - low) * height, low, high};
+  }
+
   x(time) { return this.box.left + (time - this.view.from_s) / this.view.span_s * this.box.width; }
-  y(value) { return this.box.top + (this.shown.high - value) / (this.shown.high - this.shown.low) * this.box.height; }
 
   draw() {
     const {width, height, scale} = fit(this.canvas);
@@ -96,30 +129,37 @@ export class Waveform {
     const [left, top, below] = [MARGIN.left * scale, MARGIN.top * scale, MARGIN.below * scale];
     this.box = {left, top, width: width - left, height: height - top - below, right: width, bottom: height - below};
     pen.rect(0, 0, width, height, colour.paper);
-    this.paintGrid(pen, scale, colour);
-    for (const [i, picture] of this.older.entries()) {
-      if (pen instanceof CanvasPen) {
-        pen.context.globalAlpha = 0.1 + 0.3 * (i + 1) / this.older.length;
-      }
-      this.paintTrace(pen, picture, scale, colour.trace);
+    const places = this.channels.map((_, row) => this.placeOf(row));
+    this.paintGrid(pen, scale, colour, places);
+    for (const row of [...places.keys()].reverse()) {  // the first one above all others
+      pen.within(left, places[row].top, this.box.width, places[row].height, () => this.paintRow(pen, row, places[row], scale, colour));
     }
-    if (pen instanceof CanvasPen) {
-      pen.context.globalAlpha = 1;
-    }
-    if (this.picture) {
-      this.paintTrace(pen, this.picture, scale, colour.trace);
-    }
-    // The labels have room of their own, which the trace does not enter.
-    for (const [x, y, w, h] of [[0, 0, left, height], [0, 0, width, top], [0, this.box.bottom, width, below]]) {
-      pen.rect(x, y, w, h, colour.paper);
-    }
-    this.paintLabels(pen, scale, colour);
+    this.paintLabels(pen, scale, colour, places[0]);
+    this.paintNames(pen, scale, colour, places);
     this.paintCursors(pen, scale, colour);
     const note = this.note();
     if (note) {
       pen.text(width - 8 * scale, 12 * scale, note, colour.second, 'end');
     }
   }
+
+  paintRow(pen, row, place, scale, colour) {
+    const older = row === 0 ? this.older : [];
+    for (const [i, picture] of older.entries()) {
+      if (pen instanceof CanvasPen) {
+        pen.context.globalAlpha = 0.1 + 0.3 * (i + 1) / older.length;
+      }
+      this.paintTrace(pen, picture, picture, place, scale, colour.trace);
+    }
+    if (pen instanceof CanvasPen) {
+      pen.context.globalAlpha = 1;
+    }
+    if (this.picture) {
+      this.paintTrace(pen, this.picture, this.picture.traces[row], place, scale, Waveform.colourOf(row, colour));
+    }
+  }
+
+  static colourOf(row, colour) { return row === 0 ? colour.trace : colour.beside[(row - 1) % colour.beside.length]; }
 
   note() {
     if (!this.picture) {
@@ -129,39 +169,71 @@ export class Waveform {
   }
 
   times(scale) { return ticks(this.view.from_s, this.view.from_s + this.view.span_s, this.box.width / scale / 110); }
-  levels(scale) { return ticks(this.shown.low, this.shown.high, this.box.height / scale / 45); }
+  levels(scale, {height, low, high}) { return ticks(low, high, height / scale / 45); }
 
-  paintGrid(pen, scale, colour) {
+  paintGrid(pen, scale, colour, places) {
     const {left, top, right, bottom} = this.box;
     for (const time of this.times(scale)) {
       pen.line([[this.x(time), top], [this.x(time), bottom]], colour.line, time === 0 ? 2 : 1);
     }
-    for (const value of this.levels(scale)) {
-      pen.line([[left, this.y(value)], [right, this.y(value)]], colour.line, value === 0 ? 2 : 1);
+    for (const value of this.levels(scale, places[0])) {
+      pen.line([[left, places[0].y(value)], [right, places[0].y(value)]], colour.line, value === 0 ? 2 : 1);
+    }
+    for (const place of this.stacked ? places.slice(1) : []) {
+      pen.line([[left, place.top], [right, place.top]], colour.line, 2);
+      pen.line([[left, place.y(0)], [right, place.y(0)]], colour.line);
     }
   }
 
-  paintLabels(pen, scale, colour) {
+  paintLabels(pen, scale, colour, place) {
     const {left, right, bottom} = this.box;
     for (const time of this.times(scale)) {
       pen.text(Math.min(Math.max(this.x(time), left), right - 30 * scale), bottom + 14 * scale, withUnit(time, 's'), colour.faint, 'middle');
     }
-    const [factor, prefix] = prefixFor(Math.max(Math.abs(this.shown.low), Math.abs(this.shown.high)), this.unit);
-    for (const value of this.levels(scale)) {
-      pen.text(left - 5 * scale, this.y(value) + 4 * scale, withUnit(value / factor, ''), colour.faint, 'end');
+    const [{unit}] = this.channels;
+    const [factor, prefix] = prefixFor(Math.max(Math.abs(place.low), Math.abs(place.high)), unit);
+    for (const value of this.levels(scale, place)) {
+      pen.text(left - 5 * scale, place.y(value) + 4 * scale, withUnit(value / factor, ''), colour.faint, 'end');
     }
-    pen.text(2 * scale, 11 * scale, prefix + this.unit, colour.faint);
+    pen.text(2 * scale, 11 * scale, prefix + unit, colour.faint);
   }
 
-  paintTrace(pen, picture, scale, stroke) {
+  /** The size that fills the scale of a stream that has not that of the axis. */
+  sizeText(row, place) {
+    return this.picture && !this.sharesScale(row) ? `: \u00b1${withUnit(Number(place.high.toPrecision(3)), this.channels[row].unit)}` : '';
+  }
+
+  /** The names of the channels in their colours: each at the end of its lane, or one after the other above the picture. */
+  paintNames(pen, scale, colour, places) {
+    let [x, y] = [this.box.left + 6 * scale, 12 * scale];
+    for (const [row, {name, stream}] of this.channels.length > 1 ? this.channels.entries() : []) {
+      const follows = this.channels[row - 1]?.stream === stream;
+      const last = this.channels[row + 1]?.stream !== stream;
+      if (this.stacked && row > 0) {
+        const words = name + (follows ? '' : this.sizeText(row, places[row]));
+        pen.text(this.box.right - 6 * scale, places[row].top + 13 * scale, words, Waveform.colourOf(row, colour), 'end');
+        continue;
+      }
+      const words = (follows ? name.slice(stream.length) : name) + (last ? this.sizeText(row, places[row]) : '');
+      const width = pen.widthOf(words);
+      if (x + width > this.box.right) {
+        [x, y] = [this.box.left + 6 * scale, y + 14 * scale];
+      }
+      pen.text(x, y, words, Waveform.colourOf(row, colour));
+      x += width + (last ? 10 : 3) * scale;
+    }
+  }
+
+  /** @param trace a row of the picture */
+  paintTrace(pen, picture, trace, place, scale, stroke) {
     if (picture.each_sample) {
-      this.paintSamples(pen, picture, scale, stroke);
+      this.paintSamples(pen, picture, trace, place, scale, stroke);
       return;
     }
     let before = null;
     for (let i = 0; i < picture.columns; ++i) {
-      const low = picture.low[i];
-      const high = picture.high[i];
+      const low = trace.low[i];
+      const high = trace.high[i];
       if (Number.isNaN(low)) {
         before = null;
         continue;
@@ -170,15 +242,15 @@ export class Waveform {
       const next = this.x(Waveform.timeOf(picture, i + 1));
       if (next > this.box.left && x < this.box.right) {
         // Neighbouring columns touch, as the samples on both sides of their border are joined by a line.
-        const top = this.y(before ? Math.max(high, before.low) : high);
-        const bottom = this.y(before ? Math.min(low, before.high) : low);
+        const top = place.y(before ? Math.max(high, before.low) : high);
+        const bottom = place.y(before ? Math.min(low, before.high) : low);
         pen.rect(x, top - 0.6 * scale, Math.max(next - x, 1), bottom - top + 1.2 * scale, stroke);
       }
       before = {low, high};
     }
   }
 
-  paintSamples(pen, picture, scale, stroke) {
+  paintSamples(pen, picture, trace, place, scale, stroke) {
     const spacing = this.box.width / (this.view.span_s * picture.rate_hz);
     let line = [];
     const end = () => {
@@ -188,11 +260,11 @@ export class Waveform {
       line = [];
     };
     for (let i = 0; i < picture.columns; ++i) {
-      if (Number.isNaN(picture.low[i])) {
+      if (Number.isNaN(trace.low[i])) {
         end();
         continue;
       }
-      const point = [this.x((picture.first - picture.trigger + i) / picture.rate_hz), this.y(picture.low[i])];
+      const point = [this.x((picture.first - picture.trigger + i) / picture.rate_hz), place.y(trace.low[i])];
       line.push(point);
       if (spacing > 8 * scale) {
         pen.rect(point[0] - 2 * scale, point[1] - 2 * scale, 4 * scale, 4 * scale, stroke);

@@ -21,7 +21,7 @@ constexpr float lowest_db = -300;
 
 }  // namespace
 
-std::optional<BurstSpectra::Record> BurstSpectra::next_record(const StreamHistory& history) const {
+std::optional<BurstSpectra::Record> BurstSpectra::next_record(const ChannelHistory& history) const {
     const SampleRing& samples = history.samples;
     const auto latest = history.bursts.latest();
     if (!latest || samples.empty()) {
@@ -53,7 +53,7 @@ std::optional<BurstSpectra::Record> BurstSpectra::next_record(const StreamHistor
     return record;
 }
 
-void BurstSpectra::look_at(const StreamHistory& history, double fundamental_hz, double now_s) {
+void BurstSpectra::look_at(const ChannelHistory& history, double fundamental_hz, double now_s) {
     if (now_s < next_at_s_ || !(fundamental_hz > 0) || history.samples.empty()) {
         return;
     }
@@ -70,7 +70,7 @@ void BurstSpectra::look_at(const StreamHistory& history, double fundamental_hz, 
     next_at_s_ = now_s + std::max(shortest_pause_s, took_s / share_of_time);
 }
 
-void BurstSpectra::analyse(const Record& record, const StreamHistory& history, double fundamental_hz) {
+void BurstSpectra::analyse(const Record& record, const ChannelHistory& history, double fundamental_hz) {
     // Periods differ by a sample: room for a few more spares planning the transform again.
     if (!analyser_ || fs_ != history.fs || record.values.size() > longest_record_ ||
         record.values.size() + 2 * fewest_samples < longest_record_) {

@@ -9,7 +9,7 @@
 
 #include "core/scene/json.hpp"
 #include "hertzline/spectrum.hpp"
-#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/channel_history.hpp"
 
 namespace hertzline::scope {
 
@@ -34,7 +34,7 @@ public:
 
     /// Analyses the latest whole burst, if the last analysis is long enough ago. Of a single burst it analyses the samples so
     /// far, and later the last ones. @param now_s since 1970 [s]
-    void look_at(const StreamHistory& history, double fundamental_hz, double now_s);
+    void look_at(const ChannelHistory& history, double fundamental_hz, double now_s);
     /// Returns the latest spectrum; null: none yet.
     const std::shared_ptr<const BurstSpectrum>& latest() const noexcept { return latest_; }
 
@@ -43,8 +43,8 @@ private:
         BurstMark burst;
         std::vector<double> values;
     };
-    std::optional<Record> next_record(const StreamHistory& history) const;
-    void analyse(const Record& record, const StreamHistory& history, double fundamental_hz);
+    std::optional<Record> next_record(const ChannelHistory& history) const;
+    void analyse(const Record& record, const ChannelHistory& history, double fundamental_hz);
 
     std::unique_ptr<SpectrumAnalyser> analyser_;
     std::size_t longest_record_ = 0;

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "core/model/bursts.hpp"
+#include "scope/pictures/channel_history.hpp"
 #include "scope/pictures/picture.hpp"
-#include "scope/pictures/stream_history.hpp"
 
 namespace hertzline::scope {
 

@@ -5,7 +5,7 @@
 #include <deque>
 #include <optional>
 
-#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/channel_history.hpp"
 
 namespace hertzline::scope {
 

@@ -15,7 +15,7 @@ constexpr double longest_pause_s = 2;  // of a running stream: meters come ten t
 constexpr std::chrono::milliseconds longest_call{2};
 
 Json object_in(const stream::Message& message) {
-    return message.parts() == 1 ? object_from_outside(message.text(0)) : Json(nullptr);
+    return message.parts() == 1 ? object_from_outside(message.text(0), largest_scene_json) : Json(nullptr);
 }
 
 double rate_in(const OutsideJson& meta, const char* path) {

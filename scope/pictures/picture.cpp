@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/scene/json.hpp"
-#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/channel_history.hpp"
 #include "scope/pictures/view_request.hpp"
 
 namespace hertzline::scope {
@@ -85,6 +85,7 @@ std::string protocol_script() {
                           {"forces", PictureFlag::forces}}},
                         {"version", PictureHead().version},
                         {"max_columns", max_columns},
+                        {"most_beside", most_beside},
                         {"held_samples", held_samples}};
     return "// Made by scope/pictures/picture.cpp from its declarations.\nexport const protocol = " +
            json_text(protocol) + ";\n";

@@ -2,7 +2,8 @@
 // Pictures as a page receives them: a head, then float32 numbers, NaN where no sample is. All little-endian. The page reads
 // the layout of the head from protocol.js, which is made from the declarations here.
 //
-//   waveform   the columns' smallest values, then their largest; with the flag each_sample the values alone
+//   waveform   a row for each channel of the view, the triggered one first: the columns' smallest values, row by row, then their
+//              largest; with the flag each_sample the values alone
 //   spectrum   the columns' largest levels [dB under the maximum]
 //   chain      its rows, one after another
 
@@ -25,10 +26,10 @@ enum PictureFlag : std::uint16_t {
 /// The first bytes of a picture, as they lie in memory.
 struct PictureHead {
     PictureKind kind = PictureKind::waveform;
-    std::uint8_t version = 1;  ///< of this layout
+    std::uint8_t version = 2;  ///< of this layout
     std::uint16_t flags = 0;   ///< PictureFlag
     std::uint32_t columns = 0;
-    std::uint32_t rows = 1;     ///< of a chain; else 1
+    std::uint32_t rows = 1;     ///< of a spectrum: 1
     std::uint32_t epoch = 0;    ///< of the scene
     std::int64_t trigger = 0;   ///< the sample at which the page has its time 0
     std::int64_t first = 0;     ///< sample of the window; may lie before the run

@@ -5,6 +5,8 @@
 #include <limits>
 #include <span>
 
+#include <Eigen/Core>
+
 #include "scope/pictures/picture.hpp"
 
 namespace hertzline::scope {
@@ -18,13 +20,23 @@ struct Extremes {
     float high = -std::numeric_limits<float>::infinity();
 };
 
-/// Takes the samples of a column. A comparison with NaN is false, so NaN changes nothing.
+/// Takes samples of a column, at least one. NaN changes nothing.
 Extremes extremes_of(std::span<const float> values, Extremes so_far) noexcept {
-    for (const float value : values) {
-        so_far.low = value < so_far.low ? value : so_far.low;
-        so_far.high = value > so_far.high ? value : so_far.high;
+    const Eigen::Map<const Eigen::ArrayXf> array(values.data(), static_cast<Eigen::Index>(values.size()));
+    const float low = array.minCoeff<Eigen::PropagateNumbers>();
+    const float high = array.maxCoeff<Eigen::PropagateNumbers>();
+    return {low < so_far.low ? low : so_far.low, high > so_far.high ? high : so_far.high};
+}
+
+/// Returns the end of the samples that all of them have: a block's frames come one after another. Those without a frame lately are left out.
+std::uint64_t common_end(const ChannelHistory& history, std::span<const ChannelHistory* const> beside) {
+    std::uint64_t end = history.samples.end();
+    for (const ChannelHistory* other : beside) {
+        if (history.received_at_s - other->received_at_s < waits_for_a_trigger_s) {
+            end = std::min(end, other->samples.end());
+        }
     }
-    return so_far;
+    return end;
 }
 
 std::uint64_t not_before_the_run(std::int64_t sample) noexcept {
@@ -52,11 +64,15 @@ Envelope envelope(const SampleRing& samples, std::int64_t first, std::uint64_t c
 }
 
 void View::ask(const ViewRequest& request) {
-    const bool of_another = request.stream != request_.stream;
+    const bool of_another = request.channel != request_.channel;
     const bool another_mode = request.mode != request_.mode || request.shot != request_.shot;
     if (of_another || (another_mode && request.mode != ViewMode::hold)) {
-        held_ = nullptr;
+        held_.clear();
     }
+    std::erase_if(held_, [&](const auto& held) {
+        return held.first != request.channel &&
+               std::ranges::find(request.beside, held.first) == request.beside.end();
+    });
     if (another_mode || of_another) {
         single_from_.reset();
     }
@@ -77,7 +93,7 @@ View::Window View::window(double fs, std::size_t capacity) const noexcept {
             static_cast<std::uint64_t>(std::clamp(std::round(request_.span_s * fs), 2.0, longest))};
 }
 
-std::optional<View::Trigger> View::found_trigger(const StreamHistory& history, std::uint64_t latest) {
+std::optional<View::Trigger> View::found_trigger(const ChannelHistory& history, std::uint64_t latest) {
     switch (request_.trigger) {
         case TriggerKind::burst:
             if (const auto mark = history.bursts.latest_by(latest);
@@ -100,10 +116,11 @@ std::optional<View::Trigger> View::found_trigger(const StreamHistory& history, s
     return std::nullopt;
 }
 
-std::optional<View::Trigger> View::trigger(const StreamHistory& history, const Window& window, double now_s) {
+std::optional<View::Trigger> View::trigger(const ChannelHistory& history, std::uint64_t end,
+                                           const Window& window, double now_s) {
     const std::int64_t after =
         std::max<std::int64_t>(window.from + static_cast<std::int64_t>(window.count), 0);
-    const std::int64_t latest = static_cast<std::int64_t>(history.samples.end()) - after;
+    const std::int64_t latest = static_cast<std::int64_t>(end) - after;
     if (latest < 0) {
         return std::nullopt;
     }
@@ -126,36 +143,49 @@ bool View::is_to_be_held(const Trigger& trigger) const noexcept {
            (request_.mode == ViewMode::single && single_from_ && trigger.sample >= *single_from_);
 }
 
-std::optional<std::string> View::picture(const StreamHistory& history, double now_s) {
-    if (held_ == nullptr && history.samples.empty()) {
+std::optional<std::string> View::picture(const ChannelHistory& history,
+                                         std::span<const ChannelHistory* const> beside, double now_s) {
+    if (!is_held() && history.samples.empty()) {
         return std::nullopt;
     }
-    const StreamHistory& source = held_ != nullptr ? *held_ : history;
+    const ChannelHistory& source = is_held() ? held_.at(request_.channel) : history;
     const Window seen = window(source.fs, source.samples.capacity());
-    if (held_ == nullptr) {
+    if (!is_held()) {
         if (request_.mode == ViewMode::single && !single_from_) {
             single_from_ = history.samples.end();
         }
-        const std::optional<Trigger> now =
-            request_.mode == ViewMode::hold && shown_ ? shown_ : trigger(history, seen, now_s);
+        const std::optional<Trigger> now = request_.mode == ViewMode::hold && shown_
+                                               ? shown_
+                                               : trigger(history, common_end(history, beside), seen, now_s);
         if (!now || (now == shown_ && !changed_)) {
             return std::nullopt;
         }
         if (is_to_be_held(*now)) {
-            held_ = std::make_shared<const StreamHistory>(history);
+            held_.emplace(request_.channel, history);
         }
         shown_ = now;
     } else if (!changed_ || !shown_) {
         return std::nullopt;
     }
     changed_ = false;
-    return bytes(held_ != nullptr ? *held_ : history, seen, *shown_);
+    std::vector<const ChannelHistory*> histories{&history};
+    histories.insert(histories.end(), beside.begin(), beside.end());
+    if (is_held()) {
+        histories.front() = &held_.at(request_.channel);
+        for (std::size_t i = 0; i < beside.size(); ++i) {
+            histories[i + 1] = &held_.try_emplace(request_.beside[i], *beside[i]).first->second;
+        }
+    }
+    return bytes(histories, seen, *shown_);
 }
 
-std::string View::bytes(const StreamHistory& history, const Window& window, const Trigger& trigger) const {
+std::string View::bytes(std::span<const ChannelHistory* const> histories, const Window& window,
+                        const Trigger& trigger) const {
+    const ChannelHistory& history = *histories.front();
     PictureHead head;
     head.flags = static_cast<std::uint16_t>((trigger.free ? PictureFlag::untriggered : 0) |
-                                            (held_ != nullptr ? PictureFlag::held : 0));
+                                            (is_held() ? PictureFlag::held : 0));
+    head.rows = static_cast<std::uint32_t>(histories.size());
     head.epoch = history.epoch;
     head.trigger = static_cast<std::int64_t>(trigger.sample);
     head.first = head.trigger + window.from;
@@ -163,16 +193,20 @@ std::string View::bytes(const StreamHistory& history, const Window& window, cons
     head.burst = trigger.burst;
     head.rate_hz = history.fs;
     head.received_at_s = history.received_at_s;
-    if (window.count > 2 * request_.columns) {
-        const Envelope pixels = envelope(history.samples, head.first, window.count, request_.columns);
-        head.columns = static_cast<std::uint32_t>(request_.columns);
-        return picture_bytes(head, pixels.low, pixels.high);
+    head.columns = static_cast<std::uint32_t>(request_.columns);
+    const bool each_sample = window.count <= 2 * request_.columns;
+    if (each_sample) {
+        head.samples = window.count + 1;  // the line reaches the right edge
+        head.columns = static_cast<std::uint32_t>(head.samples);
+        head.flags = static_cast<std::uint16_t>(head.flags | PictureFlag::each_sample);
     }
-    head.samples = window.count + 1;  // the line reaches the right edge
-    const Envelope samples = envelope(history.samples, head.first, head.samples, head.samples);
-    head.columns = static_cast<std::uint32_t>(head.samples);
-    head.flags = static_cast<std::uint16_t>(head.flags | PictureFlag::each_sample);
-    return picture_bytes(head, samples.low);
+    Envelope rows;
+    for (const ChannelHistory* each : histories) {
+        const Envelope row = envelope(each->samples, head.first, head.samples, head.columns);
+        rows.low.insert(rows.low.end(), row.low.begin(), row.low.end());
+        rows.high.insert(rows.high.end(), row.high.begin(), row.high.end());
+    }
+    return each_sample ? picture_bytes(head, rows.low) : picture_bytes(head, rows.low, rows.high);
 }
 
 }  // namespace hertzline::scope

@@ -1,16 +1,18 @@
 #pragma once
-// A page's view of one stream: finds the trigger, and makes the picture of the window around it. Many samples become few
-// pixels, and none is lost.
+// A page's view of some channels: finds the trigger of the first one, and makes the picture of the window around it. Many
+// samples become few pixels, and none is lost.
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "scope/pictures/channel_history.hpp"
 #include "scope/pictures/level_trigger.hpp"
-#include "scope/pictures/stream_history.hpp"
+#include "scope/pictures/picture.hpp"
 #include "scope/pictures/view_request.hpp"
 
 namespace hertzline::scope {
@@ -34,11 +36,12 @@ public:
     const ViewRequest& request() const noexcept { return request_; }
 
     /// Returns the bytes of the next picture; nothing when the page has the latest one.
-    /// @param now_s since 1970 [s]
-    std::optional<std::string> picture(const StreamHistory& history, double now_s);
+    /// @param beside those of the request, in its order @param now_s since 1970 [s]
+    std::optional<std::string> picture(const ChannelHistory& history,
+                                       std::span<const ChannelHistory* const> beside, double now_s);
 
     /// Whether pictures stand still.
-    bool is_held() const noexcept { return held_ != nullptr; }
+    bool is_held() const noexcept { return !held_.empty(); }
 
 private:
     struct Trigger {
@@ -53,14 +56,16 @@ private:
     };
 
     Window window(double fs, std::size_t capacity) const noexcept;
-    std::optional<Trigger> trigger(const StreamHistory& history, const Window& window, double now_s);
-    std::optional<Trigger> found_trigger(const StreamHistory& history, std::uint64_t latest);
+    std::optional<Trigger> trigger(const ChannelHistory& history, std::uint64_t end, const Window& window,
+                                   double now_s);
+    std::optional<Trigger> found_trigger(const ChannelHistory& history, std::uint64_t latest);
     bool is_to_be_held(const Trigger& trigger) const noexcept;
-    std::string bytes(const StreamHistory& history, const Window& window, const Trigger& trigger) const;
+    std::string bytes(std::span<const ChannelHistory* const> histories, const Window& window,
+                      const Trigger& trigger) const;
 
     ViewRequest request_;
     LevelTrigger level_;
-    std::shared_ptr<const StreamHistory> held_;
+    std::map<Channel, ChannelHistory> held_;  // empty: pictures advance
     std::optional<Trigger> shown_;
     std::optional<Trigger> found_;  // the last one, and the time of its first sight
     double triggered_at_s_ = 0;

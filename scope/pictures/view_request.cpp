@@ -70,16 +70,39 @@ public:
         fail(key, "one of its words");
     }
 
-    /// Returns a stream; nothing when it is left out, or wrong.
-    std::optional<Tap> stream(const char* key, TapSet allowed, const char* allowed_text) {
+    void channel(const char* key, Channel& value) {
+        if (const std::optional<std::string> name = text(key)) {
+            take_channel(key, *name, value);
+        }
+    }
+
+    void channels(const char* key, std::size_t most, std::vector<Channel>& values) {
+        const auto found = object_.find(key);
+        if (found == object_.end()) {
+            return;
+        }
+        if (!found->is_array() || found->size() > most) {
+            fail(key, fmt::format("a list of at most {} channels", most));
+            return;
+        }
+        for (const Json& name : *found) {
+            if (!take_channel(key, name.is_string() ? name.get<std::string>() : std::string(),
+                              values.emplace_back())) {
+                return;
+            }
+        }
+    }
+
+    /// Returns a stream of the whole chain; nothing when it is left out, or wrong.
+    std::optional<Tap> chain(const char* key) {
         const std::optional<std::string> name = text(key);
         if (!name) {
             return std::nullopt;
         }
-        if (const auto tap = measures::find_tap(*name, allowed)) {
+        if (const auto tap = measures::find_tap(*name, streamed_taps & chain_taps)) {
             return *tap;
         }
-        fail(key, allowed_text);
+        fail(key, "a stream of the whole chain");
         return std::nullopt;
     }
 
@@ -98,6 +121,15 @@ public:
     const Faults& faults() const noexcept { return faults_; }
 
 private:
+    bool take_channel(const char* key, const std::string& name, Channel& value) {
+        const auto channel = channel_named(name);
+        if (!channel) {
+            fail(key, "a stream, or one of its channels, v_last[3]");
+        }
+        value = channel.value_or(Channel());
+        return channel.has_value();
+    }
+
     const Json& object_;
     Faults faults_;
 };
@@ -120,9 +152,9 @@ tl::expected<ViewRequest, std::string> view_request(const Json& json) {
     constexpr double longest_s = 1000;
     ViewRequest request;
     Members members(json);
-    request.stream =
-        members.stream("stream", streamed_taps & measures::measurable_taps, "a stream of one channel")
-            .value_or(request.stream);
+    members.channel("channel", request.channel);
+    members.channels("beside", most_beside, request.beside);
+    members.whole("choice", 0, 1e9, request.choice);
     members.word("trigger", triggers, request.trigger);
     members.word("slope", slopes, request.slope);
     members.word("mode", modes, request.mode);
@@ -136,7 +168,7 @@ tl::expected<ViewRequest, std::string> view_request(const Json& json) {
     members.flag("spectrum", request.spectrum);
     members.number("spectrum_to_hz", 1e-3, 1e12, request.spectrum_to_hz);
     members.whole("average", 1, 1000, request.average);
-    request.chain = members.stream("chain", streamed_taps & chain_taps, "a stream of the whole chain");
+    request.chain = members.chain("chain");
     if (!members.faults().none()) {
         return tl::unexpected(members.faults().text());
     }

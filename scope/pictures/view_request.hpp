@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <tl/expected.hpp>
 
 #include "core/scene/json.hpp"
 #include "hertzline/taps.hpp"
+#include "scope/pictures/channel.hpp"
 #include "scope/pictures/level_trigger.hpp"
 
 namespace hertzline::scope {
@@ -24,9 +26,11 @@ enum class ViewMode {
 };
 
 struct ViewRequest {
-    Tap stream = Tap::v_out;
+    Channel channel;              ///< with the trigger and the spectrum
+    std::vector<Channel> beside;  ///< other channels in the same window, at most most_beside
+    std::uint64_t choice = 0;     ///< the page's number of this choice of channels, which each update returns
     TriggerKind trigger = TriggerKind::burst;
-    double level = 0;  ///< unit of the stream
+    double level = 0;  ///< unit of the channel
     Slope slope = Slope::rising;
     double hold_off_s = 5e-4;
     double from_s = 0;  ///< of the window's left edge after the trigger
@@ -44,6 +48,8 @@ struct ViewRequest {
 
 /// Most columns, and longest window, of a picture.
 inline constexpr std::size_t max_columns = 4096;
+/// Most channels beside the first one: each takes 8 MiB.
+inline constexpr std::size_t most_beside = 16;
 
 /// Reads a request; members that are left out have the values above. Or returns the faults, a line each.
 tl::expected<ViewRequest, std::string> view_request(const Json& json);

@@ -1,6 +1,7 @@
 #include "scope/server/scope_page.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace hertzline::scope {
@@ -8,12 +9,13 @@ namespace hertzline::scope {
 namespace {
 
 constexpr double state_every_s = 0.1;
+constexpr double share_of_time = 0.2;  // that the pictures of a page take of the thread that listens
 
 }  // namespace
 
 void ScopePage::ask(const ViewRequest& request) {
     const ViewRequest& before = view_.request();
-    if (request.stream != before.stream || request.average != before.average) {
+    if (request.channel != before.channel || request.average != before.average) {
         average_.clear();
     }
     view_.ask(request);
@@ -70,18 +72,20 @@ void ScopePage::add_state(const SharedState& shared, Json& text) {
     }
 }
 
-PageUpdate ScopePage::next_update(const KeptStream& stream, const SharedState& shared, double now_s) {
+PageUpdate ScopePage::next_update(const KeptChannel& channel, std::span<const ChannelHistory* const> beside,
+                                  const SharedState& shared, double now_s) {
     PageUpdate update;
     if (!is_due(now_s)) {
         return update;
     }
-    Json text{{"update", updates_}};
-    if (auto picture = view_.picture(stream.history, now_s)) {
+    Json text{{"update", updates_}, {"choice", view_.request().choice}};
+    const auto begun = std::chrono::steady_clock::now();
+    if (auto picture = view_.picture(channel.history, beside, now_s)) {
         ++pictures_;
         update.push_back({PagePart::Kind::binary, *std::move(picture)});
     }
     if (view_.request().spectrum && !view_.is_held()) {
-        add_spectrum(stream.spectra, update, text);
+        add_spectrum(channel.spectra, update, text);
     }
     if (view_.request().chain && !view_.is_held()) {
         add_chain(shared, update);
@@ -96,7 +100,8 @@ PageUpdate ScopePage::next_update(const KeptStream& stream, const SharedState& s
     }
     ++updates_;
     ready_ = false;
-    const double period_s = 1 / view_.request().pictures_per_s;
+    const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+    const double period_s = std::max(1 / view_.request().pictures_per_s, took_s / share_of_time);
     next_at_s_ = std::max(next_at_s_ + period_s, now_s + period_s / 2);
     left_out_at_s_ = next_at_s_ + period_s;
     update.push_back({PagePart::Kind::text, json_text(text)});

@@ -2,11 +2,12 @@
 // An open page: its request, and its updates.
 
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "scope/pictures/chain_capture.hpp"
-#include "scope/pictures/kept_streams.hpp"
+#include "scope/pictures/kept_channels.hpp"
 #include "scope/pictures/view.hpp"
 #include "scope/server/knobs.hpp"
 #include "scope/server/page_server.hpp"
@@ -33,8 +34,9 @@ public:
     void note_ready() noexcept { ready_ = true; }
 
     /// Returns the next update; empty when nothing is due, or the page has not taken the last one.
-    /// @param stream the one of its request
-    PageUpdate next_update(const KeptStream& stream, const SharedState& shared, double now_s);
+    /// @param channel the one of its request @param beside those beside it, in the order of the request
+    PageUpdate next_update(const KeptChannel& channel, std::span<const ChannelHistory* const> beside,
+                           const SharedState& shared, double now_s);
 
 private:
     bool is_due(double now_s) noexcept;

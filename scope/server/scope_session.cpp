@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "core/scene/json.hpp"
 #include "core/scene/scene_json.hpp"
@@ -61,7 +63,7 @@ void ScopeSession::take_frame(stream::RunReceiver& run, const stream::ReceivedFr
         chains_.take(frame, now_s_);
         return;
     }
-    streams_.take(frame, listener_.epoch(), listener_.repetition_hz(), now_s_);
+    channels_.take(frame, listener_.epoch(), listener_.repetition_hz(), now_s_);
     recorder_.take(run, frame, listener_.meta());
 }
 
@@ -128,7 +130,7 @@ void ScopeSession::take_recording_request(ScopePage& page, const Json& request) 
         return;
     }
     const OutsideJson outside(request);
-    const auto tap = measures::find_tap(outside.text("stream"), streamed_taps & measures::measurable_taps);
+    const auto tap = measures::find_tap(outside.text("stream"), pictured_taps);
     const auto fault = tap ? recorder_.begin(*tap, outside.text("ending")) : "stream: " + tap.error();
     if (fault) {
         page.reply({{"error", "record: " + *fault}});
@@ -138,15 +140,16 @@ void ScopeSession::take_recording_request(ScopePage& page, const Json& request) 
 void ScopeSession::want_streams() {
     for (const auto& [id, page] : pages_) {
         const ViewRequest& request = page.request();
-        streams_.want(request.stream, now_s_);
+        channels_.want(request.channel, now_s_);
+        for (const Channel& channel : request.beside) {
+            channels_.want(channel, now_s_);
+        }
         if (request.chain && request.mode == ViewMode::run) {
             chains_.want(*request.chain, chain_span_s(), listener_.repetition_hz(), now_s_);
         }
     }
-    if (const auto recorded = recorder_.tap()) {
-        streams_.want(*recorded, now_s_);
-    }
-    listener_.want(streams_.keep_wanted(now_s_) | chains_.captured());
+    const TapSet recorded = recorder_.tap() ? TapSet(*recorder_.tap()) : TapSet();
+    listener_.want(channels_.keep_wanted(now_s_) | chains_.captured() | recorded);
 }
 
 /// Returns the length of a burst and half of it more.
@@ -166,7 +169,7 @@ Json ScopeSession::state() const {
                {"meters", listener_.meters()},
                {"recording", recorder_.state()}};
     Json& accounts = state["accounts"] = Json::object();
-    for (const auto& [tap, stream] : streams_.all()) {
+    for (const Tap tap : channels_.streams()) {
         accounts[std::string(row_of(tap).name)] = listener_.account(tap);
     }
     return state;
@@ -175,14 +178,21 @@ Json ScopeSession::state() const {
 Json ScopeSession::scene() const {
     const Json& meta = listener_.meta();
     Json scene = Json::object();
-    for (const char* key :
-         {"run", "fs", "pace", "streams", "scene_hash", "epoch", "scene", "estimated_error"}) {
+    for (const char* key : {"run", "fs", "pace", "streams", "scene_hash", "epoch", "epoch_sample", "scene",
+                            "estimated_error", "latency_samples"}) {
         if (meta.contains(key)) {
             scene[key] = meta[key];
         }
     }
+    const Json& changes = OutsideJson(meta).at("changes");
+    if (changes.is_array() && !changes.empty()) {
+        scene["motion"] = OutsideJson(changes.back()).text("motion");  // whether it went on in the last epoch
+    }
     for (const SceneKey& key : scene_keys()) {
-        scene["keys"][key.name] = {{"unit", key.range.unit}, {"allowed", key.allowed()}};
+        Json& facts = scene["keys"][key.name] = {{"unit", key.range.unit}, {"allowed", key.allowed()}};
+        if (const Need& needs = key.traits.needs; !needs.key.empty()) {
+            facts["needs"] = {{"key", needs.key}, {"words", needs.words}};
+        }
     }
     scene["repetition_hz"] = listener_.repetition_hz();
     scene["fundamental_hz"] = listener_.fundamental_hz();
@@ -203,11 +213,15 @@ void ScopeSession::update_shared() {
 
 void ScopeSession::deliver() {
     for (auto& [id, page] : pages_) {
-        KeptStream& stream = streams_.want(page.request().stream, now_s_);
-        if (page.request().spectrum) {
-            stream.spectra.look_at(stream.history, listener_.fundamental_hz(), now_s_);
+        const ViewRequest& request = page.request();
+        KeptChannel& channel = channels_.want(request.channel, now_s_);
+        if (request.spectrum) {
+            channel.spectra.look_at(channel.history, listener_.fundamental_hz(), now_s_);
         }
-        if (PageUpdate update = page.next_update(stream, shared_, now_s_); !update.empty()) {
+        std::vector<const ChannelHistory*> beside;
+        std::ranges::transform(request.beside, std::back_inserter(beside),
+                               [&](const Channel& each) { return &channels_.want(each, now_s_).history; });
+        if (PageUpdate update = page.next_update(channel, beside, shared_, now_s_); !update.empty()) {
             server_.deliver(id, std::move(update));
         }
     }

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "scope/pictures/chain_capture.hpp"
-#include "scope/pictures/kept_streams.hpp"
+#include "scope/pictures/kept_channels.hpp"
 #include "scope/pictures/live_listener.hpp"
 #include "scope/server/knobs.hpp"
 #include "scope/server/page_server.hpp"
@@ -54,7 +54,7 @@ private:
     PageServer& server_;
     LiveListener listener_;
     ScopeRecorder recorder_;
-    KeptStreams streams_;
+    KeptChannels channels_;
     ChainPictures chains_;
     Knobs knobs_;
     std::map<PageId, ScopePage> pages_;

@@ -80,7 +80,7 @@ zmq::socket_t control_socket(zmq::context_t& context, const std::string& endpoin
     if (curve) {
         encrypt_as_client(socket, *curve);
     }
-    constexpr std::int64_t longest_reply = 16 << 20;
+    constexpr std::int64_t longest_reply = 64 << 20;
     socket.set(zmq::sockopt::linger, 0);
     socket.set(zmq::sockopt::maxmsgsize, longest_reply);
     socket.set(zmq::sockopt::ipv6, reached_over_ipv6(endpoint).value_or(false));

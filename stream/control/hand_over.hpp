@@ -24,7 +24,7 @@ namespace hertzline::stream {
 /// A simulation that is to follow the present one.
 struct NextSimulation {
     NextSimulation(const Scene& scene, SimulationOptions options, bool motion_goes_on)
-        : simulation(scene, watching(options, stop)), goes_on(motion_goes_on) {}
+        : simulation(scene, watching(std::move(options), stop)), goes_on(motion_goes_on) {}
 
     std::atomic<bool> stop{false};  ///< ends its samples within a few steps
     Simulation simulation;

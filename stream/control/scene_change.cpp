@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/model/drive.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
@@ -26,6 +28,9 @@ Json faults_json(const std::vector<Fault>& faults) {
 }
 
 bool motion_goes_on(const Scene& from, const Scene& to) {
+    if (is_array(from) || is_array(to)) {  // whose motion is not handed over
+        return false;
+    }
     Scene same = from;
     same.drive = to.drive;
     same.drive.kind = from.drive.kind;
@@ -54,7 +59,9 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     if (from.chain.spheres != to.chain.spheres) {
         add("chain.spheres");
     }
-    if (from.output.points_m.size() != to.output.points_m.size()) {
+    if (from.array.x_m.size() != to.array.x_m.size()) {
+        add("array.x_m");
+    } else if (from.output.points_m.size() != to.output.points_m.size()) {
         add("output.points_m");
     } else if (taps_of(from) != taps_of(to)) {
         add(from.end.kind != to.end.kind ? "end.kind" : "end.model");
@@ -66,7 +73,7 @@ double expected_real_time_factor(const Resolution& resolved) noexcept {
     constexpr double body_steps_per_s = 5e7;  // of a series on one processor, within a factor of some
     const Drive& drive = resolved.scene.drive;
     const double bodies = static_cast<double>(resolved.scene.chain.spheres) + 1;
-    const double steps_per_s = resolved.steps_per_burst * drive.frequency_hz / drive.cycles;
+    const double steps_per_s = resolved.steps_per_burst / burst_duration_s(drive);
     return body_steps_per_s / (steps_per_s * bodies);
 }
 

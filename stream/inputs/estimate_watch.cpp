@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "core/model/drive.hpp"
 #include "stream/threads.hpp"
 
 namespace hertzline::stream {
@@ -32,7 +33,8 @@ EstimateWatch::~EstimateWatch() {
 /// Starts the thread. @throws std::system_error, std::bad_alloc
 void EstimateWatch::estimate_to(double time_s) {
     if (!longer_) {
-        longer_ = std::make_unique<LongEstimate>(resolved_.scene, resolved_.advice.accuracy, &stop_);
+        longer_ =
+            std::make_unique<LongEstimate>(as_declared(resolved_.scene), resolved_.advice.accuracy, &stop_);
     }
     ready_.store(false, std::memory_order_relaxed);
     thread_ = std::thread([this, time_s] {

@@ -33,6 +33,17 @@ ReplaySource::ReplaySource(std::unique_ptr<recordings::RecordingReader> reader, 
     next_ = rows_.first;
 }
 
+/// Whether the column is one of several of its tap: of points or spheres, or of an array's elements, as "v_last_3_m_per_s".
+static bool has_many_columns(Tap tap, const std::string& column) {
+    const TapRow& row = row_of(tap);
+    if (row.channels != Channels::per_element) {
+        return row.channels != Channels::one;
+    }
+    const std::size_t number = row.name.size() + 1;
+    return column.size() > number && column[number - 1] == '_' && column[number] >= '0' &&
+           column[number] <= '9';
+}
+
 void ReplaySource::find_columns() {
     const std::vector<recordings::Column>& columns = head().columns;
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -40,7 +51,7 @@ void ReplaySource::find_columns() {
         if (!tap || !row_of(*tap).streamed) {
             continue;
         }
-        if (row_of(*tap).channels == Channels::one && format_.taps.contains(*tap)) {
+        if (!has_many_columns(*tap, columns[i].name) && format_.taps.contains(*tap)) {
             throw std::runtime_error("the recording has two columns of " + columns[i].quantity + ": \"" +
                                      columns[i].name + "\" is the second");
         }
@@ -80,6 +91,17 @@ void ReplaySource::count_channels() {
     format_.counts =
         velocities > 0 || forces == 0 ? counts_of(Tap::v_chain, velocities) : counts_of(Tap::f_chain, forces);
     format_.counts.points = channels_[static_cast<std::size_t>(Tap::p_points)].size();
+    for (const TapRow& row : tap_rows) {
+        const std::size_t elements = channels_[static_cast<std::size_t>(row.tap)].size();
+        if (row.channels == Channels::per_element && elements > 0) {
+            if (format_.counts.elements > 0 && elements != format_.counts.elements) {
+                throw std::runtime_error(
+                    fmt::format("found {} columns of {}, expected {}: one for each element", elements,
+                                row.name, format_.counts.elements));
+            }
+            format_.counts.elements = elements;
+        }
+    }
 }
 
 /// Makes sure that there is a row to hand on. False at the end and after a failure.

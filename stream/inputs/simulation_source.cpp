@@ -7,6 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "core/model/drive.hpp"
+#include "measures/resources.hpp"
+#include "stream/inputs/live_drive.hpp"
+
 namespace hertzline::stream {
 
 std::optional<Fault> SimulationSource::fault_of(const Scene& scene) {
@@ -18,19 +22,24 @@ std::optional<Fault> SimulationSource::fault_of(const Scene& scene) {
 }
 
 StreamFormat SimulationSource::format_of(const Scene& scene) noexcept {
-    return {.taps = streamed_taps_of(scene),
-            .counts = channel_counts(scene),
-            .sample_rate_hz = scene.output.sample_rate_hz,
-            .frame_samples = scene.output.frame_samples,
-            .repetition_hz = scene.drive.repetition_hz};
+    StreamFormat format{.taps = streamed_taps_of(scene),
+                        .counts = channel_counts(scene),
+                        .sample_rate_hz = scene.output.sample_rate_hz,
+                        .frame_samples = scene.output.frame_samples,
+                        .repetition_hz = scene.drive.repetition_hz};
+    if (scene.drive.kind == DriveKind::live) {
+        format.latency_samples = std::llround(scene.drive.start_s * scene.output.sample_rate_hz);
+    }
+    return format;
 }
 
 double SimulationSource::memory_bytes(const Scene& scene) noexcept {
     return Simulation::memory_bytes(scene, streamed_taps_of(scene));
 }
 
-SimulationSource::SimulationSource(const Scene& scene, TapSet always)
-    : format_(format_of(scene)),
+SimulationSource::SimulationSource(const Scene& scene, TapSet always, LiveDrive* live)
+    : live_(live),
+      format_(format_of(scene)),
       always_(always & format_.taps),
       current_(std::make_unique<NextSimulation>(scene, options(), false)),
       hand_over_(*current_),
@@ -38,6 +47,43 @@ SimulationSource::SimulationSource(const Scene& scene, TapSet always)
     if (const auto fault = fault_of(scene)) {
         throw std::invalid_argument(fault->message());
     }
+}
+
+SimulationOptions SimulationSource::options() const noexcept {
+    SimulationOptions options{.taps = format_.taps};
+    options.threads = static_cast<std::size_t>(measures::usable_processors());
+    options.live = live_ != nullptr ? live_->motion() : nullptr;
+    return options;
+}
+
+void SimulationSource::interrupt() noexcept {
+    hand_over_.interrupt();
+    if (live_ != nullptr) {
+        live_->interrupt();
+    }
+}
+
+void SimulationSource::end() noexcept {
+    if (live_ != nullptr) {
+        live_->stop();
+    }
+}
+
+std::string SimulationSource::failure() const {
+    std::string failure = now().failure();
+    return failure.empty() && live_ != nullptr ? live_->failure() : failure;
+}
+
+std::optional<DriveCounts> SimulationSource::drive() const noexcept {
+    return live_ != nullptr ? std::optional(live_->counts()) : std::nullopt;
+}
+
+std::vector<std::string> SimulationSource::take_warnings() {
+    return live_ != nullptr ? live_->take_warnings() : std::vector<std::string>{};
+}
+
+bool SimulationSource::wait_for(std::int64_t count) noexcept {
+    return live_ == nullptr || live_->wait_for(next_sample() + count);
 }
 
 /// Lets the present simulation work. As often as it is given up on the way, the next one begins where the block was to begin.
@@ -59,6 +105,9 @@ bool SimulationSource::proceed(const Work& work) noexcept {
         }
     }
     progress_.fetch_add(1, std::memory_order_relaxed);
+    if (live_ != nullptr) {
+        live_->release(next_sample());
+    }
     return status == Status::running;
 }
 
@@ -107,7 +156,7 @@ void SimulationSource::take_up() noexcept {
         // not at sample 0, so that every run has a beginning that its first scene describes
         const auto first = std::max<std::int64_t>({1, next_sample(), now().first_open_sample()});
         const Drive& drive = now().scene().drive;
-        change_at_ = change_at(epoch_, drive.cycles / drive.frequency_hz, format_.sample_rate_hz, first);
+        change_at_ = change_at(epoch_, burst_duration_s(drive), format_.sample_rate_hz, first);
         if (next_->goes_on) {
             current_->simulation.end_at(change_at_);
         }

@@ -12,28 +12,35 @@
 
 namespace hertzline::stream {
 
+class LiveDrive;
+
 /// read(), skip() and whatever else the simulating thread calls allocate nothing and make no system call.
 class SimulationSource : public SampleSource {
 public:
     /// @param scene resolved (hertzline/resolve.hpp)
     /// @param always taps that are computed without subscribers, too, if there is room for them
-    SimulationSource(const Scene& scene, TapSet always);
+    /// @param live outlives the source; null: there is no live drive
+    SimulationSource(const Scene& scene, TapSet always, LiveDrive* live = nullptr);
 
     StreamFormat format() const override { return format_; }
+    bool wait_for(std::int64_t count) noexcept override;
     bool read(Samples& samples, std::size_t count, TapSet wanted) noexcept override;
     bool skip(std::int64_t count) noexcept override;
-    void interrupt() noexcept override { hand_over_.interrupt(); }
+    void interrupt() noexcept override;
+    void end() noexcept override;
     std::int64_t samples_to_change() noexcept override;
     Epoch epoch() const noexcept override { return epoch_; }
     std::int64_t next_sample() const noexcept override { return now().next_sample(); }
     SourceAccount account() noexcept override;
     MotionExtremes motion() noexcept override { return current_->simulation.extremes(); }
-    std::string failure() const override { return now().failure(); }
+    std::string failure() const override;
+    std::optional<DriveCounts> drive() const noexcept override;
+    std::vector<std::string> take_warnings() override;
 
     /// Takes simulations of scenes that shall follow. They are made with options(); their stream has the same format but
     /// for the repetition of bursts.
     HandOver& hand_over() noexcept { return hand_over_; }
-    SimulationOptions options() const noexcept { return {.taps = format_.taps}; }
+    SimulationOptions options() const noexcept;
 
     /// Returns a number that is odd while a block is being computed, and another one for each block; from any thread.
     std::uint64_t progress() const noexcept { return progress_.load(std::memory_order_relaxed); }
@@ -61,6 +68,7 @@ private:
     bool take_up_at_once(std::int64_t sample) noexcept;
     void change() noexcept;
 
+    LiveDrive* live_;
     StreamFormat format_;
     TapSet always_;
     std::unique_ptr<NextSimulation> current_;

@@ -110,7 +110,7 @@ void RunReceiver::take_meta(const Message& message) {
     if (message.parts() != 1) {
         return;
     }
-    const Json meta = object_from_outside(message.text(0));
+    const Json meta = object_from_outside(message.text(0), largest_scene_json);
     if (has_samples()) {
         note_changes(meta);
         return;

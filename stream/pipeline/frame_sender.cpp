@@ -40,11 +40,12 @@ FrameSender::FrameSender(Publisher& publisher, const StreamFormat& format, const
     : publisher_(publisher) {
     frame_.run = run;
     frame_.fs = format.sample_rate_hz;
+    frame_.latency_samples = format.latency_samples;
 }
 
 void FrameSender::send(const Block& block, const TopicDemand& demand, StreamMeters& meters) {
-    const TapForms asked = demand.asked_of(block.demand);
-    const TapForms sent = demand.sent_of(block.demand);
+    const TapForms asked = demand.asked_of(block);
+    const TapForms sent = demand.sent_of(block);
     for (const Tap tap : sent.all()) {
         zmq::message_t payload = payload_of(publisher_, block, tap);
         if (sent.raw.contains(tap)) {

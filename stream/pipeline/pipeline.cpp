@@ -24,10 +24,14 @@ constexpr Nanoseconds meters_period = milliseconds(100);
 constexpr Nanoseconds meta_period = milliseconds(1000);
 /// Subscribers that come together shall all get sample 0.
 constexpr Nanoseconds gathering = milliseconds(200);
-/// Flat out there is no rest between two blocks; looking for subscriptions takes a system call.
+/// The ring is empty when the simulation begins. Sample 0 is due when it had time to fill it.
+constexpr Nanoseconds head_start = milliseconds(20);
+/// Looking for subscriptions takes four system calls, a block every 0.1 ms.
 constexpr Nanoseconds subscriptions_period = microseconds(200);
 /// While there are no blocks, subscriptions and the stop flag are looked at this often.
 constexpr Nanoseconds idle_period = milliseconds(1);
+/// A stream that waits for its first subscriber is woken by it, and looks at the stop flag this often.
+constexpr milliseconds waiting_period{50};
 
 }  // namespace
 
@@ -56,13 +60,19 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
     for (const std::string& refused : producer_.start(options_.thread)) {
         events.warn(refused);
     }
+    const ShortSlices prompt;  // not for the simulating thread, which has begun
     deliver(stop);
     producer_.stop();
+    source_.end();
     // No later header counts the blocks that were discarded last: the end does.
     monitor_.count_dropped(producer_.dropped() + passed_over(), demand_);
     monitor_.pass(producer_.discarded_to());
     if (start_time_) {
         monitor_.measure_all(MonotonicClock::now(), *start_time_, producer_.busy());
+    }
+    monitor_.meters().drive = source_.drive();
+    for (const std::string& text : source_.take_warnings()) {
+        events.warn(text);
     }
     if (source_.epoch().number == options_.epoch.number) {  // else it is beyond the sent samples
         monitor_.meters().motion = source_.motion();
@@ -75,7 +85,6 @@ StreamMeters Pipeline::run(const std::atomic<bool>& stop, const StreamEvents& ev
 }
 
 void Pipeline::deliver(const std::atomic<bool>& stop) {
-    Nanoseconds listened{0};
     while (!stop.load(std::memory_order_relaxed)) {
         const Nanoseconds now = MonotonicClock::now();
         start_when_ready(now);
@@ -88,7 +97,11 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
             }
             monitor_.wait(lateness_of_next(now));
             listen_for_subscriptions();
-            producer_.wait_for_block(now + idle_period);
+            if (start_time_) {
+                producer_.wait_for_block(now + idle_period);
+            } else {
+                publisher_.wait_for_subscriptions(waiting_period);
+            }
             continue;
         }
         const Nanoseconds lateness = hold_until_due(*block, stop);
@@ -97,10 +110,7 @@ void Pipeline::deliver(const std::atomic<bool>& stop) {
         }
         judge_load(*block, lateness);
         // The last moment: a subscriber that came meanwhile gets meta before this block.
-        if (!pacer_.flat_out() || now - listened >= subscriptions_period) {
-            listen_for_subscriptions();
-            listened = now;
-        }
+        listen_for_subscriptions();
         release(*block);
         monitor_.count(*block, lateness);
         producer_.pop();
@@ -125,8 +135,8 @@ void Pipeline::start_when_ready(Nanoseconds now) {
     }
     const bool gathered = first_subscription_ && now - *first_subscription_ >= gathering;
     if (options_.start == StreamStart::at_once || gathered) {
-        start_time_ = now;
-        pacer_.start(now);
+        start_time_ = pacer_.flat_out() ? now : now + head_start;
+        pacer_.start(*start_time_);
         producer_.go();
     }
 }
@@ -202,10 +212,15 @@ void Pipeline::release(const Block& block) {
 }
 
 void Pipeline::listen_for_subscriptions() {
+    const Nanoseconds now = MonotonicClock::now();
+    if (now - listened_ < subscriptions_period) {
+        return;
+    }
+    listened_ = now;
     const std::size_t news = publisher_.poll_subscriptions();
     demand_.update(publisher_, producer_, shedder_.shed());
     if (!first_subscription_ && !demand_.asked().all().empty()) {
-        first_subscription_ = MonotonicClock::now();
+        first_subscription_ = now;
     }
     if (news > 0) {
         send_meta();
@@ -229,6 +244,10 @@ void Pipeline::report(Nanoseconds now) {
         if (publisher_.wanted(meters_topic)) {
             producer_.want_motion();
             publisher_.send_text(meters_topic, meters_json(monitor_.meters(), format_.taps, options_.run));
+        }
+        monitor_.meters().drive = source_.drive();
+        for (const std::string& text : source_.take_warnings()) {
+            events_->warn(text);
         }
         events_->progress(monitor_.meters());
         watch();

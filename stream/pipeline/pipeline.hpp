@@ -104,6 +104,7 @@ private:
 
     std::optional<Nanoseconds> start_time_;
     std::optional<Nanoseconds> first_subscription_;
+    Nanoseconds listened_{0};  // for subscriptions
     bool told_of_too_many_clients_ = false;
     bool told_of_shedding_ = false;
     Nanoseconds next_meters_{0};

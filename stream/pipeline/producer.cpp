@@ -18,12 +18,16 @@ Producer::Producer(SampleSource& source, const Pacer& pacer, RingSize size,
                : std::numeric_limits<std::int64_t>::max()),
       on_overrun_(on_overrun),
       refill_(size.refill),
-      ring_(
-          size.blocks,
-          [&source, small = source.format().taps - source.format().of_chain()] {
-              return Block{
-                  .small = source.make_block(small), .demand = {}, .account = {}, .motion = {}, .epoch = {}};
-          }),
+      ring_(size.blocks,
+            [&source, small = source.format().taps - source.format().of_chain()] {
+                return Block{.small = source.make_block(small),
+                             .demand = {},
+                             .missing = {},
+                             .account = {},
+                             .motion = {},
+                             .epoch = {}};
+            }),
+      enough_(pacer.flat_out() && !source.format().latency_samples ? quarter_of(size.blocks) : 1),
       chain_taps_(source.format().of_chain()),
       discarded_to_(origin_) {
     for (std::size_t i = 0; i < size.chain_blocks; ++i) {
@@ -139,6 +143,7 @@ bool Producer::fill(Block& block, std::int64_t count) noexcept {
     if (!source_.read(block.samples(), static_cast<std::size_t>(count), block.demand.taps)) {
         return false;
     }
+    block.missing = block.demand.taps - block.samples().holds;
     block.account = source_.account();
     block.epoch = source_.epoch();
     const bool another_epoch = block.epoch.number != epoch_seen_;
@@ -158,7 +163,7 @@ void Producer::produce() noexcept {
         const std::int64_t first = source_.next_sample();
         const std::int64_t count = std::min({frame_samples_, end_ - first, source_.samples_to_change()});
         Block* slot = wait_for_slot(first, count);
-        if (stopping()) {
+        if (stopping() || !source_.wait_for(count)) {
             return;
         }
         const Nanoseconds begin = MonotonicClock::now();

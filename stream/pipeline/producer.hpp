@@ -41,6 +41,7 @@ struct Block {
     Samples small;              ///< room for the taps with one channel
     Samples* chain = nullptr;   ///< room for per-sphere taps, in blocks that hold them; else nullptr
     Demand demand;              ///< the demand when the block was made
+    TapSet missing;             ///< of it, that the source could not give yet
     std::uint64_t seq = 0;      ///< counts blocks, discarded ones included
     std::uint64_t dropped = 0;  ///< blocks of the run discarded before this one
     SourceAccount account;
@@ -77,8 +78,8 @@ public:
     }
     /// Gives the oldest block back.
     void pop() noexcept;
-    /// Waits for a block, until the deadline or the end. Flat out it waits for several: waking up for each one costs
-    /// more than sending it.
+    /// Waits for a block, until the deadline or the end. Flat out it waits for several, unless a live drive wants to be heard at once:
+    /// waking up for each one costs more than sending it.
     void wait_for_block(Nanoseconds deadline) noexcept;
 
     /// Whether no further block will come.
@@ -108,9 +109,7 @@ private:
     bool makes_chain(TapSet taps) const noexcept { return !(taps & chain_taps_).empty(); }
     std::size_t free_chain_blocks() const noexcept;
     bool has_room() const noexcept;
-    bool has_enough() const noexcept {
-        return ring_.size() >= (pacer_.flat_out() ? quarter_of(ring_.capacity()) : 1);
-    }
+    bool has_enough() const noexcept { return ring_.size() >= enough_; }
     static std::size_t quarter_of(std::size_t blocks) noexcept { return blocks < 4 ? 1 : blocks / 4; }
     /// The number of free slots at which a full ring is filled again.
     std::size_t refill_of(std::size_t blocks) const noexcept { return std::min(refill_, quarter_of(blocks)); }
@@ -125,6 +124,7 @@ private:
     MotionExtremes last_motion_;
     std::int64_t epoch_seen_ = 0;  // the simulating thread's, as last_motion_
     RingBuffer<Block> ring_;
+    std::size_t enough_;  // blocks, for which the thread that takes them is woken
     // Used in turn, by the blocks that hold taps of every sphere.
     TapSet chain_taps_;
     std::vector<Samples> chain_blocks_;

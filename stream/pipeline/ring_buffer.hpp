@@ -15,7 +15,8 @@
 //               reader's last read of it.
 //   a side's own counter is read relaxed: no other thread writes it.
 // Each side caches the other's counter and reads it again only when the cached value means full or empty: otherwise
-// every call would move the other core's cache line over here.
+// every call would move the other core's cache line over here. A counter has its line to itself: a side that waits
+// reads the other's again and again, and each write to that line would move it twice.
 
 #include <algorithm>
 #include <atomic>
@@ -56,54 +57,48 @@ public:
     /// Writer: the slot to fill next, with its old contents; nullptr when the ring is full. Asking
     /// again before publish() gives the same slot.
     Slot* try_claim() noexcept {
-        const std::uint64_t published = writer_.published.load(std::memory_order_relaxed);
-        if (published - writer_.popped_seen == slots_.size()) {
-            writer_.popped_seen = reader_.popped.load(std::memory_order_acquire);
-            if (published - writer_.popped_seen == slots_.size()) {
+        const std::uint64_t published = published_.count.load(std::memory_order_relaxed);
+        if (published - writer_.seen == slots_.size()) {
+            writer_.seen = popped_.count.load(std::memory_order_acquire);
+            if (published - writer_.seen == slots_.size()) {
                 return nullptr;
             }
         }
-        writer_.claimed = true;
+        writer_.has_slot = true;
         return &slots_[writer_.position];
     }
 
     /// Writer: hands the claimed slot to the reader. Only after a try_claim() that gave a slot.
     void publish() noexcept {
-        assert(writer_.claimed && "publish() without a claimed slot");
-        writer_.claimed = false;
-        writer_.position = after(writer_.position);
-        const std::uint64_t published = writer_.published.load(std::memory_order_relaxed);
-        writer_.published.store(published + 1, std::memory_order_release);
+        assert(writer_.has_slot && "publish() without a claimed slot");
+        go_on(writer_, published_);
     }
 
     /// Reader: the oldest published slot; nullptr when the ring is empty. Stays the same until pop().
     Slot* try_front() noexcept {
-        const std::uint64_t popped = reader_.popped.load(std::memory_order_relaxed);
-        if (popped == reader_.published_seen) {
-            reader_.published_seen = writer_.published.load(std::memory_order_acquire);
-            if (popped == reader_.published_seen) {
+        const std::uint64_t popped = popped_.count.load(std::memory_order_relaxed);
+        if (popped == reader_.seen) {
+            reader_.seen = published_.count.load(std::memory_order_acquire);
+            if (popped == reader_.seen) {
                 return nullptr;
             }
         }
-        reader_.in_front = true;
+        reader_.has_slot = true;
         return &slots_[reader_.position];
     }
 
     /// Reader: gives the front slot back to the writer. Only after a try_front() that gave a slot.
     void pop() noexcept {
-        assert(reader_.in_front && "pop() without a front slot");
-        reader_.in_front = false;
-        reader_.position = after(reader_.position);
-        const std::uint64_t popped = reader_.popped.load(std::memory_order_relaxed);
-        reader_.popped.store(popped + 1, std::memory_order_release);
+        assert(reader_.has_slot && "pop() without a front slot");
+        go_on(reader_, popped_);
     }
 
     /// Published slots that are not popped yet. From any thread; while the others run it is a snapshot, exact
     /// only in so far as it lies between 0 and capacity().
     std::size_t size() const noexcept {
         // popped first: it can only grow until published is read, so the difference is never negative.
-        const std::uint64_t popped = reader_.popped.load(std::memory_order_acquire);
-        const std::uint64_t published = writer_.published.load(std::memory_order_acquire);
+        const std::uint64_t popped = popped_.count.load(std::memory_order_acquire);
+        const std::uint64_t published = published_.count.load(std::memory_order_acquire);
         return static_cast<std::size_t>(std::min<std::uint64_t>(published - popped, slots_.size()));
     }
 
@@ -113,26 +108,28 @@ private:
     // Two cache lines: x86 cores fetch lines in pairs, so 64 bytes apart would still be shared.
     static constexpr std::size_t separation = 128;
 
-    struct alignas(separation) Writer {
-        std::atomic<std::uint64_t> published{0};  // written by the writer, read by both
-        std::uint64_t popped_seen = 0;            // the writer's copy of Reader::popped
-        std::size_t position = 0;                 // published % capacity, without the division
-        bool claimed = false;
+    /// Slots published or popped: written by one side, read by both.
+    struct alignas(separation) Counter {
+        std::atomic<std::uint64_t> count{0};
     };
-    struct alignas(separation) Reader {
-        std::atomic<std::uint64_t> popped{0};  // written by the reader, read by both
-        std::uint64_t published_seen = 0;      // the reader's copy of Writer::published
-        std::size_t position = 0;              // popped % capacity
-        bool in_front = false;
+    /// The state of one side, which the other does not touch.
+    struct alignas(separation) Side {
+        std::uint64_t seen = 0;    // its copy of the other side's counter
+        std::size_t position = 0;  // its own counter % capacity, without the division
+        bool has_slot = false;
     };
 
-    std::size_t after(std::size_t position) const noexcept {
-        return position + 1 == slots_.size() ? 0 : position + 1;
+    void go_on(Side& side, Counter& own) noexcept {
+        side.has_slot = false;
+        side.position = side.position + 1 == slots_.size() ? 0 : side.position + 1;
+        own.count.store(own.count.load(std::memory_order_relaxed) + 1, std::memory_order_release);
     }
 
     std::vector<Slot> slots_;
-    Writer writer_;
-    Reader reader_;
+    Counter published_;
+    Counter popped_;
+    Side writer_;
+    Side reader_;
 };
 
 }  // namespace hertzline::stream

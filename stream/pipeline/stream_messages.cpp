@@ -34,6 +34,9 @@ std::string meta_json(const StreamOptions& options, const StreamFormat& format) 
         {"streams", streams},
         {"units",
          {{"velocity", "m/s"}, {"force", "N"}, {"pressure", "Pa"}, {"time", "s"}, {"frequency", "Hz"}}}});
+    if (format.latency_samples) {
+        meta["latency_samples"] = *format.latency_samples;
+    }
     // A file name need not be UTF-8.
     return meta.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -49,6 +52,13 @@ void add_stream_members(Json& object, const StreamMeters& meters, TapSet taps) {
     object["ring_high_water"] = meters.ring_high_water;
     object["energy_residual"] = meters.account.energy_residual;
     object["contact_events"] = meters.account.contact_events;
+    if (meters.drive) {
+        object["drive_samples"] = meters.drive->samples;
+        object["drive_underruns"] = meters.drive->underruns;
+        object["drive_zeros"] = meters.drive->zeros;
+        object["drive_lost"] = meters.drive->lost;
+        object["drive_refused"] = meters.drive->refused;
+    }
     for (const Tap tap : taps) {
         const std::string_view name = row_of(tap).name;
         object[fmt::format("{}_raw_sent", name)] = meters.raw(tap).sent;

@@ -58,7 +58,7 @@ void StreamMonitor::measure(Nanoseconds now, Nanoseconds start, Nanoseconds busy
     meters_.load = now > since ? std::min(1.0, seconds(busy - busy_then_) / seconds(now - since)) : 0;
     measured_at_ = now;
     busy_then_ = busy;
-    meters_.wall_s = seconds(now - start);
+    meters_.wall_s = std::max(0.0, seconds(now - start));  // it begins a little later
 }
 
 void StreamMonitor::measure_all(Nanoseconds now, Nanoseconds start, Nanoseconds busy) noexcept {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "hertzline/taps.hpp"
 #include "stream/inputs/sample_source.hpp"
@@ -36,6 +37,7 @@ struct StreamMeters {
     double ring_high_water = 0;  ///< the largest so far
     MotionExtremes motion;       ///< some tenths of a second ago
     SourceAccount account;
+    std::optional<DriveCounts> drive;                ///< of a live drive
     std::array<TopicCount, 2 * tap_count> topics{};  ///< raw and np of each tap
 
     double real_time_factor() const noexcept { return wall_s > 0 ? simulated_s / wall_s : 0; }

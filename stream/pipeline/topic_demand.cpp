@@ -21,23 +21,23 @@ void TopicDemand::update(const Publisher& publisher, Producer& producer, TapSet 
     }
 }
 
-TapForms TopicDemand::asked_of(const Demand& made_for) const noexcept {
-    const TapSet known = known_to(made_for);
+TapForms TopicDemand::asked_of(const Block& block) const noexcept {
+    const TapSet known = known_to(block);
     return {.raw = asked_.raw & known, .np = asked_.np & known};
 }
 
-TapForms TopicDemand::sent_of(const Demand& made_for) const noexcept {
-    const TapSet made = (known_to(made_for) & made_for.taps) - shed_;
+TapForms TopicDemand::sent_of(const Block& block) const noexcept {
+    const TapSet made = (known_to(block) & block.demand.taps) - shed_;
     return {.raw = taken_.raw & made, .np = taken_.np & made};
 }
 
-/// The asked taps that had a subscriber when the block was made.
-TapSet TopicDemand::known_to(const Demand& made_for) const noexcept {
+/// The asked taps that had a subscriber when the block was made, and were there.
+TapSet TopicDemand::known_to(const Block& block) const noexcept {
     TapSet known;
     for (const Tap tap : asked_.all()) {
-        known |= made_for.generation >= since_[static_cast<std::size_t>(tap)] ? TapSet(tap) : TapSet();
+        known |= block.demand.generation >= since_[static_cast<std::size_t>(tap)] ? TapSet(tap) : TapSet();
     }
-    return known;
+    return known - block.missing;
 }
 
 }  // namespace hertzline::stream

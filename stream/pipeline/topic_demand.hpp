@@ -34,12 +34,12 @@ public:
 
     /// The asked taps that a block was made too early to know of are left out: an older block may hold a tap for a
     /// subscriber that has left, and later blocks may lack it, so it is not sent to a new subscriber.
-    TapForms asked_of(const Demand& made_for) const noexcept;
+    TapForms asked_of(const Block& block) const noexcept;
     /// Those of them that are sent.
-    TapForms sent_of(const Demand& made_for) const noexcept;
+    TapForms sent_of(const Block& block) const noexcept;
 
 private:
-    TapSet known_to(const Demand& made_for) const noexcept;
+    TapSet known_to(const Block& block) const noexcept;
 
     TapSet taps_;
     TapSet always_;

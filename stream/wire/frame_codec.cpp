@@ -114,6 +114,11 @@ void encode_header(const FrameHeader& header, std::string& json) {
                     R"("burst":{},"burst_sample":{},"epoch":{},"fs":{},"t":{},"dropped":{},"run":"{}"}})"),
         header.n, header.channels, header.unit, header.stream, header.seq, header.sample, header.burst,
         header.burst_sample, header.epoch, header.fs, header.t(), header.dropped, header.run);
+    if (header.latency_samples) {
+        json.pop_back();
+        fmt::format_to(std::back_inserter(json), FMT_COMPILE(R"(,"latency_samples":{}}})"),
+                       *header.latency_samples);
+    }
 }
 
 tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std::size_t payload_bytes) {
@@ -148,6 +153,9 @@ tl::expected<FrameHeader, std::string> decode_header(std::string_view json, std:
     const double t = reader.number("t");
     header.dropped = reader.count("dropped");
     header.run = reader.name("run");
+    if (object.contains("latency_samples")) {
+        header.latency_samples = static_cast<std::int64_t>(reader.count("latency_samples"));
+    }
     if (!reader.fault().empty()) {
         return tl::unexpected{reader.fault()};
     }

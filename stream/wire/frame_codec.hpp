@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -24,9 +25,11 @@ struct FrameHeader {
     std::uint64_t epoch = 0;  ///< counts the changes of the scene; the same for all samples of the frame
     double fs = 0;            ///< samples a second [Hz], positive
     std::uint64_t dropped =
-        0;              ///< frames of the topic that the program discarded, or did not make, before this one
-    std::string run;    ///< the run's id, a UUID
-    std::size_t n = 0;  ///< samples in the frame, at least 1
+        0;            ///< frames of the topic that the program discarded, or did not make, before this one
+    std::string run;  ///< the run's id, a UUID
+    /// Of a live drive: a sample of it is heard so many samples later.
+    std::optional<std::int64_t> latency_samples = {};
+    std::size_t n = 0;         ///< samples in the frame, at least 1
     std::size_t channels = 1;  ///< numbers per sample, at least 1
 
     /// Time of the first sample since the run's start [s].

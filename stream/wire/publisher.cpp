@@ -132,6 +132,11 @@ std::size_t Publisher::poll_subscriptions() {
     return subscribed;
 }
 
+void Publisher::wait_for_subscriptions(std::chrono::milliseconds most) noexcept {
+    zmq_pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
+    zmq_poll(&item, 1, static_cast<long>(most.count()));  // or until a signal comes
+}
+
 void Publisher::update_connections() {
     connections_.update([this](int descriptor) { subscriptions_.forget(descriptor); });
 }

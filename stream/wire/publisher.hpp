@@ -78,6 +78,9 @@ public:
     /// included: call this right before a batch of frames.
     std::size_t poll_subscriptions();
 
+    /// Waits until there are some to take in, but no longer than this.
+    void wait_for_subscriptions(std::chrono::milliseconds most) noexcept;
+
     /// Whether the topic has a subscriber, as of the last poll_subscriptions().
     bool wanted(std::string_view topic) const noexcept { return subscriptions_.wanted(topic); }
 

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "measures/resources.hpp"
+#include "stream/threads.hpp"
 
 namespace hertzline::stream {
 
@@ -35,7 +36,10 @@ zmq::context_t new_context() {
     if (const auto shortage = measures::limit_shortage("a ZeroMQ socket", address_bytes, descriptors)) {
         throw std::runtime_error(*shortage);
     }
-    return {};
+    zmq::context_t context;
+    const ShortSlices inherited;  // by ZeroMQ's threads, which begin with the first socket
+    const zmq::socket_t first(context, zmq::socket_type::pair);
+    return context;
 }
 
 bool send_parts(zmq::socket_t& socket, std::span<const std::span<const std::byte>> parts) noexcept {

@@ -547,6 +547,26 @@ TEST(Control, AChangedPlateInWaterIsTheSameAgain) {
     EXPECT_TRUE(numbers_in(first) == simulated_again(first, folder.file("again.h5"), columns));
 }
 
+TEST(Control, AChangedChainAndHornAreTheSameAgain) {
+    const TemporaryFolder folder;
+    write_text(
+        folder.file("changes.json"),
+        R"([{"sample": 100, "set": {"chain.diameters_m": [1e-3, 0.8e-3], "chain.materials": ["aluminium", "steel"]}},
+            {"sample": 200, "set": {"chain.diameters_m[2]": 0.9e-3, "chain.taper": 0.02}},
+            {"sample": 300, "set": {"chain.gravity_m_per_s2": 9.8, "chain.holder_time_s": 1e-3}},
+            {"sample": 400, "set": {"drive.horn": "resonator", "drive.horn_quality": 30, "drive.horn_mass_kg": 1e-3}},
+            {"sample": 500, "set": {"drive.sweep_to_hz": 90e3, "drive.start_s": 20e-6}},
+            {"sample": 600, "set": {"drive.kind": "none", "chain.impact_velocity_m_per_s": 0.5, "chain.impact_spheres": 2}}])");
+    const std::string first = folder.file("first.h5");
+    const std::string columns = "v_out,v_horn,f_first";
+    const Outcome run = hertzline({"run", "paper-wall", "--set", "output.duration_s=7.5e-4", "--set",
+                                   "output.sample_rate_hz=1e6", "--changes", folder.file("changes.json"),
+                                   "--columns", columns, "-o", first});
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(changes_in_file(first).size(), 6U);
+    EXPECT_TRUE(numbers_in(first) == simulated_again(first, folder.file("again.h5"), columns));
+}
+
 TEST(Control, TheSummaryOfAChangedRunIsOfAllOfIt) {
     const TemporaryFolder folder;
     const Words words{"run", "paper-stream", "--set", "output.sample_rate_hz=1e6", "--json"};

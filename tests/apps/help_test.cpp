@@ -18,7 +18,7 @@ TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
     const Outcome program = hertzline({"--help"});
     EXPECT_EQ(program.status, 0);
     for (const char* command : {"run", "sweep", "optimise", "stream", "listen", "set", "get", "scope", "plot",
-                                "scenes", "check", "keys"}) {
+                                "scenes", "check", "keys", "man", "completion"}) {
         const Outcome help = hertzline({command, "--help"});
         EXPECT_EQ(help.status, 0);
         EXPECT_THAT(help.out, HasSubstr("Examples:\n  hertzline " + std::string(command)));
@@ -29,8 +29,9 @@ TEST(Help, HasExamplesForTheProgramAndEverySubcommand) {
 TEST(Help, FitsEightyColumns) {
     const Outcome program = hertzline({"--help"});
     std::vector<Words> helps{{"--help"}};
-    for (const char* command : {"run", "sweep", "optimise", "stream", "replay", "listen", "set", "get",
-                                "scope", "plot", "scenes", "materials", "check", "keys"}) {
+    for (const char* command :
+         {"run", "sweep", "optimise", "stream", "replay", "listen", "set", "get", "scope", "plot", "scenes",
+          "materials", "check", "keys", "man", "completion"}) {
         EXPECT_THAT(program.out, HasSubstr(command));
         helps.push_back({command, "--help"});
     }

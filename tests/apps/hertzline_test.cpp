@@ -46,7 +46,7 @@ TEST_P(WrongUse, GivesAClearMessageAndTheRightStatus) {
     const std::string path = std::filesystem::path(folder.file("x")).parent_path();
     write_text(folder.file("scene.toml"), "[chain]\nspheres = 0\n\n[numerics]\nstep_s = 1e-3 # too long\n");
     write_text(folder.file("step.toml"), "# step_s is below\n[numerics]\n\nstep_s = 1e-3\n");
-    write_text(folder.file("huge.toml"), std::string(70'000, '#'));
+    write_text(folder.file("huge.toml"), std::string(34'000'000, '#'));
     write_text(folder.file("accent.toml"), "caf\xc3\xa9 = 1\n");
     Words arguments;
     for (const std::string& word : GetParam().arguments) {
@@ -128,8 +128,8 @@ const Mistake mistakes[] = {
     {"MistypedName", {"run", "paper-wal"}, 2, {"paper-wal", "did you mean 'paper-wall'?", "sonic-vacuum"}},
     {"MistypedNameOfScenes", {"scenes", "paper-wal"}, 2, {"did you mean 'paper-wall'?"}},
     {"DirectoryAsScene", {"run", "FOLDER"}, 2, {"Is a directory"}},
-    {"HugeFile", {"run", "FOLDER/huge.toml"}, 2, {"FOLDER/huge.toml", "65536 bytes"}},
-    {"EndlessFile", {"run", "/dev/zero"}, 2, {"/dev/zero", "65536 bytes"}},
+    {"HugeFile", {"run", "FOLDER/huge.toml"}, 2, {"FOLDER/huge.toml", "33554432 bytes"}},
+    {"EndlessFile", {"run", "/dev/zero"}, 2, {"/dev/zero", "33554432 bytes"}},
     {"NotAscii", {"check", "FOLDER/accent.toml"}, 2, {"FOLDER/accent.toml:1"}},
 
     // impossible scenes

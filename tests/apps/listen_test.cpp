@@ -266,6 +266,18 @@ TEST(Listen, SurvivesANestedMetaBeforeTheFirstFrame) {
     expect_account(stream.end(0), 1, {{"ended_by", "end of run"}, {"messages_malformed", 2}});
 }
 
+TEST(Listen, EndsAfterTheSamplesThatWereAskedFor) {
+    FakeStream stream("100", {"--samples", "25"});
+    for (const std::uint64_t seq : {5U, 6U, 7U, 8U}) {
+        stream.send(seq, 10 * seq);
+    }
+    expect_account(stream.fall_silent(), 0,
+                   {{"first_sample", 50}, {"samples", 25}, {"ended_by", "duration"}});
+    EXPECT_THAT(hertzline({"listen", "--samples", "0", "--duration", "1"}).err,
+                AllOf(HasSubstr("--samples: found 0, allowed: a finite number above 0"),
+                      HasSubstr("--samples: found --duration, too, allowed: one of them")));
+}
+
 TEST(Listen, CtrlCSavesWhatCame) {
     const TemporaryFolder folder;
     Program stream({"stream", "paper-stream", "--bind", any_port});

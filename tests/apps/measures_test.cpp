@@ -64,6 +64,10 @@ TEST(Measures, OfCheckAreExplained) {
     for (const char* scene : {"paper-vitreous-carbon", "wet-vitreous-carbon", "paper-wall"}) {
         expect_explained(hertzline({"check", scene, "--json"}));
     }
+    const TemporaryFolder folder;
+    hertzline({"run", "paper-wall", "-o", folder.file("horn.csv"), "--columns", "v_horn"});
+    expect_explained(hertzline({"check", "paper-wall", "--set", "drive.kind=file", "--set",
+                                "drive.file=" + folder.file("horn.csv"), "--json"}));
 }
 
 TEST(Measures, OfControlAndKeysAreExplained) {

@@ -81,6 +81,24 @@ TEST(Scenes, PrintsJsonWithEveryDefaultResolved) {
     EXPECT_TRUE(scene["numerics"]["integrator"].is_string());
 }
 
+TEST(Scenes, LeavesOpenWhatTheProgramChoosesWhereItIsAsked) {
+    const TemporaryFolder folder;
+    const auto scene =
+        hertzline({"scenes", "paper-wall", "--set", "numerics.accuracy=1e-6", "--unresolved", "--json"})
+            .json();
+    EXPECT_EQ(scene["end"]["kind"], "wall");
+    EXPECT_TRUE(scene["numerics"]["step_s"].is_null());
+    EXPECT_TRUE(scene["numerics"]["integrator"].is_null());
+    EXPECT_EQ(scene["numerics"]["accuracy"], 1e-6);
+    const Outcome text = hertzline({"scenes", "paper-wall", "--unresolved"});
+    write_text(folder.file("open.toml"), text.out);
+    EXPECT_EQ(hertzline({"scenes", folder.file("open.toml"), "--json"}).json(),
+              hertzline({"scenes", "paper-wall", "--json"}).json());
+    const Outcome wrong = hertzline({"scenes", "paper-wall", "--unresolved", "--set", "chain.preload_n=-1"});
+    EXPECT_EQ(wrong.status, 2);
+    EXPECT_THAT(wrong.err, HasSubstr("chain.preload_n: found -1, allowed: a number from 0"));
+}
+
 }  // namespace
 
 }  // namespace hertzline::test

@@ -133,8 +133,8 @@ TEST(Stream, MetaMetersAndEndSayWhatTheContractLists) {
     for (const json& each : meta["streams"]) {
         names.push_back(each["name"]);
     }
-    EXPECT_EQ(names, (std::vector<std::string>{"v_out", "v_last", "v_plate", "v_chain", "v_horn", "f_last",
-                                               "f_chain"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"v_out", "v_last", "v_plate", "v_chain", "v_horn", "x_horn",
+                                               "f_first", "f_last", "f_chain"}));
     for (const char* name : {"scene_hash", "run", "fs", "units"}) {
         EXPECT_TRUE(meta.contains(name)) << name;
     }

@@ -191,6 +191,18 @@ TEST_F(LongSweep, WhenFinishedIsLeftAsItIs) {
     }
 }
 
+TEST_F(LongSweep, WhenFinishedWithOtherWaveformsIsRefused) {
+    const std::string name = folder.file("w.h5");
+    const Words command = with(words, {"-o", name, "--resume"});
+    ASSERT_EQ(hertzline(with(command, {"--waveforms", "v_last"})).status, 0);
+    EXPECT_EQ(hertzline(with(command, {"--waveforms", "v_last"})).status, 0);
+    for (const Words& others : {Words{}, Words{"--waveforms", "v_out"}}) {
+        const Outcome other = hertzline(with(command, others));
+        EXPECT_EQ(other.status, 2);
+        EXPECT_THAT(other.err, HasSubstr("found the --waveforms \"v_last\" where this sweep has"));
+    }
+}
+
 TEST_F(LongSweep, AJournalOfAnotherSweepIsRefused) {
     interrupt(SIGINT);
     const auto other = [&](const Words& words_of_other) {

@@ -11,7 +11,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "core/integrators/simd/target_choice.hpp"
+#include "core/simd/target_choice.hpp"
 #include "tests/apps/program.hpp"
 #include "tests/support/recordings.hpp"
 

@@ -6,18 +6,18 @@ LONG_ENOUGH_S = 100  # for a loaded machine with sanitizers
 
 
 class Stream:
-    """hertzline stream (or replay), which ends with the block at the latest. `endpoint` is the bound one."""
+    """hertzline stream (or replay), which ends with the block at the latest. `endpoint` is the bound one, `said` the messages up to it."""
 
     def __init__(self, program, scene, *words, command="stream"):
         self.process = subprocess.Popen([program, command, scene, "--bind", "tcp://127.0.0.1:*", "--json", *words],
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        said = []
+        self.said = ""
         for line in self.process.stderr:
-            said.append(line)
+            self.said += line
             if "endpoint " in line:
                 self.endpoint = line.split()[-1]
                 return
-        raise RuntimeError("no endpoint, but: " + "".join(said))
+        raise RuntimeError("no endpoint, but: " + self.said)
 
     def __enter__(self):
         return self

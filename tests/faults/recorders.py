@@ -41,6 +41,7 @@ def listener_whose_file_nobody_takes(stand):
     with stand.stream() as stream:
         listener = stream._start([stand.program, "listen", "--connect", stream.endpoint, "-o", path],
                                  stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        _wait_for_its_handler(listener)
         time.sleep(2)
         _ends_within_a_second(stand, listener, signal.SIGINT)
 
@@ -54,8 +55,16 @@ def _ends_within_a_second(stand, process, by):
 
 
 def _popen(stand, *words, **how):
-    return subprocess.Popen([stand.program, *map(str, words)], stdin=subprocess.DEVNULL, **{
+    """Starts the program. Returns when it catches signals."""
+    process = subprocess.Popen([stand.program, *map(str, words)], stdin=subprocess.DEVNULL, **{
         "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, **how})
+    _wait_for_its_handler(process)
+    return process
+
+
+def _wait_for_its_handler(process):
+    """Waits until the process catches signals: before, a signal ends it at once."""
+    wait_until(lambda: stands.catches(process.pid, signal.SIGINT), "caught signals")
 
 
 def signal_during_the_set_up(stand):

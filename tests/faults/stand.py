@@ -12,6 +12,7 @@ import inspect
 import json
 import os
 import pathlib
+import re
 import signal
 import subprocess
 import sys
@@ -60,6 +61,12 @@ def wait_until(condition, what, limit_s=LONG_ENOUGH_S):
             return value
         time.sleep(0.01)
     raise AssertionError(f"never {what}")
+
+
+def catches(pid, signal_number):
+    """Whether the process has a handler for the signal. A process that has ended has none."""
+    caught = re.search(r"^SigCgt:\s*(\w+)", pathlib.Path(f"/proc/{pid}/status").read_text(), re.MULTILINE)
+    return int(caught[1], 16) >> (signal_number - 1) & 1
 
 
 def check(holds, message):

@@ -54,7 +54,8 @@ void add_names(const Json& values, const std::string& before, std::set<std::stri
     for (const auto& [name, value] : values.items()) {
         if (value.is_object()) {
             add_names(value, name + '.', names);
-        } else if (name.starts_with("harmonics_db") || name == "switching_db") {
+        } else if (name.starts_with("harmonics_db") || name == "switching_db" ||
+                   name == "peaks_p_points_pa") {
             for (std::size_t i = 1; i <= SpectrumAnalyser::max_harmonics; ++i) {
                 names.insert(fmt::format("{}{}_{}", before, name, i));
             }

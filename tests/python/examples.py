@@ -16,7 +16,7 @@ build = pathlib.Path(os.environ["HERTZLINE_PROGRAM"]).parent
 kept = {path.name for path in (root / "docs/examples").glob("*.png")}
 with tempfile.TemporaryDirectory() as folder:
     subprocess.run([sys.executable, "-B", root / "scripts/examples.py", "--build", build, "--out", folder], check=True,
-                   timeout=280, cwd=folder)
+                   timeout=580, cwd=folder)
     drawn = {path.name for path in pathlib.Path(folder).glob("*.png")}
 assert drawn == kept, f"drawn {sorted(drawn)}, kept in docs/examples {sorted(kept)}"
 for path in (root / "docs/examples").glob("*.py"):

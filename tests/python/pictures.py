@@ -1,4 +1,6 @@
 """Pictures are drawn, of all that has samples, and leave matplotlib's settings as they were."""
+import argparse
+import math
 import sys
 import unittest
 
@@ -8,7 +10,7 @@ except ImportError:
     print("skipped: matplotlib is not there")
     sys.exit(77)
 import numpy as np
-from support import InAFolder, short_scene
+from support import InAFolder, program, short_scene
 
 import hertzline
 
@@ -83,6 +85,51 @@ class Pictures(InAFolder):
     def test_of_nothing_is_refused(self):
         with self.assertRaisesRegex(ValueError, "plot: found no taps"):
             short_scene().run().plot([])
+
+
+class PicturesOfFields(InAFolder):
+    def draw(self, plane, kind, begin=0, end=math.inf, frames=None):
+        """Draws the field of three cycles over 60 us. Returns its table, its samples and the picture."""
+        import h5py
+        from hertzline._draw import fields, tables
+        path = str(self.folder / "field.h5")
+        program("field", "wet-vitreous-carbon", "--set", "drive.cycles=3", "--set", "output.duration_s=60us", "--plane", plane,
+                "--waveforms", "-o", path)
+        field = tables.read_sweep(path)
+        options = argparse.Namespace(kind=kind, begin=begin, end=end, at=[], frames=frames, title="")
+        with h5py.File(path) as file:
+            return field, file["p_points"][:], fields.draw_waveforms(field, path, options)
+
+    def test_a_waterfall_has_time_from_left_to_right_and_every_peak(self):
+        field, samples, figure = self.draw("z=5mm..30mm:6", "waterfall", begin=10e-6)
+        mesh, = figure.axes[0].collections
+        pressure = mesh.get_array().reshape(6, -1)
+        self.assertTrue(np.allclose(pressure * 1e3, samples[:, 100:]))
+        self.assertTrue(np.allclose(np.abs(pressure).max(axis=1) * 1e3, field.columns["peak_pa"]))
+        self.assertAlmostEqual(mesh.get_clim()[1], np.abs(pressure).max(), 3)
+        self.assertAlmostEqual(-mesh.get_clim()[0], np.abs(pressure).max(), 3)
+        corners = mesh.get_coordinates()  # in us and mm, half a cell beyond the samples
+        self.assertTrue(np.allclose(corners[0, 0], (9.95, 2.5)) and np.allclose(corners[-1, -1], (60.05, 32.5)))
+        heard = np.argmax(np.abs(pressure) > 0.2 * np.abs(pressure).max(axis=1, keepdims=True), axis=1)
+        self.assertTrue((np.diff(heard) > 0).all())  # further away it is heard later
+        matplotlib.pyplot.close(figure)
+
+    def test_stretches_keep_the_sample_furthest_from_0(self):
+        from hertzline._draw import fields
+        self.assertEqual(fields.extremes(np.array([[0, -3, 1, 2, 0], [1, 0, -1, 0, 4]]), 2).tolist(), [[-3, 2, 0], [1, -1, 4]])
+
+    def test_a_movie_has_one_scale_and_one_layout(self):
+        _, samples, frames = self.draw("x=-4mm..4mm:9,z=5mm..15mm:11", "movie", frames=7)
+        frames = [np.asarray(frame.convert("RGB")).astype(int) for frame in frames]
+        height, width, _ = frames[0].shape
+        scale = [frame[height // 5: -height // 5, int(0.86 * width):] for frame in frames]  # the bar of colours and its numbers
+        self.assertGreater(np.ptp(scale[0]), 200)
+        self.assertTrue(all(np.abs(bar - scale[0]).max() < 40 for bar in scale))  # 256 colours a frame
+        plane = [np.ptp(frame[height // 3: height // 2, width // 4: width // 2], axis=2).max() for frame in frames]
+        self.assertLess(plane[0], 12)  # silence is white
+        self.assertGreater(max(plane), 60)
+        strongest = np.abs(samples[:, np.rint(np.linspace(0, 600, 7)).astype(int)]).max(axis=0).argmax()
+        self.assertEqual(np.argmax(plane), strongest)
 
 
 if __name__ == "__main__":

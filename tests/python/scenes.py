@@ -30,19 +30,41 @@ class Scenes(InAFolder):
             scene = hertzline.scene("paper-wall", end={"kind": "plate", "materials": np.array(materials), "thicknesses_m": given})
             self.assertEqual((scene["end.materials"], scene["end.thicknesses_m"]), (materials, thicknesses))
             self.assertEqual((scene["end.thicknesses_m[1]"], scene.values["end"]["loss_factors"]), (1 / 7000, None))
+        for none in ([], (), np.array([]), "[]"):
+            self.assertIsNone(hertzline.scene("seven-chains", array={"focus_m": none})["array.focus_m"])
         thicker = hertzline.scene(scene, end={"thicknesses_m[2]": "0.6 mm", "loss_factors": (0.01, 0.02)})
         self.assertEqual(list(thicker["end.thicknesses_m"]), [1 / 7000, 0.6e-3])
         for key in ("end.thicknesses_m[0]", "end.thicknesses_m[3]", "end.radius_m[1]", "end.thicknesses_m[2", "end.thicknesses_m[1][1]"):
             with self.assertRaises(KeyError):
                 scene[key]
         for wrong, message in ((np.zeros(17), r"end.thicknesses_m: found 17 entries"), ([1e-3, -1], r"end.thicknesses_m\[2\]: found -1"),
-                               ([1e-3, [1]], r"end.thicknesses_m\[2\]: found an array"), ([], r"found 0 entries"),
+                               ([1e-3, [1]], r"end.thicknesses_m\[2\]: found an array"),
                                (np.zeros((2, 2)), r"found an array"), ([1e-3, float("nan")], r"\[2\]: found nan"),
                                ([1e-3, True], r"\[2\]: found true"), (np.zeros(2_000_000), "allowed: at most 1000000")):
             with self.assertRaisesRegex(ValueError, message):
                 hertzline.scene(scene, end={"thicknesses_m": wrong})
         with self.assertRaisesRegex(TypeError, r"end.thicknesses_m\[2\]: found NoneType"):
             hertzline.scene(scene, end={"thicknesses_m": [1e-3, None]})
+
+    def test_a_record_drives_the_horn_from_a_file_or_an_array(self):
+        t = np.arange(2001) / 10e6
+        x = 3e-6 * np.exp(-((t - 100e-6) / 20e-6) ** 2 / 2) * np.sin(2 * np.pi * 70e3 * t)
+        np.savetxt(self.folder / "horn.csv", np.column_stack([t, x]), delimiter=",", header="t_s,x_um", comments="")
+        (self.folder / "device.toml").write_text("[drive]\nkind = 'file'\nfile = 'horn.csv'\n[output]\nduration_s = 1e-4\n")
+        with self.assertRaisesRegex(ValueError, "drive.file: found \"none.csv\", which is no file"):
+            hertzline.scene("paper-wall", drive={"kind": "file", "file": "none.csv"})
+        np.savetxt(self.folder / "horn.csv", np.column_stack([t, 1e6 * x]), delimiter=",", header="t_s,x_um", comments="")
+        scene = hertzline.scene(self.folder / "device.toml")
+        self.assertEqual((scene["drive.scale"], scene["drive.quantity"], scene["drive.file"]), (1e-6, "displacement", None))
+        self.assertLess(abs(scene["drive.frequency_hz"] / 70e3 - 1), 0.02)
+        (self.folder / "horn.csv").unlink()
+        self.assertEqual(pickle.loads(pickle.dumps(scene)), scene)
+        v = scene.run(taps=["v_last", "x_horn"])
+        array = hertzline.scene("paper-vitreous-carbon", drive={"kind": "file", "samples": x, "sample_rate_hz": 10e6},
+                                output={"duration_s": 1e-4})
+        again = array.run(taps=["v_last", "x_horn"])
+        self.assertLess(np.abs(again["x_horn"] - x[:1001]).max(), 1e-13)
+        self.assertLess(np.linalg.norm(again["v_last"] - v["v_last"]), 1e-6 * np.linalg.norm(v["v_last"]))
 
     def test_an_entry_of_a_list_varies(self):
         scene = hertzline.scene(short_scene(), end={"kind": "plate", "materials": ["aluminium", "acrylic"], "thicknesses_m": [2e-4, 5e-4]})

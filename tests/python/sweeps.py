@@ -59,6 +59,23 @@ class Sweeps(InAFolder):
         self.assertTrue(np.array_equal(table.waveforms[0][:501], v[:501]))
         self.assertTrue(np.isnan(table.waveforms[0][501:]).all())
 
+    def test_waveforms_of_outputs_with_several_channels(self):
+        scene = hertzline.scene("seven-chains", array={"coupling": "none", "x_m": [-12e-3, 12e-3], "y_m": [0, 0]}, drive={"cycles": 1},
+                                output={"duration_s": 3e-5, "points_m": [[0, 0, 0.01], [0, 0, 0.02], [0, 0.01, 0.02]]})
+        for name, channels in (("v_last", 2), ("p_points", 3)):
+            table = hertzline.sweep(scene, {"chain.preload_n": [0.1, 0.2]}, waveforms=name)
+            self.assertEqual(table.waveforms.shape, (2, 301, channels))
+            one = hertzline.scene(scene, chain={"preload_n": 0.2}, numerics={"step_s": table["step_s"][1], "poles": int(table["poles"][1])})
+            np.testing.assert_array_equal(table.waveforms[1], one.run(taps=[name])[name].astype(np.float32))
+        import h5py
+        program("sweep", "seven-chains", "--set", "array.coupling=none", "--set", "drive.cycles=1", "--set", "output.duration_s=3e-5",
+                "--vary", "chain.preload_n=0.1,0.2", "--waveforms", "v_last", "-o", self.folder / "s.h5")
+        with h5py.File(self.folder / "s.h5") as file:
+            self.assertEqual(file["v_last"].shape, (2, 301, 7))
+            self.assertFalse(np.isnan(file["v_last"][:]).any())
+        with self.assertRaisesRegex(AssertionError, "found v_last with 7 channels, allowed: an output with one"):
+            program("plot", self.folder / "s.h5", "--columns", "v_last", "-o", self.folder / "s.png")
+
     def test_a_point_that_is_refused_is_a_row(self):
         scene = short_scene(numerics={"integrator": "leapfrog"})
         table = hertzline.sweep(scene, {"numerics.step_s": [1e-9, 1e-5]})

@@ -68,7 +68,7 @@ with tempfile.TemporaryDirectory() as name:
         provenance = json.loads(file.attrs["provenance"])
         check_table(table, dataset.attrs["units"], names, rows, metadata)
         check_waveforms(folder, table, file["v_out"])
-    assert provenance == metadata["urn:hertzline:provenance"]
+    assert provenance == metadata["urn:hertzline:provenance"] | {"waveform": "v_out"}
     assert provenance["scene"]["drive"]["cycles"] == 3 and len(provenance["plan"]["vary"]) == 3
     assert set(table["status"]) == {b"ok"} and table["point"].tolist() == list(range(12))
     assert table["chain.preload_n"][0] == 0.05 and table["chain.preload_n"][-1] == 0.5

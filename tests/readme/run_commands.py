@@ -3,7 +3,8 @@
 
 A shell runs each command as it stands, in a folder that looks like the project's. A stream continues during the commands after it
 until another one takes its port or the document ends; Ctrl-C then ends it. NOT_RUN lists the commands that are not run, with
-reasons. A line that is neither a command nor listed fails the test.
+reasons. A line that is neither a command nor listed fails the test. A block of TOML whose first line is "# FILE.toml: ..." is saved under
+that name. A block of "output" has lines that the commands since the last such block print, in their order; "..." stands for others.
 """
 import os
 import pathlib
@@ -15,7 +16,7 @@ import sys
 import tempfile
 import time
 
-LONG_ENOUGH_S = 100
+LONG_ENOUGH_S = 300  # on a busy machine
 ENDPOINT = ("127.0.0.1", 5573)  # the program's own
 PROGRAMS = re.compile(r"(\./)?(build/\w+|scripts|bench/\w+|apps/clients|tests)/[\w.]+$|/usr/bin/\w+$|"
                       r"(hertzline|mpirun|sbatch|cmake|ctest|ninja|npm|node|octave-cli|python3?|sh|git|sudo|export|c\+\+|pkg-config)$")
@@ -24,15 +25,21 @@ BUILDS = "builds the project"
 MINUTES = "takes minutes, or needs an idle machine"
 INSTALL = "the tests install/ do it"
 CLANG = "needs clang, and minutes"
+PACKAGES = "builds packages; scripts/package.sh --try and --reproducible check them"
 SLURM = "needs a Slurm; scripts/cluster.sh starts one"
 
 NOT_RUN = {
     "README.md": {
         "./scripts/demo.sh": BUILDS,
         "./scripts/test.sh": "runs this",
+        "sudo apt build-dep . && sudo apt install lintian patchelf": PACKAGES,
+        "./scripts/package.sh && sudo apt install ./build/packages/*.deb": PACKAGES,
+        "./scripts/package.sh --archive": PACKAGES,
+        "python3 -m venv env && env/bin/pip install .": "builds; the test python/wheel does it without a network",
     },
     "CONTRIBUTING.md": {
         "./scripts/test.sh": "runs this",
+        "./scripts/docs.sh": "the test readme/manual does it",
         "cmake --workflow --preset release": BUILDS,
         "ninja -C build/release test_core && ctest --preset release -R '^core/'": BUILDS,
     },
@@ -49,13 +56,17 @@ NOT_RUN = {
         "from zmq.auth import load_certificate": "a part; apps/python_client_of_an_encrypted_stream has them",
     },
     "apps/python/README.md": {
-        "python3 -m build --wheel --no-isolation apps/python": "builds; the test python/wheel does it",
+        "python3 -m venv env && env/bin/pip install .": "builds; the test python/wheel does it without a network",
+        "python3 -m venv --system-site-packages env && env/bin/pip install --no-build-isolation .": "builds; the test python/wheel does it",
+        "python3 -m build --wheel --no-isolation": "builds; the test python/wheel does it",
     },
     "bench/README.md": {
         "./scripts/build.sh release": BUILDS,
         "build/release/bench_scenes": MINUTES,
         "build/release/bench_stability --json build/stability.json": MINUTES,
         "bench/plots/plot_stability.py build/stability.json --out docs/stability.png": "draws the results of bench_stability",
+        "build/release/bench_arrays --json build/arrays.json": MINUTES,
+        "bench/plots/plot_arrays.py build/arrays.json --out docs/array-cost.png": "draws the results of bench_arrays",
         "build/release/bench_random_scenes": MINUTES,
         "build/release/bench_work_precision --json build/work_precision.json": MINUTES,
         "build/release/bench_work_precision --scene paper_wall --repetitions 3": MINUTES,
@@ -69,6 +80,16 @@ NOT_RUN = {
         "build/release/bench_accuracy 0": MINUTES,
         "build/release/bench_accuracy --wet": MINUTES,
         "build/release/bench_accuracy --mixed": MINUTES,
+        "build/release/bench_accuracy --arrays": MINUTES,
+    },
+    "docs/examples/README.md": {
+        "scripts/examples.py --build build/release --out build/pictures": "the test python/examples does it",
+    },
+    "docs/packaging.md": {
+        "./scripts/package.sh": PACKAGES,
+        "./scripts/package.sh --archive": PACKAGES,
+        "./scripts/package.sh --try": PACKAGES,
+        "./scripts/package.sh --reproducible": PACKAGES,
     },
     "examples/README.md": {
         "scripts/build.sh release hertzline hertzline_python": BUILDS,
@@ -99,14 +120,14 @@ NO_COMMANDS = ("GNU Radio ", "PlotJuggler ")
 
 # Replacements of placeholders, and of commands that would not end.
 INSTEAD = {
-    "hertzline run SCENE [-o FILE]... [--columns NAME,...] [--tap NAME]... [--measure NAME,...] [--spectrum FILE]... [--plot FILE]":
+    "hertzline run SCENE [-o FILE]... [--columns OUTPUT,...] [--tap OUTPUT]... [--measure OUTPUT,...] [--spectrum FILE]... [--plot FILE]":
         "hertzline run paper-wall -o a.csv -o a.npy --columns v_last,v_horn --tap f_last --measure f_last --spectrum s.h5 "
         "--plot a.png",
     "hertzline sweep SCENE --vary KEY=VALUES... -o FILE": "hertzline sweep paper-wall --vary chain.spheres=5,6 -o swept.h5",
     "hertzline field SCENE --plane x=..,z=.. -o FILE": "hertzline field wet-vitreous-carbon --plane x=0..4mm:3,z=10mm -o f.h5",
     "hertzline optimise SCENE --vary KEY=VALUES... --maximise MEASURE -o FILE":
         "hertzline optimise paper-wall --vary chain.preload_n=0.1..1 --maximise thd_r --evaluations 60 -o o.h5",
-    "hertzline stream SCENE [--record FILE]... [--columns NAME,...]":
+    "hertzline stream SCENE [--record FILE]... [--columns STREAM,...]":
         "hertzline stream paper-stream --record live.h5 --columns v_out,v_horn",
     "hertzline replay FILE": "hertzline replay a.csv --pace 0.01",
     "hertzline listen [-o FILE]...": "hertzline listen -o heard.h5",
@@ -117,6 +138,8 @@ INSTEAD = {
     "hertzline scenes [NAME]": "hertzline scenes && hertzline scenes paper-wall",
     "hertzline check SCENE": "hertzline check paper-wall",
     "hertzline keys NAME": "hertzline keys name",
+    "hertzline man [PAGE]": "hertzline man run | grep hertzline",
+    "hertzline completion SHELL": "hertzline completion bash | bash -n",
     "hertzline check FILE": "hertzline check scenes/paper-wall.toml",
 }
 
@@ -142,8 +165,8 @@ def commands(text):
 
     An indented block without a command is a drawing or a formula."""
     for language, lines in blocks(text):
-        if language == "python":
-            yield "python", lines[0], "\n".join(lines)
+        if language in ("python", "toml", "output"):
+            yield language, lines[0], "\n".join(lines)
         elif language in ("sh", "bash", "console") or not language and any(map(command_of, lines)):
             for line in lines:
                 if command := command_of(line):
@@ -164,7 +187,7 @@ class Folder:
     """A folder that looks like the project's, for the files that the commands write."""
 
     def __init__(self, path, root, build):
-        self.path, self.stream = path, None
+        self.path, self.stream, self.printed = path, None, []
         for entry in root.iterdir():
             if entry.name not in ("build", ".git"):
                 (path / entry.name).symlink_to(entry)
@@ -173,10 +196,20 @@ class Folder:
         self.environment = {**os.environ, "HOME": str(path), "PATH": f"{build}:{os.environ['PATH']}",
                             "PYTHONPATH": f"{build}/python", "MPLBACKEND": "Agg"}
 
-    def _start(self, command):
+    def _start(self, command, output=None):
         print("+", command, flush=True)
         return subprocess.Popen(["bash", "-c", f"set -e\n{command}"], cwd=self.path, env=self.environment,
-                                stdin=subprocess.DEVNULL, start_new_session=True)
+                                stdin=subprocess.DEVNULL, stdout=output, start_new_session=True)
+
+    def _run(self, command, name):
+        with tempfile.TemporaryFile("w+", encoding="utf-8") as output:
+            try:
+                self._finish(self._start(command, output), name)
+            finally:
+                output.seek(0)
+                text = output.read()
+                print(text, flush=True)
+            self.printed += text.splitlines()
 
     def run(self, command):
         command = INSTEAD.get(command, command).replace("HOST", "127.0.0.1")
@@ -194,11 +227,22 @@ class Folder:
             command += " -N | grep 'Total Tests: [1-9]'"
         if "--gtest_filter" in command:
             command += " --gtest_list_tests | grep '^  '"
-        self._finish(self._start(command), command)
+        self._run(command, command)
 
     def run_python(self, text):
         self.need_stream()
-        self._finish(self._start(f"/usr/bin/python3 - <<'END'\n{text}\nEND"), "the program")
+        self._run(f"/usr/bin/python3 - <<'END'\n{text}\nEND", "the program")
+
+    def save(self, text):
+        if name := re.match(r"# ([\w-]+\.toml): ", text):
+            (self.path / name[1]).write_text(text + "\n", encoding="utf-8")
+
+    def compare(self, text):
+        """Checks that the commands since the last comparison printed the lines of the text in their order."""
+        printed = (" ".join(line.split()) for line in self.printed)
+        for line in text.splitlines():
+            assert line == "..." or " ".join(line.split()) in printed, f"is not printed, or not in this order: {line}"
+        self.printed = []
 
     def _finish(self, process, command):
         try:
@@ -252,6 +296,10 @@ def main(root, build, document):
                     print(f"not run: {name}: the Python package is not built", flush=True)
                 elif language == "python":
                     folder.run_python(text)
+                elif language == "toml":
+                    folder.save(text)
+                elif language == "output":
+                    folder.compare(text)
                 else:
                     folder.run(text)
             folder.end_stream()

@@ -1,7 +1,7 @@
 // Tests the page in a real browser: page_test.mjs PROGRAM FOLDER. Prints a line for each promise that holds.
 import assert from 'node:assert/strict';
 import {execFileSync} from 'node:child_process';
-import {readFileSync} from 'node:fs';
+import {readFileSync, writeFileSync} from 'node:fs';
 
 import {browser, open} from './browser.mjs';
 import {startProgram} from './program.mjs';
@@ -60,6 +60,7 @@ const promises = {
     this.stream = startStream();
     await until(this.page, () => document.getElementById('state').dataset.state === 'running' && window.hertzline.own.drawn > 5);
     assert.equal(await this.page.isHidden('#trouble'), true);
+    assert.deepEqual(await this.page.locator('.stream-unit').allTextContents(), ['m/s', 'm/s']);
   },
   async 'shows every pixel\u2019s smallest and largest sample'() {
     await this.page.click('#hold');
@@ -160,6 +161,30 @@ const promises = {
     }
     assert.match(await this.page.textContent('#measures'), /harmonics/);
   },
+  async 'shows other channels beside it'() {
+    const rows = (count) => until(this.page, (wanted) => {
+      const {picture} = window.hertzline.waveform;
+      return picture?.rows === wanted && picture.traces.every(({low}) => !low.some(Number.isNaN));
+    }, count);
+    assert.equal(await this.page.isVisible('#channel'), false, 'v_out has one');
+    assert.equal(await this.page.isVisible('#stack'), false);
+    await this.page.selectOption('#beside', 'f_last');
+    await rows(2);
+    assert.equal(await this.page.locator('#beside-list button').count(), 0, 'the list shows a single one');
+    await this.page.selectOption('#beside', 'v_horn');
+    await rows(3);
+    assert.deepEqual(await this.page.evaluate(() => window.hertzline.waveform.channels),
+      [['v_out', 'm/s'], ['v_horn', 'm/s'], ['f_last', 'N']].map(([name, unit]) => ({name, stream: name, unit})));
+    const {sizes, places} = await this.page.evaluate(() => {
+      const {waveform} = window.hertzline;
+      return {sizes: waveform.picture.traces.map(({low, high}) => Math.max(...high, -Math.min(...low))), places: [1, 2].map((row) => waveform.placeOf(row))};
+    });
+    places.forEach(({high}, i) => assert.ok(high >= sizes[i + 1] && high < 1.2 * sizes[i + 1], 'each stream fills the window'));
+    await this.page.click('#beside-list button:has-text("v_horn")');
+    await rows(2);
+    await this.page.selectOption('#beside', '');
+    await rows(1);
+  },
   async 'shows the chain'() {
     await this.page.click('#chain-panel summary');
     await until(this.page, () => window.hertzline.chain.picture?.rows === 6);
@@ -175,6 +200,7 @@ const promises = {
     const knob = this.page.locator('[id="knob-drive.amplitude_m"]');
     await until(this.page, () => !document.getElementById('knob-drive.amplitude_m').disabled);
     assert.equal(await this.page.locator('[id="knob-drive.envelope"] option').count(), 3);
+    assert.equal(await this.page.locator('[id="knob-drive.file"]').isVisible(), false, 'a tone has no file');
     const peak = () => this.page.evaluate(() => Math.max(...window.hertzline.waveform.picture.high));
     const before = await peak();
     await knob.fill('-1');
@@ -337,6 +363,70 @@ const promises = {
     await touch('touchEnd');
     await until(page, (span) => window.hertzline.view.span_s < span / 2.8 && window.hertzline.view.span_s > span / 3.2, before);  // 150 apart in place of 50
     assert.deepEqual(await page.evaluate(() => ({...window.hertzline.waveform.cursors})), cursors);
+    assert.deepEqual(page.faults, []);
+    await page.context().close();
+  },
+  async 'shows a point beside the elements of an array, on a phone, and goes on when a change restarts it'() {
+    const file = `${folder}/array.toml`;
+    writeFileSync(file, '[drive]\nrepetition_hz = 1000\n[array]\nx_m = [-12e-3, 0, 12e-3]\ny_m = [0, 0, 0]\ncoupling = "none"\n'
+      + '[end]\nmodel = "modal"\n[output]\npoints_m = [[0, 0, 20e-3], [5e-3, 0, 20e-3]]\nsample_rate_hz = 1e6\n');
+    const [stream, knobs] = [`ipc://${folder}/array`, `ipc://${folder}/array-control`];
+    start('endpoint', 'stream', file, '--bind', stream, '--pace', '0.05', '--control', knobs, '--on-overrun', 'wait');
+    const page = await open(chromium, await start('scope', 'scope', '--connect', stream, '--http', '127.0.0.1:0', '--control', knobs).said,
+      {viewport: {width: 360, height: 740}, hasTouch: true, isMobile: true});
+    await until(page, () => window.hertzline.own.drawn > 3);
+    assert.equal(await page.evaluate(() => window.hertzline.view.channel), 'v_out[1]');
+    assert.equal(await page.isVisible('#chain-panel'), false, 'an array has no stream of a whole chain');
+    await page.selectOption('#stream', 'p_points');
+    await page.selectOption('#channel', 'p_points[2]');
+    await page.selectOption('#beside', {label: 'v_last: all 3'});
+    await until(page, () => window.hertzline.waveform.picture?.rows === 4);
+    assert.deepEqual(await page.locator('#beside-list button').allTextContents(), ['v_last[1] \u00d7', '[2] \u00d7', '[3] \u00d7']);
+    await page.click('#beside-list [title="without v_last[2]"]');
+    await until(page, () => window.hertzline.waveform.picture?.rows === 3);
+    assert.deepEqual(await page.evaluate(() => window.hertzline.waveform.channels.map(({name}) => name)), ['p_points[2]', 'v_last[1]', 'v_last[3]']);
+    await page.click('#stack');
+    const painted = await page.evaluate(() => {
+      const {waveform} = window.hertzline;
+      waveform.draw();
+      const {box, context} = waveform;
+      return [0, 1, 2].map((row) => {  // colours of the trace in its own lane, and of the others there
+        const {top, height} = waveform.placeOf(row);
+        const {data} = context.getImageData(box.left, top + 2, box.width / 2, height - 4);
+        const of = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
+        const count = (hex) => [...Array(data.length / 4).keys()].filter((i) => of(hex).every((part, k) => data[4 * i + k] === part)).length;
+        return ['#0072b2', '#00795c', '#a0408c'].map(count);
+      });
+    });
+    painted.forEach((counts, row) => counts.forEach((count, colour) => assert.ok(row === colour ? count > 50 : count === 0, JSON.stringify(painted))));
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= window.innerWidth), 'wider than the phone');
+    await page.evaluate(() => document.querySelectorAll('#knobs details').forEach((box) => { box.open = true; }));
+    const set = async (text, epoch) => {
+      const field = page.locator('[id="knob-array.focus_m"]');
+      await field.fill(text);
+      await field.press('Enter');
+      await until(page, (wanted) => window.hertzline.answer?.answer.epoch === wanted, epoch);
+      const sample = await page.evaluate(() => window.hertzline.answer.answer.applies_at_sample);
+      await until(page, (from) => window.hertzline.waveform.picture.trigger >= from, sample);
+      const noted = `Epoch ${epoch}, from sample ${sample} on: the motion began anew, from rest.`;
+      await until(page, (text_) => document.getElementById('noted-array.focus_m').textContent === text_, noted);
+      assert.equal(await page.textContent('#motion'), noted);
+      assert.ok(await page.evaluate(() => window.hertzline.waveform.picture.traces.every(({high}) => Math.max(...high) > 0)), 'it draws on');
+    };
+    await set('[3mm, 0, 20 mm]', 1);
+    await until(page, () => document.getElementById('use-array.focus_m').textContent === '[3 mm, 0 m, 20 mm] in use');
+    await set('', 2);
+    await until(page, () => document.getElementById('use-array.focus_m').textContent === '\u2013 in use');
+    await page.fill('[id="knob-array.preloads_n"]', '[0.1, 0.2]');
+    await page.press('[id="knob-array.preloads_n"]', 'Enter');
+    await until(page, () => document.getElementById('fault-array.preloads_n').textContent.includes('found 2 entries with 3 of array.x_m'));
+    const [download] = await Promise.all([page.waitForEvent('download'), page.click('#save-svg')]);
+    await download.saveAs(`${folder}/array.svg`);
+    assert.match(download.suggestedFilename(), /^hertzline-p_points_2-/);
+    const svg = readFileSync(`${folder}/array.svg`, 'utf8');
+    for (const words of ['p_points[2] beside v_last[1], v_last[3], from sample', '>v_last[1]: \u00b1', '>v_last[3]<']) {
+      assert.ok(svg.includes(words), `${words} is not in the picture`);
+    }
     assert.deepEqual(page.faults, []);
     await page.context().close();
   },

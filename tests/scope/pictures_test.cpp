@@ -14,9 +14,10 @@
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
+#include "scope/pictures/channel_history.hpp"
+#include "scope/pictures/kept_channels.hpp"
 #include "scope/pictures/level_trigger.hpp"
 #include "scope/pictures/picture.hpp"
-#include "scope/pictures/stream_history.hpp"
 #include "scope/pictures/view.hpp"
 
 namespace hertzline::scope {
@@ -132,7 +133,10 @@ TEST(LevelTrigger, TakesTheFirstCrossingAndNoneInTheHoldOff) {
 TEST(ViewRequest, RefusesWhatItDoesNotKnow) {
     EXPECT_EQ(*view_request(Json::object()), ViewRequest());
     for (const char* wrong :
-         {R"({"stream": "v_chain"})", R"({"stream": 1})", R"({"span_s": -1})", R"({"span_s": "1"})",
+         {R"({"channel": "v_chain"})", R"({"channel": 1})", R"({"channel": "v_last[0]"})",
+          R"({"channel": "v_last[-1]"})", R"({"channel": "v_last["})", R"({"channel": "v_last[]"})",
+          R"({"channel": "v_last[1"})", R"({"channel": "v_last[1] "})", R"({"beside": "v_last"})",
+          R"({"beside": ["v_last", "v_chain"]})", R"({"span_s": -1})", R"({"span_s": "1"})",
           R"({"columns": 1e9})", R"({"trigger": "edge"})", R"({"average": 0})", R"({"chain": 1})",
           R"({"chain": "v_out"})", R"({"chain": "x_chain"})", "[]"}) {
         const auto request = view_request(Json::parse(wrong));
@@ -141,16 +145,48 @@ TEST(ViewRequest, RefusesWhatItDoesNotKnow) {
     }
 }
 
+TEST(ViewRequest, NamesChannelsAsEntriesOfListsAreNamed) {
+    const auto request = view_request(Json{{"channel", "p_points[12]"}, {"beside", {"v_last", "v_last[3]"}}});
+    ASSERT_TRUE(request);
+    EXPECT_EQ(request->channel, (Channel{Tap::p_points, 12}));
+    EXPECT_EQ(request->beside, (std::vector{Channel{Tap::v_last, 1}, Channel{Tap::v_last, 3}}));
+}
+
+TEST(KeptChannels, EachHasTheSamplesOfItsOwn) {
+    KeptChannels channels;
+    for (const std::size_t number : {1, 3, 4}) {
+        channels.want({Tap::v_last, number}, 0);
+    }
+    channels.want({Tap::v_out, 1}, 0);
+    stream::ReceivedFrame frame;
+    frame.tap = Tap::v_last;
+    frame.header = header_at(100, Bursts(1e6, 1000), 1e6, 2);
+    frame.header.channels = 3;
+    frame.values = {10, 20, 30, 11, 21, 31};
+    channels.take(frame, 0, 1000, 0);
+    const auto samples = [&](Tap tap, std::size_t number) {
+        const SampleRing& ring = channels.want({tap, number}, 0).history.samples;
+        return std::vector{ring.at(100), ring.at(101)};
+    };
+    EXPECT_EQ(samples(Tap::v_last, 1), (std::vector{10.0F, 11.0F}));
+    EXPECT_EQ(samples(Tap::v_last, 3), (std::vector{30.0F, 31.0F}));
+    EXPECT_TRUE(channels.want({Tap::v_last, 4}, 0).history.samples.empty()) << "the stream has three";
+    EXPECT_TRUE(channels.want({Tap::v_out, 1}, 0).history.samples.empty());
+    EXPECT_EQ(channels.keep_wanted(1), TapSet(Tap::v_last) | Tap::v_out);
+    channels.want({Tap::v_last, 3}, 10);
+    EXPECT_EQ(channels.keep_wanted(10), TapSet(Tap::v_last));
+}
+
 /// Ten bursts of a thousand samples; each begins with an impulse of one sample.
-StreamHistory ten_bursts(double now_s) {
-    StreamHistory history;
+ChannelHistory ten_bursts(double now_s) {
+    ChannelHistory history;
     const Bursts bursts(1e6, 1000);
     for (std::uint64_t burst = 0; burst < 10; ++burst) {
         stream::ReceivedFrame frame;
         frame.header = header_at(1000 * burst, bursts, 1e6, 1000);
         frame.values.assign(1000, 0);
         frame.values.front() = static_cast<float>(burst + 1);
-        history.take(frame, 1000, now_s);
+        history.take(frame, 1, 1000, now_s);
     }
     return history;
 }
@@ -186,7 +222,7 @@ TEST(Picture, IsWrittenAsThePagesProtocolDeclares) {
     const std::string script = protocol_script();
     const std::size_t begin = script.find('{');
     const Json protocol = Json::parse(script.substr(begin, script.rfind('}') + 1 - begin));
-    const std::map<std::string, double> written{{"kind", 3},     {"version", 1},   {"flags", 9},
+    const std::map<std::string, double> written{{"kind", 3},     {"version", 2},   {"flags", 9},
                                                 {"columns", 2},  {"rows", 70'000}, {"epoch", 5},
                                                 {"trigger", 6},  {"first", -7},    {"samples", 8},
                                                 {"burst", 1e10}, {"rate_hz", 0.5}, {"received_at_s", 1.7e9}};
@@ -218,12 +254,12 @@ TEST(View, ShowsTheLatestBurstWhoseWindowIsWholeAndEachPictureOnce) {
     request.span_s = 1.5e-3;
     request.columns = 100;
     view.ask(request);
-    const StreamHistory history = ten_bursts(5);
-    const auto picture = view.picture(history, 5);
+    const ChannelHistory history = ten_bursts(5);
+    const auto picture = view.picture(history, {}, 5);
     ASSERT_TRUE(picture);
     EXPECT_EQ(trigger_of(*picture), 8000);
     EXPECT_EQ(number_at(*picture, 100), 9.0F) << "one sample of 1500, in the first column's largest";
-    EXPECT_FALSE(view.picture(history, 5));
+    EXPECT_FALSE(view.picture(history, {}, 5));
 }
 
 TEST(View, HoldsAllSamplesAroundATrigger) {
@@ -231,21 +267,64 @@ TEST(View, HoldsAllSamplesAroundATrigger) {
     ViewRequest request;
     request.columns = 100;
     view.ask(request);
-    StreamHistory history = ten_bursts(5);
-    ASSERT_TRUE(view.picture(history, 5));
+    ChannelHistory history = ten_bursts(5);
+    ASSERT_TRUE(view.picture(history, {}, 5));
     request.mode = ViewMode::hold;
     view.ask(request);
-    const auto held = view.picture(history, 5);
+    const auto held = view.picture(history, {}, 5);
     ASSERT_TRUE(held);
     EXPECT_TRUE(view.is_held());
-    history = StreamHistory();  // the stream is gone
+    history = ChannelHistory();  // the stream is gone
     request.span_s = 20e-6;
     request.from_s = -10e-6;
     view.ask(request);
-    const auto close = view.picture(history, 6);
+    const auto close = view.picture(history, {}, 6);
     ASSERT_TRUE(close);
     EXPECT_EQ(trigger_of(*close), trigger_of(*held));
     EXPECT_EQ(number_at(*close, 10), 10.0F);
+}
+
+TEST(View, ARowForEachChannelLiesInTheWindowOfTheFirst) {
+    View view;
+    ViewRequest request;
+    request.columns = 100;
+    request.mode = ViewMode::hold;
+    request.beside = {{Tap::v_last, 2}, {Tap::v_last, 3}};
+    view.ask(request);
+    const ChannelHistory first = ten_bursts(5);
+    ChannelHistory second = ten_bursts(5);
+    second.samples.append(9000, std::vector<float>(1000, 7));
+    const ChannelHistory third;  // no sample yet
+    const auto both = view.picture(first, std::vector<const ChannelHistory*>{&second, &third}, 5);
+    ASSERT_TRUE(both);
+    EXPECT_EQ(both->size(), sizeof(PictureHead) + sizeof(float) * 2 * 3 * 100);
+    EXPECT_EQ(number_at(*both, 300), 10.0F) << "largest of the first, then of the second, of the third";
+    EXPECT_EQ(number_at(*both, 400), 7.0F);
+    EXPECT_TRUE(std::isnan(number_at(*both, 500)));
+    second = ChannelHistory();  // what is held stays, whichever channels join or leave
+    request.beside = {{Tap::f_last, 1}, {Tap::v_last, 2}};
+    view.ask(request);
+    const auto joined = view.picture(first, std::vector<const ChannelHistory*>{&first, &second}, 6);
+    ASSERT_TRUE(joined);
+    EXPECT_EQ(number_at(*joined, 400), 10.0F);
+    EXPECT_EQ(number_at(*joined, 500), 7.0F);
+}
+
+TEST(View, WaitsForTheFramesOfTheOtherChannelsWhileTheyCome) {
+    ViewRequest request;
+    request.columns = 100;
+    request.beside = {{Tap::v_last, 2}};
+    const ChannelHistory first = ten_bursts(5);
+    ChannelHistory second;
+    second.samples.append(0, std::vector<float>(9500, 7));
+    const auto trigger_when = [&](double received_at_s) {
+        View view;
+        view.ask(request);
+        second.received_at_s = received_at_s;
+        return trigger_of(view.picture(first, std::vector<const ChannelHistory*>{&second}, 5).value());
+    };
+    EXPECT_EQ(trigger_when(5), 8000) << "its frame of the last burst is on its way";
+    EXPECT_EQ(trigger_when(4), 9000) << "it has stopped";
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ import urllib.request
 import numpy as np
 import zmq
 
-from page_socket import (CHAIN, EACH_SAMPLE, FORCES, HEAD, HELD, SPECTRUM, UNTRIGGERED, WAVEFORM, PageSocket, Picture,
-                         Refused)
+from page_socket import (CHAIN, EACH_SAMPLE, FORCES, HEAD, HELD, SPECTRUM, UNTRIGGERED, WAVEFORM, PageSocket, Picture, Refused,
+                         row_of)
 
 RATE_HZ, PERIOD = 10_000_000, 10_000
 LONG_ENOUGH_S = 100
@@ -81,7 +81,8 @@ class Stand:
         return _columns_of(file)[:count, 0]
 
     def check(self, picture, samples=None):
-        """Each column's smallest and largest sample are those of the run, to the last bit."""
+        """Each column's smallest and largest sample are those of the run, to the last bit.
+        Simulates for seconds: for pages that are closed, since the scope drops a page that does not read."""
         end = picture.first + picture.samples
         samples = self.samples(end) if samples is None else samples
         window = samples[picture.first:end]
@@ -101,15 +102,76 @@ def pictures_hold_every_sample(stand):
         page.say({"view": {"span_s": 1e-3, "columns": 777}})
         picture = page.picture(condition=lambda p: p.columns == 777)
         assert picture.trigger == picture.first == picture.burst * PERIOD and picture.flags == 0, picture
-        stand.check(picture)
         page.say({"view": {"from_s": 1.234e-4, "span_s": 2.5e-3, "columns": 1000}})  # over several bursts
-        picture = page.picture(condition=lambda p: p.samples == 25_000)
-        assert picture.first == picture.trigger + 1234
-        stand.check(picture)
+        several = page.picture(condition=lambda p: p.samples == 25_000)
+        assert several.first == several.trigger + 1234
         page.say({"view": {"from_s": 1e-4, "span_s": 3e-5, "columns": 500}})  # a column would hold less than a sample
-        picture = page.picture(condition=lambda p: p.flags & EACH_SAMPLE)
-        assert picture.columns == picture.samples == 301
-        stand.check(picture)
+        close = page.picture(condition=lambda p: p.flags & EACH_SAMPLE)
+        assert close.columns == close.samples == 301
+    for each in (picture, several, close):
+        stand.check(each)
+
+
+def other_channels_lie_in_the_same_window(stand):
+    others = ["v_horn", "v_last"]
+    with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
+        page.say({"view": {"span_s": 1e-3, "columns": 777, "beside": others}})
+        picture = page.picture(condition=lambda p: p.rows == 3 and not np.isnan(p.numbers).any())
+        assert picture.columns == 777 and picture.trigger == picture.first == picture.burst * PERIOD
+        page.say({"view": {"mode": "hold", "span_s": 1e-3, "columns": 777, "beside": others, "choice": 7}})
+        held = page.picture(condition=lambda p: p.flags & HELD)
+        assert page.text(lambda m: True)["choice"] == 7
+        page.say({"view": {"mode": "hold", "span_s": 2e-5, "from_s": 1e-4, "beside": others}})
+        close = page.picture(condition=lambda p: p.flags & EACH_SAMPLE)
+        assert close.trigger == held.trigger and close.samples == 201
+        page.say({"view": {"mode": "hold", "span_s": 2e-5, "from_s": 1e-4, "beside": others[1:]}})
+        assert np.array_equal(row_of(page.picture(condition=lambda p: p.rows == 2), 1).numbers, row_of(close, 2).numbers), "what is held stays"
+        for wrong in (["v_chain"], ["v_last[0]"], ["v_last[1"], ["v_last[1]x"], [3], "v_horn", 17 * ["v_horn"]):
+            page.say({"view": {"beside": wrong}})
+            replies = page.text(lambda m: any("error" in reply for reply in m.get("replies", [])))["replies"]
+            assert "view.beside: allowed" in replies[0]["error"], (wrong, replies)
+    for each in (picture, close):
+        for row, name in enumerate(["v_out", *others]):
+            stand.check(row_of(each, row), stand.samples(each.first + each.samples, name))
+
+
+def each_channel_is_that_of_its_element(stand):
+    """Of an array, of which each element is driven harder than the one before it."""
+    scene = stand.folder / "array.toml"
+    scene.write_text("""[drive]\nrepetition_hz = 1000\n[array]\nx_m = [-12e-3, 0, 12e-3]\ny_m = [0, 0, 0]\ncoupling = "none"
+amplitudes_m = [1e-6, 2e-6, 3e-6]\n[end]\nmodel = "modal"\nmodes = 1\n[medium]\nload = "added_mass"\n[numerics]\nstep_s = 0.5e-6\npoles = 20\n[output]\npoints_m = [[0, 0, 20e-3], [5e-3, 0, 20e-3]]\nsample_rate_hz = 1e6\n""")
+    shown = ["p_points[2]", "v_last[3]", "v_centre[1]"]
+    with stand.stream("--control", f"ipc://{stand.folder}/knobs", scene=scene, pace=0.02), \
+            stand.scope("--control", f"ipc://{stand.folder}/knobs") as scope, PageSocket(scope.url) as page:
+        view = {"channel": shown[0], "beside": shown[1:], "span_s": 1e-3, "columns": 100, "spectrum": True}
+        page.say({"view": view})
+        picture = page.picture(condition=lambda p: p.rows == 3 and not np.isnan(p.numbers).any())
+        of = page.text(lambda m: "measures" in m)
+        page.say({"record": {"stream": "v_last", "ending": "csv"}})
+        page.text(lambda m: "recording" in m and m["recording"]["samples"] > 1000)
+        page.say({"record": None})
+        recorded = page.text(lambda m: "recording" in m and not m["recording"]["on"])["recording"]["file"]
+        page.say({"view": view | {"beside": ["v_last[4]"]}})
+        assert np.isnan(row_of(page.picture(condition=lambda p: p.rows == 2), 1).numbers).all(), "there is no fourth element"
+        page.say({"set": {"array.amplitudes_m": "[3 um, 2 um, 1 um]"}})
+        answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
+        assert "applies_at_sample" in answer, answer
+        page.say({"view": view})
+        changed = page.picture(condition=lambda p: p.rows == 3 and p.trigger >= answer["applies_at_sample"]
+                               and not np.isnan(p.numbers).any())
+        now = page.knows(lambda m: m["scene"]["epoch"] == 1)["scene"]
+        assert (now["motion"], now["epoch_sample"]) == ("begins anew", answer["applies_at_sample"])
+    assert pathlib.Path(recorded).read_text().splitlines()[0].split(",")[1:] == [f"v_last_{k}_m_per_s" for k in (1, 2, 3)]
+    (stand.folder / "changes.json").write_text(json.dumps([{"sample": answer["applies_at_sample"], "set": {"array.amplitudes_m": [3e-6, 2e-6, 1e-6]}}]))
+    subprocess.run([stand.program, "run", scene, "--set", f"output.duration_s={(changed.first + changed.samples) / 1e6}", "--columns",
+                    "p_points,v_last,v_centre", "-o", stand.folder / "run.npy", "--changes", stand.folder / "changes.json"],
+                   check=True, stdout=subprocess.DEVNULL, timeout=LONG_ENOUGH_S)
+    rows = np.load(stand.folder / "run.npy")
+    for row, column in enumerate(["p_2_pa", "v_last_3_m_per_s", "v_centre_1_m_per_s"]):
+        for each in (picture, changed):
+            stand.check(row_of(each, row), rows[column].astype("<f4"))
+    first, count = of["measures_of"]["first_sample"], of["measures_of"]["samples"]
+    assert of["measures"]["peak"] == np.abs(rows["p_2_pa"].astype("<f4")[first:first + count]).max()
 
 
 def the_page_reads_the_layout_that_is_written(stand):
@@ -126,7 +188,7 @@ def the_page_reads_the_layout_that_is_written(stand):
     assert [place for _, _, place in protocol["head"]] == places
     assert protocol["kinds"] == {"waveform": WAVEFORM, "spectrum": SPECTRUM, "chain": CHAIN}
     assert protocol["flags"] == {"each_sample": EACH_SAMPLE, "untriggered": UNTRIGGERED, "held": HELD, "forces": FORCES}
-    assert (protocol["version"], protocol["max_columns"], protocol["held_samples"]) == (1, 4096, 1 << 21)
+    assert (protocol["version"], protocol["max_columns"], protocol["most_beside"], protocol["held_samples"]) == (2, 4096, 16, 1 << 21)
 
 
 def triggers_are_where_they_say(stand):
@@ -135,32 +197,32 @@ def triggers_are_where_they_say(stand):
         page.say({"view": view})
         page.picture(condition=lambda p: p.samples == 4000 and not p.flags & UNTRIGGERED)
         for _ in range(5):  # the first may lie within a burst; from then on the first crossing of each
-            picture = page.picture()
-        samples = stand.samples(picture.first + picture.samples)
-        assert samples[picture.trigger] >= np.float32(0.2) > samples[picture.trigger - 1]
-        burst = picture.trigger // PERIOD * PERIOD
-        assert not (samples[burst:picture.trigger] >= np.float32(0.2)).any(), "not the burst's first crossing"
-        stand.check(picture, samples)
+            rising = page.picture()
         page.say({"view": view | {"slope": "falling", "level": -0.1}})
-        picture = page.picture(condition=lambda p: p.trigger > picture.trigger + 10 * PERIOD)
-        samples = stand.samples(picture.first + picture.samples)
-        assert samples[picture.trigger] <= np.float32(-0.1) < samples[picture.trigger - 1]
+        falling = page.picture(condition=lambda p: p.trigger > rising.trigger + 10 * PERIOD)
         page.say({"view": view | {"level": 1e6}})  # never
         page.picture(condition=lambda p: p.flags & UNTRIGGERED)
+    samples = stand.samples(falling.first + falling.samples)
+    assert samples[rising.trigger] >= np.float32(0.2) > samples[rising.trigger - 1]
+    burst = rising.trigger // PERIOD * PERIOD
+    assert not (samples[burst:rising.trigger] >= np.float32(0.2)).any(), "not the burst's first crossing"
+    assert samples[falling.trigger] <= np.float32(-0.1) < samples[falling.trigger - 1]
+    for picture in (rising, falling):
+        stand.check(picture, samples)
 
 
 def what_is_held_can_be_looked_at_closely(stand):
     with stand.stream(), stand.scope() as scope, PageSocket(scope.url) as page:
         page.say({"view": {"mode": "single", "shot": 1, "span_s": 1e-3}})
         first = page.picture(condition=lambda p: p.flags & HELD)
-        stand.check(first)
         time.sleep(0.5)
         page.say({"view": {"mode": "single", "shot": 1, "span_s": 2e-5, "from_s": 1e-4}})
         close = page.picture()
         assert close.flags & HELD and close.trigger == first.trigger and close.samples == 201
-        stand.check(close)
         page.say({"view": {"mode": "single", "shot": 2, "span_s": 1e-3}})
         assert page.picture(condition=lambda p: p.flags & HELD and p.samples == 10_000).trigger > first.trigger
+    for picture in (first, close):
+        stand.check(picture)
 
 
 def spectra_have_the_measures_of_run(stand):
@@ -169,15 +231,15 @@ def spectra_have_the_measures_of_run(stand):
         spectrum = page.picture(SPECTRUM)
         text = page.text(lambda m: "measures" in m)
         of = text["measures_of"]
-        record = stand.samples(of["first_sample"] + of["samples"])[of["first_sample"]:]
-        assert of["samples"] == PERIOD and of["first_sample"] == of["burst"] * PERIOD == spectrum.trigger
-        assert text["measures"]["peak"] == np.abs(record).max()
-        said = subprocess.run([stand.program, "run", "paper-stream", "--set", f"output.duration_s={(PERIOD - 1) / RATE_HZ}", "--json"],
-                              check=True, capture_output=True, timeout=LONG_ENOUGH_S).stdout
-        run = json.loads(said)
-        for key in ("harmonics_db", "thd_r", "strongest_hz", "band_20db_low_hz", "band_20db_high_hz"):
-            assert np.allclose(text["measures"][key], run[key], rtol=0.01, atol=0.02), (key, text["measures"][key], run[key])
-        assert abs(np.nanmax(spectrum.numbers)) < 1e-6 and abs(spectrum.rate_hz * spectrum.columns - 8e5) < 1
+    record = stand.samples(of["first_sample"] + of["samples"])[of["first_sample"]:]
+    assert of["samples"] == PERIOD and of["first_sample"] == of["burst"] * PERIOD == spectrum.trigger
+    assert text["measures"]["peak"] == np.abs(record).max()
+    said = subprocess.run([stand.program, "run", "paper-stream", "--set", f"output.duration_s={(PERIOD - 1) / RATE_HZ}", "--json"],
+                          check=True, capture_output=True, timeout=LONG_ENOUGH_S).stdout
+    run = json.loads(said)
+    for key in ("harmonics_db", "thd_r", "strongest_hz", "band_20db_low_hz", "band_20db_high_hz"):
+        assert np.allclose(text["measures"][key], run[key], rtol=0.01, atol=0.02), (key, text["measures"][key], run[key])
+    assert abs(np.nanmax(spectrum.numbers)) < 1e-6 and abs(spectrum.rate_hz * spectrum.columns - 8e5) < 1
 
 
 def the_chain_is_that_of_run(stand):
@@ -360,16 +422,18 @@ def a_stream_is_lost_and_found_again(stand):
         assert "hertzline stream" in text["state_text"]
         with stand.stream() as stream:
             run = page.text(lambda m: "scene" in m and "run" in m["scene"])["scene"]["run"]
-            stand.check(page.picture())
+            pictures = [page.picture()]
             stream.process.kill()
             text = page.text(lambda m: m.get("state") == "silent")
             assert "shown again" in text["state_text"]
         with stand.stream() as stream:
             assert page.text(lambda m: "scene" in m)["scene"]["run"] != run
             page.text(lambda m: m.get("state") == "running")
-            stand.check(page.picture())
+            pictures.append(page.picture())
             stream.interrupt()
             assert page.text(lambda m: m.get("state") == "ended")["state_text"]
+    for picture in pictures:
+        stand.check(picture)
 
 
 def the_scene_and_what_is_heard_are_saved(stand):
@@ -389,9 +453,9 @@ def the_scene_and_what_is_heard_are_saved(stand):
         data = np.fromfile(state["file"].replace(".sigmf-meta", ".sigmf-data"), "<f4")
         meta = json.loads(pathlib.Path(state["file"]).read_text())
         first = meta["captures"][0].get("core:global_index", 0)
-        assert np.array_equal(data, stand.samples(first + len(data), "v_last")[first:])
         page.say({"record": {"stream": "v_last", "ending": "../../x"}})
         page.text(lambda m: any("record" in r.get("error", "") for r in m.get("replies", [])))
+    assert np.array_equal(data, stand.samples(first + len(data), "v_last")[first:])
 
 
 def knobs_ask_the_stream(stand):
@@ -454,15 +518,15 @@ def a_turned_knob_is_seen_from_its_sample_on(stand):
         answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
         picture = page.picture(condition=lambda p: p.trigger >= answer["applies_at_sample"])
         assert picture.epoch == answer["epoch"] == 1
-        change = {"sample": answer["applies_at_sample"], "set": {"drive.amplitude_m": 1.5e-6}}
-        (stand.folder / "changes.json").write_text(json.dumps([change]))
-        end = picture.first + picture.samples
-        stand.check(picture, stand.samples(end, "v_out", "paper-stream", "--changes", stand.folder / "changes.json"))
         page.knows(lambda m: m["knobs"]["values"]["drive.amplitude_m"]["value"] == 1.5e-6)
         page.knows(lambda m: m["scene"]["scene"]["drive"]["amplitude_m"] == 1.5e-6)
         page.say({"undo": True})
-        answer = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
-        assert page.picture(condition=lambda p: p.trigger >= answer["applies_at_sample"]).epoch == 2
+        undone = page.text(lambda m: "replies" in m)["replies"][0]["answer"]
+        assert page.picture(condition=lambda p: p.trigger >= undone["applies_at_sample"]).epoch == 2
+    change = {"sample": answer["applies_at_sample"], "set": {"drive.amplitude_m": 1.5e-6}}
+    (stand.folder / "changes.json").write_text(json.dumps([change]))
+    end = picture.first + picture.samples
+    stand.check(picture, stand.samples(end, "v_out", "paper-stream", "--changes", stand.folder / "changes.json"))
 
 
 def a_stream_brings_its_scope_along(stand):

@@ -61,9 +61,18 @@ TEST(FieldGrid, NamesWhatIsWrong) {
     EXPECT_THAT(fault_in("x=1mm..2mm:5"), HasSubstr("with z"));
     EXPECT_THAT(fault_in("z=0,r=1mm"), HasSubstr("found \"r=1mm\", allowed: x, y and z once each"));
     EXPECT_THAT(fault_in("z=0,z=1mm"), HasSubstr("once each"));
-    EXPECT_THAT(fault_in("z=-1mm..1mm:3"), HasSubstr("z: found -0.001, allowed: at least 0"));
-    EXPECT_THAT(fault_in("z=1s"), HasSubstr("1s"));
-    EXPECT_THAT(fault_in("z=0..11:4"), HasSubstr("-10 to 10"));
+    EXPECT_EQ(fault_in("z"), "found \"z\", allowed: x, y and z once each, as x=-8mm..8mm:81 or z=10mm");
+    EXPECT_EQ(fault_in("z="), "z: found \"\", allowed: a number from 0 to 10 m");
+    EXPECT_EQ(fault_in("z=-1mm..1mm:3"), "z: found \"-1mm\", allowed: a number from 0 to 10 m");
+    EXPECT_EQ(fault_in("x=20,z=0"), "x: found 20, allowed: a number from -10 to 10 m");
+    EXPECT_THAT(fault_in("z=1s"),
+                HasSubstr("z: found \"1s\", allowed: a number from 0 to 10 m (m, with any"));
+    EXPECT_EQ(fault_in("z=0,y=2mm..1mm:3"),
+              "y: found \"2mm..1mm\", allowed: a range that goes up: FROM below TO");
+    EXPECT_EQ(fault_in("z=0..1mm:0"), "z: found \"0\", allowed: a count from 2 to 100000000");
+    EXPECT_EQ(fault_in("z=0..1mm"), "z: found \"0..1mm\", allowed: z=FROM..TO:COUNT[:lin|log] or z=A,B,C");
+    EXPECT_EQ(fault_in("z=1mm,1e-3"), "z: found \"1e-3\", allowed: each value once");
+    EXPECT_EQ(parse_grid(wet_scene(), "x=1kg,z=-1").error().size(), 2U);
     EXPECT_THAT(fault_in("z=0..1:4000,x=0..1:4000"),
                 HasSubstr("found 16000000 points, allowed: 1000000 at most"));
 }

@@ -96,6 +96,7 @@ TEST(SweepPlan, EveryKeyOfASceneVaries) {
         }
         const auto value = key.value(base());
         const std::string values = value                         ? value_text(*value)
+                                   : key.traits.is_text          ? "any text"
                                    : key.kind == ValueKind::word ? key.words.front()
                                                                  : value_text(key.range.max);
         const SweepPlan plan = grid_of({key.name + "=" + values});
@@ -259,8 +260,9 @@ TEST(SweepPlan, RangesThatAreNoneAreNamed) {
         EXPECT_THAT(faults_of(std::string("chain.preload_n=0..1:") + count),
                     HasSubstr("a count from 2 to 100000000"));
     }
-    EXPECT_THAT(faults_of("chain.preload_n=0..1"), HasSubstr("KEY=FROM..TO:COUNT[:lin|log]"));
-    EXPECT_THAT(faults_of("chain.preload_n=0..1:sqrt:3"), HasSubstr("KEY=FROM..TO:COUNT[:lin|log]"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..1"), HasSubstr("chain.preload_n=FROM..TO:COUNT[:lin|log]"));
+    EXPECT_THAT(faults_of("chain.preload_n=0..1:sqrt:3"),
+                HasSubstr("chain.preload_n=FROM..TO:COUNT[:lin|log]"));
     EXPECT_THAT(faults_of({{"chain.preload_n=0..1:9"}, "", "", 9}), HasSubstr("without a count"));
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <stdexcept>
 
 #include <gmock/gmock.h>
@@ -39,6 +40,41 @@ TEST(StudyVerbs, AListOfPointsTakesTheValuesTogether) {
     EXPECT_EQ(table["chain.preload_n"], (std::vector<double>{0.05, 0.2}));
     EXPECT_EQ(table.waveforms.size(), 2 * table.waveform_samples);
     EXPECT_EQ(table.waveform_samples, 5001U);
+}
+
+TEST(StudyVerbs, WaveformsHaveAllChannels) {
+    Scene scene;
+    scene.output.duration_s = 20e-6;
+    const StudyTable table =
+        sweep(scene, {{"chain.spheres", std::vector<std::int64_t>{2, 3}}}, {.waveforms = "v_chain"});
+    ASSERT_EQ(table.waveform_samples, 201U);
+    ASSERT_EQ(table.waveform_channels, 3U);
+    ASSERT_EQ(table.waveforms.size(), 2U * 201 * 3);
+    for (std::size_t point = 0; point < 2; ++point) {
+        scene.chain.spheres = 2 + static_cast<std::int64_t>(point);
+        scene.numerics.step_s = table["step_s"][point];
+        std::vector<double> v;
+        RunOptions options{.recorded = Tap::v_chain};
+        options.take = [&](const Samples& block) {
+            v.insert(v.end(), block[Tap::v_chain].begin(), block[Tap::v_chain].end());
+            return true;
+        };
+        run(scene, options);
+        ASSERT_EQ(v.size(), 201 * (2 + point));
+        for (std::size_t i = 0; i < 201 * 3; ++i) {
+            const float found = table.waveforms[point * 201 * 3 + i];
+            const std::size_t sphere = i % 3;
+            if (sphere < 2 + point) {
+                ASSERT_EQ(found, static_cast<float>(v[i / 3 * (2 + point) + sphere]));
+            } else {
+                ASSERT_TRUE(std::isnan(found));
+            }
+        }
+    }
+    EXPECT_THAT(error_of([&] {
+                    sweep(scene, {{"chain.preload_n", std::vector<double>{0.1}}}, {.waveforms = "v_chian"});
+                }),
+                HasSubstr("waveforms: found \"v_chian\", allowed: v_out, v_last, v_plate, v_chain"));
 }
 
 TEST(StudyVerbs, EveryFaultIsThrownAtOnce) {

@@ -30,6 +30,7 @@ Study sweep_of(const std::string& vary = "chain.preload_n=0.1..1:5") {
     options.columns = measures::number_columns(options.measured, false);
     options.waveform = Tap::v_out;
     options.waveform_samples = 3;
+    options.waveform_channels = 2;
     options.band_from_hz = 1e3;
     return {*std::move(plan), options, {2, 3}};
 }
@@ -48,6 +49,7 @@ TEST(SweepOfAJournal, IsTheSweepThatWroteIt) {
     EXPECT_EQ(again.shard, sweep.shard);
     EXPECT_EQ(again.options.measured, sweep.options.measured);
     EXPECT_EQ(again.options.waveform_samples, 3U);
+    EXPECT_EQ(again.samples(), 6U);
     EXPECT_EQ(again.plan.name(4), sweep.plan.name(4));
     ASSERT_EQ(again.options.columns.size(), sweep.options.columns.size());
     for (std::size_t i = 0; i < again.options.columns.size(); ++i) {
@@ -77,7 +79,7 @@ TEST(SweepOfAJournal, OfAnotherProgramOrPlanIsTold) {
 }
 
 recordings::WrittenTable written(const Study& sweep) {
-    recordings::WrittenTable table{{}, sweep.samples() > 0, provenance_of(sweep)};
+    recordings::WrittenTable table{{}, provenance_of(sweep)};
     for (const recordings::TableColumn& column : columns_of(sweep)) {
         table.columns.push_back(column.about.name);
     }
@@ -90,8 +92,10 @@ TEST(TableOfAStudy, OfAnotherProgramOrPlanIsTold) {
     const auto differs = [&](const Study& other) { return *table_difference(written(other), here); };
     EXPECT_THAT(differs(sweep_of("chain.preload_n=0.1..1:6")), HasSubstr("--vary"));
     Study other = sweep_of();
-    other.options.waveform = std::nullopt;
-    EXPECT_THAT(differs(other), HasSubstr("--waveforms"));
+    for (const std::optional<Tap> waveform : {std::optional<Tap>(), std::optional(Tap::v_last)}) {
+        other.options.waveform = waveform;
+        EXPECT_THAT(differs(other), HasSubstr("--waveforms"));
+    }
     other = sweep_of();
     other.options.columns.pop_back();
     EXPECT_THAT(differs(other), HasSubstr("another --quantity"));
@@ -104,7 +108,7 @@ TEST(TableOfAStudy, OfAnotherProgramOrPlanIsTold) {
     recordings::WrittenTable older = written(here);
     older.provenance["version"] = "0.0.1";
     EXPECT_THAT(*table_difference(older, here), HasSubstr("the version \"0.0.1\""));
-    EXPECT_THAT(*table_difference({{"t_s"}, false, nullptr}, here), HasSubstr("no table"));
+    EXPECT_THAT(*table_difference({{"t_s"}, nullptr}, here), HasSubstr("no table"));
 }
 
 TEST(SweepOfAJournal, ThatTellsOfNoneIsRefused) {
@@ -113,7 +117,8 @@ TEST(SweepOfAJournal, ThatTellsOfNoneIsRefused) {
           changed("scene", 1), changed("scene", "[chain]\nspheres = 0\n"), changed("vary", 1),
           changed("points", 1), changed("sobol", "many"), changed("maximise", "thd_r"), changed("columns", 3),
           changed("columns", {1}), changed("measured", {"v_nothing"}), changed("waveform", 7),
-          changed("shard", {4, 3}), changed("shard", 1), changed("waveform_samples", "many")}) {
+          changed("shard", {4, 3}), changed("shard", 1), changed("waveform_samples", "many"),
+          changed("waveform_channels", 1e9)}) {
         EXPECT_THAT(error_of([&] { sweep_of_journal(text); }), Not(IsEmpty())) << text;
     }
 }

@@ -9,7 +9,10 @@
 
 #include "core/integrators/stability.hpp"
 #include "core/model/chain.hpp"
+#include "core/model/drive.hpp"
 #include "core/model/end.hpp"
+#include "core/model/horn.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/scene_words.hpp"
 #include "tests/support/draw.hpp"
 
@@ -208,6 +211,38 @@ void draw_row(Draw& draw, Scene& scene) {
     }
 }
 
+/// Draws a record of the tone's motion, with noise, in place of the tone, and a horn that gives way.
+void draw_horn(Draw& draw, Scene& scene) {
+    Drive& drive = scene.drive;
+    if (drive.kind == DriveKind::none) {
+        return;
+    }
+    if (draw.one_in(3)) {
+        const double rate = size(draw, 15, 200) * drive.frequency_hz;
+        const bool velocity = draw.one_in(2);
+        const double noise = draw.one_in(2) ? 0 : draw.magnitude(1e-7, 1e-4);
+        const auto tone = make_horn(drive, 1 / rate);
+        const double rest_s = draw.between(0, 3) / drive.frequency_hz;
+        const auto count =
+            static_cast<std::int64_t>(std::ceil((drive.cycles / drive.frequency_hz + rest_s) * rate));
+        const double largest = velocity ? largest_velocity(drive) : drive.amplitude_m;
+        for (std::int64_t i = 0; i < count; ++i) {
+            const HornMotion now = tone->at(i, 0);
+            drive.samples.push_back((velocity ? now.v : now.x) + noise * largest * draw.between(-1, 1));
+        }
+        drive.kind = DriveKind::file;
+        drive.quantity = velocity ? DriveQuantity::velocity : DriveQuantity::displacement;
+        drive.sample_rate_hz = rate;
+        drive.sweep_to_hz.reset();
+    }
+    if (draw.one_in(3)) {
+        drive.horn = HornModel::resonator;
+        drive.horn_frequency_hz = rounded(drive.frequency_hz * draw.between(0.7, 1.4));
+        drive.horn_quality = size(draw, 1, 300);
+        drive.horn_mass_kg = draw.zero_or(size(draw, 1e-6, 1e-2));
+    }
+}
+
 /// Returns the rough travel time of a wave to the end [s]. Without preload the wave slows down after its first impact.
 double travel_s(const Scene& scene) {
     const Chain chain(scene);
@@ -229,6 +264,44 @@ double duration_s(const Scene& scene, Kind kind) {
     }
     const double periods = drive.repetition_hz > 0 ? 2.2 / drive.repetition_hz : 0;
     return std::min(longest_s, std::max({500e-6, 2 * burst + travel, periods}));
+}
+
+/// Discs in a square, one or two diameters apart, with drives and chains that differ in part.
+void draw_elements(Draw& draw, Scene& scene) {
+    Array& array = scene.array;
+    const std::int64_t wanted = draw.one_in(4) ? draw.whole(8, 19) : draw.whole(2, 7);
+    const double a = scene.end.radius_m;
+    const double side = a * 2.2 * (1 + std::sqrt(static_cast<double>(wanted)));
+    for (int tries = 0; std::ssize(array.x_m) < wanted && tries < 1000; ++tries) {
+        const double x = rounded(draw.between(0, side), 4);
+        const double y = rounded(draw.between(0, side), 4);
+        bool free = true;
+        for (std::size_t i = 0; i < array.x_m.size(); ++i) {
+            free = free && std::hypot(array.x_m[i] - x, array.y_m[i] - y) >= 2 * a;
+        }
+        if (free) {
+            array.x_m.push_back(x);
+            array.y_m.push_back(y);
+        }
+    }
+    const bool focused = draw.one_in(2);
+    if (focused) {
+        array.focus_m = {rounded(draw.between(0, side)), rounded(draw.between(0, side)),
+                         size(draw, 5e-3, 80e-3)};
+    }
+    const bool by_preload = draw.one_in(3);
+    for (std::size_t i = 0; i < array.x_m.size(); ++i) {
+        if (!focused) {
+            array.delays_s.push_back(rounded(draw.between(0, 6e-6)));
+        }
+        if (by_preload) {
+            array.preloads_n.push_back(rounded(scene.chain.preload_n * draw.between(0.5, 2)));
+        }
+    }
+    array.coupling = draw.one_in(4) ? Coupling::none : Coupling::fluid;
+    scene.output.points_m = {
+        {side / 2, side / 2, size(draw, 5e-3, 60e-3)},
+        {rounded(draw.between(0, side)), rounded(draw.between(0, side)), size(draw, 2e-3, 60e-3)}};
 }
 
 /// Removes unused materials.
@@ -305,12 +378,32 @@ DesignScene mixed_design_scene(std::uint64_t seed, std::uint64_t index) {
         draw_chain(draw, scene, kind);
         draw_end(draw, scene);
         draw_row(draw, scene);
+        draw_horn(draw, scene);
         drop_unused(scene);
         if (!validate(scene).empty() || !model_faults(scene).empty()) {
             continue;
         }
         scene.output.duration_s = std::round(1e7 * duration_s(scene, kind)) / 1e7;
         if (scene.output.duration_s <= longest_s) {
+            return design;
+        }
+    }
+}
+
+DesignScene array_design_scene(std::uint64_t seed, std::uint64_t index) {
+    const Draw drawing = Draw(seed + 3'000'000).branch(index);
+    for (std::uint64_t attempt = 0;; ++attempt) {
+        Draw draw = drawing.branch(attempt);
+        DesignScene design = wet_design_scene(draw.whole(1, 1'000'000'000), 0);
+        Scene& scene = design.scene;
+        scene.medium.load = FluidLoad::radiation;
+        scene.output.duration_s = std::min(scene.output.duration_s, 400e-6);
+        draw_elements(draw, scene);
+        bool possible = validate(scene).empty();
+        for (std::size_t i = 0; possible && i < scene.array.x_m.size(); ++i) {
+            possible = model_faults(element_scene(scene, i)).empty();
+        }
+        if (possible) {
             return design;
         }
     }
@@ -326,6 +419,17 @@ std::string description(const Scene& scene) {
                   chain.preload_n, chain.damping_kg_per_s, 1e-3 * drive.frequency_hz, drive.cycles,
                   std::string(word(drive.envelope)).c_str(), 1e6 * drive.amplitude_m);
     std::string all = text.data();
+    if (drive.kind == DriveKind::file) {
+        std::snprintf(text.data(), text.size(), " as a record of %zu samples at %.3g Hz",
+                      drive.samples.size(), drive.sample_rate_hz.value_or(0));
+        all += text.data();
+    }
+    if (drive.horn == HornModel::resonator) {
+        std::snprintf(text.data(), text.size(), " by a horn of %.3g kHz, Q %.3g, %.3g g",
+                      1e-3 * drive.horn_frequency_hz.value_or(drive.frequency_hz), drive.horn_quality,
+                      1e3 * drive.horn_mass_kg);
+        all += text.data();
+    }
     if (drive.repetition_hz > 0) {
         std::snprintf(text.data(), text.size(), " repeated at %.3g Hz", drive.repetition_hz);
         all += text.data();

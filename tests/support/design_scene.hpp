@@ -23,8 +23,12 @@ DesignScene design_scene(std::uint64_t seed, std::uint64_t index);
 /// and in half of the scenes points anywhere.
 DesignScene wet_design_scene(std::uint64_t seed, std::uint64_t index);
 
-/// Draws a chain of different spheres with a horn or a striker, weights and a holder, with any law of damping.
+/// Draws a chain of different spheres with a horn or a striker, weights and a holder, with any law of damping. A third of the horns move as
+/// records do, and a third are resonators.
 DesignScene mixed_design_scene(std::uint64_t seed, std::uint64_t index);
+
+/// The same of an array of 2 to 19 chains on modal plates.
+DesignScene array_design_scene(std::uint64_t seed, std::uint64_t index);
 
 /// Describes a scene in a line: "6 aluminium 1 mm, F0 0.1, l 0.32, 73 kHz x25 hann 3 um, plate pyrex".
 /// Preload in N, damping l in kg/s.

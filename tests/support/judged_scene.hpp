@@ -42,7 +42,7 @@ struct Truth {
     double error = 0;  ///< of the reference itself, relative L2
 };
 
-/// Runs taylor12 with the shortest useful pieces. Another run with longer ones gives the error.
+/// Runs taylor12 with the shortest useful pieces. Another run with longer ones, and another fit of a modal plate, gives the error.
 Truth truth_of(const Scene& scene);
 
 /// Reads the independent solution of random_references(). Its error is its difference from the run of truth_of().

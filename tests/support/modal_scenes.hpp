@@ -80,8 +80,8 @@ inline void expect_parts_to_match(Simulation& parts, const Samples& expected, st
 using Columns = std::map<std::string, std::vector<double>>;
 
 /// Reads a file's columns by the names in its head.
-inline Columns read_columns(const std::string& file) {
-    std::ifstream in(std::string(HERTZLINE_SOURCE_DIR "/tests/reference/modal/") + file + ".csv");
+inline Columns read_columns(const std::string& file, const std::string& folder = "modal") {
+    std::ifstream in(HERTZLINE_SOURCE_DIR "/tests/reference/" + folder + "/" + file + ".csv");
     std::string line;
     std::getline(in, line);
     std::vector<std::string> names;

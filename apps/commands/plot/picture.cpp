@@ -22,6 +22,7 @@
 #include <unistd.h>
 
 #include "apps/command.hpp"
+#include "apps/commands/plot/plot_files.hpp"
 #include "apps/console/signals.hpp"
 #include "core/scene/json.hpp"
 #include "core/scene/text.hpp"
@@ -39,8 +40,6 @@ namespace fs = std::filesystem;
 constexpr int plot_modules_missing = 3;  // a module of Python
 constexpr int plot_not_a_sweep = 4;      // the file holds none
 constexpr int plot_wrong_use = 5;        // an option that the file cannot satisfy
-
-constexpr std::array endings{".png", ".svg", ".pdf"};
 
 /// Names of Python. The path's comes first: a virtual environment may have matplotlib.
 constexpr std::array pythons{"python3", "/usr/bin/python3"};
@@ -120,13 +119,25 @@ std::optional<int> wait_for(pid_t process) {
     return status;
 }
 
+/// Writes a temporary file.
+void save_bytes(const fs::path& path, std::string_view bytes) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!file.flush()) {
+        recordings::cannot_write(path, std::generic_category().message(errno));
+    }
+}
+
 /// Runs the script in the folder on a file, to draw the staged file. @returns its exit status if it can
 /// draw, or nothing when it was stopped @throws WrongUse, std::runtime_error with the fault
 std::optional<int> run_script(const fs::path& folder, recordings::StagedFile& picture,
                               const std::string& format, const fs::path& source,
                               const std::vector<std::string>& options) {
     const fs::path script = folder / "hertzline_plot.py";
-    std::ofstream(script) << plot_script;
+    for (const PlotFile& file : plot_files) {
+        fs::create_directories((folder / file.path).parent_path());
+        save_bytes(folder / file.path, file.text);
+    }
     std::string missing;
     for (const char* python : pythons) {
         const fs::path messages = folder / "messages";
@@ -174,15 +185,6 @@ public:
     const fs::path path;
 };
 
-/// Writes a temporary file.
-void save_bytes(const fs::path& path, std::string_view bytes) {
-    std::ofstream file(path, std::ios::binary);
-    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    if (!file.flush()) {
-        recordings::cannot_write(path, std::generic_category().message(errno));
-    }
-}
-
 /// Writes the numbers of a picture: smallest and largest of each column's stretches, then each column's samples for the spectrum.
 void save_numbers(const fs::path& path, const Outline& outline) {
     std::vector<double> numbers;
@@ -197,6 +199,43 @@ void save_numbers(const fs::path& path, const Outline& outline) {
         }
     }
     save_bytes(path, {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(double)});
+}
+
+/// The drive of a recording whose picture shows the horn, where it moved as a record did; null: otherwise.
+Json recorded_drive(const recordings::RecordingHead& head) {
+    const bool shows_horn = std::ranges::any_of(
+        head.columns, [](const recordings::Column& column) { return column.quantity.ends_with("_horn"); });
+    const OutsideJson provenance(head.provenance);
+    return shows_horn && provenance.text("scene/drive/kind") == "file" ? provenance.at("scene/drive")
+                                                                       : Json(nullptr);
+}
+
+/// Returns the script's options for a table.
+std::vector<std::string> options_of(const SweepChoice& choice) {
+    std::vector<std::string> options;
+    if (!choice.quantities.empty()) {
+        options.push_back(fmt::format("--quantity={}", fmt::join(choice.quantities, ",")));
+    }
+    if (!choice.waveforms.empty()) {
+        options.push_back(fmt::format("--columns={}", fmt::join(choice.waveforms, ",")));
+    }
+    const FieldView& view = choice.view;
+    if (!view.kind.empty()) {
+        options.push_back("--kind=" + view.kind);
+        options.push_back(fmt::format("--from={}", view.window.from_s));
+        options.push_back(fmt::format("--to={}", view.window.to_s));
+    }
+    if (!view.at.empty()) {
+        std::vector<std::string> points;
+        for (const studies::Point& point : view.at) {
+            points.push_back(fmt::format("{}", fmt::join(point, ",")));
+        }
+        options.push_back(fmt::format("--at={}", fmt::join(points, ";")));
+    }
+    if (view.frames) {
+        options.push_back(fmt::format("--frames={}", *view.frames));
+    }
+    return options;
 }
 
 /// Describes a recording and its numbers for the script.
@@ -217,6 +256,7 @@ Json description_of(const RecordingOutline& recording) {
             {"columns", std::move(columns)},
             {"sample_rate_hz", head.sample_rate_hz},
             {"drive_hz", drive && *drive > 0 ? Json(*drive) : Json(nullptr)},
+            {"drive", recorded_drive(head)},
             {"epochs", std::move(epochs)},
             {"first", recording.outline.first()},
             {"end", recording.outline.end()},
@@ -243,7 +283,7 @@ std::vector<std::size_t> columns_in_picture(const recordings::RecordingHead& hea
     return shown;
 }
 
-std::optional<std::string> picture_fault(const fs::path& picture) {
+std::optional<std::string> picture_fault(const fs::path& picture, std::span<const char* const> endings) {
     if (std::ranges::find(endings, recordings::recording_ending(picture)) != endings.end()) {
         return std::nullopt;
     }
@@ -276,13 +316,8 @@ Drawn draw_sweep(const fs::path& picture, const fs::path& table, const SweepChoi
                  const std::string& title) {
     recordings::StagedFile file(picture, recordings::StagedFile::Devices::refused);
     const Folder folder;
-    std::vector<std::string> options{"--title=" + title};
-    if (!choice.quantities.empty()) {
-        options.push_back(fmt::format("--quantity={}", fmt::join(choice.quantities, ",")));
-    }
-    if (!choice.waveforms.empty()) {
-        options.push_back(fmt::format("--columns={}", fmt::join(choice.waveforms, ",")));
-    }
+    std::vector<std::string> options = options_of(choice);
+    options.push_back("--title=" + title);
     const auto status = run_script(folder.path, file, recordings::recording_ending(picture).substr(1),
                                    fs::absolute(table), options);
     if (!status) {

@@ -1,6 +1,7 @@
-// hertzline plot: a picture of recordings, or of a sweep.
+// hertzline plot: a picture of recordings, of a sweep or of a field.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -25,6 +26,7 @@
 #include "core/scene/text.hpp"
 #include "core/scene/units.hpp"
 #include "recordings/recording_formats.hpp"
+#include "studies/field.hpp"
 
 namespace hertzline::app {
 
@@ -38,12 +40,22 @@ constexpr const char* examples =
     "pixel, with a spectrum of the first million samples without a gap; live changes are marked. Several "
     "recordings lie over each other. Of a sweep: curves over the key that varies, or a map over two, with "
     "the points that failed marked; with --columns its waveforms. Of a search: its measure over each key. "
+    "Of a field: the beam, with lines at -6, -12 and -20 dB; of one made with --waveforms also the spectrum "
+    "at a point, "
+    "the pressure over time along a line (waterfall), and over a plane as a movie, an animated GIF. "
     "Needs Python with matplotlib.\n"
     "Examples:\n"
     "  hertzline plot burst.csv -o burst.png\n"
     "  hertzline plot live.h5 -o live.svg --columns v_out,f_last --from 0.5 --to 0.501\n"
     "  hertzline plot simulated.h5 measured.csv -o both.png --columns v_out\n"
-    "  hertzline plot sweep.h5 -o sweep.png --quantity bandwidth_20db_hz";
+    "  hertzline plot sweep.h5 -o sweep.png --quantity bandwidth_20db_hz\n"
+    "  hertzline plot plane.h5 -o focus.png --kind spectrum --at x=0,10mm,z=40mm\n"
+    "  hertzline plot line.h5 -o line.png --kind waterfall --from 100us --to 200us\n"
+    "  hertzline plot plane.h5 -o plane.gif --kind movie --from 100us --to 150us --frames 100";
+
+/// The views of a field. The last one moves.
+constexpr std::array field_kinds{"beam", "spectrum", "waterfall", "movie"};
+constexpr std::array moving_endings{".gif"};
 
 struct PlotOptions {
     std::vector<std::string> recordings;
@@ -53,6 +65,9 @@ struct PlotOptions {
     std::string from;                     ///< time; empty: the beginning
     std::string to;                       ///< empty: the end
     std::optional<double> sample_rate_hz;
+    std::string kind;           ///< view of a field; empty: its beam
+    std::string at;             ///< points of a field, as --plane gives them
+    std::optional<int> frames;  ///< of a movie
 };
 
 bool is_called(const recordings::Column& column, const std::string& name) {
@@ -121,12 +136,6 @@ recordings::RecordingHead head_of_columns(const recordings::RecordingHead& head,
     }
     return part;
 }
-
-/// The times that are drawn [s].
-struct Window {
-    double from_s = 0;
-    double to_s = std::numeric_limits<double>::infinity();
-};
 
 /// Returns a time, with its unit or in seconds; nothing where the text is none.
 std::optional<double> seconds_in(const std::string& text) {
@@ -200,16 +209,21 @@ Exit exit_of(Drawn drawn) {
     return drawn == Drawn::yes ? Exit::done : Exit::failed;
 }
 
-/// Draws a sweep. @returns nothing when the file is none
-std::optional<Exit> plot_sweep(const PlotOptions& options) {
-    stop_asked();  // from here on there are files to be cleaned up
+/// Draws a sweep or a field. @returns nothing when the file is none
+std::optional<Exit> plot_sweep(const PlotOptions& options, const FieldView& view = {}) {
     const std::string& table = options.recordings.front();
+    if (const std::string ending = recordings::recording_ending(table); ending != ".h5" && ending != ".csv") {
+        return std::nullopt;
+    }
+    stop_asked();  // from here on there are files to be cleaned up
     const Drawn drawn =
-        draw_sweep(options.picture, table, {options.quantities, options.columns}, printable(table));
+        draw_sweep(options.picture, table, {options.quantities, options.columns, view}, printable(table));
     return drawn == Drawn::no_sweep ? std::nullopt : std::optional(exit_of(drawn));
 }
 
-constexpr const char* times_of_sweep = "--from, --to, --sample-rate: found a sweep, allowed: with recordings";
+constexpr const char* times_of_sweep =
+    "--from, --to, --sample-rate: found a sweep, allowed: with recordings; --from and --to also with the "
+    "waveforms of a field (--kind)";
 
 bool has_times(const PlotOptions& options) {
     return !options.from.empty() || !options.to.empty() || options.sample_rate_hz;
@@ -272,6 +286,48 @@ Exit plot_any(const PlotOptions& options, const Window& window) {
                                    outlines.size() == 1 ? printable(options.recordings.front()) : ""));
 }
 
+/// Returns the points of --at.
+std::vector<studies::Point> points_at(const std::string& text, Faults& faults) {
+    constexpr std::size_t most = 1000;
+    Scene scene;
+    scene.end.model = PlateModel::modal;  // has points
+    std::vector<studies::Point> points;
+    if (const auto grid = faults.value_of("--at", studies::parse_grid(scene, text))) {
+        for (std::size_t i = 0; i < std::min(grid->size(), most); ++i) {
+            points.push_back(grid->point(i));
+        }
+    }
+    return points;
+}
+
+/// Returns the view of a field that is asked for.
+FieldView view_of(const PlotOptions& options, const Window& window, Faults& faults) {
+    const std::string& kind = options.kind;
+    const std::string found = kind.empty() ? "found no --kind" : "found --kind " + printable(kind);
+    if (!kind.empty() && std::ranges::find(field_kinds, kind) == field_kinds.end()) {
+        faults.add("--kind",
+                   fmt::format("found {}, allowed: {}", quoted_briefly(kind), fmt::join(field_kinds, ", ")));
+    }
+    if (!options.at.empty() && kind != "spectrum") {
+        faults.add("--at", found + ", allowed: with --kind spectrum");
+    }
+    if (options.frames && kind != "movie") {
+        faults.add("--frames", found + ", allowed: with --kind movie");
+    }
+    if (!kind.empty() && options.recordings.size() > 1) {
+        faults.add("--kind: found several files, allowed: one field");
+    }
+    if (!kind.empty() && (!options.columns.empty() || options.sample_rate_hz)) {
+        faults.add(fmt::format("{}: {}, allowed: without",
+                               options.columns.empty() ? "--sample-rate" : "--columns", found));
+    }
+    if (!kind.empty() && kind != "beam" && !options.quantities.empty()) {
+        faults.add("--quantity: " + found + ", allowed: with --kind beam");
+    }
+    return {kind, options.at.empty() ? std::vector<studies::Point>{} : points_at(options.at, faults), window,
+            options.frames};
+}
+
 Exit plot(const PlotOptions& options) {
     Faults faults;
     for (const std::string& file : options.recordings) {
@@ -281,24 +337,31 @@ Exit plot(const PlotOptions& options) {
                        "found a sweep among several files, allowed: recordings, or one sweep");
         }
     }
-    faults.add("-o", picture_fault(options.picture));
+    faults.add("-o", options.kind == field_kinds.back() ? picture_fault(options.picture, moving_endings)
+                                                        : picture_fault(options.picture));
     faults.add("--sample-rate", positive_fault(options.sample_rate_hz));
     const Window window = window_of(options, faults);
+    const FieldView view = view_of(options, window, faults);
     if (!options.quantities.empty() && (!options.columns.empty() || options.recordings.size() > 1)) {
         faults.add(fmt::format("--quantity: found {}, too, allowed: with one sweep, by itself",
                                options.columns.empty() ? "several files" : "--columns"));
     }
     const bool is_sweep = options.recordings.size() == 1 && is_csv_of_sweep(options.recordings.front());
-    if (has_times(options) && (is_sweep || !options.quantities.empty())) {
+    const bool shows_numbers =
+        view.kind == "beam" || (view.kind.empty() && (is_sweep || !options.quantities.empty()));
+    if (has_times(options) && shows_numbers) {
         faults.add(std::string(times_of_sweep));
     }
     faults.refuse<WrongUse>();
-    if (!options.quantities.empty() || is_sweep) {
-        if (const auto drawn = plot_sweep(options)) {
+    if (!view.kind.empty() || !options.quantities.empty() || is_sweep) {
+        if (const auto drawn = plot_sweep(options, view)) {
             return *drawn;
         }
-        throw WrongUse(fmt::format("{}: found no sweep, allowed with --quantity: a table of hertzline sweep",
-                                   printable(options.recordings.front())));
+        const auto [thing, option, command] = view.kind.empty()
+                                                  ? std::tuple("sweep", "--quantity", "hertzline sweep")
+                                                  : std::tuple("field", "--kind", "hertzline field");
+        throw WrongUse(fmt::format("{}: found no {}, allowed with {}: a table of {}",
+                                   printable(options.recordings.front()), thing, option, command));
     }
     return plot_any(options, window);
 }
@@ -307,26 +370,34 @@ Exit plot(const PlotOptions& options) {
 
 Run plot_command(CLI::App& app) {
     auto options = std::make_shared<PlotOptions>();
-    app.add_option(
-           "RECORDING", options->recordings,
-           "recordings (" + recordings::recording_endings(recordings::Access::reading) + "), or a sweep")
+    app.add_option("RECORDING", options->recordings,
+                   "recordings (" + recordings::recording_endings(recordings::Access::reading) +
+                       "), or a sweep or field")
         ->required()
         ->check(missing_name)
         ->type_name("");
-    app.add_option("-o,--output", options->picture, "the picture: .png, .svg or .pdf")
+    app.add_option("-o,--output", options->picture, "the picture: .png, .svg or .pdf; of a movie .gif")
         ->required()
         ->type_name("FILE");
     add_repeatable_option(app, "--columns", options->columns,
                           "draw these outputs or columns only (default: the first six)")
         ->delimiter(',')
-        ->type_name("NAME,...");
+        ->type_name("OUTPUT,...");
     app.add_option("--from", options->from, "draw from this time on, in s or with a unit")->type_name("TIME");
     app.add_option("--to", options->to, "draw up to this time")->type_name("TIME");
     app.add_option("--sample-rate", options->sample_rate_hz, "sample rate of the files, whatever they say")
         ->type_name("HZ");
     add_repeatable_option(app, "--quantity", options->quantities, "of a sweep: draw these numbers")
         ->delimiter(',')
-        ->type_name("NAME,...");
+        ->type_name("QUANTITY,...");
+    app.add_option("--kind", options->kind,
+                   "of a field: beam (the default), or spectrum, waterfall or movie of its waveforms")
+        ->type_name("beam|spectrum|waterfall|movie");
+    app.add_option("--at", options->at,
+                   "spectra at these points, as --plane of field takes them (default: the largest peak)")
+        ->type_name("x=..,y=..,z=..");
+    app.add_option("--frames", options->frames, "of a movie (default: eight for each period of the drive)")
+        ->type_name("N");
     app.footer(examples);
     return [options] { return plot(*options); };
 }

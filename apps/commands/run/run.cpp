@@ -120,13 +120,15 @@ hertzline::Run simulate(const Session& session, TapSet recorded, TapSet measured
                  return true;
              },
          .steps = session.steps,
+         .live = session.drive,
+         .threads = usable_threads(),
          .begins =
              [&](std::size_t step) { recordings.note_change(stream::change_json(session.changes[step])); }});
 }
 
 void measure(hertzline::Run& run, std::optional<double> band_from_hz) {
     SpectrumAnalyser analyser(run.rows(), run.scene().output.sample_rate_hz);
-    measures::measure(run, analyser, band_from_hz);
+    measures::measure(run, &analyser, band_from_hz);
     for (const std::string& text : run.warnings) {
         spdlog::warn(text);
     }
@@ -178,6 +180,11 @@ CheckedRun checked(const RunOptions& options) {
     check_wav_scale(options.wav_scale, options.files, faults);
     std::optional<Session> session = session_of(options, faults);
     const TapSet there = session ? taps_of(session->resolved.scene) : all_taps;
+    if (options.all_bodies && session && !there.contains(Tap::v_chain)) {
+        faults.add(
+            "--all",
+            "found with an array, allowed: with a single chain: an array has no outputs of each sphere");
+    }
     const TapSet columns = measures::taps_named("--columns", options.columns, there, faults);
     const TapSet beside = measures::taps_named("--tap", options.taps, there, faults);
     const TapSet measured =
@@ -213,6 +220,9 @@ Exit run(const RunOptions& options) {
         [](const std::string& text) { spdlog::error(text); }, recordings::Appearance::when_complete);
     const double setup_s = std::chrono::duration<double>(stream::MonotonicClock::now() - start).count();
     hertzline::Run run = simulate(session, recorded, measured, recordings);
+    if (session.drive && !session.drive->failure().empty()) {
+        throw std::runtime_error(session.drive->failure());
+    }
     run.setup_s += setup_s;
     if (run.stopped) {
         recordings.discard();
@@ -260,16 +270,16 @@ Run run_command(CLI::App& app) {
     app.add_flag("--all", options->all_bodies, "save every sphere's displacement and velocity too");
     add_repeatable_option(app, "--tap", options->taps,
                           "save this output too; repeatable: " + comma_separated(names_of(all_taps)))
-        ->type_name("NAME");
+        ->type_name("OUTPUT");
     add_wav_scale_option(app, options->wav_scale);
     add_repeatable_option(
         app, "--measure", options->measures,
         "measure these outputs, too, as v_out: " + comma_separated(names_of(measurable_taps)))
         ->delimiter(',')
-        ->type_name("NAME,...");
+        ->type_name("OUTPUT,...");
     add_repeatable_option(
         app, "--spectrum", options->spectra,
-        "save the spectra of v_out and of the outputs of --measure:  " + recordings::table_endings())
+        "save the spectra of v_out and of the outputs of --measure: " + recordings::table_endings())
         ->check(missing_name)
         ->type_name("FILE");
     app.add_option(

@@ -10,6 +10,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/integrators/kernels.hpp"
+#include "core/model/drive.hpp"
 #include "core/scene/faults.hpp"
 #include "core/scene/scene_json.hpp"
 #include "core/scene/text.hpp"
@@ -267,13 +268,29 @@ std::optional<Session> session_of_recording(const SceneRequest& request, Faults&
     if (!scene) {
         return std::nullopt;
     }
+    if (awaits_samples(scene->drive)) {
+        faults.add(
+            origin,
+            "found a live drive without its samples, allowed: a recording of hertzline stream --record");
+        return std::nullopt;
+    }
     warn_of_differences(provenance, origin);
     session.resolved = hertzline::resolve(*scene, std::nullopt);
     faults.add(origin, session.resolved.faults);
     if (!session.resolved.faults.empty()) {
         return std::nullopt;
     }
-    const std::int64_t samples = samples_again(last_sample(*reader), provenance, origin);
+    std::int64_t samples = samples_again(last_sample(*reader), provenance, origin);
+    if (const Drive& drive = session.resolved.scene.drive; drive.kind == DriveKind::live && drive.file) {
+        session.drive = std::make_shared<recordings::RecordedDrive>(
+            fs::path(request.scene).parent_path() / *drive.file, session.resolved.scene,
+            OutsideJson(provenance).text("run"));
+        if (session.drive->output_samples() < samples) {
+            spdlog::warn("{}: the input in {} ends early: the first {} of {} samples are simulated again",
+                         origin, printable(*drive.file), session.drive->output_samples(), samples);
+            samples = session.drive->output_samples();
+        }
+    }
     while (!session.changes.empty() && session.changes.back().sample >= samples) {
         spdlog::warn("{}: it ends before its change from sample {} on", origin,
                      session.changes.back().sample);

@@ -1,6 +1,7 @@
 #pragma once
 // `run --changes` and `run RECORDING`: repeats a live session.
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "core/scene/faults.hpp"
 #include "hertzline/resolve.hpp"
 #include "measures/run.hpp"
+#include "recordings/recorded_drive.hpp"
 #include "stream/control/scene_change.hpp"
 
 namespace hertzline::app {
@@ -19,6 +21,7 @@ struct Session {
     std::vector<stream::SceneChange> changes;
     std::vector<SceneStep> steps;  ///< the scenes of the changes
     Warnings warnings;             ///< of the accuracy after each change, and of the whole
+    std::shared_ptr<recordings::RecordedDrive> drive = nullptr;  ///< the samples of a live drive
 };
 
 /// Whether SCENE names a recording: an ending of one, and a file that is there.

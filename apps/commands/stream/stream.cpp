@@ -1,7 +1,10 @@
 // hertzline stream: simulates a scene in step with the clock and publishes it.
 
+#include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,12 +20,15 @@
 #include "apps/commands/stream/scope_child.hpp"
 #include "apps/commands/stream/stream_session.hpp"
 #include "apps/console/signals.hpp"
+#include "core/model/drive.hpp"
 #include "core/scene/text.hpp"
 #include "measures/resources.hpp"
 #include "measures/run.hpp"
 #include "measures/scene_report.hpp"
 #include "recordings/columns.hpp"
+#include "recordings/recorded_drive.hpp"
 #include "recordings/recording_formats.hpp"
+#include "stream/inputs/live_drive.hpp"
 #include "stream/inputs/simulation_source.hpp"
 #include "stream/wire/topics.hpp"
 
@@ -31,7 +37,8 @@ namespace hertzline::app {
 namespace {
 
 constexpr const char* examples =
-    "Streams: v_out, v_last, v_plate, v_chain, v_horn, f_last, f_chain, each as NAME/np and NAME/raw; "
+    "Streams: v_out, v_last, v_plate, v_chain, v_horn, x_horn, f_first, f_last, f_chain, each as NAME/np and "
+    "NAME/raw; "
     "of a modal plate v_centre, v_face and p_axis instead of v_plate.\n"
     "Topics beside them: meta, meters, end.\n"
     "Ctrl-C ends the stream with recordings saved and a summary.\n"
@@ -40,10 +47,12 @@ constexpr const char* examples =
     "  hertzline stream paper-stream --pace 0.1 --bind ipc:///tmp/hertzline\n"
     "  hertzline stream paper-stream --record out.h5 --columns v_out,v_horn\n"
     "  hertzline stream paper-stream --control tcp://127.0.0.1:5574 --scope\n"
+    "  hertzline stream paper-stream --drive tcp://127.0.0.1:5575 --set output.frame_samples=256\n"
     "  hertzline stream paper-wall --pace flat-out --duration 2e-3 --record wall.csv";
 
 struct StreamOptions {
     SceneRequest scene;
+    std::optional<std::string> drive;  ///< the endpoint of a live drive; unset: as the scene has it
     PublishRequest publish;
     ControlRequest control;
     ScopeChildRequest scope;
@@ -86,6 +95,63 @@ struct CheckedArguments {
     TapSet recorded;
 };
 
+bool is_live(const Scene& scene) noexcept {
+    return scene.drive.kind == DriveKind::live;
+}
+
+/// The files that take the samples of a live drive: one in each folder with a recording, of the same name.
+std::vector<std::filesystem::path> drive_files_of(const std::vector<std::string>& recordings) {
+    std::vector<std::filesystem::path> files;
+    for (const std::string& recording : recordings) {
+        const std::filesystem::path file = std::filesystem::path(recording).replace_filename(
+            recordings::drive_file_of(recordings.front()).filename());
+        if (std::ranges::find(files, file) == files.end()) {
+            files.push_back(file);
+        }
+    }
+    return files;
+}
+
+/// A live drive is its stream's clock, and ends with it.
+void check_live_drive(const StreamOptions& arguments, const Scene& scene, Faults& faults) {
+    if (const auto fault = stream::LiveDrive::fault_of(scene.drive)) {
+        faults.add(fault->message());
+    }
+    if (!awaits_samples(scene.drive)) {
+        faults.add(
+            "drive.kind: found a live drive that was recorded, allowed: hertzline run, which simulates it "
+            "again");
+    }
+    for (const auto& file : drive_files_of(arguments.recordings)) {
+        if (std::ranges::find(arguments.recordings, file.string()) != arguments.recordings.end()) {
+            faults.add("--record: found " + quoted_briefly(file.string()) +
+                       ", allowed: another name, as the input is saved there");
+        }
+    }
+    if (!arguments.control.endpoint.empty()) {
+        faults.add("--control: found together with a live drive, allowed: with a drive that the scene has");
+    }
+    if (arguments.publish.pace != "realtime") {
+        faults.add(
+            "--pace: found together with a live drive, allowed: none, as the samples that come are the "
+            "clock");
+    }
+    if (arguments.publish.on_overrun) {
+        faults.add(
+            "--on-overrun: found together with a live drive, allowed: none, as its sender is held back");
+    }
+}
+
+/// The provenance of recordings: a live drive is described by the file with its samples.
+Json recorded_provenance(Json about, const std::vector<std::filesystem::path>& drive_files) {
+    if (!drive_files.empty()) {
+        Json& drive = about["scene"]["drive"];
+        drive["file"] = drive_files.front().filename().string();
+        drive.erase("column");
+    }
+    return about;
+}
+
 /// @throws WrongUse with every fault
 CheckedArguments checked(const StreamOptions& arguments) {
     Faults faults;
@@ -99,6 +165,9 @@ CheckedArguments checked(const StreamOptions& arguments) {
     }
     check_wav_scale(arguments.wav_scale, arguments.recordings, faults);
     auto resolved = faults.value_of({}, resolved_scene(arguments.scene, Lasting::endless));
+    if (resolved && is_live(resolved->scene)) {
+        check_live_drive(arguments, resolved->scene, faults);
+    }
     if (resolved) {
         if (const auto fault = stream::SimulationSource::fault_of(resolved->scene)) {
             faults.add(fault->message());
@@ -145,12 +214,30 @@ Exit stream(const StreamOptions& arguments) {
     stream::StreamOptions options =
         stream_options(arguments.publish, rate,
                        arguments.recordings.empty() ? stream::OnOverrun::drop : stream::OnOverrun::wait);
+    if (is_live(scene)) {
+        options.pace = stream::Pace::flat_out();
+    }
     options.about = provenance_of_stream(asked.resolved, options.run);
     const stream::PublisherOptions publishing =
         publisher_options(arguments.publish, stream::SimulationSource::format_of(scene), asked.curve);
     refuse_shortages(arguments, scene, options, publishing, asked.recorded);
     stop_asked();  // from here on there are files to be cleaned up
-    stream::SimulationSource source(scene, asked.recorded);
+    const auto drive_files =
+        is_live(scene) ? drive_files_of(arguments.recordings) : std::vector<std::filesystem::path>{};
+    std::optional<recordings::DriveRecorder> drive_recorder;
+    std::unique_ptr<stream::LiveDrive> live;
+    if (is_live(scene)) {
+        drive_recorder.emplace(drive_files, scene.drive, options.run);
+        live = std::make_unique<stream::LiveDrive>(
+            scene, [&](std::span<const float> samples) { drive_recorder->write(samples); });
+        spdlog::info("drive {} with a latency of {} samples", live->endpoint(),
+                     *stream::SimulationSource::format_of(scene).latency_samples);
+        if (live->found_it_bound()) {
+            spdlog::warn("another program has bound {}: the drive connects to it, as to a sender that binds",
+                         live->endpoint());
+        }
+    }
+    stream::SimulationSource source(scene, asked.recorded, live.get());
     const std::unique_ptr<LiveControl> control = control_of(arguments, asked, source, options.samples);
     if (control) {
         control->add_to(options.about);
@@ -161,7 +248,7 @@ Exit stream(const StreamOptions& arguments) {
         arguments.recordings,
         {.columns = recordings::recorded_columns(asked.recorded, channel_counts(scene)),
          .sample_rate_hz = rate,
-         .provenance = options.about,
+         .provenance = recorded_provenance(options.about, drive_files),
          .full_scale = arguments.wav_scale.value_or(1)},
         options.pace.is_flat_out() ? recordings::RecordingPatience::of_a_second(stop_asked())
                                    : recordings::RecordingPatience::none(stop_asked()),
@@ -170,19 +257,29 @@ Exit stream(const StreamOptions& arguments) {
             spdlog::error("{}; the stream continues", text);
         });
     recordings::RowBuilder row_builder(recordings, asked.recorded);
-    stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
+    // Before the ring is made: a fork shares its pages, and each would fault when the simulating thread writes to it.
     const std::unique_ptr<ScopeChild> scope =
         scope_beside(arguments.scope, local_endpoint(publisher.endpoint()),
                      control ? local_endpoint(control->endpoint()) : std::string());
+    stream::Pipeline pipeline(options, source, publisher, recordings.any_left() ? &row_builder : nullptr);
     StreamSession session(arguments.scene.scene, asked.resolved, options.about, recordings, line,
                           control.get());
+    const auto end_drive = [&] {
+        if (!live) {
+            return true;
+        }
+        live->stop();  // it writes no more
+        return drive_recorder->commit();
+    };
     try {
         publish_to_the_end(pipeline, publisher, line, arguments.publish.format, session.callbacks());
     } catch (...) {
         recordings.commit();  // the samples up to here are complete
+        end_drive();
         throw;
     }
-    return recordings.complete() ? Exit::done : Exit::failed;
+    const bool drive_kept = end_drive();
+    return recordings.complete() && drive_kept ? Exit::done : Exit::failed;
 }
 
 }  // namespace
@@ -190,6 +287,10 @@ Exit stream(const StreamOptions& arguments) {
 Run stream_command(CLI::App& app) {
     auto arguments = std::make_shared<StreamOptions>();
     add_scene_options(app, arguments->scene)->required();
+    app.add_option(
+           "--drive", arguments->drive,
+           "the horn moves as float32 samples say that come in at this endpoint (drive.kind = \"live\")")
+        ->type_name("ENDPOINT");
     add_repeatable_option(app, "--record", arguments->recordings,
                           "save the samples as well; the ending picks the format: " +
                               recordings::recording_endings() + "; repeatable")
@@ -201,7 +302,16 @@ Run stream_command(CLI::App& app) {
     add_control_options(app, arguments->control);
     add_scope_child_options(app, arguments->scope);
     app.footer(examples);
-    return [arguments] { return stream(*arguments); };
+    return [arguments] {
+        if (arguments->drive) {
+            // before the user's, which may say more of the drive
+            const std::vector<std::string> settings{"drive.kind=live",
+                                                    "drive.endpoint=\"" + *arguments->drive + "\""};
+            arguments->scene.settings.insert(arguments->scene.settings.begin(), settings.begin(),
+                                             settings.end());
+        }
+        return stream(*arguments);
+    };
 }
 
 }  // namespace hertzline::app

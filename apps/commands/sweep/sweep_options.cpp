@@ -149,10 +149,9 @@ std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Fault
     const TapSet there = summary.measurable();
     studies::PointOptions point_options;
     point_options.band_from_hz = options.band_from_hz;
-    point_options.waveform_samples = options.waveform.empty() ? 0 : static_cast<std::size_t>(summary.rows);
     point_options.measured = measures::taps_named("--measure", options.measures, there, faults);
     if (!options.waveform.empty()) {
-        point_options.waveform = faults.value_of("--waveforms", measures::find_tap(options.waveform, there));
+        studies::keep_waveforms(point_options, options.waveform, summary, "--waveforms", faults);
     }
     const TapSet measured =
         (point_options.measured | measures::measured_unasked) & (there | point_options.measured);
@@ -164,7 +163,7 @@ std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Fault
         return std::nullopt;
     }
     point_options.columns = *std::move(columns);
-    summary.memory_bytes += sizeof(float) * static_cast<double>(point_options.waveform_samples);
+    summary.memory_bytes += sizeof(float) * static_cast<double>(point_options.waveform_size());
     return ValidatedSweep{{*std::move(plan), std::move(point_options), *shard}, std::move(summary)};
 }
 
@@ -175,7 +174,7 @@ void add_point_options(CLI::App& app, SweepOptions& options) {
     add_repeatable_option(app, "--measure", options.measures,
                           "measure these outputs beside v_out, as run does")
         ->delimiter(',')
-        ->type_name("NAME,...");
+        ->type_name("OUTPUT,...");
     app.add_option("--band-from", options.band_from_hz,
                    "lower limit of the bands (default: half the drive's frequency)")
         ->type_name("HZ");
@@ -199,10 +198,10 @@ void add_sweep_options(CLI::App& app, SweepOptions& options) {
     add_repeatable_option(app, "--quantity", options.quantities,
                           "keep only these numbers of run's summary (default: all)")
         ->delimiter(',')
-        ->type_name("NAME,...");
+        ->type_name("QUANTITY,...");
     app.add_option("--waveforms", options.waveform, "keep the samples of this output as float32, in .h5 only")
         ->check(missing_name)
-        ->type_name("NAME");
+        ->type_name("OUTPUT");
     app.add_flag("--resume", options.resume, "continue an unfinished sweep, or start one");
     app.add_option("--shard", options.shard,
                    "run part I of N, or the part of this task of a Slurm array or rank of mpirun or srun; "

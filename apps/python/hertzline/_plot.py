@@ -1,4 +1,4 @@
-"""Pictures, by the script that `hertzline plot` runs. matplotlib is imported when the first one is drawn."""
+"""Pictures, by the modules that `hertzline plot` runs. matplotlib is imported when the first one is drawn."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ if TYPE_CHECKING:
 
 
 def _script() -> Any:
-    import matplotlib  # noqa: F401  its absence is an ImportError here, and the script's end
-
     from . import _draw
 
     return _draw
@@ -61,6 +59,6 @@ def draw_table(table: Any, quantities: Sequence[str], title: str, axes: Any = No
     columns = {name: plain[name] if plain.dtype[name].kind == "U" else plain[name].astype(float) for name in names}
     with matplotlib.rc_context():
         figure: Figure = script.draw_sweep(
-            script.Sweep(columns, table.units, table.provenance.get("search")), list(quantities), title, axes
+            script.Sweep(columns, table.units, table.provenance), list(quantities), title, axes
         )
     return figure

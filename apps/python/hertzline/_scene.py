@@ -40,15 +40,7 @@ def scene(source: Path | Scene = "paper-vitreous-carbon", /, **sections: Mapping
     settings = list(_settings(sections))
     if isinstance(source, Scene):
         return Scene(_native.parse(source.toml, source.name, settings))
-    name = os.fspath(source)
-    if os.path.exists(name) and not os.path.isdir(name):
-        with open(name, encoding="utf-8", errors="surrogateescape") as file:
-            text = file.read(1 << 20)
-        return Scene(_native.parse(text.encode("utf-8", "surrogateescape"), name, settings))
-    for shipped, _, text in _native.shipped_scenes():
-        if shipped == name:
-            return Scene(_native.parse(text, name, settings))
-    raise ValueError(_native.unknown_scene(name))
+    return Scene(_native.read(os.fspath(source), settings))
 
 
 def with_values(base: Scene, values: Mapping[str, Any]) -> Scene:

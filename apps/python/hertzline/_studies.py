@@ -43,7 +43,7 @@ def sweep(
     measure: taps beside v_out whose peaks and spectra are measured.
     quantities: the numbers of the summary that are kept; by default all.
     band_from_hz: the lower limit of the bands [Hz]; by default half the drive's frequency.
-    waveforms: a tap whose samples are kept as float32.
+    waveforms: a tap whose samples are kept as float32; with several channels, as "p_points", in a third dimension.
 
     A point that cannot be simulated is a row with a reason in `status` and `message`; its numbers are NaN. A run repeats a
     row's bits when its scene has the row's keys, `step_s` as numerics.step_s, the `poles` of a modal plate as
@@ -178,7 +178,7 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
     grid: bool
     """Whether the points are a grid, in which the last key varies fastest."""
     waveforms: NDArray[np.float32] | None
-    """Shape [point, sample]; NaN where a point is shorter than the longest."""
+    """Shape [point, sample], or [point, sample, channel] of a tap with several channels; NaN where a point has fewer."""
     provenance: dict[str, Any]
     """The origin of the rows: version, base scene, plan or search."""
 
@@ -234,7 +234,8 @@ class Table(np.ndarray[Any, np.dtype[Any]]):
             if name not in coordinates
         }
         if self.waveforms is not None:
-            variables["waveforms"] = ((*dimensions, "sample"), self.waveforms.reshape(*shape, -1), {})
+            of_point = self.waveforms.shape[1:]
+            variables["waveforms"] = ((*dimensions, *("sample", "channel")[: len(of_point)]), self.waveforms.reshape(*shape, *of_point), {})
         dataset = xarray.Dataset(variables, coords=coordinates)
         for key in coordinates:
             dataset[key].attrs["units"] = self.units[key]

@@ -113,7 +113,7 @@ Tap held_tap(const RunResult& result, const std::string& name) {
 py::array_t<double> samples_of_tap(const std::shared_ptr<RunResult>& result, const std::string& name) {
     const Tap tap = held_tap(*result, name);
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(result->rows)};
-    if (multichannel_taps.contains(tap)) {
+    if (has_channels(tap, result->counts)) {
         shape.push_back(static_cast<py::ssize_t>(channels_of(tap, result->counts)));
     }
     return view_of(result->column(tap).data(), shape, py::cast(result));
@@ -127,27 +127,29 @@ py::tuple state_of_run(const std::shared_ptr<RunResult>& result) {
             samples_of_tap(result, std::string(row_of(tap).name));
     }
     return py::make_tuple(result->sample_rate_hz, result->rows, result->counts.spheres, result->counts.points,
-                          measures::names_of(result->asked), samples, json_text(result->summary),
-                          json_text(result->provenance), result->warnings);
+                          result->counts.elements, measures::names_of(result->asked), samples,
+                          json_text(result->summary), json_text(result->provenance), result->warnings);
 }
 
 std::shared_ptr<RunResult> restored_run(const py::tuple& state) {
     auto result = std::make_shared<RunResult>();
     result->sample_rate_hz = state[0].cast<double>();
     result->rows = state[1].cast<std::size_t>();
-    result->counts = {.spheres = state[2].cast<std::size_t>(), .points = state[3].cast<std::size_t>()};
-    for (const auto& name : state[4].cast<std::vector<std::string>>()) {
+    result->counts = {.spheres = state[2].cast<std::size_t>(),
+                      .points = state[3].cast<std::size_t>(),
+                      .elements = state[4].cast<std::size_t>()};
+    for (const auto& name : state[5].cast<std::vector<std::string>>()) {
         result->asked |= tap_named(name).value();
     }
-    for (const auto& [name, samples] : state[5].cast<py::dict>()) {
+    for (const auto& [name, samples] : state[6].cast<py::dict>()) {
         const Tap tap = tap_named(name.cast<std::string>()).value();
         const auto values = samples.cast<py::array_t<double, py::array::c_style | py::array::forcecast>>();
         result->held |= tap;
         result->column(tap).assign(values.data(), values.data() + values.size());
     }
-    result->summary = json_from_outside(state[6].cast<std::string>());
-    result->provenance = json_from_outside(state[7].cast<std::string>());
-    result->warnings = state[8].cast<std::vector<std::string>>();
+    result->summary = json_from_outside(state[7].cast<std::string>());
+    result->provenance = json_from_outside(state[8].cast<std::string>());
+    result->warnings = state[9].cast<std::vector<std::string>>();
     return result;
 }
 

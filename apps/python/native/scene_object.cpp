@@ -18,18 +18,53 @@
 #include "hertzline/simulation.hpp"
 #include "measures/run.hpp"
 #include "measures/scene_report.hpp"
+#include "recordings/drive_record.hpp"
 
 namespace hertzline::python {
 
 namespace {
 
-std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& origin,
-                                   const std::vector<std::string>& settings) {
-    auto parsed = parse_scene(text, printable(origin), settings);
+/// Reads a scene and, where it names one, the record of its drive. @param parse_with takes a function for warnings about the record
+template <class Parse>
+std::shared_ptr<SceneObject> object_of(const std::string& name, const Parse& parse_with) {
+    std::vector<std::string> warnings;
+    auto parsed = parse_with([&](const std::string& warning) { warnings.push_back(warning); });
+    for (const std::string& warning : warnings) {
+        if (PyErr_WarnEx(PyExc_UserWarning, (printable(name) + ": drive.file: " + warning).c_str(), 2) != 0) {
+            throw py::error_already_set();
+        }
+    }
     if (!parsed) {
         throw py::value_error(fault_text(std::move(parsed.error())));
     }
     return std::make_shared<SceneObject>(*std::move(parsed));
+}
+
+using Parsed = tl::expected<ParsedScene, std::vector<Fault>>;
+
+std::shared_ptr<SceneObject> parse(const std::string& text, const std::string& origin,
+                                   const std::vector<std::string>& settings) {
+    const auto sets = [&](std::string_view key) {
+        return std::ranges::any_of(settings, [&](const std::string& one) { return one.starts_with(key); });
+    };
+    return object_of(origin, [&](const auto& warn) -> Parsed {
+        Parsed parsed = parse_scene(text, printable(origin), settings);
+        if (!parsed || (!sets("drive.samples=") && !sets("drive.file="))) {
+            return parsed;
+        }
+        if (!sets("drive.frequency_hz=")) {
+            parsed->places.erase("drive.frequency_hz");  // of the drive before
+        }
+        if (auto fault = recordings::read_drive(*parsed, warn)) {
+            return tl::unexpected(std::vector{*std::move(fault)});
+        }
+        return parsed;
+    });
+}
+
+std::shared_ptr<SceneObject> read(const std::string& name, const std::vector<std::string>& settings) {
+    return object_of(
+        name, [&](const auto& warn) { return recordings::parse_scene_with_drive(name, settings, warn); });
 }
 
 py::object check(SceneObject& object) {
@@ -88,9 +123,7 @@ void add_scene(py::module_& module) {
              })
         .def("check", &check);
     module.def("parse", &parse, py::arg("text"), py::arg("origin"), py::arg("settings"));
-    module.def(
-        "unknown_scene", [](const std::string& name) { return unknown_scene(name).message(); },
-        py::arg("name"));
+    module.def("read", &read, py::arg("name"), py::arg("settings"));
     module.def("materials", [] {
         py::list materials;
         for (const BuiltInMaterial& material : built_in_materials()) {

@@ -46,7 +46,7 @@ public:
         py::dict result;
         for (const Tap tap : simulation_.taps()) {
             std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(samples)};
-            if (multichannel_taps.contains(tap)) {
+            if (has_channels(tap, block_.counts())) {
                 shape.push_back(static_cast<py::ssize_t>(block_.channels(tap)));
             }
             result[py::str(std::string(row_of(tap).name))] =

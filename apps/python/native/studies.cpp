@@ -65,8 +65,12 @@ py::tuple python_table(StudyTable&& table) {
     }
     py::object waveforms = py::none();
     if (table.waveform_samples > 0) {
-        waveforms = array_of(std::move(table.waveforms), {static_cast<py::ssize_t>(points),
-                                                          static_cast<py::ssize_t>(table.waveform_samples)});
+        std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(points),
+                                       static_cast<py::ssize_t>(table.waveform_samples)};
+        if (table.waveform_channels > 1) {
+            shape.push_back(static_cast<py::ssize_t>(table.waveform_channels));
+        }
+        waveforms = array_of(std::move(table.waveforms), std::move(shape));
     }
     return py::make_tuple(columns, waveforms, python_object(table.provenance));
 }

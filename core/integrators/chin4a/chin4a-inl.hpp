@@ -41,15 +41,15 @@ HWY_INLINE bool try_step(Chin4aChain<K>& chin, const WholeDrift<K>& half_drift, 
 
 /// A step in which a contact switches or the horn's motion has a break. Works from and to the chain's memory.
 template <std::size_t K>
-HWY_NOINLINE void take_split_step(SimdChain& chain, const ToneBurst& burst, const HornStep& horn,
+HWY_NOINLINE void take_split_step(SimdChain& chain, const Horn& prescribed, const HornStep& horn,
                                   std::int64_t step, Trial trial, Trace& trace) {
     Chin4aChain<K> chin(chain);
     double from = 0;
     while (from < 1) {
-        const double to = horn.breaks ? burst.next_break(step, from) : 1;
+        const double to = horn.breaks ? prescribed.next_break(step, from) : 1;
         const double inside = 0.5 * (from + to);
-        const HornMotion begin = horn.breaks ? burst.at(step, from, inside) : horn.start;
-        const HornMotion end = horn.breaks ? burst.at(step, to, inside) : horn.end;
+        const HornMotion begin = horn.breaks ? prescribed.at(step, from, inside) : horn.start;
+        const HornMotion end = horn.breaks ? prescribed.at(step, to, inside) : horn.end;
         const auto record_row = [&](double fraction_of_part) HWY_ATTR {
             if (trace.between && trace.count + 2 < trace.capacity) {
                 chin.save_motion();
@@ -71,7 +71,7 @@ HWY_NOINLINE void take_split_step(SimdChain& chain, const ToneBurst& burst, cons
 }
 
 template <std::size_t K>
-int advance_chin4a(SimdChain& chain, const ToneBurst& burst, const HornStep* horn, std::int64_t first,
+int advance_chin4a(SimdChain& chain, const Horn& prescribed, const HornStep* horn, std::int64_t first,
                    int count, Trace& trace) {
     Chin4aChain<K> chin(chain);
     if (chain.rebuild) {
@@ -88,8 +88,8 @@ int advance_chin4a(SimdChain& chain, const ToneBurst& burst, const HornStep* hor
         } else {
             chin.save();
             chin.save_trial();
-            take_split_step<K>(chain, burst, now, first + taken, smooth ? Trial::crossed : Trial::not_yet,
-                               trace);
+            take_split_step<K>(chain, prescribed, now, first + taken,
+                               smooth ? Trial::crossed : Trial::not_yet, trace);
             chin = Chin4aChain<K>(chain);
             half_drift = WholeDrift<K>(chin);
         }

@@ -11,8 +11,8 @@
 #include "core/integrators/chin4a/switching_kick-inl.hpp"
 #include "core/integrators/kernels.hpp"
 #include "core/integrators/simd/contact-inl.hpp"
-#include "core/integrators/simd/roots-inl.hpp"
-#include "core/model/tone_burst.hpp"
+#include "core/model/horn.hpp"
+#include "core/simd/roots-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

@@ -161,7 +161,7 @@ private:
 };
 
 template <std::size_t K>
-int advance_leapfrog(SimdChain& chain, const ToneBurst&, const HornStep* horn, std::int64_t first, int count,
+int advance_leapfrog(SimdChain& chain, const Horn&, const HornStep* horn, std::int64_t first, int count,
                      Trace& trace) {
     Leapfrog<K> leapfrog(chain);
     int taken = 0;

@@ -367,8 +367,8 @@ int sweep_leapfrog(SimdChain& chain, const HornStep* horn, std::int64_t first, i
     return taken;
 }
 
-inline int advance_leapfrog_linear(SimdChain& chain, const ToneBurst&, const HornStep* horn,
-                                   std::int64_t first, int count, Trace& trace) {
+inline int advance_leapfrog_linear(SimdChain& chain, const Horn&, const HornStep* horn, std::int64_t first,
+                                   int count, Trace& trace) {
     return chain.tension == Tension::clamped
                ? sweep_leapfrog<Tension::clamped>(chain, horn, first, count, trace)
                : sweep_leapfrog<Tension::allowed>(chain, horn, first, count, trace);

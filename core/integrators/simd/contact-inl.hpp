@@ -6,8 +6,8 @@
 #define HERTZLINE_CONTACT_INL
 #endif
 
-#include "core/integrators/simd/vectors-inl.hpp"
 #include "core/model/contact_law.hpp"
+#include "core/simd/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

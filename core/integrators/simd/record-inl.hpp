@@ -11,8 +11,8 @@
 #include <hwy/highway.h>
 
 #include "core/integrators/kernels.hpp"
-#include "core/integrators/simd/vectors-inl.hpp"
 #include "core/integrators/simd_chain.hpp"
+#include "core/simd/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

@@ -6,8 +6,8 @@
 #define HERTZLINE_STRIPED_ROWS_INL
 #endif
 
-#include "core/integrators/simd/vectors-inl.hpp"
 #include "core/integrators/simd_chain.hpp"
+#include "core/simd/vectors-inl.hpp"
 
 // Unrolled by the compiler where n is a constant, so that the rows of a short chain stay in registers.
 #define HERTZLINE_EACH_ROW(k, n) for (std::size_t k = 0; k < (n); ++k)

@@ -109,6 +109,16 @@ struct Expansion {
     Vec handed = zero();                          ///< the last order of the force on a modal plate
 };
 
+/// A column's value in the first contact.
+template <std::size_t K>
+HWY_INLINE double in_first_contact(const Col<K>& column) {
+    if constexpr (K == 0) {
+        return column.rows[0];
+    } else {
+        return GetLane(column[0]);
+    }
+}
+
 /// Value at z of terms N to Last, divided by z^N.
 template <std::size_t N, std::size_t Last, std::size_t K, std::size_t Size>
 HWY_INLINE Vec horner(const std::array<Col<K>, Size>& terms, std::size_t k, Vec z) {

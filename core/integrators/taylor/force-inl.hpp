@@ -11,8 +11,8 @@
 
 #include "core/integrators/plate_motion.hpp"
 #include "core/integrators/series_piece.hpp"
-#include "core/integrators/simd/vectors-inl.hpp"
 #include "core/plate/force_kernel.hpp"
+#include "core/simd/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

@@ -7,7 +7,7 @@
 #endif
 
 #include "core/integrators/series_piece.hpp"
-#include "core/integrators/simd/vectors-inl.hpp"
+#include "core/simd/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

@@ -10,8 +10,8 @@
 #include <array>
 
 #include "core/integrators/plate_motion.hpp"
-#include "core/integrators/simd/vectors-inl.hpp"
 #include "core/integrators/taylor/plate-inl.hpp"
+#include "core/simd/vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

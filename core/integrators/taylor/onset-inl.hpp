@@ -169,6 +169,10 @@ HWY_INLINE void add_onset_terms(Expansion<K, Degree, Kind>& e, const std::array<
         const double once = n + (row.exponent + 1);
         const Vec for_v = splat(z * power / (once * e.piece.unit_s));
         const Vec for_x = splat(z * z * power / (once * (n + (row.exponent + 2))));
+        if (e.piece.tip != nullptr) {
+            e.piece.tip->onset[force][static_cast<std::size_t>(n)] =
+                -e.piece.tip->inv_mass * in_first_contact(q[n]);
+        }
         HERTZLINE_EACH_ROW(k, e.rows.count()) {
             const Vec net = e.inv_mass[k] * (q[n][k] - e.rows.right(q[n], k));
             e.v_now.set(k, MulAdd(for_v, net, e.v_now[k]));

@@ -161,6 +161,17 @@ HWY_INLINE void hold(Expansion<K, Degree, Kind>& e) {
     }
 }
 
+/// The tip's displacement of order N + 2, on which the first contact's force of order N acts back.
+template <int N>
+HWY_NOINLINE void move_tip(SeriesPiece& piece, double force) {
+    HornTip& tip = *piece.tip;
+    auto& own = tip.own;
+    own[N + 2] =
+        (tip.square * (tip.forcing[N] - own[N]) - tip.decay * (N + 1) * own[N + 1]) / ((N + 1) * (N + 2)) -
+        tip.inv_mass * force;
+    piece.horn[N + 2] += own[N + 2];
+}
+
 /// The forces of order N, and from them displacements and overlaps of order N + 2. Each order waits for the
 /// overlaps of the one before, so the way from these to the next ones is kept short.
 template <bool Held, int N, std::size_t K, int Degree, Damping Kind>
@@ -176,6 +187,9 @@ HWY_INLINE void order(Expansion<K, Degree, Kind>& e) {
     }
     if (HWY_UNLIKELY(e.piece.plate != nullptr)) {
         exchange_with_plate<N>(e, force);
+    }
+    if (HWY_UNLIKELY(e.piece.tip != nullptr)) {
+        move_tip<N>(e.piece, in_first_contact(force));
     }
     HERTZLINE_EACH_ROW(k, e.rows.count()) {
         const Vec right = e.rows.right(force, k);

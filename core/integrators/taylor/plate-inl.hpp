@@ -59,6 +59,11 @@ HWY_INLINE void rows_times_states(const PlateMotion& plate, const double* rows, 
 template <int Degree>
 HWY_INLINE void begin_plate(PlateMotion& plate) {
     rows_times_states(plate, plate.reaction_rows(), PlateMotion::width, Degree - 1, plate.behind.data());
+    if (HWY_UNLIKELY(plate.is_carried)) {
+        for (std::size_t k = 0; k + 1 < Degree; ++k) {
+            plate.behind[k] -= plate.carried[k + 2] / plate.mobility();
+        }
+    }
     if (plate.shows_face) {
         rows_times_states(plate, plate.face_rows(), PlateMotion::width, Degree, plate.face.terms.data());
     }
@@ -279,10 +284,20 @@ HWY_INLINE double row_times_states(const PlateMotion& plate, const PlateMotion::
 
 /// The last body goes where the states say.
 template <std::size_t K, int Degree, Damping Kind>
-HWY_INLINE void follow_plate(Expansion<K, Degree, Kind>& e) {
+HWY_INLINE void follow_plate(Expansion<K, Degree, Kind>& e, double length) {
     const PlateMotion& plate = *e.piece.plate;
-    const double x = row_times_states(plate, plate.displacement());
-    const double v = row_times_states(plate, plate.velocity());
+    double x = row_times_states(plate, plate.displacement());
+    double v = row_times_states(plate, plate.velocity());
+    if (HWY_UNLIKELY(plate.is_carried)) {
+        double moved = 0;
+        double slope = 0;
+        for (std::size_t n = plate.carried.size(); n-- > 0;) {
+            slope = slope * length + moved;
+            moved = moved * length + plate.carried[n];
+        }
+        x += moved;
+        v += slope * e.piece.per_unit;
+    }
     if constexpr (K == 0) {
         e.x_now.rows[plate.end_slot] = x;
         e.v_now.rows[plate.end_slot] = v;

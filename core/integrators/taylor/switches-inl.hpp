@@ -9,9 +9,9 @@
 #include <algorithm>
 #include <array>
 
-#include "core/integrators/simd/roots-inl.hpp"
 #include "core/integrators/taylor/clamped_law-inl.hpp"
 #include "core/integrators/taylor/expansion-inl.hpp"
+#include "core/simd/roots-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace hertzline::kernels {

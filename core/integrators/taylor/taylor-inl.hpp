@@ -30,6 +30,7 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "core/integrators/series_piece.hpp"
@@ -55,6 +56,11 @@ HWY_INLINE double trusted_length(Expansion<K, Degree, Kind>& e, bool onset) {
         last = Max(last, Max(Abs(e.x[Degree][k]), half_before));
     }
     e.piece.largest = largest_lane(last);
+    if (HWY_UNLIKELY(e.piece.tip != nullptr)) {
+        const HornTip& tip = *e.piece.tip;
+        e.piece.largest =
+            std::max({e.piece.largest, std::abs(tip.own[Degree]), 0.5 * std::abs(tip.own[Degree - 1])});
+    }
     const double error = Degree * e.piece.largest + 1e-300;
     double length = rough_power(e.piece.tolerance, error, 1, Degree - 1);
     if (HWY_UNLIKELY(onset)) {
@@ -144,7 +150,7 @@ HWY_INLINE void take_plate(Expansion<K, Degree, Kind>& e, double length, bool on
     move_plate<Degree>(plate, length);
     plate.onset_forces = onset ? e.piece.onset_forces() : std::span<const OnsetForce>();
     add_onset_to_plate<Degree>(plate, length);
-    follow_plate(e);
+    follow_plate(e, length);
     if (e.piece.keeps_ledger) {
         account_plate<Quadrature<Degree>>(plate, last_contact(e, std::make_index_sequence<Degree + 1>()),
                                           e.rows.chain().damping_law, length, e.piece.unit_s);

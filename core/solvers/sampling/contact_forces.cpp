@@ -15,12 +15,12 @@ double contact_force(const Chain& chain, Eigen::Index contact, double approach, 
     return std::max(elastic_force(chain.stiffness[contact], overlap) + factor * speed, lowest);
 }
 
-void ContactForces::begin(std::int64_t first, std::size_t count) noexcept {
+void ContactForces::begin(std::int64_t first, std::size_t count, const HornMotion* given) noexcept {
     count_ = count;
     contact_ = 0;
     Body& left = bodies_[1 - right_];
     for (std::size_t i = 0; i < count; ++i) {
-        const HornMotion& horn = horn_.at(first + static_cast<std::int64_t>(i));
+        const HornMotion& horn = given != nullptr ? given[i] : horn_.at(first + static_cast<std::int64_t>(i));
         left.x[i] = horn.x;
         left.v[i] = horn.v;
     }

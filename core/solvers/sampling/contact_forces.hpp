@@ -24,8 +24,8 @@ public:
     /// Most samples that are worked on at once.
     static constexpr std::size_t max_count = EndTaps::max_count;
 
-    /// Back to the horn, at `count` samples from `first` on.
-    void begin(std::int64_t first, std::size_t count) noexcept;
+    /// Back to the horn, at `count` samples from `first` on. @param horn its motion; null: as prescribed
+    void begin(std::int64_t first, std::size_t count, const HornMotion* horn = nullptr) noexcept;
 
     /// Displacements [m] and velocities [m/s] of the body on the right of the next contact, to be filled before put().
     double* displacements() noexcept { return bodies_[right_].x.data(); }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/model/drive.hpp"
 #include "core/solvers/sampling/contact_forces.hpp"
 
 namespace hertzline {
@@ -29,9 +30,12 @@ void output_velocity(const Source& source, double* out) noexcept {
 }
 
 /// docs/model.md, section 5.
-void horn_velocity(const Source& source, double* out) noexcept {
-    for (std::size_t i = 0; i < source.motion.count; ++i) {
-        out[i] = source.horn.velocity(source.motion.first + static_cast<std::int64_t>(i));
+template <double HornMotion::*Quantity>
+void horn_motion(const Source& source, double* out) noexcept {
+    const EndMotion& at = source.motion;
+    for (std::size_t i = 0; i < at.count; ++i) {
+        out[i] = (at.horn != nullptr ? at.horn[i] : source.horn.at(at.first + static_cast<std::int64_t>(i))).*
+                 Quantity;
     }
 }
 
@@ -53,7 +57,8 @@ struct Formula {
 };
 constexpr std::array formulas{
     Formula{Tap::v_out, false, output_velocity},
-    Formula{Tap::v_horn, false, horn_velocity},
+    Formula{Tap::v_horn, false, horn_motion<&HornMotion::v>},
+    Formula{Tap::x_horn, false, horn_motion<&HornMotion::x>},
     Formula{Tap::f_last, true, last_contact_force},
 };
 
@@ -77,17 +82,12 @@ bool needs_displacements(TapSet taps) noexcept {
 }  // namespace
 
 void HornAtSamples::work_out(std::int64_t first) noexcept {
-    std::array<HornStep, ToneBurst::batch_steps> steps;
-    burst_.fill(first, steps.data(), ToneBurst::batch_steps);
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        // a step with a break is described by the piece at its middle, which may not be that of its start
-        motion_[i] = steps[i].breaks ? burst_.at(first + static_cast<std::int64_t>(i), 0) : steps[i].start;
-    }
+    horn_->at_starts(first, motion_.data());
     first_ = first;
 }
 
-EndTaps::EndTaps(const Chain& chain, const Drive& drive, double sample_rate_hz)
-    : chain_(chain), horn_(drive, sample_rate_hz) {}
+EndTaps::EndTaps(const Chain& chain, const Scene& scene, const SimulationOptions& options)
+    : chain_(chain), horn_(scene, options), gives_way_(horn_resonator(scene.drive).has_value()) {}
 
 bool EndTaps::any_of(TapSet taps) noexcept {
     return !(taps & (columns_of_motion | computed)).empty();
@@ -109,6 +109,7 @@ EndMotion EndTaps::outputs_into(Samples& samples) noexcept {
             .x_end = displacements ? x_end_.data() : nullptr,
             .closed = closed_.data(),
             .v_face = face ? column_or_scratch(Tap::v_face, v_face_.data()) : nullptr,
+            .horn = gives_way_ ? horn_motion_.data() : nullptr,
             .p_axis = column_or_scratch(Tap::p_axis, nullptr),
             .p_points = column_or_scratch(Tap::p_points, nullptr)};
 }

@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "core/model/chain.hpp"
-#include "core/model/tone_burst.hpp"
+#include "core/model/horn.hpp"
 #include "hertzline/samples.hpp"
+#include "hertzline/simulation.hpp"
 
 namespace hertzline {
 
@@ -15,14 +17,13 @@ namespace hertzline {
 /// sample.
 class HornAtSamples {
 public:
-    HornAtSamples(const Drive& drive, double sample_rate_hz) : burst_(drive, 1 / sample_rate_hz) {}
+    HornAtSamples(const Scene& scene, const SimulationOptions& options)
+        : horn_(make_horn(scene.drive, 1 / scene.output.sample_rate_hz, options.live)) {}
 
-    /// [m/s]; where the motion jumps, that of the piece which begins there. @param sample index since the start
-    double velocity(std::int64_t sample) noexcept { return at(sample).v; }
-    /// As velocity(), with displacement and acceleration.
+    /// Where the motion jumps, that of the piece which begins there. @param sample index since the start
     const HornMotion& at(std::int64_t sample) noexcept {
-        if (sample < first_ || sample >= first_ + ToneBurst::batch_steps) {
-            work_out(sample - sample % ToneBurst::batch_steps);
+        if (sample < first_ || sample >= first_ + Horn::batch_steps) {
+            work_out(sample - sample % Horn::batch_steps);
         }
         return motion_[static_cast<std::size_t>(sample - first_)];
     }
@@ -30,9 +31,9 @@ public:
 private:
     void work_out(std::int64_t first) noexcept;
 
-    ToneBurst burst_;  ///< its steps are sample periods
-    std::int64_t first_ = -ToneBurst::batch_steps;
-    std::array<HornMotion, ToneBurst::batch_steps> motion_{};
+    std::unique_ptr<Horn> horn_;  ///< its steps are sample periods
+    std::int64_t first_ = -Horn::batch_steps;
+    std::array<HornMotion, Horn::batch_steps> motion_{};
 };
 
 /// The last sphere and the end at successive samples: columns, the first `count` numbers of which are there.
@@ -45,6 +46,7 @@ struct EndMotion {
     double* x_end = nullptr;     ///< of the end [m]; null: not needed
     bool* closed = nullptr;      ///< whether the last contact touches
     double* v_face = nullptr;    ///< of a modal plate [m/s]; null: not needed
+    HornMotion* horn = nullptr;  ///< of a horn on which the chain acts back; null: it moves as prescribed
     double* p_axis = nullptr;    ///< of a modal plate [Pa]; null: not needed
     double* p_points = nullptr;  ///< of a modal plate [Pa], row-major [sample][point]; null: not needed
 };
@@ -52,7 +54,7 @@ struct EndMotion {
 class EndTaps {
 public:
     /// @param chain outlives the object
-    EndTaps(const Chain& chain, const Drive& drive, double sample_rate_hz);
+    EndTaps(const Chain& chain, const Scene& scene, const SimulationOptions& options);
 
     /// Most samples that are worked on at once.
     static constexpr std::size_t max_count = 256;
@@ -71,6 +73,8 @@ private:
 
     const Chain& chain_;
     HornAtSamples horn_;
+    bool gives_way_;  ///< the horn: the solver knows its motion
+    std::array<HornMotion, max_count> horn_motion_{};
     std::array<double, max_count> v_last_{}, v_end_{}, x_last_{}, x_end_{}, v_face_{};
     std::array<bool, max_count> closed_{};
 };

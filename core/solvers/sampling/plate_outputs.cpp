@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <utility>
 
 namespace hertzline {
 
 PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, const kernels::SeriesPiece& piece,
-                           const ResolvedScene& resolved, TapSet taps)
+                           const ResolvedScene& resolved, TapSet taps, const DiscPlaces& places)
     : plate_(plate),
       kernels_(kernels::series_kernels(resolved.integrator(), 1, chain.damping_law)),
       piece_(piece),
@@ -16,85 +16,73 @@ PlateOutputs::PlateOutputs(const Chain& chain, kernels::PlateMotion* plate, cons
         return;
     }
     plate_->shows_face = taps.contains(Tap::v_face) || taps.contains(Tap::v_out);
-    const PlateResponse& response = *chain.end.plate;
-    const PlateParameters& p = response.parameters;
-    const ShapeTable shapes(disc_modes(p));
-    std::vector<PointSound> sounds;
     const Output& output = resolved.scene().output;
+    std::vector<std::array<double, 3>> points;
     if (taps.contains(Tap::p_axis)) {
-        sounds.emplace_back(shapes, 0, output.hydrophone_m / p.radius_m);
+        points.push_back({places.axis[0], places.axis[1], output.hydrophone_m});
         on_axis_ = 1;
     }
     if (taps.contains(Tap::p_points)) {
-        for (const auto& [x, y, z] : output.points_m) {
-            sounds.emplace_back(shapes, std::hypot(x, y) / p.radius_m, z / p.radius_m);
+        points.insert(points.end(), output.points_m.begin(), output.points_m.end());
+    }
+    points_ = points.size();
+    hear(*chain.end.plate, points, places.discs);
+}
+
+/// Long sounds need no such fine grid as short ones: each grid has those that need at least half as many intervals as its shortest one.
+void PlateOutputs::hear(const PlateResponse& response, const std::vector<std::array<double, 3>>& points,
+                        const std::vector<DiscPlaces::Disc>& discs) {
+    const PlateParameters& p = response.parameters;
+    const ShapeTable shapes(disc_modes(p));
+    const double unit_s = p.radius_m / p.fluid.sound_speed_m_per_s;
+    struct Heard {
+        std::int64_t intervals_per_sample;
+        std::size_t point;
+        PointSound sound;
+    };
+    std::vector<Heard> all;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const auto& [x, y, z] = points[i];
+        for (const auto& [disc_x, disc_y, delay_s] : discs) {
+            PointSound sound(shapes, std::hypot(x - disc_x, y - disc_y) / p.radius_m, z / p.radius_m,
+                             delay_s / unit_s);
+            const double longest_s = longest_interval_s(response, unit_s * (sound.last() - sound.first()));
+            all.push_back({std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(
+                                                         sample_period_s_ / longest_s * (1 - 1e-9)))),
+                           i, std::move(sound)});
         }
     }
-    if (sounds.empty()) {
-        return;
+    std::ranges::stable_sort(all, std::ranges::greater{}, &Heard::intervals_per_sample);
+    for (auto begin = all.begin(); begin != all.end();) {
+        const std::int64_t finest = begin->intervals_per_sample;
+        const auto end = std::find_if(begin, all.end(), [finest](const Heard& heard) {
+            return 2 * heard.intervals_per_sample < finest;
+        });
+        std::vector<std::vector<PointSound>> of_points(points.size());
+        for (; begin != end; ++begin) {
+            of_points[begin->point].push_back(std::move(begin->sound));
+        }
+        std::vector<SoundAtPoint> sounds;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            for (SoundSum& sound : grouped(std::move(of_points[i]))) {
+                sounds.push_back({i, std::move(sound)});
+            }
+        }
+        grids_.push_back(std::make_unique<PressureGrid>(response, *plate_, piece_, kernels_, sample_period_s_,
+                                                        sounds, finest));
     }
-    const double unit_s = p.radius_m / p.fluid.sound_speed_m_per_s;
-    double nearest = sounds.front().first();
-    double longest_s = sample_period_s_;
-    for (const PointSound& sound : sounds) {
-        nearest = std::min(nearest, sound.first());
-        longest_s =
-            std::min(longest_s, longest_interval_s(response, unit_s * (sound.last() - sound.first())));
-    }
-    intervals_per_sample_ = static_cast<std::int64_t>(std::ceil(sample_period_s_ / longest_s * (1 - 1e-9)));
-    const double interval_s = sample_period_s_ / static_cast<double>(intervals_per_sample_);
-    forced_ = std::make_unique<ForcedStates>(response, interval_s);
-    first_delay_ = FixedTime::of(nearest * unit_s / sample_period_s_);
-    for (const PointSound& sound : sounds) {
-        const double later = (sound.first() - nearest) * unit_s / interval_s;
-        const double whole = std::floor(later);
-        const double share = 1 - (later - whole);
-        pressures_.push_back({.kernel = ForceKernel(response, sound, interval_s, share),
-                              .delay = static_cast<std::int64_t>(whole) + 1,
-                              .share = share,
-                              .ring = {}});
-        Pressure& pressure = pressures_.back();
-        kept_ = std::max(kept_, pressure.kernel.intervals + 1);
-        const std::int64_t most = first_delay_.whole + pressure.delay / intervals_per_sample_ + 3;
-        pressure.ring.resize(static_cast<std::size_t>(most) + EndTaps::max_count);
-    }
-    soonest_ = std::ranges::min(pressures_, {}, &Pressure::delay).delay;
-    moments_.resize(2 * kept_);
-    states_.resize(kept_ * 2 * forced_->size());
 }
 
 void PlateOutputs::reset() noexcept {
-    for (Pressure& pressure : pressures_) {
-        std::fill(pressure.ring.begin(), pressure.ring.end(), 0.0);
-        pressure.open = {};
+    for (const auto& grid : grids_) {
+        grid->reset();
     }
-    std::fill(moments_.begin(), moments_.end(), Moments{});
-    std::fill(states_.begin(), states_.end(), 0.0);
-    open_ = {};
-    done_ = 0;
-    line_ = std::max<std::int64_t>(1, first_delay_.times(intervals_per_sample_).rounded_up());
 }
 
 void PlateOutputs::continue_from(const PlateOutputs& before, std::int64_t samples) noexcept {
-    const auto shift = [](const auto* from, std::size_t size, std::size_t by, auto* to) {
-        std::rotate_copy(from, from + by % size, from + size, to);
-    };
-    for (std::size_t i = 0; i < pressures_.size(); ++i) {
-        const Pressure& from = before.pressures_[i];
-        shift(from.ring.data(), from.ring.size(), static_cast<std::size_t>(samples),
-              pressures_[i].ring.data());
-        pressures_[i].open = from.open;
+    for (std::size_t i = 0; i < grids_.size(); ++i) {
+        grids_[i]->continue_from(*before.grids_[i], samples);
     }
-    if (kept_ > 0) {
-        const std::int64_t lines = samples * intervals_per_sample_;
-        const auto by = static_cast<std::size_t>(lines);
-        shift(before.moments_.data(), kept_, by, moments_.data());
-        std::copy_n(moments_.data(), kept_, moments_.data() + kept_);
-        shift(before.states_.data(), states_.size(), by * 2 * forced_->size(), states_.data());
-        open_ = before.open_;
-        line_ = before.line_ - lines;
-    }
-    done_ = 0;
 }
 
 double PlateOutputs::velocity(const kernels::PlateMotion::Velocity& of, double z) const noexcept {
@@ -113,85 +101,6 @@ double PlateOutputs::velocity(const kernels::PlateMotion::Velocity& of, double z
         sum += plate_->onset_forces[i].integrated_power(std::max(z, 0.0)) * at(of.onset_terms[i]);
     }
     return sum;
-}
-
-/// Where a line lies in the piece [z].
-double PlateOutputs::place_of(std::int64_t line, const Stretch& piece) const noexcept {
-    FixedTime arrival = piece.begin;
-    arrival.advance(first_delay_);
-    const double part =
-        static_cast<double>(line % intervals_per_sample_) / static_cast<double>(intervals_per_sample_);
-    return (difference({line / intervals_per_sample_, 0}, arrival) + part) *
-           (sample_period_s_ / piece_.unit_s);
-}
-
-/// Of the sample that is known at the end of the open interval.
-double PlateOutputs::pressure(const Pressure& point) const noexcept {
-    const ForceKernel& kernel = point.kernel;
-    const double* const newest = point.share < 1 ? point.open.data() : open_.data();
-    const double sum = std::inner_product(kernel.newest.begin(), kernel.newest.end(), newest, 0.0);
-    // the intervals before lie in the ring up to line_ - 1
-    const auto end = static_cast<std::size_t>(line_ - 1) % kept_ + kept_;
-    return sum +
-           kernels_.sum_of_products(kernel.moments.data(), moments_[end - kernel.intervals].data(),
-                                    kernel.moments.size()) +
-           kernels_.sum_of_products(
-               kernel.states.data(),
-               states_at(line_ - 1 + static_cast<std::int64_t>(kept_ - kernel.intervals)),
-               kernel.states.size());
-}
-
-/// Adds the force over the next part of the open interval. @param until its end @param line the interval's end [z]
-void PlateOutputs::add_force(double until, double line, double interval) noexcept {
-    const double start = line - interval;
-    constexpr double rounding = 1e-12;
-    if (until == line && done_ - start < rounding * interval && plate_->onset_forces.empty()) {
-        kernels_.whole_interval_moments(*plate_, {start, line, line, interval, piece_.unit_s}, open_.data());
-    } else {
-        kernels_.add_force_moments(*plate_, {done_, until, line, interval, piece_.unit_s}, open_.data());
-    }
-    for (Pressure& point : pressures_) {
-        const double end = line - (1 - point.share) * interval;
-        if (point.share < 1 && done_ < end && is_due(point)) {
-            kernels_.add_force_moments(
-                *plate_, {done_, std::min(until, end), end, point.share * interval, piece_.unit_s},
-                point.open.data());
-        }
-    }
-}
-
-void PlateOutputs::end_interval() noexcept {
-    for (Pressure& point : pressures_) {
-        if (is_due(point)) {
-            point.at((line_ - 1 + point.delay) / intervals_per_sample_) = pressure(point);
-            point.open = {};
-        }
-    }
-    const auto place = static_cast<std::size_t>(line_ - 1) % kept_;
-    moments_[place] = moments_[place + kept_] = open_;
-    kernels_.advance_states(*forced_, open_.data(), states_at(line_ - 1), states_at(line_));
-    open_ = {};
-    ++line_;
-}
-
-/// Goes on through the piece. @param until [z]
-void PlateOutputs::send(double until, const Stretch& piece) noexcept {
-    const bool moves = piece_.plate != nullptr && plate_->moves;
-    const double interval = sample_period_s_ / piece_.unit_s / static_cast<double>(intervals_per_sample_);
-    for (;;) {
-        const double line = place_of(line_, piece);
-        const double to = std::min(line, until);
-        if (to > done_) {
-            if (moves) {
-                add_force(to, line, interval);
-            }
-            done_ = to;
-        }
-        if (line > until) {
-            return;
-        }
-        end_interval();
-    }
 }
 
 void PlateOutputs::put_velocity(const kernels::PlateMotion::Velocity& of, const kernels::SampleTimes& times,
@@ -216,38 +125,34 @@ void PlateOutputs::put(const EndMotion& motion, const kernels::SampleTimes& time
     if (motion.v_face != nullptr) {
         put_velocity(plate_->face, times, count, motion.v_face + motion.count);
     }
-    if (motion.p_axis != nullptr || motion.p_points != nullptr) {
-        // a piece that is longer than the way sends pressures that arrive within it
-        const std::int64_t last = first + static_cast<std::int64_t>(count) - 1;
-        const std::int64_t line = last * intervals_per_sample_ - soonest_ + 1;
-        if (line_ <= line) {
-            send(place_of(line, piece), piece);
-        }
-        put_pressures(motion, count, first);
-    }
-}
-
-/// Puts down the pressures that arrive in `count` samples. @param first number of the first sample
-void PlateOutputs::put_pressures(const EndMotion& motion, std::size_t count, std::int64_t first) noexcept {
-    const auto put = [count, first](Pressure& pressure, double* out, std::size_t stride) {
-        for (std::size_t i = 0; i < count; ++i) {
-            out[i * stride] = pressure.at(first + static_cast<std::int64_t>(i));
-        }
-    };
+    const std::size_t points = points_ - on_axis_;
     if (motion.p_axis != nullptr) {
-        put(pressures_.front(), motion.p_axis + motion.count, 1);
+        std::fill_n(motion.p_axis + motion.count, count, 0.0);
     }
-    const std::size_t points = pressures_.size() - on_axis_;
-    for (std::size_t point = 0; motion.p_points != nullptr && point < points; ++point) {
-        put(pressures_[on_axis_ + point], motion.p_points + motion.count * points + point, points);
+    if (motion.p_points != nullptr) {
+        std::fill_n(motion.p_points + motion.count * points, count * points, 0.0);
+    }
+    if (motion.p_axis == nullptr && motion.p_points == nullptr) {
+        return;
+    }
+    for (const auto& grid : grids_) {
+        grid->send_for(first + static_cast<std::int64_t>(count) - 1, piece);
+        grid->add_to(first, count, [&](std::size_t point) {
+            const bool on_axis = point < on_axis_;
+            double* const column = on_axis ? motion.p_axis : motion.p_points;
+            const std::size_t stride = on_axis ? 1 : points;
+            return std::pair(column != nullptr
+                                 ? column + motion.count * stride + (on_axis ? 0 : point - on_axis_)
+                                 : nullptr,
+                             stride);
+        });
     }
 }
 
 void PlateOutputs::leave_piece(const Stretch& piece) noexcept {
-    if (!pressures_.empty()) {
-        send(difference(piece.end, piece.begin) * sample_period_s_ / piece_.unit_s, piece);
+    for (const auto& grid : grids_) {
+        grid->leave_piece(piece);
     }
-    done_ = 0;
 }
 
 double PlateOutputs::bytes(const Scene& scene, TapSet taps) noexcept {

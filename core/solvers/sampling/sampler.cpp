@@ -21,7 +21,7 @@ std::size_t trace_rows(double row_bytes, bool between) noexcept {
 
 /// Whether the taps show more of the chain than its far end.
 bool of_all_bodies(TapSet taps) noexcept {
-    return !(taps & chain_taps).empty();
+    return !(taps & near_taps).empty();
 }
 
 }  // namespace
@@ -37,6 +37,7 @@ public:
           v_chain_(samples.holds.contains(Tap::v_chain) ? samples.room(Tap::v_chain).data() : nullptr),
           x_chain_(samples.holds.contains(Tap::x_chain) ? samples.room(Tap::x_chain).data() : nullptr),
           f_chain_(samples.holds.contains(Tap::f_chain) ? samples.room(Tap::f_chain).data() : nullptr),
+          f_first_(samples.holds.contains(Tap::f_first) ? samples.room(Tap::f_first).data() : nullptr),
           spheres_(samples.spheres()),
           end_overlap_(chain.static_overlap[chain.spheres()]),
           end_(bodies - 1) {}
@@ -45,7 +46,10 @@ public:
     void put(const Moment& moment) noexcept {
         put_chain(moment);
         if (f_chain_ != nullptr) {
-            put_contacts(moment);
+            put_contacts(moment, spheres_ + 1, f_chain_ + end_taps_.next() * (spheres_ + 1));
+        }
+        if (f_first_ != nullptr) {
+            put_contacts(moment, 1, f_first_ + end_taps_.next());
         }
         if (end_taps_.shows_end()) {
             put_end(moment);
@@ -65,10 +69,9 @@ private:
         }
     }
 
+    /// @param contacts how many, from the horn on
     template <class Moment>
-    void put_contacts(const Moment& moment) const noexcept {
-        const std::size_t contacts = spheres_ + 1;
-        double* const out = f_chain_ + end_taps_.next() * contacts;
+    void put_contacts(const Moment& moment, std::size_t contacts, double* out) const noexcept {
         contact_forces_.begin(end_taps_.samples().first + static_cast<std::int64_t>(end_taps_.next()), 1);
         for (std::size_t c = 0; c < contacts; ++c) {
             *contact_forces_.displacements() = moment.displacement(c);
@@ -96,6 +99,7 @@ private:
     double* v_chain_;
     double* x_chain_;
     double* f_chain_;
+    double* f_first_;
     std::size_t spheres_;
     double end_overlap_;
     std::size_t end_;
@@ -113,16 +117,16 @@ double exact_step(double step_s, double sample_rate_hz) noexcept {
     return grid > 0 ? 1 / (sample_rate_hz * grid) : step_s;
 }
 
-Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps)
+Sampler::Sampler(const Chain& chain, const Scene& scene, double step_s, const SimulationOptions& options)
     : chain_(chain),
       grid_(steps_per_sample(step_s, scene.output.sample_rate_hz)),
       sample_period_(grid_ > 0 ? FixedTime{grid_, 0}
                                : FixedTime::of(1 / (scene.output.sample_rate_hz * step_s))),
       step_s_(step_s),
-      end_taps_(chain, scene.drive, scene.output.sample_rate_hz),
+      end_taps_(chain, scene, options),
       contact_forces_(chain, end_taps_.horn()) {
     trace_.bodies = chain.bodies();
-    trace_.first_body = of_all_bodies(taps) ? 0 : chain.spheres() - 1;
+    trace_.first_body = of_all_bodies(options.taps) ? 0 : chain.spheres() - 1;
     trace_.between = grid_ == 0;
     trace_.every = std::max(grid_, 1);
     trace_.capacity = trace_rows(static_cast<double>(trace_.row_size()) * sizeof(double), trace_.between);

@@ -19,7 +19,7 @@ namespace hertzline {
 class Sampler {
 public:
     /// @param chain outlives the sampler @param taps all that samples will be made of
-    Sampler(const Chain& chain, const Scene& scene, double step_s, TapSet taps);
+    Sampler(const Chain& chain, const Scene& scene, double step_s, const SimulationOptions& options);
 
     /// Back to sample 0, the static equilibrium.
     void reset() noexcept;

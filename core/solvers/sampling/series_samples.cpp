@@ -12,9 +12,14 @@ std::int64_t SeriesSamples::put(EndTapsWriter& writer, const kernels::SeriesKern
     Moments moments{
         .functions = functions,
         .times = {static_cast<double>(sample - begin.whole), begin.fraction(),
-                  sample_period_s_ / piece_.unit_s},
+                  sample < begin.rounded_up() ? 0 : sample_period_s_ / piece_.unit_s},
         .count = static_cast<std::size_t>(std::min(available, static_cast<std::int64_t>(writer.room())))};
     work_out_all_slots(writer, moments);
+    const EndMotion& at = writer.motion();
+    HornMotion* const horn = at.horn != nullptr ? at.horn + at.count : nullptr;
+    if (horn != nullptr) {
+        put_tip(moments, horn);
+    }
     Samples& samples = writer.samples();
     const std::size_t spheres = samples.spheres();
     const auto put_chain = [&](Tap tap, Quantity quantity) {
@@ -29,8 +34,13 @@ std::int64_t SeriesSamples::put(EndTapsWriter& writer, const kernels::SeriesKern
     put_chain(Tap::v_chain, Quantity::velocity);
     put_chain(Tap::x_chain, Quantity::displacement);
     if (samples.holds.contains(Tap::f_chain)) {
-        put_contacts(contact_forces, moments, sample,
+        contact_forces.begin(sample, moments.count, horn);
+        put_contacts(contact_forces, moments, spheres + 1,
                      samples.room(Tap::f_chain).data() + writer.next() * (spheres + 1));
+    }
+    if (samples.holds.contains(Tap::f_first)) {
+        contact_forces.begin(sample, moments.count, horn);
+        put_contacts(contact_forces, moments, 1, samples.room(Tap::f_first).data() + writer.next());
     }
     if (writer.shows_end()) {
         put_end(writer.motion(), moments);
@@ -61,11 +71,19 @@ void SeriesSamples::work_out_all_slots(const EndTapsWriter& writer, Moments& mom
     }
 }
 
-/// The forces of all contacts. @param first index of the first sample
-void SeriesSamples::put_contacts(ContactForces& forces, const Moments& moments, std::int64_t first,
+/// The motion of a horn on which the chain acts back.
+void SeriesSamples::put_tip(const Moments& moments, HornMotion* out) const noexcept {
+    for (std::size_t i = 0; i < moments.count; ++i) {
+        const kernels::SampleTimes& times = moments.times;
+        const double z =
+            ((times.first_after_base + static_cast<double>(i)) - times.fraction) * times.per_sample;
+        out[i] = piece_.tip_at(z);
+    }
+}
+
+/// The forces of some contacts, from the horn on.
+void SeriesSamples::put_contacts(ContactForces& forces, const Moments& moments, std::size_t contacts,
                                  double* out) const noexcept {
-    const auto contacts = static_cast<std::size_t>(chain_.bodies());
-    forces.begin(first, moments.count);
     for (std::size_t c = 0; c < contacts; ++c) {
         const auto body = static_cast<Eigen::Index>(c);
         put_body(body, Quantity::displacement, moments, forces.displacements(), 1);

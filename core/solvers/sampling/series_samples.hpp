@@ -27,7 +27,7 @@ public:
           of_slots_(2 * most_together * most_rows * simd_chain.lanes()) {}
 
     /// Hands samples of the present piece to the writer, as many as there are and find room. @return how many
-    /// @param piece its begin and end [samples] @param sample the first one
+    /// @param piece its begin and end [samples] @param sample the first one; before the begin all samples show the begin
     std::int64_t put(EndTapsWriter& writer, const kernels::SeriesKernels& functions,
                      PlateOutputs& plate_outputs, ContactForces& contact_forces, const Stretch& piece,
                      std::int64_t sample, std::int64_t available) noexcept;
@@ -53,8 +53,9 @@ private:
         }
     };
     void work_out_all_slots(const EndTapsWriter& writer, Moments& moments) noexcept;
-    void put_contacts(ContactForces& forces, const Moments& moments, std::int64_t first,
+    void put_contacts(ContactForces& forces, const Moments& moments, std::size_t contacts,
                       double* out) const noexcept;
+    void put_tip(const Moments& moments, HornMotion* out) const noexcept;
     void put_end(const EndMotion& motion, const Moments& moments) const noexcept;
     void put_body(Eigen::Index body, Quantity quantity, const Moments& moments, double* out,
                   std::size_t stride) const noexcept;

@@ -45,14 +45,25 @@ std::vector<std::string_view> words_of(std::string_view line, char separator) {
     return words;
 }
 
+/// The text in ASCII, with u for either sign of micro, in UTF-8 or Latin-1.
+std::string plain(std::string_view text) {
+    std::string result(text);
+    for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC", "\xB5"}) {
+        for (std::size_t at = result.find(micro); at != std::string::npos; at = result.find(micro, at)) {
+            result.replace(at, micro.size(), "u");
+        }
+    }
+    return printable(result);
+}
+
 /// The column of a name such as "Channel 1 (V)".
 Column column_of_words(std::string_view name) {
     const std::size_t open = name.find_last_of("([");
     const bool has_unit =
         open != std::string_view::npos && open > 0 && (name.back() == ')' || name.back() == ']');
-    Column column = column_named(printable(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
+    Column column = column_named(plain(trimmed(name.substr(0, has_unit ? open : name.size()), blanks)));
     if (has_unit) {
-        column.unit = printable(name.substr(open + 1, name.size() - open - 2));
+        column.unit = plain(name.substr(open + 1, name.size() - open - 2));
     }
     return column;
 }
@@ -111,9 +122,41 @@ void take_units(const CsvLines& lines, CsvNames& names) {
     for (std::size_t i = 0; i < names.columns.size(); ++i) {
         const std::size_t place = names.time_column + 1 + i;
         if (place < words.size() && !words[place].empty()) {
-            names.columns[i].unit = printable(trimmed(words[place], " ()[]"));
+            names.columns[i].unit = plain(trimmed(words[place], " ()[]"));
         }
     }
+}
+
+/// Goes to the first row of a file of one number in each line, below a name or not. @returns whether it is one
+bool take_single_column(CsvLines& lines, CsvNames& names) {
+    const auto is_number = [](std::string_view line) {
+        const std::string_view text = trimmed(line, blanks);
+        return begins_as_a_number(text) && text.find_first_of(",;\t ") == std::string_view::npos;
+    };
+    Column column{"channel_1", "channel_1", ""};
+    CsvLines::Place before = lines.place();
+    if (!CsvNumbers::next(lines)) {
+        return false;
+    }
+    if (!begins_as_a_number(trimmed(lines.line(), blanks))) {
+        if (lines.line().find_first_of(",;\t") != std::string_view::npos) {
+            return false;
+        }
+        column = column_of_words(without_quotes(lines.line()));
+        before = lines.place();
+        if (!CsvNumbers::next(lines)) {
+            return false;
+        }
+    }
+    if (!is_number(lines.line())) {
+        return false;
+    }
+    names.separator = ',';  // a decimal comma might as well be one between two columns
+    names.has_times = false;
+    names.columns = {column};
+    names.first_row = before;
+    names.has_rows = true;
+    return true;
 }
 
 std::string_view without_comment_sign(std::string_view line) {
@@ -127,7 +170,8 @@ std::string_view without_comment_sign(std::string_view line) {
 
 }  // namespace
 
-CsvNames read_csv_names(CsvLines& lines) {
+CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
+    const CsvLines::Place beginning = lines.place();
     CsvNames names;
     std::string_view tried = separators;
     std::string first;
@@ -143,10 +187,18 @@ CsvNames read_csv_names(CsvLines& lines) {
         found = std::ranges::any_of(
             tried, [&](char separator) { return take_names(without_comment_sign(line), separator, names); });
     }
+    if (!found && rate_is_given && !lines.is_pipe()) {
+        lines.go_back(beginning);
+        found = take_single_column(lines, names);
+    }
+    if (!names.has_times) {
+        return names;
+    }
     if (!found) {
         throw std::runtime_error(fmt::format(
             "{}: found the column names {}, allowed: {} (or a time with its unit, \"Time (ms)\") and others "
-            "after it; write such a line above the numbers of a file without it, as \"t_s;v_out_m_per_s\"",
+            "after it; write such a line above the numbers of a file without it, as \"t_s;v_out_m_per_s\", "
+            "or give the rate of a file of one column",
             place, first.empty() ? "\"\"" : first, csv_time_column));
     }
     name_apart(names.columns);
@@ -176,6 +228,9 @@ void CsvNumbers::refuse(const CsvLines& lines) const {
     if (mixed_) {
         lines.fail("found a decimal comma beside a decimal point, allowed: one of them in a file");
     }
+    if (first_ > 0) {
+        lines.fail("expected a number, with a decimal point");
+    }
     lines.fail(fmt::format("expected {} numbers separated by {}", count_,
                            separator_ == ','   ? "commas"
                            : separator_ == ';' ? "semicolons"
@@ -189,7 +244,7 @@ void CsvNumbers::read(const CsvLines& lines, double& time, std::vector<double>& 
     for (std::size_t i = 0; i < passed_over_; ++i) {
         at = std::find(at, end, separator_) + 1;
     }
-    for (std::size_t i = 0; i < count_; ++i) {
+    for (std::size_t i = first_; i < count_; ++i) {
         double& value = i == 0 ? time : row[i - 1];
         at = at < end ? number(at, end, value) : nullptr;
         const bool last = i + 1 == count_;

@@ -27,11 +27,13 @@ public:
         : path_(std::move(path)),
           options_(std::move(options)),
           lines_(path_),
-          names_(read_csv_names(lines_)),
+          names_(read_csv_names(lines_, options_.sample_rate_hz.has_value())),
           numbers_(names_),
           row_(names_.columns.size()) {
         head_.columns = names_.columns;
-        if (!read_metadata()) {
+        if (!names_.has_times) {
+            head_.sample_rate_hz = *options_.sample_rate_hz;
+        } else if (!read_metadata()) {
             take_rate_from_times();
         }
         ahead_ = names_.has_rows && read_row();
@@ -96,6 +98,10 @@ private:
         }
         double time = 0;
         numbers_.read(lines_, time, row_);
+        if (!names_.has_times) {
+            sample_ = rows_++;
+            return true;
+        }
         try {
             sample_ = axis_.sample_of(time * names_.time_unit_s);
         } catch (const std::runtime_error& error) {
@@ -159,6 +165,7 @@ private:
     RecordingHead head_;
     bool ahead_ = false;  // the next row is in sample_ and row_
     std::int64_t sample_ = 0;
+    std::int64_t rows_ = 0;  // so far, of a file without times
     std::vector<double> row_;
     std::int64_t due_ = 0;  // the sample that follows
 };

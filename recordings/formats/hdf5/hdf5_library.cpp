@@ -164,9 +164,9 @@ Hdf5Object hdf5_create_dataset(hid_t file, const std::string& name, hid_t type, 
 
 void hdf5_write_rows(hid_t dataset, hid_t type, std::int64_t row, std::int64_t rows, const void* values) {
     const Hdf5Object file(H5Dget_space(dataset), H5Sclose);
-    std::array<hsize_t, 2> size{};
+    std::array<hsize_t, 3> size{};
     const int rank = hdf5(H5Sget_simple_extent_dims(file.id(), size.data(), nullptr));
-    const std::array<hsize_t, 2> from{static_cast<hsize_t>(row), 0};
+    const std::array<hsize_t, 3> from{static_cast<hsize_t>(row), 0, 0};
     size[0] = static_cast<hsize_t>(rows);
     hdf5(H5Sselect_hyperslab(file.id(), H5S_SELECT_SET, from.data(), nullptr, size.data(), nullptr));
     const Hdf5Object memory(H5Screate_simple(rank, size.data(), nullptr), H5Sclose);

@@ -26,7 +26,7 @@
     X(H5Dclose) X(H5Dcreate2) X(H5Dget_space) \
     X(H5Dget_type) X(H5Dopen2) X(H5Dread) X(H5Dset_extent) X(H5Dwrite) X(H5Eget_auto2) X(H5Eset_auto2) \
     X(H5Ewalk2) X(H5FDclose) X(H5FDopen) X(H5FDregister) X(H5Fclose) X(H5Fcreate) X(H5Fflush) X(H5Fopen) \
-    X(H5Gget_info) X(H5Tget_member_name) X(H5Tget_nmembers) \
+    X(H5Tget_member_name) X(H5Tget_nmembers) \
     X(H5Pclose) X(H5Pcreate) \
     X(H5Pset_chunk) X(H5Pset_deflate) X(H5Pset_driver) X(H5Pset_fapl_sec2) X(H5Pset_libver_bounds) X(H5Pset_obj_track_times) \
     X(H5Pset_shuffle) X(H5Sclose) X(H5Screate) X(H5Screate_simple) \

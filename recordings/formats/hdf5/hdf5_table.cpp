@@ -160,9 +160,15 @@ public:
         write_texts(records_.id(), "units", units);
         if (table.samples) {
             const hsize_t samples = table.samples->count;
-            rows_ = std::min(rows_, rows_in_chunk(samples * sizeof(float)));
-            samples_ = create_dataset(file, table.samples->name, H5T_IEEE_F32LE, {count, samples},
-                                      {std::min(rows_, count), samples});
+            const hsize_t channels = table.samples->channels;
+            rows_ = std::min(rows_, rows_in_chunk(samples * channels * sizeof(float)));
+            std::vector<hsize_t> size{count, samples};
+            if (channels > 1) {
+                size.push_back(channels);
+            }
+            std::vector<hsize_t> chunks = size;
+            chunks.front() = std::min(rows_, count);
+            samples_ = create_dataset(file, table.samples->name, H5T_IEEE_F32LE, size, chunks);
             hdf5_write_text(samples_.id(), "units", table.samples->unit);
         }
     }
@@ -256,9 +262,7 @@ bool write_hdf5_table(const std::filesystem::path& path, const Table& table, con
 
 WrittenTable read_hdf5_table(const std::filesystem::path& path, const std::string& records) {
     return with_file(path, [&](hid_t file) {
-        H5G_info_t root{};
-        hdf5(H5Gget_info(file, &root));
-        return WrittenTable{member_names(open_records(file, records).id()), root.nlinks > 1,
+        return WrittenTable{member_names(open_records(file, records).id()),
                             json_from_outside(read_text(file, "provenance"))};
     });
 }

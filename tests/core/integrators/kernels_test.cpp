@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/integrators/simd/target_choice.hpp"
+#include "core/simd/target_choice.hpp"
 #include "tests/support/bare_chain.hpp"
 #include "tests/support/integrators.hpp"
 #include "tests/support/runs.hpp"

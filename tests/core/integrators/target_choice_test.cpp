@@ -1,4 +1,4 @@
-#include "core/integrators/simd/target_choice.hpp"
+#include "core/simd/target_choice.hpp"
 
 #include <algorithm>
 #include <cstdint>

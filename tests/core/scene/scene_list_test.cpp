@@ -13,6 +13,7 @@
 #include "core/scene/scene_key.hpp"
 #include "core/scene/toml_entries.hpp"
 #include "hertzline/scene_file.hpp"
+#include "tests/support/list_values.hpp"
 
 namespace hertzline {
 namespace {
@@ -84,7 +85,7 @@ TEST(SceneLists, OptionsSetEntriesAndTheLastOneWins) {
 
 TEST(SceneLists, FaultsNameTheEntryItsValueAndItsBounds) {
     const std::string number = "a number from 1e-09 to 10 m";
-    const std::string list = "a list of 1 to 16 entries, each " + number;
+    const std::string list = "a list [A, B, ...] of at most 16 entries, each " + number;
     const std::string begin = "scene.toml:2: end.thicknesses_m";
     const auto of_thicknesses = [](const std::string& value) {
         return faults_in("[end]\nthicknesses_m = " + value);
@@ -96,7 +97,6 @@ TEST(SceneLists, FaultsNameTheEntryItsValueAndItsBounds) {
     EXPECT_THAT(of_thicknesses("[1, '2 kg']"), ElementsAre(HasSubstr("[2]: found \"2 kg\"")));
     EXPECT_THAT(of_thicknesses("[1, true]"), ElementsAre(begin + "[2]: found true, allowed: " + number));
     EXPECT_THAT(of_thicknesses("[1, [2]]"), ElementsAre(begin + "[2]: found an array, allowed: " + number));
-    EXPECT_THAT(of_thicknesses("[]"), ElementsAre(begin + ": found 0 entries, allowed: " + list));
     EXPECT_THAT(of_thicknesses("1e-3"), ElementsAre(begin + ": found 0.001, allowed: " + list));
     EXPECT_THAT(of_thicknesses("{}"), ElementsAre(begin + ": found a table, allowed: " + list));
     EXPECT_THAT(of_thicknesses("[1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,'x']"),
@@ -108,6 +108,35 @@ TEST(SceneLists, FaultsNameTheEntryItsValueAndItsBounds) {
                                            HasSubstr("did you mean 'pyrex'?"))));
     EXPECT_THAT(faults_in("[end]\nmaterials = ['water']\nthicknesses_m = [1]"),
                 ElementsAre(HasSubstr("end.materials[1]: found \"water\", a fluid")));
+}
+
+TEST(SceneLists, WithoutEntriesAreNotGiven) {
+    const std::vector<SceneKey> keys(scene_keys().begin(), scene_keys().end());
+    for (const SceneKey& key : keys) {
+        if (!key.is_list()) {
+            EXPECT_FALSE(with_values(Scene{}, {{key.name, Json::array()}})) << key.name;
+            continue;
+        }
+        Scene scene;
+        const SceneValue one = key.kind == ValueKind::word ? SceneValue("steel") : SceneValue(0.5);
+        ASSERT_TRUE(key.set(scene, test::filled_with(key, one)));
+        ASSERT_NE(scene, Scene{});
+        EXPECT_EQ(parse_scene("", "x", std::vector{key.name + "=[]"}).value().scene, Scene{}) << key.name;
+        EXPECT_EQ(with_values(scene, {{key.name, Json::array()}}).value(), Scene{}) << key.name;
+        EXPECT_EQ(with_values(scene, {{key.name, "[]"}}).value(), Scene{}) << key.name;
+        const auto empty = read_allowed(scene, key, "[ ]");
+        EXPECT_EQ(toml_text(empty.value()), "[]");
+        EXPECT_EQ(allowed_value(scene, key, *empty).value(), *empty);
+    }
+    const char* focused = "end.model = 'modal'\n[array]\nx_m = [0]\ny_m = [0]\nfocus_m = [0, 0, 1]";
+    EXPECT_THAT(
+        parse_scene(focused, "x", std::vector<std::string>{"array.focus_m=[]"}).value().scene.array.focus_m,
+        IsEmpty());
+    EXPECT_THAT(faults_in("[array]\nfocus_m = []\n[chain]\ndiameters_m = []"), IsEmpty());
+    EXPECT_THAT(faults_in("[output]\npoints_m = [[]]"),
+                ElementsAre(HasSubstr(
+                    "output.points_m[1]: found 0 entries, allowed: a list [A, B, ...] of 3 entries")));
+    EXPECT_THAT(faults_in(two_layers, {"end.thicknesses_m=[]"}), Not(IsEmpty()));
 }
 
 TEST(SceneLists, EntriesThatAListDoesNotHaveAreFaults) {
@@ -132,6 +161,30 @@ TEST(SceneLists, EntriesThatAListDoesNotHaveAreFaults) {
     EXPECT_THAT(fault_of("end.thicknesses_m[1=1"), HasSubstr("allowed: section.key=value"));
     EXPECT_THAT(fault_of("end.thicknesses_m[2]=-1"), HasSubstr("end.thicknesses_m[2]: found -1"));
     EXPECT_THAT(fault_of("end.thicknesses_m[99999999999999999999]=1"), HasSubstr("found no entry"));
+}
+
+TEST(SceneLists, AnEntryOfAListThatIsNotGivenIsOneAfterTheOptionOfTheMessage) {
+    const std::string three =
+        "end.model = 'modal'\n[chain]\nspheres = 4\n[array]\nx_m = [0, 0.02, 0.04]\ny_m = [0, 0, 0]\n";
+    for (const auto& [entry, list] :
+         {std::pair<std::string, std::string>{"array.delays_s[2]", "array.delays_s=[0, 0, 0]"},
+          {"array.preloads_n[3]", "array.preloads_n=[0.1, 0.1, 0.1]"},
+          {"array.materials[1]", "array.materials=[aluminium, aluminium, aluminium]"},
+          {"array.focus_m[3]", "array.focus_m=[0, 0, 0]"},
+          {"chain.diameters_m[2]", "chain.diameters_m=[0.001, 0.001, 0.001, 0.001]"},
+          {"output.points_m[2][3]", "output.points_m=[[0, 0, 0], [0, 0, 0]]"}}) {
+        const std::string set = entry + (entry.starts_with("array.mat") ? "=steel" : "=1e-3");
+        EXPECT_THAT(faults_in(three, {set}),
+                    ElementsAre(testing::EndsWith("; first give the whole list: --set '" + list + "'")));
+        EXPECT_THAT(faults_in(three, {list, set}), IsEmpty());
+    }
+    for (const char* entry :
+         {"array.delays_s[4]", "array.focus_m[4]", "chain.diameters_m[5]", "end.materials[1]"}) {
+        EXPECT_THAT(faults_in(three, {std::string(entry) + "=1e-3"}),
+                    ElementsAre(testing::EndsWith("; first give the whole list")))
+            << entry;
+    }
+    EXPECT_THAT(faults_in("", {"array.delays_s[1]=0"}), ElementsAre(testing::EndsWith("the whole list")));
 }
 
 TEST(SceneLists, LayersHaveAMaterialAndAThicknessEach) {
@@ -176,7 +229,8 @@ TEST(SceneLists, PointsAreReadCheckedAndSetByTheirCoordinates) {
     EXPECT_THAT(faults_in(modal + "[[0, 0, 0.01], [0, 0, -1e-9]]"),
                 ElementsAre(HasSubstr("output.points_m[2][3]: found -1e-09, allowed: at least 0")));
     EXPECT_THAT(faults_in(modal + "[[0, 0, 0.01], [0, 1]]"),
-                ElementsAre(HasSubstr("output.points_m[2]: found 2 entries, allowed: a list of 3 entries")));
+                ElementsAre(HasSubstr(
+                    "output.points_m[2]: found 2 entries, allowed: a list [A, B, ...] of 3 entries")));
     EXPECT_THAT(faults_in(modal + "[0, 0, 0.01]"), Not(IsEmpty()));
     EXPECT_THAT(faults_in(modal + "[[0, 0, 10]]", {"output.sample_rate_hz=1e12"}),
                 testing::Contains(HasSubstr("output.points_m[1]: found 10 m from the plate's centre")));
@@ -213,12 +267,10 @@ TEST(SceneLists, FaultsOfJsonNameTheEntry) {
                 ElementsAre(HasSubstr("end.thicknesses_m[2]: found null")));
     EXPECT_THAT(faults_of_values({{"end.thicknesses_m", {1e-3, {2}}}}),
                 ElementsAre(HasSubstr("end.thicknesses_m[2]: found [2]")));
-    EXPECT_THAT(faults_of_values({{"end.thicknesses_m", Json::array()}}),
-                ElementsAre(HasSubstr("found 0 entries")));
     EXPECT_THAT(faults_of_values({{"end.thicknesses_m", std::vector<int>(100'000, 1)}}),
                 ElementsAre(HasSubstr("found 100000 entries")));
     EXPECT_THAT(faults_of_values({{"end.thicknesses_m", 1}}),
-                ElementsAre(HasSubstr("found 1, allowed: a list of 1 to 16")));
+                ElementsAre(HasSubstr("found 1, allowed: a list [A, B, ...] of at most 16")));
     EXPECT_THAT(faults_of_values({{"end.thicknesses_m[3]", 1}}),
                 ElementsAre(HasSubstr("end.thicknesses_m[3]: found entry 3")));
     EXPECT_THAT(faults_of_values({{"end.thicknesses_m[1]", nullptr}}),
@@ -286,15 +338,17 @@ TEST(ListsOfPoints, AreReadAndJudgedCoordinateByCoordinate) {
     };
     EXPECT_EQ(read("[[0, 0, 10mm], [1e-3, -2e-3, 5]]"), "[[0, 0, 0.01], [0.001, -0.002, 5]]");
     EXPECT_EQ(toml_text(read_text(key, "[[0, -1, 2]]").value()), "[[0.0, -1.0, 2.0]]");
-    EXPECT_EQ(
-        read("[[0, 0, 1], [0, 0]]"),
-        "output.points_m[2]: found 2 entries, allowed: a list of 3 entries, each a number from -10 to 10 m");
+    EXPECT_EQ(read("[[0, 0, 1], [0, 0]]"),
+              "output.points_m[2]: found 2 entries, allowed: a list [A, B, ...] of 3 entries, each a number "
+              "from -10 to 10 m");
     EXPECT_EQ(read("[[0, 0, 1], [0, 0, 11]]"),
               "output.points_m[2][3]: found 11, allowed: a number from -10 to 10 m");
     EXPECT_THAT(read("[1, 2, 3]"),
-                HasSubstr("output.points_m[1]: found \"1\", allowed: a list of 3 entries"));
-    EXPECT_THAT(read("[[0, 0, 1]"),
-                HasSubstr("output.points_m: found \"[[0, 0, 1]\", allowed: a list of 1 to 1000000 entries"));
+                HasSubstr("output.points_m[1]: found \"1\", allowed: a list [A, B, ...] of 3 entries"));
+    EXPECT_THAT(
+        read("[[0, 0, 1]"),
+        HasSubstr(
+            "output.points_m: found \"[[0, 0, 1]\", allowed: a list [A, B, ...] of at most 1000000 entries"));
     const auto toml = toml_value("[[0, 0, 1], [0, '1 mm', 2.5]]");
     ASSERT_TRUE(toml);
     EXPECT_EQ(value_text(value_of(key, *toml).value()), "[[0, 0, 1], [0, 0.001, 2.5]]");

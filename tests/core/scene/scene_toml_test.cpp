@@ -92,6 +92,7 @@ density_kg_per_m3 = 2500
          3},
         {EndKind::free, "acrylic", 4e-3, 1e-3, 1e5, PlatePreload::as_printed},
         {"oil"},
+        {},
         {Integrator::leapfrog, 1e-9, std::nullopt, 0, std::nullopt},
         {1e6, 1, 16},
         {{"oil", Fluid{900, 1400}}, {"glass", Solid{70e9, 0.2, 2500}}},

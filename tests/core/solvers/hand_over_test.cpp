@@ -8,8 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "core/model/bursts.hpp"
+#include "core/model/horn.hpp"
 #include "hertzline/simulation.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/records.hpp"
 #include "tests/support/runs.hpp"
 #include "tests/support/seen_scenes.hpp"
 
@@ -18,6 +20,19 @@ namespace {
 
 constexpr std::int64_t change = 20000;  // a burst's start, 2 ms
 constexpr std::int64_t end = 26000;
+
+/// The tone of a scene as a record, repeated as its bursts.
+Scene recorded_bursts(Scene scene) {
+    const Drive tone = scene.drive;
+    const double rate = 20e6;
+    const auto horn = make_horn(tone, 1 / rate);
+    scene.drive =
+        sampled([&](double t) { return horn->at(static_cast<std::int64_t>(std::llround(t * rate)), 0).x; },
+                rate, tone.cycles / tone.frequency_hz);
+    scene.drive.repetition_hz = tone.repetition_hz;
+    scene.drive.frequency_hz = tone.frequency_hz;
+    return scene;
+}
 
 /// Returns a scene whose bursts find the chain still ringing.
 Scene ringing() {
@@ -41,7 +56,13 @@ std::vector<Case> cases() {
     Scene loose = ringing();
     loose.chain.preload_n = 0;
     loose.drive.envelope = Envelope::rectangular;
+    Scene resonator = ringing();
+    resonator.drive.horn = HornModel::resonator;
+    resonator.drive.horn_quality = 40;
+    resonator.drive.horn_mass_kg = 1e-4;
     return {{"plate", ringing()},
+            {"resonator", resonator},
+            {"record", recorded_bursts(ringing())},
             {"modal", modal},
             {"tsuji", laws},
             {"loose", loose},

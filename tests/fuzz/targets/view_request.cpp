@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/model/bursts.hpp"
 #include "core/scene/json.hpp"
@@ -26,8 +27,8 @@ constexpr double fs = 1e6;
 constexpr double repetition_hz = 1000;
 
 /// Five bursts, a stretch of which is missing.
-StreamHistory some_samples() {
-    StreamHistory history;
+ChannelHistory some_samples() {
+    ChannelHistory history;
     const Bursts bursts(fs, repetition_hz);
     for (std::uint64_t frame_number = 0; frame_number < 50; ++frame_number) {
         if (frame_number == 23) {
@@ -44,7 +45,7 @@ StreamHistory some_samples() {
             frame.values.push_back(
                 static_cast<float>(std::sin(0.1 * (100.0 * static_cast<double>(frame_number) + i))));
         }
-        history.take(frame, repetition_hz, 0.01 * static_cast<double>(frame_number));
+        history.take(frame, 1, repetition_hz, 0.01 * static_cast<double>(frame_number));
     }
     return history;
 }
@@ -56,8 +57,9 @@ void claim_picture(const std::string& bytes, const ViewRequest& request) {
     const bool each = (head.flags & PictureFlag::each_sample) != 0;
     claim(head.columns >= 1 && head.columns <= 2 * request.columns + 1,
           "a picture is no wider than was asked for");
-    claim(bytes.size() == sizeof(head) + std::size_t{head.columns} * (each ? 4 : 8),
-          "a picture's columns fill it");
+    claim(head.rows == 1 + request.beside.size(), "a picture has a row for each channel");
+    claim(bytes.size() == sizeof(head) + std::size_t{head.rows} * head.columns * (each ? 4 : 8),
+          "a picture's rows fill it");
 }
 
 }  // namespace
@@ -68,7 +70,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace hertzline::scope;
     using namespace hertzline::stream;
     namespace fuzz = hertzline::fuzz;
-    static const StreamHistory history = fuzz::some_samples();
+    static const ChannelHistory history = fuzz::some_samples();
     constexpr int most = 8;
     View view;
     std::string_view rest(reinterpret_cast<const char*>(data), size);
@@ -88,7 +90,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             fuzz::claim_message(error.what(), fuzz::longest_message);
             continue;
         }
-        if (const auto picture = view.picture(history, now_s)) {
+        const std::vector<const ChannelHistory*> beside(view.request().beside.size(), &history);
+        if (const auto picture = view.picture(history, beside, now_s)) {
             fuzz::claim_picture(*picture, view.request());
         }
     }

@@ -170,6 +170,35 @@ TEST(CsvReader, TakesTheRateFromTheTimesWhenThereAreNoMetadata) {
     EXPECT_FALSE(reader->read(rows, 100));
 }
 
+TEST(CsvReader, AColumnWithoutTimesNeedsItsRate) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    const auto read = [&](const std::string& text) {
+        write_text(file, text);
+        const auto reader = open_csv_reader(file, {.sample_rate_hz = 2e6, .warn = {}});
+        EXPECT_EQ(reader->head().sample_rate_hz, 2e6);
+        RecordedRows rows;
+        EXPECT_TRUE(reader->read(rows, 100));
+        EXPECT_EQ(rows.first, 0);
+        return std::pair(reader->head().columns.front(), rows.values);
+    };
+    const std::vector<double> numbers{0, -1.5, 2e-6};
+    EXPECT_EQ(read("0\n-1.5\n2e-6\n"), std::pair(Column({"channel_1", "channel_1", ""}), numbers));
+    EXPECT_EQ(read("# of a vibrometer\r\n0\r\n\r\n-1.5\r\n2e-6\r\n").second, numbers);
+    EXPECT_EQ(read("x_um\n0\n-1.5\n2e-6\n").first, column_named("x_um"));
+    EXPECT_EQ(read("Channel 1 (mm/s)\n0\n-1.5\n2e-6\n").first.unit, "mm/s");
+    const auto fault = [&](const std::string& text) {
+        write_text(file, text);
+        return error_of([&] { read_rows(*open_csv_reader(file, {.sample_rate_hz = 2e6, .warn = {}})); });
+    };
+    EXPECT_THAT(fault("when,v\n0,1\n1,2\n"), HasSubstr("allowed: t_s")) << "a column might be the time";
+    EXPECT_THAT(fault("0,1\n1,2\n"), HasSubstr("allowed: t_s")) << "two columns, or a decimal comma?";
+    EXPECT_THAT(fault("0\n0,5\n"), HasSubstr("a.csv:2: expected a number, with a decimal point"));
+    EXPECT_THAT(fault("v\n0\nnone\n"), HasSubstr("a.csv:3: expected a number"));
+    EXPECT_THAT(fault("v\n0\nnan\n"), HasSubstr("a.csv:3: found a number that is not finite"));
+    EXPECT_THAT(fault("some words\nand more\n"), HasSubstr("or give the rate of a file of one column"));
+}
+
 TEST(CsvReader, TheRateIsRightHoweverLateTheRecordingBegins) {
     const TemporaryFolder folder;
     for (const double rate : {10e6, 1e6, 44'100.0, 12'345.678, 2.5e6, 1 / 3.0}) {
@@ -248,6 +277,7 @@ TEST(CsvReader, NamesTheLineThatIsWrong) {
         return error_of([&] { read_rows(*open_csv_reader(file)); });
     };
     EXPECT_THAT(fault(""), HasSubstr("a.csv:1"));
+    EXPECT_THAT(fault("v\n0\n1\n"), HasSubstr("allowed: t_s"));
     EXPECT_THAT(fault("when,v\n"), HasSubstr("a.csv:1: found the column names \"when,v\", allowed: t_s"));
     EXPECT_THAT(fault("Model;X\n0,0;1,5\n"), HasSubstr("write such a line above the numbers"));
     EXPECT_THAT(fault("Time (h),v\n0,1\n"), HasSubstr("allowed: t_s"));

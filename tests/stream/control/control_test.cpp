@@ -336,6 +336,8 @@ TEST(SceneControl, AStreamThatStandsFromItsStartCanBeChanged) {
             epoch = stream.source.epoch().number;
         }
     });
+    ASSERT_TRUE(eventually([&] { return stream.source.progress() % 2 == 1; }))
+        << "it works on its first block";
     std::optional<Json> reply;
     stream.control.take({{"set", {{"numerics.step_s", nullptr}}}}, [&](const Json& json) { reply = json; });
     EXPECT_TRUE(eventually([&] {

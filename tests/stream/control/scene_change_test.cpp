@@ -11,6 +11,9 @@ namespace hertzline::test {
 
 using namespace measures;
 using namespace stream;
+using ::testing::ElementsAre;
+using ::testing::Field;
+using ::testing::IsEmpty;
 
 namespace {
 
@@ -31,6 +34,20 @@ TEST(SceneChange, WhatFramesHoldStays) {
     EXPECT_EQ(faults({{"output.points_m", {{0, 0, 0.01}}}}).front().key, "output.points_m");
     EXPECT_EQ(faults({{"output.sample_rate_hz", 1e6}, {"chain.spheres", 3}, {"end.kind", "wall"}}).size(),
               3U);
+}
+
+TEST(SceneChange, AnArrayKeepsItsElements) {
+    const Scene array = *with_values(steady_scene(), {{"array.x_m", {-0.01, 0.01}}, {"array.y_m", {0, 0}}});
+    const auto with = [&](const Json& values) { return *with_values(array, values); };
+    const ::testing::Matcher<std::vector<Fault>> is_of_the_elements =
+        ElementsAre(Field(&Fault::key, "array.x_m"));
+    EXPECT_THAT(frame_faults(array, with({{"array.x_m", {0, 0.01, 0.02}}, {"array.y_m", {0, 0, 0}}})),
+                is_of_the_elements);
+    EXPECT_THAT(frame_faults(steady_scene(), array), is_of_the_elements);
+    const Scene turned =
+        with({{"array.focus_m", {0, 0, 0.02}}, {"array.delays_s", {1e-6}}, {"array.x_m[1]", 0}});
+    EXPECT_THAT(frame_faults(array, turned), IsEmpty());
+    EXPECT_FALSE(motion_goes_on(array, with({{"drive.amplitude_m", 1e-6}})));
 }
 
 TEST(SceneChange, PointsMayMoveAsLongAsTheyAreAsMany) {

@@ -177,6 +177,16 @@ TEST(Publisher, TheLastMessageReachesOneWhoseQueueWasFull) {
     EXPECT_TRUE(came);
 }
 
+TEST(Publisher, ASubscriptionEndsTheWaitForIt) {
+    Publisher publisher("tcp://127.0.0.1:*");
+    publisher.wait_for_subscriptions(0ms);
+    EXPECT_EQ(publisher.poll_subscriptions(), 0u);
+    Subscriber subscriber(publisher.endpoint());
+    subscriber.subscribe("v_out/np");
+    publisher.wait_for_subscriptions(patience);
+    EXPECT_EQ(publisher.poll_subscriptions(), 1u);
+}
+
 TEST(Publisher, AnyFreePortIsResolved) {
     const Publisher publisher("tcp://127.0.0.1:*");
     EXPECT_EQ(publisher.endpoint().find("tcp://127.0.0.1:"), 0u);

@@ -1,0 +1,24 @@
+#compdef hertzline
+# Completes the command lines of hertzline in zsh; the program knows the words.
+
+_hertzline() {
+    local -a answer plain open
+    local line text
+    answer=("${(@f)$(${~words[1]} completion zsh -- "${(@Q)words[2,CURRENT-1]}" "${(Q)PREFIX}" 2>/dev/null)}")
+    for line in "${(@)answer[2,-1]}"; do
+        text=${${line%%$'\t'*}//:/\\:}:${line#*$'\t'}
+        if [[ ${line%%$'\t'*} == *= ]]; then open+=("$text"); else plain+=("$text"); fi
+    done
+    (( $#plain )) && _describe -V word plain
+    (( $#open )) && _describe -V word open -S ''
+    case ${answer[1]} in
+        files) _files ;;
+        folders) _files -/ ;;
+    esac
+}
+
+if [[ ${funcstack[1]} == _hertzline ]]; then
+    _hertzline "$@"
+else
+    compdef _hertzline hertzline
+fi

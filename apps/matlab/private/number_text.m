@@ -1,0 +1,12 @@
+function text = number_text(value)
+%NUMBER_TEXT  A short text that reads back to the same number.
+if isinteger(value)
+    text = sprintf('%d', value);
+    return
+end
+value = double(value);
+text = sprintf('%.15g', value);
+if str2double(text) ~= value
+    text = sprintf('%.17g', value);
+end
+end

@@ -1,0 +1,21 @@
+function words = vary_words(vary)
+%VARY_WORDS  {KEY, VALUES, ...} as words of the command line. VALUES are numbers, a cell of texts, or a range as text.
+if ~iscell(vary) || mod(numel(vary), 2)
+    error('hertzline:wrongUse', 'vary: found a %s of %d entries, allowed: a cell {KEY, VALUES, ...}', class(vary), numel(vary));
+end
+words = {};
+for k = 1:2:numel(vary)
+    key = program_key(vary{k});
+    texts = texts_of(key, vary{k + 1});
+    if ~ischar(vary{k + 1}) && ~isnumeric(vary{k + 1})
+        texts = cellfun(@(text) toml_value(key, text, 0), texts, 'UniformOutput', false);
+    end
+    if isempty(texts)
+        error('hertzline:wrongUse', 'vary %s: found no values, allowed: at least one', key);
+    end
+    words = [words, {'--vary', [key '=' strjoin(texts, ',')]}]; %#ok<AGROW>
+    if numel(words{end}) > 100000  % the system takes words of 128 KiB
+        error('hertzline:wrongUse', 'vary %s: found %d values, allowed: as many as "points"', key, numel(texts));
+    end
+end
+end

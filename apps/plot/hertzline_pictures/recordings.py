@@ -1,0 +1,125 @@
+"""Recordings reduced to what a picture shows of them."""
+import dataclasses
+import json
+import os
+
+import numpy as np
+
+MAX_STRETCHES = 8192  # of a waveform, and levels of a spectrum: some for each pixel
+MAX_SPECTRUM = 1 << 20  # samples
+
+
+@dataclasses.dataclass(eq=False)
+class Recording:
+    """A recording as it is drawn: smallest and largest samples of stretches, and the samples of its spectrum."""
+
+    name: str
+    columns: list  # (name, quantity, unit)
+    rate: float  # [Hz]
+    drive: float  # its frequency [Hz]; None: the recording does not say
+    epochs: list  # (number, beginning [s]) of those that begin in the picture
+    t: object  # middle of each stretch [s]
+    ends: tuple  # [s]
+    each: bool  # a stretch is a sample
+    low: list  # [column][stretch], NaN where there is no sample
+    high: list
+    parts: list  # [column], samples without a gap
+    part_from: float  # [s]
+    record: tuple = None  # that drove the horn: quantity, times [s], values
+
+
+def reduced_recordings(path):
+    """The recordings of `hertzline plot`, which it has reduced."""
+    with open(path, encoding="utf-8") as file:
+        return [reduced_recording(about, os.path.dirname(path)) for about in json.load(file)]
+
+
+def reduced_recording(about, folder):
+    columns, rate, width = len(about["columns"]), about["sample_rate_hz"], about["width"]
+    numbers = np.fromfile(os.path.join(folder, about["numbers"]), dtype="<f8")
+    outline, parts = np.split(numbers, [2 * columns * about["stretches"]])
+    outline = outline.reshape(columns, 2, -1)
+    return Recording(about["name"], about["columns"], rate, about["drive_hz"], about["epochs"],
+                     middles(about["first"], width, about["stretches"], rate), (about["first"] / rate, (about["end"] - 1) / rate),
+                     width == 1, list(outline[:, 0]), list(outline[:, 1]), list(parts.reshape(columns, -1)),
+                     about["part_first"] / rate, record_of(about["drive"]))
+
+
+def middles(first, width, count, rate):
+    """The middle of each stretch [s]."""
+    return (first + width * np.arange(count) + (width - 1) / 2) / rate
+
+
+def recording_of(samples, about, name=""):
+    """The recording of samples by column, and their description."""
+    t, rate = samples["t_s"], about["sample_rate_hz"]
+    if len(t) == 0:
+        raise ValueError("the recording has no samples")
+    index = np.rint(np.asarray(t) * rate).astype(np.int64)
+    width = 1
+    while (index[-1] - index[0]) // width >= MAX_STRETCHES:
+        width *= 2
+    stretch = (index - index[0]) // width
+    begins = np.flatnonzero(np.diff(stretch, prepend=-1))
+    part = longest_part(index)
+    low, high, parts = [], [], []
+    for column, *_ in about["columns"]:
+        v = np.asarray(samples[column], dtype=float)
+        for values, choose in ((low, np.minimum), (high, np.maximum)):
+            values.append(np.full(stretch[-1] + 1, np.nan))
+            values[-1][stretch[begins]] = choose.reduceat(v, begins)
+        parts.append(v[part])
+    return Recording(name, about["columns"], rate, drive_frequency(about), epochs_in(about, index / rate),
+                     middles(index[0], width, stretch[-1] + 1, rate), (index[0] / rate, index[-1] / rate), width == 1, low, high, parts,
+                     index[part.start] / rate, record_of(drive_of(about)))
+
+
+def read(path):
+    """Samples by column, and their description."""
+    with open(path, "rb") as file:
+        samples = np.load(file, max_header_size=10**7)
+        return samples, json.loads(np.load(file).item())
+
+
+def drive_of(about):
+    """The section of the scene; None: the recording does not say."""
+    try:
+        return about["provenance"]["scene"]["drive"]
+    except (KeyError, TypeError):
+        return None
+
+
+def drive_frequency(about):
+    """In Hz; None: the recording does not say."""
+    try:
+        frequency = float(drive_of(about)["frequency_hz"])
+        return frequency if frequency > 0 else None
+    except (KeyError, TypeError, ValueError):
+        return None
+
+
+def record_of(drive):
+    """The record that drove the horn, from its first sample on: quantity, times [s], values; None: it moved otherwise."""
+    try:
+        values = np.asarray(drive["samples"], dtype=float) * (drive["scale"] or 1)
+        t = drive["start_s"] + np.arange(len(values)) / drive["sample_rate_hz"]
+        velocity = drive["quantity"] == "velocity"
+        return ("v_horn", t, values) if velocity else ("x_horn", t, values - values[0])
+    except (KeyError, TypeError, ValueError, IndexError):
+        return None
+
+
+def epochs_in(about, t):
+    """Number and beginning [s] of the epochs that live changes began."""
+    try:
+        changes = [(change["epoch"], change["sample"] / about["sample_rate_hz"]) for change in about["provenance"]["changes"]]
+    except (KeyError, TypeError):
+        return []
+    return [(number, begin) for number, begin in changes if t[0] < begin <= t[-1]]
+
+
+def longest_part(index):
+    """The longest part without a gap, as a slice of at most MAX_SPECTRUM samples."""
+    edges = np.concatenate(([0], np.flatnonzero(np.diff(index) > 1) + 1, [len(index)]))
+    longest = np.argmax(np.minimum(np.diff(edges), MAX_SPECTRUM))
+    return slice(edges[longest], min(edges[longest + 1], edges[longest] + MAX_SPECTRUM))

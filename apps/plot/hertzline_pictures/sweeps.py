@@ -1,0 +1,255 @@
+"""Sweeps: curves over one key, a map over two, waveforms. Searches: the measure over each key and as the search went on."""
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+
+from .recordings import recording_of
+from .spectra import HARMONICS, levels_up_to, prepare_spectrum, spectrum
+from .style import COLOURS, WrongUse, note, titled, unit_of_time, use_style
+from .tables import MAX_WAVEFORMS, read_waveforms
+from .waveforms import draw, draw_waveform
+
+
+def scale_of(values):
+    """Whether the values lie evenly on a logarithmic axis rather than on a linear one."""
+    values = np.unique(values)
+    if len(values) < 3 or values[0] <= 0:
+        return "linear"
+    spread = [np.std(steps) / np.mean(steps) for steps in (np.diff(values), np.diff(np.log(values)))]
+    return "log" if spread[1] < spread[0] else "linear"
+
+
+def mark_doubtful(axes, sweep, x, y, points):
+    """Marks points that have numbers but are not ok."""
+    for status, marker in (("inaccurate", "o"), ("chaotic", "D")):
+        there = points & (sweep.status == status)
+        if there.any():
+            axes.plot(x[there], y[there], marker, ms=5, mfc="none", mec="#b03a2e", ls="", label=status)
+
+
+def groups_of(sweep):
+    """The key along the axis, and the points of each word of another key: (word, which points)."""
+    key = (sweep.numbers + sweep.words)[0]
+    others = [word for word in sweep.words if word != key]
+    if not others:
+        return key, [(None, np.full(len(sweep.status), True))]
+    word = sweep.columns[others[0]]
+    return key, [(w, word == w) for w in dict.fromkeys(word)]
+
+
+def draw_curves(axes, sweep, quantity):
+    key, groups = groups_of(sweep)
+    (x, label), y = sweep.axis(key), sweep.columns[quantity]
+    for (name, points), colour in zip(groups, COLOURS * len(groups)):
+        order = np.flatnonzero(points)
+        if sweep.numbers:
+            order = order[np.argsort(x[order], kind="stable")]
+            axes.plot(x[order], y[order], ".-", color=colour, lw=0.9, ms=3, label=name)
+        else:  # words have no order that a line could follow
+            axes.plot(x[order], y[order], "o", color=colour, ms=6, label=name)
+    if not sweep.numbers and sum(map(len, dict.fromkeys(x))) > 60:
+        axes.tick_params(axis="x", labelrotation=30)
+    mark_doubtful(axes, sweep, x, y, np.isfinite(y))
+    for status in dict.fromkeys(sweep.status[~np.isfinite(y)]):  # no number: on the axis
+        there = ~np.isfinite(y) & (sweep.status == status)
+        axes.plot(x[there], np.zeros(there.sum()), "x", color="#b03a2e", ms=6, clip_on=False, ls="",
+                  transform=axes.get_xaxis_transform(), label="no number" if status == "ok" else status)
+    if sweep.numbers:
+        axes.set_xscale(scale_of(x))
+    if sweep.is_field and np.isfinite(y).all():
+        mark_half(axes, y.max())
+    if focus := sweep.focus():
+        axes.axvline(1e3 * focus[key], color="#b03a2e", lw=0.8, ls=(0, (1, 2)), label="focus")
+    axes.set_xlabel(label)
+    axes.set_ylabel(sweep.label(quantity))
+    axes.grid()
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=8, frameon=False)
+
+
+def draw_map(figure, axes, sweep, quantity):
+    slow, fast = sweep.numbers
+    (x, label_x), (y, label_y), z = sweep.axis(fast), sweep.axis(slow), sweep.columns[quantity]
+    scales = scale_of(x), scale_of(y)
+    grid = len(np.unique(x)) * len(np.unique(y)) == len(z)
+    if grid:
+        order = np.lexsort((x, y))
+        shape = len(np.unique(y)), len(np.unique(x))
+        colours = axes.pcolormesh(*(a[order].reshape(shape) for a in (x, y, z)), shading="nearest", rasterized=True)
+    else:
+        colours = axes.scatter(x, y, c=z, s=12)
+    missing = ~np.isfinite(z)
+    for status, colour in zip(dict.fromkeys(sweep.status[missing]), ["#b03a2e", "#222222", "#c46a1b", "#777777"]):
+        there = missing & (sweep.status == status)
+        axes.plot(x[there], y[there], "x", color=colour, ms=4, ls="", label="no number" if status == "ok" else status)
+    mark_doubtful(axes, sweep, x, y, ~missing)
+    axes.set_xscale(scales[0])
+    axes.set_yscale(scales[1])
+    axes.set_xlabel(label_x)
+    axes.set_ylabel(label_y)
+    if sweep.is_field and grid:
+        draw_beam(axes, *(a[order].reshape(shape) for a in (x, y, z)))
+    if focus := sweep.focus():
+        axes.plot(1e3 * focus[fast], 1e3 * focus[slow], "+", color="#b03a2e", ms=11, mew=1.4, ls="", label="focus")
+    figure.colorbar(colours, ax=axes, label=sweep.label(quantity))
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=8)
+
+
+def mark_half(axes, largest):
+    """The level 6 dB under the largest pressure of a line of points."""
+    axes.axhline(largest / 2, color="#555555", lw=0.8, ls=(0, (4, 3)))
+    axes.annotate("\u22126 dB", (1, largest / 2), (-3, 3), xycoords=axes.get_yaxis_transform(), textcoords="offset points", ha="right",
+                  fontsize=8, color="#555555")
+
+
+def draw_beam(axes, x, y, pressure):
+    """Lengths to one scale, and lines at parts of the largest pressure."""
+    if "log" not in (axes.get_xscale(), axes.get_yscale()):
+        axes.set_aspect("equal")
+    if np.isfinite(pressure).all() and min(pressure.shape) > 1:
+        lines = axes.contour(x, y, 20 * np.log10(np.maximum(pressure / pressure.max(), 1e-6)), levels=[-20, -12, -6],
+                             colors="white", linewidths=0.7, linestyles="solid")
+        axes.clabel(lines, fmt="%g dB", fontsize=7)
+
+
+def kept_bounds(sweep):
+    """Of each point, whether it has the number that was looked for and keeps to the bounds."""
+    kept = np.isfinite(sweep.columns[measure_of(sweep)]) & np.isin(sweep.status, ("ok", "inaccurate"))
+    for bound in sweep.search["subject_to"]:
+        measure, sign, number = bound.split()
+        values = sweep.columns[measure]
+        kept &= (values >= float(number)) if sign == ">=" else (values <= float(number))
+    return kept
+
+
+def measure_of(sweep):
+    return sweep.search.get("maximise") or sweep.search["minimise"]
+
+
+def draw_course(axes, sweep, kept):
+    """The best so far, evaluation by evaluation."""
+    y = sweep.columns[measure_of(sweep)]
+    best = (np.fmax if "maximise" in sweep.search else np.fmin).accumulate(np.where(kept, y, np.nan))
+    points = sweep.columns["point"]
+    axes.plot(points[kept], y[kept], ".", color="#5f7f96", ms=3, alpha=0.6)
+    axes.step(points, best, where="post", color="#0b6e8a", lw=1.2)
+    axes.set_xlabel("evaluation")
+
+
+def draw_over_key(axes, sweep, kept, key):
+    x, y = sweep.columns[key], sweep.columns[measure_of(sweep)]
+    axes.plot(x[~kept], y[~kept], ".", color="#bbbbbb", ms=3, label="beyond a bound")
+    axes.plot(x[kept], y[kept], ".", color="#0b6e8a", ms=3)
+    best = sweep.columns["point"] == sweep.search["best_point"]
+    axes.plot(x[best], y[best], "*", color="#b03a2e", ms=11, ls="", label="best")
+    if any(text.startswith(key + "=") and text.endswith(":log") for text in sweep.search["vary"]):
+        axes.set_xscale("log")
+    axes.set_xlabel(sweep.label(key))
+
+
+def draw_search(sweep, title):
+    """The measure over each key, and over the evaluations."""
+    use_style()
+    kept = kept_bounds(sweep)
+    panels = len(sweep.keys) + 1
+    columns = min(panels, 3)
+    figure, grid = plt.subplots(-(-panels // columns), columns, figsize=(3.6 * columns, 0.4 + 2.9 * -(-panels // columns)),
+                                layout="constrained", squeeze=False, sharey=True)
+    axes = grid.ravel()
+    for spare in axes[panels:]:
+        spare.axis("off")
+    for key, panel in zip(sweep.keys, axes):
+        draw_over_key(panel, sweep, kept, key)
+    draw_course(axes[panels - 1], sweep, kept)
+    for panel in axes[:panels]:
+        panel.grid()
+    for row in grid[:, 0]:
+        row.set_ylabel(sweep.label(measure_of(sweep)))
+    axes[0].legend(fontsize=8, frameon=False)
+    return titled(figure, title)
+
+
+def draw_sweep(sweep, quantities, title, panels=None):
+    """An axes for each quantity. `panels` are axes of the caller's."""
+    if sweep.search and not quantities and panels is None:
+        return draw_search(sweep, title)
+    if len(sweep.keys) > 2:
+        raise WrongUse(f"found {len(sweep.keys)} keys that vary ({', '.join(sweep.keys)}), allowed: one or two")
+    use_style()
+    quantities = sweep.chosen(quantities)
+    is_map = len(sweep.numbers) == 2
+    if panels is None:
+        rows, columns, size = ((1, len(quantities), (5.4 * len(quantities), 4.2)) if is_map else
+                               (len(quantities), 1, (7, 0.6 + 2.6 * len(quantities))))
+        _, panels = plt.subplots(rows, columns, figsize=size, layout="constrained", squeeze=False)
+    panels = np.ravel(panels)
+    if len(panels) != len(quantities):
+        raise ValueError(f"axes: found {len(panels)}, allowed: {len(quantities)}, one for each quantity")
+    figure = panels[0].figure
+    for axes, quantity in zip(panels, quantities):
+        if is_map:
+            draw_map(figure, axes, sweep, quantity)
+        else:
+            draw_curves(axes, sweep, quantity)
+    return titled(figure, title)
+
+
+def waveform_recordings(sweep, path, name):
+    """A recording for each point that has samples, and its number."""
+    samples, unit, rates, drive, points = read_waveforms(path, name)
+    recordings = []
+    for v, rate, point in zip(samples, rates, points):
+        v = v[:np.flatnonzero(np.isfinite(v))[-1] + 1] if np.isfinite(v).any() else v[:0]
+        if len(v) > 0:
+            words = ", ".join(value_text(sweep.columns[key][point]) for key in sweep.keys)
+            about = {"columns": [(name, name, unit)], "sample_rate_hz": rate}
+            recordings.append((recording_of({"t_s": np.arange(len(v)) / rate, name: v}, about, words), point))
+    for recording, _ in recordings:
+        recording.drive = drive
+    if not recordings:
+        raise ValueError("no point has samples")
+    return recordings
+
+
+def value_text(value):
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def draw_waveforms(sweep, path, names, title):
+    """Waveforms and spectra of all points, by colour: a legend for a few, a scale for many."""
+    use_style()
+    if len(names) != 1:
+        raise WrongUse(f"--columns: found {', '.join(names)}, allowed: one output of a sweep")
+    recordings, points = zip(*waveform_recordings(sweep, path, names[0]))
+    if len(recordings) <= len(COLOURS):
+        figure = draw(list(recordings), title)
+        if len(recordings) > 1:
+            figure.axes[0].get_legend().set_title(", ".join(map(sweep.label, sweep.keys)), prop={"size": 8})
+        return figure
+    key = (sweep.numbers + ["point"])[0]
+    values = sweep.columns[key][list(points)]
+    scale = matplotlib.colors.LogNorm if scale_of(values) == "log" else matplotlib.colors.Normalize
+    colours = matplotlib.cm.ScalarMappable(scale(values.min(), values.max()), "viridis")
+    figure, (wave, lines) = plt.subplots(2, 1, figsize=(8, 6), layout="constrained")
+    first = recordings[0]
+    span = max(recording.ends[1] for recording in recordings)
+    unit_s, unit = unit_of_time(span)
+    highest = min(first.rate / 2, (HARMONICS + 0.5) * first.drive if first.drive else first.rate / 2)
+    prepare_spectrum(lines, highest, first.drive)
+    for recording, value in zip(recordings, values):
+        colour = colours.to_rgba(value)
+        draw_waveform(wave, recording, 0, unit_s, 1, colour)
+        found = spectrum(recording.parts[0], recording.rate, recording.drive / 2 if recording.drive else 0)
+        if found is not None:
+            frequency, level = levels_up_to(highest, *found)
+            lines.plot(frequency / 1e3, level, color=colour, lw=0.6)
+    wave.grid(axis="y")
+    wave.set_xlabel(f"time [{unit}]")
+    wave.set_ylabel(f"{names[0]} [{first.columns[0][2]}]")
+    lines.set_xlabel("frequency [kHz]")
+    lines.set_ylabel("level [dB]")
+    figure.colorbar(colours, ax=[wave, lines], label=sweep.label(key))
+    if len(sweep.status) > MAX_WAVEFORMS:
+        note(wave, [f"{len(recordings)} of {len(sweep.status)} points"])
+    return titled(figure, title)

@@ -1,0 +1,105 @@
+// Commands on an array of chains, as their users see them.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/apps/program.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+const std::vector<std::string> three_in_a_row{"--set", "array.x_m=[0,12mm,24mm]",
+                                              "--set", "array.y_m=[0,0,0]",
+                                              "--set", "array.focus_m=[12mm,0,30mm]",
+                                              "--set", "output.duration_s=60us",
+                                              "--set", "output.points_m=[[12mm,0,30mm],[20mm,0,30mm]]"};
+
+/// Words of a command on three chains.
+std::vector<std::string> on_an_array(std::vector<std::string> words,
+                                     const std::vector<std::string>& more = {}) {
+    words.insert(words.end(), three_in_a_row.begin(), three_in_a_row.end());
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+TEST(ArrayCommands, ARunHasAColumnForEachElement) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    const Outcome run = hertzline(
+        on_an_array({"run", "wet-vitreous-carbon", "--json", "--columns", "v_last,p_points", "-o", file}));
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_THAT(contents(file),
+                StartsWith("t_s,v_last_1_m_per_s,v_last_2_m_per_s,v_last_3_m_per_s,p_1_pa,p_2_pa\n"));
+    EXPECT_EQ(run.json()["elements"], 3);
+    EXPECT_EQ(run.json()["peaks_p_points_pa"].size(), 2U);
+    EXPECT_GT(run.json()["focal_gain"].get<double>(), 1);
+    const Outcome again = hertzline({"run", file, "--json"});
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(again.json()["peaks_p_points_pa"], run.json()["peaks_p_points_pa"])
+        << "the recording holds the array";
+}
+
+TEST(ArrayCommands, CheckGivesNoStableStepThatItHasNotMeasured) {
+    const Outcome check = hertzline(on_an_array({"check", "wet-vitreous-carbon", "--json"}));
+    ASSERT_EQ(check.status, 0) << check.err;
+    EXPECT_TRUE(check.json().contains("step_s"));
+    EXPECT_FALSE(check.json().contains("largest_stable_step_s"));
+}
+
+TEST(ArrayCommands, OutputsOfEachSphereAreRefused) {
+    const TemporaryFolder folder;
+    const Outcome run =
+        hertzline(on_an_array({"run", "wet-vitreous-carbon", "--all", "-o", folder.file("a.csv")}));
+    EXPECT_EQ(run.status, 2);
+    EXPECT_THAT(run.err, HasSubstr("--all"));
+}
+
+TEST(ArrayCommands, ASweepVariesAnElement) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("s.csv");
+    const Outcome sweep = hertzline(
+        on_an_array({"sweep", "wet-vitreous-carbon", "--vary", "array.preloads_n[2]=0.1,0.4", "-o", file},
+                    {"--set", "array.preloads_n=[0.1,0.1,0.1]"}));
+    ASSERT_EQ(sweep.status, 0) << sweep.err;
+    EXPECT_THAT(contents(file), HasSubstr("array.preloads_n[2],status,estimated_error"));
+    EXPECT_THAT(contents(file), HasSubstr("focal_gain"));
+}
+
+TEST(ArrayCommands, AFieldIsThatOfAllElements) {
+    const TemporaryFolder folder;
+    const Outcome field = hertzline(on_an_array({"field", "wet-vitreous-carbon", "--json", "--plane",
+                                                 "x=0,12mm,24mm,z=30mm", "-o", folder.file("f.csv")}));
+    ASSERT_EQ(field.status, 0) << field.err;
+    EXPECT_EQ(field.json()["points"], 3);
+    const Outcome run = hertzline(on_an_array({"run", "wet-vitreous-carbon", "--json"}));
+    EXPECT_GE(field.json()["largest_peak_pa"].get<double>(),
+              0.999 * run.json()["peaks_p_points_pa"][0].get<double>());
+}
+
+TEST(ArrayCommands, TheFieldOfAFocusedArrayTellsAndMarksItsFocus) {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("f.h5");
+    const auto drawn = [&](const std::string& plane) {
+        const Outcome field =
+            hertzline(on_an_array({"field", "wet-vitreous-carbon", "--json", "--plane", plane, "-o", file},
+                                  {"--set", "array.focus_m=[11mm,0,30mm]"}));
+        EXPECT_EQ(field.status, 0) << field.err;
+        EXPECT_EQ(field.json()["near_focus_m"][0], 0.012);
+        EXPECT_EQ(field.json()["near_focus_m"][2], 0.03);
+        EXPECT_LE(field.json()["peak_near_focus_pa"], field.json()["largest_peak_pa"]);
+        EXPECT_GT(field.json()["peak_near_focus_pa"], 0);
+        EXPECT_EQ(hertzline({"plot", file, "-o", folder.file("f.svg")}).status, 0);
+        return contents(folder.file("f.svg"));
+    };
+    EXPECT_THAT(drawn("x=0,12mm,24mm,z=30mm"), HasSubstr("<!-- focus -->"));
+    EXPECT_THAT(drawn("x=0,12mm,24mm,z=20mm,30mm"), HasSubstr("<!-- focus -->"));
+    EXPECT_THAT(drawn("x=0,12mm,24mm,y=1mm,z=20mm,30mm"), testing::Not(HasSubstr("<!-- focus -->")));
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,135 @@
+// A horn that moves as a record does, by the commands: formats, recordings that need no other file, sweeps, pictures.
+
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/apps/program.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::test {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+class RecordedDrive : public ::testing::Test {
+protected:
+    RecordedDrive() {
+        hertzline({"run", "paper-wall", "-o", horn_, "--columns", "v_horn", "--set", "drive.cycles=8"});
+    }
+
+    Words driven(const Words& words) const {
+        Words all{"run",   "paper-vitreous-carbon", "--set", "drive.kind=file",
+                  "--set", "drive.file=" + horn_,   "--set", "output.duration_s=2e-4"};
+        all.insert(all.end(), words.begin(), words.end());
+        return all;
+    }
+
+    TemporaryFolder folder_;
+    std::string horn_ = folder_.file("horn.csv");
+};
+
+TEST_F(RecordedDrive, ARecordingNeedsNoOtherFile) {
+    for (const char* name : {"a.csv", "a.npy", "a.h5", "a.sigmf-meta"}) {
+        const Outcome run = hertzline(driven({"-o", folder_.file(name), "--columns", "v_last"}));
+        ASSERT_EQ(run.status, 0) << run.err;
+    }
+    std::filesystem::remove(horn_);
+    for (const char* name : {"a.csv", "a.npy", "a.h5", "a.sigmf-meta"}) {
+        const Outcome again =
+            hertzline({"run", folder_.file(name), "-o", folder_.file("again.csv"), "--columns", "v_last"});
+        ASSERT_EQ(again.status, 0) << again.err;
+        EXPECT_EQ(contents(folder_.file("again.csv")), contents(folder_.file("a.csv"))) << name;
+    }
+}
+
+TEST_F(RecordedDrive, ARecordingIsASceneToo) {
+    ASSERT_EQ(hertzline(driven({"-o", folder_.file("a.h5")})).status, 0);
+    const Outcome text = hertzline({"scenes", folder_.file("a.h5")});
+    ASSERT_EQ(text.status, 0) << text.err;
+    write_text(folder_.file("again.toml"), text.out);
+    const json first = json::parse(hertzline({"check", folder_.file("a.h5"), "--json"}).out);
+    const json again = json::parse(hertzline({"check", folder_.file("again.toml"), "--json"}).out);
+    EXPECT_EQ(first["scene_hash"], again["scene_hash"]);
+    const Outcome rows = hertzline({"sweep", folder_.file("a.h5"), "--vary", "drive.scale=0.5,1", "--json",
+                                    "--quantity", "peak_v_last_m_per_s"});
+    EXPECT_EQ(rows.status, 0) << rows.err;
+    write_text(folder_.file("other.csv"), "t_s,v\n0,1\n1,2\n");
+    EXPECT_THAT(hertzline({"check", folder_.file("other.csv")}).err,
+                HasSubstr("no scene in this recording, allowed: scenes, and recordings of hertzline"));
+}
+
+TEST_F(RecordedDrive, CheckTellsTheRecord) {
+    Words words = driven({"--json"});
+    words[0] = "check";
+    const json report = json::parse(hertzline(words).out);
+    EXPECT_EQ(report["record_samples"], 5001);
+    EXPECT_EQ(report["record_quantity"], "velocity");
+    EXPECT_NEAR(report["record_frequency_hz"].get<double>(), 73e3, 2e3);
+    EXPECT_NEAR(report["record_velocity_m_per_s"].get<double>(), 1.37, 0.02);
+    for (const char* name :
+         {"record_sample_rate_hz", "record_lowpass_hz", "record_beyond_ratio", "record_noise_m_per_s",
+          "record_noise_velocity_m_per_s", "record_offset_m_per_s", "record_drift_m_per_s"}) {
+        EXPECT_TRUE(report[name].is_number()) << name;
+    }
+    EXPECT_EQ(report["record_drift_removed"], false);
+}
+
+TEST_F(RecordedDrive, FilesVaryInASweep) {
+    const std::string other = folder_.file("other.csv");
+    hertzline({"run", "paper-wall", "-o", other, "--columns", "v_horn", "--set", "drive.amplitude_m=1e-6"});
+    const Words sweep{
+        "sweep",      "paper-wall",          "--vary", "drive.file=" + horn_ + "," + other + ",none.csv",
+        "--quantity", "peak_v_last_m_per_s", "--json", "--set"};
+    Words words = sweep;
+    words.emplace_back("drive.kind=file");
+    const Outcome outcome = hertzline(words);
+    std::vector<json> rows;
+    for (std::istringstream lines(outcome.out); lines;) {
+        std::string line;
+        if (std::getline(lines, line)) {
+            rows.push_back(json::parse(line));
+        }
+    }
+    ASSERT_EQ(rows.size(), 3U) << outcome.err;
+    EXPECT_GT(rows[0]["peak_v_last_m_per_s"].get<double>(),
+              1.2 * rows[1]["peak_v_last_m_per_s"].get<double>());
+    EXPECT_EQ(rows[2]["status"], "refused");
+    EXPECT_THAT(rows[2]["message"].get<std::string>(), HasSubstr("\"none.csv\", which is no file"));
+    words.insert(words.end(), {"--set", "drive.file=" + horn_});
+    EXPECT_THAT(hertzline(words).err, HasSubstr("found a key that varies"));
+}
+
+TEST_F(RecordedDrive, WarningsTellWhatIsOdd) {
+    const Outcome cut = hertzline(driven({"--set", "drive.lowpass_hz=60e3"}));
+    EXPECT_EQ(cut.status, 2);
+    EXPECT_THAT(cut.err,
+                HasSubstr("drive.lowpass_hz: found 60000, with which the motion begins before the record"));
+    const Outcome less =
+        hertzline(driven({"--set", "drive.lowpass_hz=40e3", "--set", "drive.repetition_hz=0"}));
+    EXPECT_EQ(less.status, 2);
+    EXPECT_THAT(
+        hertzline(driven({"--set", "drive.scale=1e3"})).err,
+        AllOf(HasSubstr("drive.file is 0.00"), HasSubstr("were micrometres (drive.scale), or a velocity")));
+    const Outcome good = hertzline(driven({}));
+    EXPECT_THAT(good.err, Not(HasSubstr("drive."))) << good.err;
+}
+
+TEST_F(RecordedDrive, APictureOfTheHornShowsTheRecordsSamples) {
+    hertzline(driven({"-o", folder_.file("a.npy"), "--columns", "v_horn,v_last"}));
+    const Outcome drawn = hertzline({"plot", folder_.file("a.npy"), "-o", folder_.file("a.svg")});
+    ASSERT_EQ(drawn.status, 0) << drawn.err;
+    const std::string svg = contents(folder_.file("a.svg"));
+    std::size_t dots = 0;
+    for (std::size_t at = svg.find("<use "); at != std::string::npos; at = svg.find("<use ", at + 1)) {
+        ++dots;
+    }
+    EXPECT_GT(dots, 1900U);
+}
+
+}  // namespace
+}  // namespace hertzline::test

@@ -1,0 +1,281 @@
+#include "recordings/drive_record.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/model/drive.hpp"
+#include "core/model/sampled_motion.hpp"
+#include "hertzline/resolve.hpp"
+#include "recordings/recording_formats.hpp"
+#include "tests/support/files.hpp"
+#include "tests/support/recordings.hpp"
+#include "tests/support/records.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace hertzline::recordings {
+namespace {
+
+using test::SmoothBurst;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr double rate_hz = 10e6;
+constexpr std::size_t count = 4001;
+
+class DriveRecord : public ::testing::Test {
+protected:
+    /// The scene of a file beside the record. @param keys of [drive], after kind and file
+    tl::expected<ParsedScene, std::vector<Fault>> parsed(const std::string& file,
+                                                         const std::string& keys = "") {
+        test::write_text(folder_.file("scene.toml"),
+                         fmt::format("[drive]\nkind = \"file\"\nfile = \"{}\"\n{}", file, keys));
+        return parse_scene_with_drive(folder_.file("scene.toml"), {},
+                                      [this](const std::string& warning) { warnings_.push_back(warning); });
+    }
+    Drive drive(const std::string& file, const std::string& keys = "") {
+        const auto scene = parsed(file, keys);
+        EXPECT_TRUE(scene) << (scene ? "" : fault_text(scene.error()));
+        return scene ? scene->scene.drive : Drive{};
+    }
+    std::string fault(const std::string& file, const std::string& keys = "") {
+        const auto scene = parsed(file, keys);
+        return scene ? "none" : fault_text(scene.error());
+    }
+    /// Writes displacements and velocities.
+    void write(const std::string& file, const std::vector<std::string>& columns,
+               std::size_t samples = count) {
+        RecordingHead head = test::recording_head(columns, rate_hz, NumberType::float64);
+        auto writer = open_recording(folder_.file(file), head);
+        std::vector<double> values;
+        for (std::size_t i = 0; i < samples; ++i) {
+            const double t = static_cast<double>(i) / rate_hz;
+            for (const std::string& column : columns) {
+                values.push_back(column.starts_with("v_") ? SmoothBurst::velocity(t)
+                                                          : SmoothBurst::displacement(t));
+            }
+        }
+        writer->write(0, values);
+        writer->commit();
+    }
+
+    /// Lines of a table with two columns.
+    static std::string rows() {
+        std::string text = "\n";
+        for (std::size_t i = 0; i < 40; ++i) {
+            text += fmt::format("{},{}\n", 1e-6 * static_cast<double>(i), i);
+        }
+        return text;
+    }
+
+    /// An array of NumPy, 20 zeros, without a rate.
+    void write_bare_npy() {
+        std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (20,), }";
+        header.resize(117, ' ');
+        test::write_text(folder_.file("bare.npy"), std::string("\x93NUMPY\x01\x00\x76\x00", 10) + header +
+                                                       '\n' + std::string(160, '\0'));
+    }
+
+    test::TemporaryFolder folder_;
+    std::vector<std::string> warnings_;
+};
+
+TEST_F(DriveRecord, ReadsEveryFormatBesideTheScene) {
+    for (const char* file : {"r.csv", "r.npy", "r.h5", "r.sigmf-meta"}) {
+        write(file, {"x_tip_m", "v_tip_m_per_s"});
+        const Drive read = drive(file);
+        ASSERT_EQ(read.samples.size(), count) << file;
+        EXPECT_NEAR(read.samples[2000], SmoothBurst::displacement(200e-6), 1e-12) << file;
+        EXPECT_EQ(read.sample_rate_hz, rate_hz) << file;
+        EXPECT_EQ(read.quantity, DriveQuantity::displacement) << file;
+        EXPECT_NEAR(read.frequency_hz, 73e3, 1e3) << file;
+        EXPECT_EQ(read.file, std::nullopt) << file;
+        const Drive velocity = drive(file, "column = 'v_tip_m_per_s'\nfrequency_hz = 5e4");
+        EXPECT_EQ(velocity.quantity, DriveQuantity::velocity) << file;
+        EXPECT_EQ(velocity.column, std::nullopt);
+        EXPECT_EQ(velocity.frequency_hz, 5e4) << "as the scene has it";
+        EXPECT_EQ(drive(file, "column = '2'").samples, velocity.samples) << file;
+    }
+    EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(DriveRecord, TakesTheHornOfARunOfItsOwn) {
+    write("run.csv", {"v_out_m_per_s", "v_horn_m_per_s"});
+    EXPECT_EQ(drive("run.csv").quantity, DriveQuantity::velocity);
+    EXPECT_NEAR(drive("run.csv").samples[2100], SmoothBurst::velocity(210e-6), 1e-9);
+}
+
+TEST_F(DriveRecord, TakesUnitsFromTheColumnUnlessTheSceneHasAScale) {
+    std::string text = "time_us,x_um,level (V)\n";
+    for (std::size_t i = 0; i < 100; ++i) {
+        text += fmt::format("{},{},{}\n", 0.1 * static_cast<double>(i), i, i);
+    }
+    test::write_text(folder_.file("other.csv"), text);
+    const Drive micrometres = drive("other.csv");
+    EXPECT_DOUBLE_EQ(micrometres.scale.value(), 1e-6);
+    EXPECT_NEAR(*micrometres.sample_rate_hz, 10e6, 1);
+    EXPECT_EQ(micrometres.quantity, DriveQuantity::displacement);
+    EXPECT_THAT(warnings_, IsEmpty());
+    EXPECT_EQ(drive("other.csv", "scale = 2e-6").scale, 2e-6);
+    EXPECT_THAT(warnings_,
+                ElementsAre(HasSubstr("x_um is in um; drive.scale = 2e-06 takes the place of 1e-06")));
+    EXPECT_EQ(drive("other.csv", "scale = 1e-6").scale, 1e-6);
+    EXPECT_EQ(warnings_.size(), 1U);
+    EXPECT_THAT(
+        fault("other.csv", "column = 'level'"),
+        HasSubstr("drive.scale: found nothing, with level in V, allowed: the m that one V stands for"));
+    EXPECT_EQ(drive("other.csv", "column = 'level (V)'\nquantity = 'velocity'\nscale = 5e-3").scale, 5e-3);
+    EXPECT_EQ(drive("other.csv", "column = 2\nscale = 1").quantity, DriveQuantity::displacement);
+    for (const char* micro : {"\xC2\xB5", "\xCE\xBC", "\xB5"}) {
+        test::write_text(folder_.file("micro.csv"),
+                         "Time (s),Channel 1 (" + std::string(micro) + "m)" + rows());
+        EXPECT_DOUBLE_EQ(drive("micro.csv").scale.value(), 1e-6) << micro;
+    }
+}
+
+TEST_F(DriveRecord, TheStrongestLineIsTakenUnlessItIsGivenWithTheRecord) {
+    std::string samples;
+    for (std::size_t i = 0; i < count; ++i) {
+        samples += fmt::format("{}, ", SmoothBurst::displacement(static_cast<double>(i) / rate_hz));
+    }
+    const auto line = [&](const std::string& text, const std::vector<std::string>& settings) {
+        test::write_text(folder_.file("scene.toml"), text);
+        const auto scene =
+            parse_scene_with_drive(folder_.file("scene.toml"), settings, [](const std::string&) {});
+        EXPECT_TRUE(scene) << (scene ? "" : fault_text(scene.error()));
+        return scene ? scene->scene.drive.frequency_hz : 0;
+    };
+    const std::string inside = "[drive]\nkind = 'file'\nsample_rate_hz = 10e6\nsamples = [" + samples + "]\n";
+    const std::vector<std::string> option{"drive.kind=file", "drive.sample_rate_hz=10e6",
+                                          "drive.samples=[" + samples + "]"};
+    EXPECT_NEAR(line(inside, {}), 73e3, 1e3);
+    EXPECT_EQ(line(inside + "frequency_hz = 5e4\n", {}), 5e4);
+    EXPECT_EQ(line(inside, {"drive.frequency_hz=5e4"}), 5e4);
+    EXPECT_NEAR(line("[drive]\nfrequency_hz = 5e4\n", option), 73e3, 1e3) << "that of the tone before";
+}
+
+TEST_F(DriveRecord, TheSceneKeepsTheSamples) {
+    write("r.csv", {"x_tip_m"});
+    const auto first = parsed("r.csv");
+    ASSERT_TRUE(first);
+    std::filesystem::remove(folder_.file("r.csv"));
+    const auto again = parse_scene(to_toml(first->scene), "again");
+    ASSERT_TRUE(again) << fault_text(again.error());
+    EXPECT_EQ(again->scene, first->scene);
+    EXPECT_EQ(scene_hash(again->scene), scene_hash(first->scene));
+    Scene other = first->scene;
+    other.drive.samples[2000] = std::nextafter(other.drive.samples[2000], 1);
+    EXPECT_NE(scene_hash(other), scene_hash(first->scene)) << "the hash covers the samples";
+    EXPECT_TRUE(resolve(again->scene).faults.empty());
+}
+
+TEST_F(DriveRecord, FaultsNameTheKeyItsPlaceAndTheAllowed) {
+    write("r.csv", {"x_tip_m", "v_tip_m_per_s"});
+    EXPECT_THAT(fault("none.csv"), AllOf(HasSubstr("scene.toml:3: drive.file: "), HasSubstr("none.csv"),
+                                         HasSubstr("which is no file")));
+    EXPECT_THAT(fault("r.txt"), AllOf(HasSubstr("drive.file: "), HasSubstr(".csv, ")));
+    EXPECT_THAT(fault("r.csv", "column = 'x_tipp_m'"),
+                AllOf(HasSubstr("scene.toml:4: drive.column: found \"x_tipp_m\", allowed: one of x_tip_m, "
+                                "v_tip_m_per_s, or a number from 1 to 2"),
+                      HasSubstr("did you mean 'x_tip_m'?")));
+    EXPECT_THAT(fault("r.csv", "column = '3'"), HasSubstr("drive.column: found \"3\""));
+    EXPECT_THAT(fault("r.csv", "samples = [1, 2]"),
+                HasSubstr("drive.file: found \"r.csv\" beside drive.samples, allowed: one of them"));
+    EXPECT_THAT(fault("r.csv", "scale = 0"),
+                HasSubstr("drive.scale: found 0, allowed: a number other than 0"));
+    test::write_text(folder_.file("short.csv"), "t_s,x_m\n0,0\n1e-7,0\n");
+    EXPECT_THAT(fault("short.csv"), HasSubstr("drive.file: found 2 samples, allowed: 16 or more"));
+    write_bare_npy();
+    EXPECT_THAT(fault("bare.npy"), HasSubstr("drive.sample_rate_hz: found nothing"));
+    EXPECT_EQ(drive("bare.npy", "sample_rate_hz = 1e6").sample_rate_hz, 1e6);
+}
+
+TEST_F(DriveRecord, ARecordHasNoGapsAndAMillionSamplesAtMost) {
+    const RecordingHead head = test::recording_head({"x_tip_m"}, rate_hz, NumberType::float64);
+    auto gap = open_recording(folder_.file("gap.sigmf-meta"), head);
+    gap->write(0, std::vector<double>(100, 0.0));
+    gap->write(107, std::vector<double>(100, 0.0));
+    gap->commit();
+    EXPECT_THAT(fault("gap.sigmf-meta"),
+                HasSubstr("drive.file: found a gap of 7 samples after 100, allowed: a record without gaps"));
+    auto longer = open_recording(folder_.file("long.npy"), head);
+    longer->write(0, std::vector<double>(max_drive_samples + 1, 0.0));
+    longer->commit();
+    EXPECT_THAT(fault("long.npy"), HasSubstr("drive.file: found more than 1000000 samples"));
+}
+
+/// A damaged or hostile file gives a drive whose motion is finite, or a fault that names its key.
+TEST_F(DriveRecord, BrokenFilesAreDrivesOrFaults) {
+    std::mt19937 random(1);
+    const auto below = [&](std::size_t bound) {
+        return std::uniform_int_distribution<std::size_t>(0, bound - 1)(random);
+    };
+    const int trials = test::repeated(200);  // of each of five files
+    int drives = 0;
+    int faults = 0;
+    for (const char* file : {"r.csv", "r.npy", "r.h5", "r.sigmf-meta", "r.sigmf-data"}) {
+        const std::string named = std::string(file).starts_with("r.sigmf") ? "r.sigmf-meta" : file;
+        write(named, {"x_tip_m"}, 300);
+        const std::string whole = test::contents(folder_.file(file));
+        for (int trial = 0; trial < trials; ++trial) {
+            std::string broken = whole;
+            for (std::size_t edits = 1 + below(4); edits-- > 0;) {
+                const std::size_t at = below(broken.size());
+                switch (below(4)) {
+                    case 0:
+                        broken[at] = static_cast<char>(below(256));
+                        break;
+                    case 1:
+                        broken.erase(at, 1 + below(20));
+                        break;
+                    case 2:
+                        broken.insert(at, broken.substr(below(broken.size()), below(40)));
+                        break;
+                    default:
+                        broken.resize(1 + at);
+                }
+            }
+            test::write_text(folder_.file(file), broken);
+            const auto scene = parsed(named);
+            if (!scene) {
+                EXPECT_THAT(fault_text(scene.error()), HasSubstr("drive."));
+                ++faults;
+                continue;
+            }
+            ++drives;
+            EXPECT_TRUE(validate(scene->scene).empty());
+            if (drive_faults(scene->scene.drive).empty()) {
+                const RecordFacts& facts = SampledMotion::of(scene->scene.drive)->facts();
+                EXPECT_TRUE(
+                    std::isfinite(facts.largest_velocity + facts.mean_frequency_hz + facts.noise_velocity));
+            }
+        }
+    }
+    EXPECT_EQ(drives + faults, 5 * trials);
+    EXPECT_GT(drives, trials / 2) << "some breaks are numbers that differ";
+    EXPECT_GT(faults, trials / 2);
+}
+
+TEST_F(DriveRecord, AnOptionNamesAFileOfTheCurrentFolder) {
+    write("r.csv", {"x_tip_m"});
+    test::write_text(folder_.file("scene.toml"), "");
+    const auto read = [&](const std::string& file) {
+        return parse_scene_with_drive(folder_.file("scene.toml"),
+                                      std::vector<std::string>{"drive.kind=file", "drive.file=" + file},
+                                      [](const std::string&) {});
+    };
+    EXPECT_TRUE(read(folder_.file("r.csv")));
+    const auto elsewhere = read("r.csv");
+    ASSERT_FALSE(elsewhere);
+    EXPECT_THAT(fault_text(elsewhere.error()), HasSubstr("--set drive.file=r.csv: drive.file"));
+}
+
+}  // namespace
+}  // namespace hertzline::recordings
