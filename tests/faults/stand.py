@@ -44,7 +44,7 @@ LARGE_FRAMES = Scene("paper-stream", 1e6, 0.05, **{"output.frame_samples": 4096}
 MANY_SAMPLES = Scene("paper-stream", 1e5, 1, **{"drive.amplitude_m": 1e-9})
 LONG_CHAIN = Scene("long-chain", 1e8, 0.001, **{"chain.spheres": 1000})  # the wave arrives after a second and a half
 
-LONG_ENOUGH_S = 60  # for a loaded machine with sanitizers
+LONG_ENOUGH_S = 60 * SLOWER  # for a loaded machine
 ENDS_WITHIN_S = 10  # a second is promised; a busy machine or a sanitizer may take longer, a program that hangs takes for ever
 # Freed memory that an allocator may keep for later requests: several sizes of blocks for each thread.
 KEPT_BY_ALLOCATOR = 4 << 20

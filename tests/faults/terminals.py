@@ -86,8 +86,8 @@ def terminal_hangs_up_on_a_listener(stand):
 
 def terminal_vanishes_during_a_run(stand):
     file = stand.folder / "run.csv"
-    process, ours = _with_terminal(stand, "run", "paper-stream", "--json", "--set", "output.duration_s=0.2", "-o", file,
-                                   controls=False)
+    process, ours = _with_terminal(stand, "run", "paper-stream", "--json", "--set", f"output.duration_s={0.2 / stands.SLOWER}",
+                                   "-o", file, controls=False)
     os.read(ours, 1)  # a progress line
     os.close(ours)
     check(_summary_of(process)["rows"] == len(file.read_text().splitlines()) - 1, "not all rows are in the file")
