@@ -416,6 +416,9 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
         run.alone_p_pa = peak_of_one_alone(scene);
     }
     append(run.warnings, record_warnings(scene, v_out, run.rung_down_s));
+    if (auto late = late_sound_warning(scene)) {
+        run.warnings.push_back(*std::move(late));
+    }
     append(run.warnings, band_warnings("v_out", run.taps.front().spectrum));
     append(run.warnings, switching_warnings(run.switching_db));
     for (const TapRecord& tap : std::span(run.taps).subspan(1)) {

@@ -1,7 +1,6 @@
 #include "recordings/drive_record.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -49,11 +48,9 @@ tl::expected<std::size_t, Fault> chosen_column(const std::vector<Column>& column
     if (const auto found = called(*wanted)) {
         return *found;
     }
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(wanted->data(), wanted->data() + wanted->size(), number);
-    if (error == std::errc{} && end == wanted->data() + wanted->size() && number >= 1 &&
-        number <= columns.size()) {
-        return number - 1;
+    if (const auto number = parsed_number<std::size_t>(*wanted);
+        number && *number >= 1 && *number <= columns.size()) {
+        return *number - 1;
     }
     std::vector<std::string> names;
     std::ranges::transform(columns, std::back_inserter(names), &Column::name);

@@ -1,6 +1,7 @@
 #include "studies/axis.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -33,6 +34,14 @@ double number_of(const SceneValue& value) {
 SceneValue value_of(const SceneKey& key, double number) {
     return key.kind == ValueKind::integer ? SceneValue(static_cast<std::int64_t>(std::llround(number)))
                                           : SceneValue(number);
+}
+
+/// Whether the unit of TO could be meant for FROM, which has none: "-8..8mm".
+bool may_lack_unit(std::string_view from, std::string_view to) noexcept {
+    const auto bare = parsed_number<double>(from);
+    double number = 0;
+    const char* const end = to.data() + to.size();
+    return bare && *bare != 0 && std::from_chars(to.data(), end, number).ptr != end && *bare < number;
 }
 
 /// Reads one option or list of values; its faults lack the place.
@@ -155,8 +164,10 @@ void AxisReader::read_range(std::string_view text) {
         return;
     }
     const std::size_t dots = ends.find("..");
-    const auto from = value(without_blanks(ends.substr(0, dots)));
-    const auto to = value(without_blanks(ends.substr(dots + 2)));
+    const std::string_view low = without_blanks(ends.substr(0, dots));
+    const std::string_view high = without_blanks(ends.substr(dots + 2));
+    const auto from = value(low);
+    const auto to = value(high);
     if (sampling_ == Sampling::grid) {
         read_count(parts.front());
     }
@@ -165,7 +176,10 @@ void AxisReader::read_range(std::string_view text) {
     }
     axis_.from = number_of(*from);
     axis_.to = number_of(*to);
-    if (!(axis_.from < axis_.to)) {
+    if (axis_.from < axis_.to && may_lack_unit(low, high)) {
+        refuse(ends, "a unit after both ends: without one, " + std::string(low) + " is in " +
+                         std::string(axis_.key.range.unit));
+    } else if (!(axis_.from < axis_.to)) {
         refuse(ends, "a range that goes up: FROM below TO");
     } else if (axis_.spacing == Spacing::logarithmic && !(axis_.from > 0)) {
         refuse(ends, "a range above 0, as it is logarithmic");

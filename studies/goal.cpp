@@ -1,7 +1,6 @@
 #include "studies/goal.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <optional>
@@ -35,10 +34,8 @@ double number_in(const PointResult& result, const std::string& measure,
 }
 
 std::optional<double> finite_number(std::string_view text) {
-    double number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = !text.empty() && error == std::errc{} && end == text.data() + text.size();
-    return whole && std::isfinite(number) ? std::optional(number) : std::nullopt;
+    const auto number = parsed_number<double>(text);
+    return number && std::isfinite(*number) ? number : std::nullopt;
 }
 
 double violation_of(const Constraint& constraint, double value) {

@@ -94,8 +94,10 @@ Exit check(const CheckOptions& options) {
     const auto peaks =
         measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
     std::vector<std::string> warnings = measures::contact_warnings(scene, peaks);
-    if (auto late = late_wave_warning(scene)) {
-        warnings.push_back(*std::move(late));
+    for (auto late : {late_wave_warning(scene), late_sound_warning(scene)}) {
+        if (late) {
+            warnings.push_back(*std::move(late));
+        }
     }
     for (const std::string& text : warnings) {
         spdlog::warn("{}: {}", printable(options.scene.scene), text);

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "apps/arguments/options.hpp"
 #include "apps/arguments/scene_argument.hpp"
@@ -24,12 +26,14 @@
 #include "apps/console/output.hpp"
 #include "apps/console/progress.hpp"
 #include "apps/console/signals.hpp"
+#include "core/model/validity.hpp"
 #include "core/scene/text.hpp"
 #include "hertzline/spectrum.hpp"
 #include "hertzline/taps.hpp"
 #include "measures/provenance.hpp"
 #include "measures/resources.hpp"
 #include "measures/run.hpp"
+#include "recordings/files/staged_file.hpp"
 #include "recordings/formats/table.hpp"
 #include "recordings/recording_formats.hpp"
 #include "studies/workers.hpp"
@@ -60,53 +64,51 @@ struct FieldOptions {
     Format format = Format::text;
 };
 
-/// Waveforms on disk, in a file that has no name.
+/// Waveforms on disk until they are in order, in a file beside the table that ends with the program.
 class Waveforms {
 public:
-    explicit Waveforms(std::size_t samples) : file_(std::tmpfile()), samples_(samples) {
-        if (file_ == nullptr) {
-            throw std::runtime_error("cannot make a temporary file for the waveforms");
-        }
+    Waveforms(const std::string& table, std::size_t samples)
+        : file_(table, recordings::StagedFile::Devices::refused), samples_(samples) {
+        std::filesystem::remove(file_.temporary());  // it stays open
     }
-    ~Waveforms() { std::fclose(file_); }
-    Waveforms(const Waveforms&) = delete;
-    Waveforms& operator=(const Waveforms&) = delete;
 
     void put(std::size_t point, const std::vector<double>& pressure) {
         const std::vector<float> values(pressure.begin(), pressure.end());
-        seek(point);
-        if (std::fwrite(values.data(), sizeof(float), samples_, file_) != samples_) {
-            throw std::runtime_error("cannot write the waveforms to a temporary file: the disk is full");
+        const auto bytes = std::as_bytes(std::span(values));
+        if (const int error = recordings::write_all_at(file_.descriptor(), bytes, point * bytes.size())) {
+            file_.fail(error);
         }
     }
 
-    void get(std::size_t point, std::vector<float>& into) {
+    void get(std::size_t point, std::vector<float>& into) const {
         into.resize(samples_);
-        seek(point);
-        if (std::fread(into.data(), sizeof(float), samples_, file_) != samples_) {
-            throw std::runtime_error("cannot read the waveforms back from a temporary file");
+        const auto bytes = std::as_writable_bytes(std::span(into));
+        for (std::size_t done = 0; done < bytes.size();) {
+            const ssize_t got = ::pread(file_.descriptor(), bytes.data() + done, bytes.size() - done,
+                                        static_cast<off_t>(point * bytes.size() + done));
+            if (got <= 0) {
+                throw std::runtime_error("cannot read the waveforms of " + file_.path().string() + " back");
+            }
+            done += static_cast<std::size_t>(got);
         }
     }
 
 private:
-    void seek(std::size_t point) {
-        std::fseek(file_, static_cast<long>(point * samples_ * sizeof(float)), SEEK_SET);
-    }
-
-    std::FILE* file_;
+    recordings::StagedFile file_;
     std::size_t samples_;
 };
 
 /// The numbers of each point, and what a table needs of them.
 class FieldTable {
 public:
-    FieldTable(const studies::FieldGrid& grid, const Scene& scene, Json provenance, bool waveforms)
+    /// @param files beside the first of which waveforms are kept @throws std::runtime_error when the disk is too small for the files
+    FieldTable(const studies::FieldGrid& grid, const Scene& scene, Json provenance,
+               std::span<const std::string> files, bool waveforms)
         : grid_(grid),
           numbers_(grid.size() * columns, std::numeric_limits<double>::quiet_NaN()),
           samples_(static_cast<std::size_t>(measures::rows_of_run(scene))) {
         using recordings::CellKind;
         if (waveforms) {
-            waveforms_ = std::make_unique<Waveforms>(samples_);
             table_.samples =
                 recordings::TableSamples{std::string(row_of(Tap::p_points).name), "Pa", samples_};
         }
@@ -124,6 +126,19 @@ public:
         table_.provenance = std::move(provenance);
         table_.records = "points";
         table_.read = [this](std::int64_t row, recordings::TableRow& into) { read(row, into); };
+        const std::size_t samples = waveforms ? samples_ : 0;
+        for (const std::string& file : files) {
+            const double bytes =
+                recordings::table_bytes(file, table_.columns, static_cast<double>(table_.rows), samples);
+            const double kept =
+                &file == &files.front() ? static_cast<double>(grid.size() * samples * sizeof(float)) : 0;
+            if (const auto shortage = measures::disk_shortage(file, bytes + kept)) {
+                throw std::runtime_error(*shortage);
+            }
+        }
+        if (waveforms) {
+            waveforms_ = std::make_unique<Waveforms>(files.front(), samples_);
+        }
     }
     FieldTable(const FieldTable&) = delete;
     FieldTable& operator=(const FieldTable&) = delete;
@@ -243,8 +258,12 @@ Exit field(const FieldOptions& options) {
     for (const std::string& file : options.files) {
         recordings::require_writable(file);
     }
+    if (const auto late = late_sound_warning(scene)) {
+        spdlog::warn("{}", *late);
+    }
     stop_asked();  // from here on there are files to be cleaned up
-    FieldTable table(asked.grid, scene, provenance_of(scene, *resolved, asked.grid), options.waveforms);
+    FieldTable table(asked.grid, scene, provenance_of(scene, *resolved, asked.grid), options.files,
+                     options.waveforms);
     const Clock::time_point start = Clock::now();
     const auto elapsed_s = [start] { return std::chrono::duration<double>(Clock::now() - start).count(); };
     const std::size_t all = asked.grid.size();

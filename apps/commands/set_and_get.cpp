@@ -1,6 +1,5 @@
 // hertzline set and hertzline get: change the scene of a running stream, and look at it.
 
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -78,11 +77,8 @@ stream::ControlConnection checked(const ControlOptions& arguments) {
 
 /// Returns a number, null, or a text.
 Json value_of(const std::string& text) {
-    double number = 0;
-    const char* const end = text.data() + text.size();
-    if (const auto [stopped, error] = std::from_chars(text.data(), end, number);
-        error == std::errc{} && stopped == end && std::isfinite(number)) {
-        return number;
+    if (const auto number = parsed_number<double>(text); number && std::isfinite(*number)) {
+        return *number;
     }
     const Json json = Json::parse(text, nullptr, /*allow_exceptions=*/false);
     return json.is_string() || json.is_null() ? json : Json(text);

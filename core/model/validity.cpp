@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "core/model/sampled_motion.hpp"
 #include "core/model/sphere_row.hpp"
 #include "core/model/strength.hpp"
+#include "core/scene/elements.hpp"
 #include "core/scene/scene_key.hpp"
 #include "core/scene/text.hpp"
 
@@ -249,6 +251,12 @@ void add_record(const Scene& scene, std::vector<std::string>& warnings) {
         warnings);
 }
 
+/// When the wave can reach the end of the chain: none is faster than a long one in a chain pressed as far as the drive can. It goes a
+/// diameter in sqrt(m / k_t), and the cut-off is sqrt(4 k_t / m) / (2 pi).
+double soonest_wave_s(const Scene& scene) {
+    return static_cast<double>(scene.chain.spheres) / (std::numbers::pi * fastest_contact_hz(scene));
+}
+
 std::string deep_contact(double ratio, std::string_view when) {
     return "a contact is pressed " + briefly(ratio) + " of a sphere's radius deep" + std::string(when) +
            "; Hertz's law is for less than 0.05";
@@ -288,16 +296,44 @@ ContactLoad contact_load(const Chain& chain, const Eigen::ArrayXd& overlaps) noe
 }
 
 std::optional<std::string> late_wave_warning(const Scene& scene) {
-    // no wave is faster than a long one in a chain pressed as far as the drive can: diameter sqrt(k_t / m), and the
-    // cut-off is sqrt(4 k_t / m) / (2 pi)
-    const double soonest_s =
-        static_cast<double>(scene.chain.spheres) / (std::numbers::pi * fastest_contact_hz(scene));
+    const double soonest_s = soonest_wave_s(scene);
     if (scene.output.duration_s >= soonest_s) {
         return std::nullopt;
     }
     return "the run ends after " + briefly(scene.output.duration_s) +
            " s (output.duration_s); the wave needs about " + briefly(soonest_s) +
            " s or more to reach the end of the chain";
+}
+
+std::optional<std::string> late_sound_warning(const Scene& scene) {
+    const std::vector<std::array<double, 3>>& points = scene.output.points_m;
+    if (points.empty()) {
+        return std::nullopt;
+    }
+    const double wave_s = soonest_wave_s(scene);
+    const double c = std::get<Fluid>(*find_material(scene, scene.medium.material)).sound_speed_m_per_s;
+    double latest_s = 0;
+    std::size_t silent = 0;
+    for (const auto& point : points) {
+        double way_m = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < chains_of(scene); ++i) {
+            const double x = is_array(scene) ? scene.array.x_m[i] : 0;
+            const double y = is_array(scene) ? scene.array.y_m[i] : 0;
+            const double aside = std::hypot(point[0] - x, point[1] - y) - scene.end.radius_m;
+            way_m = std::min(way_m, std::hypot(std::max(aside, 0.0), point[2]));
+        }
+        const double arrival_s = wave_s + way_m / c;
+        silent += arrival_s > scene.output.duration_s ? 1 : 0;
+        latest_s = std::max(latest_s, arrival_s);
+    }
+    if (silent == 0) {
+        return std::nullopt;
+    }
+    return "the run ends after " + briefly(scene.output.duration_s) +
+           " s (output.duration_s), before the sound can reach " +
+           number_text(static_cast<std::int64_t>(silent)) + " of " +
+           number_text(static_cast<std::int64_t>(points.size())) + " points; the last one needs about " +
+           briefly(latest_s) + " s or more";
 }
 
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {

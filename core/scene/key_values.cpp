@@ -1,7 +1,6 @@
 // Values of keys: their texts, how they are read, and their faults.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <utility>
 
 #include "core/scene/scene_key.hpp"
@@ -13,15 +12,6 @@
 namespace hertzline {
 
 namespace {
-
-/// A number without a look at TOML's other ways to write one; nothing where those may matter.
-template <class Number>
-std::optional<SceneValue> plain_number(std::string_view text) {
-    Number number{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = error == std::errc{} && end == text.data() + text.size();
-    return whole ? std::optional<SceneValue>(number) : std::nullopt;
-}
 
 /// The names of many materials as a message shows them.
 std::string listed(std::span<const std::string> names) {
@@ -160,11 +150,12 @@ std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value) {
 }
 
 std::optional<SceneValue> read_value(ValueKind kind, std::string_view text) {
-    auto plain = kind == ValueKind::number    ? plain_number<double>(text)
-                 : kind == ValueKind::integer ? plain_number<std::int64_t>(text)
-                                              : std::nullopt;
-    if (plain) {
-        return plain;
+    // without a look at TOML's other ways to write a number
+    if (const auto plain = parsed_number<double>(text); plain && kind == ValueKind::number) {
+        return *plain;
+    }
+    if (const auto plain = parsed_number<std::int64_t>(text); plain && kind == ValueKind::integer) {
+        return *plain;
     }
     const auto found = toml_value(text);
     const auto* const given = found ? std::get_if<SceneValue>(&*found) : nullptr;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <type_traits>
 #include <utility>
 
@@ -184,10 +183,7 @@ std::size_t entries_in(const std::optional<SceneValue>& list) {
 
 /// The whole number from 1 on that an entry's name has in its brackets; 0: none.
 std::size_t entry_number(std::string_view text) {
-    std::size_t number = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-    const bool whole = error == std::errc{} && end == text.data() + text.size();
-    return whole && text.front() != '0' ? number : 0;
+    return text.starts_with('0') ? 0 : parsed_number<std::size_t>(text).value_or(0);
 }
 
 /// The list as it would be given so that nothing changes, with that entry; nothing where no such list suits the scene.
@@ -220,7 +216,7 @@ std::string advice_to_give(const Scene& scene, const SceneKey& key, std::size_t 
     const auto list = list_given(scene, key, number);
     const std::string text = list ? value_text(*list) : "";
     return "none: the scene does not give " + key.name + "; first give the whole list" +
-           (text.empty() || text.size() > longest ? "" : ": --set '" + key.name + '=' + text + '\'');
+           (text.empty() || text.size() > longest ? "" : ", as '" + key.name + '=' + text + '\'');
 }
 
 /// The entry of the key. @param entry "[2]", or "[2][3]" of a list of points

@@ -1,10 +1,13 @@
 #pragma once
 // Values as text, for messages and for scene files. Nothing here depends on the locale.
 
+#include <charconv>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace hertzline {
@@ -12,6 +15,15 @@ namespace hertzline {
 /// Shortest decimal text that reads back to exactly the same number: "0.0005", "73000", "1e-09", "inf".
 std::string number_text(double value);
 std::string number_text(std::int64_t value);
+
+/// The number that the whole text is, as std::from_chars reads it: without blanks, units or a plus sign.
+template <class Number>
+std::optional<Number> parsed_number(std::string_view text) noexcept {
+    Number number{};
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, number);
+    return error == std::errc{} && stopped == end ? std::optional(number) : std::nullopt;
+}
 
 /// The text between double quotes, with everything but printable ASCII escaped: a TOML string, safe on a terminal.
 std::string quoted(std::string_view text);

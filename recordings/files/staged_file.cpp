@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstdio>
 #include <random>
 #include <stdexcept>
@@ -14,6 +13,8 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#include "core/scene/text.hpp"
 
 namespace hertzline::recordings {
 namespace fs = std::filesystem;
@@ -79,10 +80,7 @@ int own_descriptor(const fs::path& path) {
     if (path.parent_path() != "/proc/" + std::to_string(::getpid()) + "/fd") {
         return -1;
     }
-    const std::string name = path.filename().string();
-    int number = -1;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), number);
-    return error == std::errc() && end == name.data() + name.size() ? number : -1;
+    return parsed_number<int>(path.filename().string()).value_or(-1);
 }
 
 /// Owner and mode of the file that is replaced, as far as the system lets us; neither is worth losing the data for.

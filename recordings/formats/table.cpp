@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -188,13 +187,11 @@ std::vector<std::string> csv_names(CsvCells& cells) {
 
 template <class Number>
 Number number_of(const std::string& text) {
-    Number number{};
-    const char* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, number);
-    if (text.empty() || read.ec != std::errc{} || read.ptr != end) {
+    const auto number = parsed_number<Number>(text);
+    if (!number) {
         throw std::runtime_error("found " + quoted_briefly(text) + ", allowed: a number");
     }
-    return number;
+    return *number;
 }
 
 Cell cell_of(CellKind kind, std::string text) {

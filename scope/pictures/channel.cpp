@@ -1,7 +1,9 @@
 #include "scope/pictures/channel.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <string_view>
+
+#include "core/scene/text.hpp"
 
 namespace hertzline::scope {
 
@@ -13,9 +15,11 @@ std::optional<Channel> channel_named(std::string_view name) noexcept {
     }
     Channel channel{.tap = *tap};
     if (bracket < name.size()) {
-        const char* const end = name.data() + name.size() - 1;
-        const auto [stopped, error] = std::from_chars(name.data() + bracket + 1, end, channel.number);
-        if (*end != ']' || stopped != end || error != std::errc{} || channel.number == 0) {
+        std::string_view number = name.substr(bracket + 1);
+        const bool closed = number.ends_with(']');
+        number.remove_suffix(closed ? 1 : 0);
+        channel.number = parsed_number<decltype(channel.number)>(number).value_or(0);
+        if (!closed || channel.number == 0) {
             return std::nullopt;
         }
     }

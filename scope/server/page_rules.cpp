@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -41,11 +40,9 @@ bool is_ipv6(const std::string& text) {
 }
 
 std::optional<unsigned> port_in(std::string_view text) {
-    unsigned port = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
     constexpr unsigned largest = 65535;
-    const bool whole = error == std::errc() && end == text.data() + text.size() && port <= largest;
-    return whole ? std::optional(port) : std::nullopt;
+    const auto port = parsed_number<unsigned>(text);
+    return port && *port <= largest ? port : std::nullopt;
 }
 
 /// Splits "HOST:PORT"; without a colon after the host the port is empty.

@@ -1,7 +1,6 @@
 #include "stream/pipeline/pacer.hpp"
 
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <ctime>
 #include <limits>
@@ -9,6 +8,8 @@
 #include <string>
 
 #include <fmt/format.h>
+
+#include "core/scene/text.hpp"
 
 namespace hertzline::stream {
 
@@ -35,15 +36,12 @@ tl::expected<Pace, std::string> parse_pace(std::string_view text) {
     if (text == "flat-out") {
         return Pace::flat_out();
     }
-    double times = 0;
-    const char* end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, times);
-    const bool in_range = times >= Pace::min_factor && times <= Pace::max_factor;
-    if (error != std::errc{} || stopped != end || !in_range) {
+    const auto times = parsed_number<double>(text);
+    if (!times || !(*times >= Pace::min_factor && *times <= Pace::max_factor)) {
         return tl::unexpected{fmt::format("pace \"{}\" is not realtime, flat-out or a number from {} to {}",
                                           text, Pace::min_factor, Pace::max_factor)};
     }
-    return Pace::factor(times);
+    return Pace::factor(*times);
 }
 
 Pacer::Pacer(double sample_rate_hz, Pace pace) {

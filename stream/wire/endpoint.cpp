@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 
 #include <arpa/inet.h>
@@ -44,10 +43,8 @@ bool good_port(std::string_view port, EndpointUse use) {
     if (port == "*" || port == "0") {
         return use == EndpointUse::bind;
     }
-    unsigned number = 0;  // unsigned: from_chars then refuses a sign
-    const char* end = port.data() + port.size();
-    const auto [stopped, error] = std::from_chars(port.data(), end, number);
-    return error == std::errc{} && stopped == end && number >= 1 && number <= 65535;
+    const auto number = parsed_number<unsigned>(port);  // which has no sign
+    return number && *number >= 1 && *number <= 65535;
 }
 
 /// Returns the text in quotes, with unprintable characters replaced, and not longer than a line.

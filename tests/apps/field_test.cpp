@@ -73,6 +73,25 @@ TEST(Field, WaveformsAreThoseOfARecordingWithPoints) {
     EXPECT_EQ(column(run, "p_2_pa").size(), 1001U);
 }
 
+TEST(Field, WaveformsThatTheDiskCannotHoldAreRefusedAtOnce) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        hertzline(with_quick({"field", "--plane", "x=-8mm..8mm:1000,z=1mm..31mm:1000", "--set",
+                              "output.sample_rate_hz=10GHz", "--waveforms", "-o", folder.file("field.h5")},
+                             {}));
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("TiB of disk"), HasSubstr("is free")));
+    EXPECT_TRUE(std::filesystem::is_empty(folder.file("")));
+}
+
+TEST(Field, SaysWhereTheSoundHasNotArrived) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        hertzline(with_quick({"field", "--plane", "z=10mm,1m", "-o", folder.file("field.csv")}, {}));
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("before the sound can reach 1 of 2 points"));
+}
+
 TEST(Field, RefusesWhatHasNoSoundAndWrongPlanes) {
     const TemporaryFolder folder;
     const std::string csv = folder.file("field.csv");

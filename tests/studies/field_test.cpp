@@ -69,6 +69,8 @@ TEST(FieldGrid, NamesWhatIsWrong) {
                 HasSubstr("z: found \"1s\", allowed: a number from 0 to 10 m (m, with any"));
     EXPECT_EQ(fault_in("z=0,y=2mm..1mm:3"),
               "y: found \"2mm..1mm\", allowed: a range that goes up: FROM below TO");
+    EXPECT_EQ(fault_in("x=-8..8mm:5,z=0"),
+              "x: found \"-8..8mm\", allowed: a unit after both ends: without one, -8 is in m");
     EXPECT_EQ(fault_in("z=0..1mm:0"), "z: found \"0\", allowed: a count from 2 to 100000000");
     EXPECT_EQ(fault_in("z=0..1mm"), "z: found \"0..1mm\", allowed: z=FROM..TO:COUNT[:lin|log] or z=A,B,C");
     EXPECT_EQ(fault_in("z=1mm,1e-3"), "z: found \"1e-3\", allowed: each value once");

@@ -1,7 +1,6 @@
 #include "apps/commands/optimise/optimise_options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <limits>
 #include <optional>
 #include <string_view>
@@ -65,9 +64,7 @@ std::optional<ValidatedSweep> validated_sample(const OptimiseOptions& options, F
 
 /// Refuses a minus sign, too, which CLI11 would wrap around.
 std::string wrong_seed(const std::string& text) {
-    std::uint64_t seed = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-    return error == std::errc() && end == text.data() + text.size()
+    return parsed_number<std::uint64_t>(text)
                ? ""
                : fmt::format("found {}, allowed: a whole number from 0 to {}", quoted_briefly(text),
                              std::numeric_limits<std::uint64_t>::max());

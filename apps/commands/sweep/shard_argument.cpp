@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -24,17 +23,10 @@ namespace fs = std::filesystem;
 
 using Number = std::optional<std::int64_t>;
 
-Number whole_number(std::string_view text) {
-    std::int64_t number = 0;
-    const char* const end = text.data() + text.size();
-    const auto read = std::from_chars(text.data(), end, number);
-    return !text.empty() && read.ec == std::errc{} && read.ptr == end ? Number(number) : std::nullopt;
-}
-
 /// Returns a launcher's number from the environment; nothing where it is absent.
 Number number_of_launcher(const char* name) {
     const char* const text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): before there are threads
-    return text != nullptr ? whole_number(text) : std::nullopt;
+    return text != nullptr ? parsed_number<std::int64_t>(text) : std::nullopt;
 }
 
 std::string gaps_fault(std::int64_t task, std::int64_t tasks, std::int64_t first, std::int64_t last) {
@@ -54,8 +46,10 @@ struct JobArray {
 /// Reads "N", tasks 1 to N, or "FIRST-LAST"; nothing where it is none.
 std::optional<JobArray> job_array(std::string_view text) {
     const std::size_t dash = text.find('-');
-    const Number first = dash == std::string_view::npos ? Number(1) : whole_number(text.substr(0, dash));
-    const Number last = whole_number(text.substr(dash == std::string_view::npos ? 0 : dash + 1));
+    const Number first =
+        dash == std::string_view::npos ? Number(1) : parsed_number<std::int64_t>(text.substr(0, dash));
+    const Number last =
+        parsed_number<std::int64_t>(text.substr(dash == std::string_view::npos ? 0 : dash + 1));
     const bool fits = first && last && *first >= 0 && *first <= *last && *last - *first < studies::max_points;
     return fits ? std::optional(JobArray{*first, *last}) : std::nullopt;
 }
@@ -133,12 +127,12 @@ tl::expected<studies::Shard, std::string> shard_argument(const std::string& text
     }
     const std::size_t slash = std::min(text.find('/'), text.size());
     const std::string_view before = std::string_view(text).substr(0, slash);
-    const Number part = whole_number(before);
+    const Number part = parsed_number<std::int64_t>(before);
     const std::string_view after = std::string_view(text).substr(std::min(slash + 1, text.size()));
     if (const auto array = before == "slurm" ? job_array(after) : std::nullopt) {
         return shard_of_slurm_task(array);
     }
-    const Number parts = whole_number(after);
+    const Number parts = parsed_number<std::int64_t>(after);
     if (part && parts && *part >= 1 && *part <= *parts && *parts <= studies::max_points) {
         return studies::Shard{*part, *parts};
     }
@@ -166,7 +160,8 @@ void refuse_other_parts(const std::string& text, const std::string& file, const 
         const std::string name = entry.path().filename().string();
         std::smatch numbers;
         const std::string rest = name.starts_with(before) ? name.substr(before.size()) : std::string();
-        if (std::regex_match(rest, numbers, form) && whole_number(numbers[2].str()) != shard.parts) {
+        if (std::regex_match(rest, numbers, form) &&
+            parsed_number<std::int64_t>(numbers[2].str()) != shard.parts) {
             throw WrongUse(fmt::format(
                 "--shard {0}: found part {1} of {2}, and beside it {3}, allowed: journals with the "
                 "same number of parts; --shard {4}{5} runs one of those parts again",

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hertzline/scene_file.hpp"
+#include "tests/support/seen_scenes.hpp"
 
 namespace hertzline {
 namespace {
@@ -216,6 +217,18 @@ TEST(Validity, ARunThatEndsBeforeTheWaveArrivesIsNoticed) {
     EXPECT_THAT(late_wave_warning(scene).value_or(""), HasSubstr("the run ends after 0.0005 s"));
     scene.output.duration_s = 0.1;  // 10 m at 100 m/s: slower than any wave in it
     EXPECT_FALSE(late_wave_warning(scene));
+}
+
+TEST(Validity, ARunThatEndsBeforeItsSoundArrivesIsNoticed) {
+    Scene scene = test::shipped("wet-vitreous-carbon");
+    EXPECT_FALSE(late_sound_warning(scene));
+    scene.output.points_m = {{0, 0, 0.01}, {0, 0, 1.5}};  // the sound needs a millisecond for the second one
+    scene.output.duration_s = 3e-4;
+    EXPECT_THAT(
+        late_sound_warning(scene).value_or(""),
+        HasSubstr("before the sound can reach 1 of 2 points; the last one needs about 0.001 s or more"));
+    scene.output.duration_s = 2e-3;
+    EXPECT_FALSE(late_sound_warning(scene));
 }
 
 TEST(ContactLoad, IsThatOfTheTextbook) {

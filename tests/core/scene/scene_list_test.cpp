@@ -175,7 +175,7 @@ TEST(SceneLists, AnEntryOfAListThatIsNotGivenIsOneAfterTheOptionOfTheMessage) {
           {"output.points_m[2][3]", "output.points_m=[[0, 0, 0], [0, 0, 0]]"}}) {
         const std::string set = entry + (entry.starts_with("array.mat") ? "=steel" : "=1e-3");
         EXPECT_THAT(faults_in(three, {set}),
-                    ElementsAre(testing::EndsWith("; first give the whole list: --set '" + list + "'")));
+                    ElementsAre(testing::EndsWith("; first give the whole list, as '" + list + "'")));
         EXPECT_THAT(faults_in(three, {list, set}), IsEmpty());
     }
     for (const char* entry :
