@@ -7,7 +7,6 @@
 #include <iterator>
 #include <mutex>
 #include <numeric>
-#include <regex>
 #include <stdexcept>
 #include <thread>
 
@@ -35,10 +34,16 @@ SceneKey key_of(std::size_t coordinate) {
 }
 
 /// The parts "x=..." of the text; commas in a list end none.
-std::vector<std::string> parts_of(const std::string& text) {
-    const std::regex before_name(",(?=[^,=]*=)");
-    const std::sregex_token_iterator parts(text.begin(), text.end(), before_name, -1);
-    return {parts, std::sregex_token_iterator()};
+std::vector<std::string> parts_of(std::string_view text) {
+    std::vector<std::string> parts;
+    for (const std::string_view part : split(text, ',')) {
+        if (parts.empty() || part.find('=') != std::string_view::npos) {
+            parts.emplace_back(part);
+        } else {
+            parts.back().append(1, ',').append(part);
+        }
+    }
+    return parts;
 }
 
 /// From the first to the last sound at a point [m].
@@ -134,7 +139,7 @@ tl::expected<FieldGrid, std::vector<Fault>> parse_grid(const Scene& scene, std::
     std::array<std::string, 3> values{"0", "0", ""};
     std::array<bool, 3> given{};
     std::vector<Fault> faults;
-    for (const std::string& part : parts_of(std::string(text))) {
+    for (const std::string& part : parts_of(text)) {
         const std::size_t equals = std::min(part.find('='), part.size());
         const auto name =
             std::ranges::find(coordinates, trimmed(std::string_view(part).substr(0, equals), " \t"));

@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -157,29 +158,25 @@ public:
 
     /// The number of the loudest point.
     std::size_t loudest() const noexcept {
-        std::size_t best = 0;
-        for (std::size_t i = 0; i < grid_.size(); ++i) {
-            best = numbers_[i * columns] > numbers_[best * columns] ? i : best;
-        }
-        return best;
+        return first_of_least([&](std::size_t number) { return -peak_pa(number); });
     }
     double peak_pa(std::size_t point) const noexcept { return numbers_[point * columns]; }
 
     /// The number of the point that lies nearest to a place.
     std::size_t nearest_to(const std::vector<double>& place_m) const {
-        const auto distance_m = [&](std::size_t number) {
+        return first_of_least([&](std::size_t number) {
             const studies::Point at = grid_.point(number);
             return std::hypot(at[0] - place_m[0], at[1] - place_m[1], at[2] - place_m[2]);
-        };
-        std::size_t best = 0;
-        for (std::size_t i = 1; i < grid_.size(); ++i) {
-            best = distance_m(i) < distance_m(best) ? i : best;
-        }
-        return best;
+        });
     }
 
 private:
     static constexpr std::size_t columns = 2 + SpectrumAnalyser::max_harmonics;
+
+    template <class Measure>
+    std::size_t first_of_least(Measure measure) const {
+        return *std::ranges::min_element(std::views::iota(std::size_t{0}, grid_.size()), {}, measure);
+    }
 
     void read(std::int64_t row, recordings::TableRow& into) {
         const auto number = static_cast<std::size_t>(row);
