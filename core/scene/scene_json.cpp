@@ -67,11 +67,11 @@ tl::expected<SceneKey, Fault> known_key(const Scene& scene, const std::string& n
     });
 }
 
-/// Adds the values in the object and the objects in it, each by its key: "drive.cycles".
+/// Adds the values in the object and the objects in it, each by its key: "drive.cycles". No key has an empty object.
 void add_values(const Json& object, const std::string& section, Json& values) {
     for (const auto& [name, value] : object.items()) {
         const std::string key = section.empty() ? name : section + '.' + key_part(name);
-        if (value.is_object()) {
+        if (value.is_object() && (section.empty() || !value.empty())) {
             add_values(value, key, values);
         } else {
             values[key] = value;

@@ -122,6 +122,8 @@ class Scenes(InAFolder):
                 hertzline.scene("paper-wall", **wrong)
         with self.assertRaisesRegex(ValueError, "chain.spheres: found an array, allowed: an integer"):
             hertzline.scene("paper-wall", chain={"spheres": [1, 2]})
+        with self.assertRaisesRegex(ValueError, "chain.diameters_m: found .*, allowed: "):
+            hertzline.scene("paper-wall", chain={"diameters_m": {}})
 
     def test_check_says_what_the_program_says(self):
         said = json.loads(program("check", *SHORT, "--json"))

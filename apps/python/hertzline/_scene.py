@@ -52,8 +52,10 @@ def _settings(sections: Mapping[str, Mapping[str, Any]], prefix: str = "") -> It
     """The keys as the program's option --set takes them."""
     for name, value in sections.items():
         key = prefix + (name if re.fullmatch(r"[A-Za-z0-9_-]+(\[\d+\])*", name) else json.dumps(name))
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and (value or not prefix):
             yield from _settings(value, key + ".")
+        elif isinstance(value, Mapping):
+            yield f"{key}={{}}"  # which no key is
         elif prefix:
             yield f"{key}={toml_value(key, value)}"
         else:

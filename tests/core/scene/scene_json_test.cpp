@@ -48,6 +48,8 @@ TEST(SceneJson, NamesEveryFaultOfASceneThatIsNone) {
     EXPECT_THAT(
         faulty({{"chain", {{"spheres", 0}, {"sphere", 1}}}, {"materials", {{"oil", {{"colour", 1}}}}}}),
         ElementsAre("chain.spheres", "\"chain.sphere\"", "\"materials.oil.colour\""));
+    EXPECT_THAT(faulty({{"chain", {{"diameters_m", Json::object()}}}, {"drive", Json::object()}}),
+                ElementsAre("chain.diameters_m"));
 }
 
 TEST(SceneJson, ItsSchemaHasEveryKeyWithItsBounds) {
