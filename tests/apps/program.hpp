@@ -14,6 +14,7 @@
 
 #include "stream/wire/subscriber.hpp"
 #include "tests/support/files.hpp"
+#include "tests/support/sanitized.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace hertzline::test {
@@ -30,7 +31,7 @@ struct Outcome {
 class Program {
 public:
     using Seconds = std::chrono::duration<double>;
-    static constexpr Seconds long_enough{120};  // for a loaded machine with sanitizers
+    static constexpr Seconds long_enough{sanitized ? 600 : 120};  // for a loaded machine
 
     /// @param standard_output file for stdout; empty: stdout is kept for Outcome
     explicit Program(const std::vector<std::string>& arguments, const std::string& standard_output = "");
