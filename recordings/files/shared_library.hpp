@@ -12,7 +12,7 @@ namespace hertzline::recordings {
 /// Loaded, and never let go.
 class SharedLibrary {
 public:
-    /// @param name under which the system has it, "libsndfile.so.1" @throws std::runtime_error when it is not there
+    /// @param name under which the system has it, "libsndfile.so.1" @throws std::runtime_error when it is not there, or damaged
     explicit SharedLibrary(const char* name) : handle_(found(::dlopen(name, RTLD_NOW | RTLD_LOCAL), name)) {}
 
     /// Returns the address of a function or a variable. @throws std::runtime_error when the library does not have it
@@ -28,7 +28,7 @@ private:
     static void* found(void* address, const char* name) {
         if (address == nullptr) {
             const char* const reason = ::dlerror();
-            throw std::runtime_error(std::string("a library is missing: ") +
+            throw std::runtime_error(std::string("cannot load a library: ") +
                                      (reason != nullptr ? reason : name));
         }
         return address;

@@ -97,8 +97,10 @@ bool finish(const SweepOptions& options, const Study& study, Journal& journal, s
         return true;
     }
     if (failed > 0) {
-        spdlog::error("{} points ran out of memory; --resume tries them again from {}", failed,
-                      journal.path().string());
+        spdlog::error(
+            "{} points failed: their messages name the memory or the library that they lacked; --resume "
+            "tries them again from {}",
+            failed, journal.path().string());
     } else {
         journal.replace_by(options.files);
     }
