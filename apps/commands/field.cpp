@@ -99,44 +99,54 @@ private:
     std::size_t samples_;
 };
 
+std::vector<recordings::TableColumn> field_columns() {
+    using recordings::CellKind;
+    std::vector<recordings::TableColumn> columns{
+        {{"point", "", ""}, CellKind::integer, sizeof(std::int64_t)}};
+    for (const char* name : {"x_m", "y_m", "z_m"}) {
+        columns.push_back({{name, "", "m"}});
+    }
+    columns.push_back({{"status", "", ""}, CellKind::text, 2});
+    columns.push_back({{"peak_pa", "", "Pa"}});
+    columns.push_back({{"rms_pa", "", "Pa"}});
+    for (std::size_t k = 1; k <= SpectrumAnalyser::max_harmonics; ++k) {
+        columns.push_back({{fmt::format("harmonic_{}_pa", k), "", "Pa"}});
+    }
+    return columns;
+}
+
+/// @throws std::runtime_error when the disk is too small for one of the files, or for the first one and the waveforms beside it
+void refuse_disk_shortages(const FieldOptions& options, const Scene& scene) {
+    const auto points = static_cast<double>(scene.output.points_m.size());
+    const std::size_t samples =
+        options.waveforms ? static_cast<std::size_t>(measures::rows_of_run(scene)) : 0;
+    double kept = points * static_cast<double>(samples * sizeof(float));
+    for (const std::string& file : options.files) {
+        const double bytes = recordings::table_bytes(file, field_columns(), points, samples);
+        if (const auto shortage = measures::disk_shortage(file, bytes + std::exchange(kept, 0))) {
+            throw std::runtime_error(*shortage);
+        }
+    }
+}
+
 /// The numbers of each point, and what a table needs of them.
 class FieldTable {
 public:
-    /// @param files beside the first of which waveforms are kept @throws std::runtime_error when the disk is too small for the files
+    /// @param files beside the first of which waveforms are kept
     FieldTable(const studies::FieldGrid& grid, const Scene& scene, Json provenance,
                std::span<const std::string> files, bool waveforms)
         : grid_(grid),
           numbers_(grid.size() * columns, std::numeric_limits<double>::quiet_NaN()),
           samples_(static_cast<std::size_t>(measures::rows_of_run(scene))) {
-        using recordings::CellKind;
         if (waveforms) {
             table_.samples =
                 recordings::TableSamples{std::string(row_of(Tap::p_points).name), "Pa", samples_};
         }
-        table_.columns = {{{"point", "", ""}, CellKind::integer, sizeof(std::int64_t)}};
-        for (const char* name : {"x_m", "y_m", "z_m"}) {
-            table_.columns.push_back({{name, "", "m"}});
-        }
-        table_.columns.push_back({{"status", "", ""}, CellKind::text, 2});
-        table_.columns.push_back({{"peak_pa", "", "Pa"}});
-        table_.columns.push_back({{"rms_pa", "", "Pa"}});
-        for (std::size_t k = 1; k <= SpectrumAnalyser::max_harmonics; ++k) {
-            table_.columns.push_back({{fmt::format("harmonic_{}_pa", k), "", "Pa"}});
-        }
+        table_.columns = field_columns();
         table_.rows = static_cast<std::int64_t>(grid.size());
         table_.provenance = std::move(provenance);
         table_.records = "points";
         table_.read = [this](std::int64_t row, recordings::TableRow& into) { read(row, into); };
-        const std::size_t samples = waveforms ? samples_ : 0;
-        for (const std::string& file : files) {
-            const double bytes =
-                recordings::table_bytes(file, table_.columns, static_cast<double>(table_.rows), samples);
-            const double kept =
-                &file == &files.front() ? static_cast<double>(grid.size() * samples * sizeof(float)) : 0;
-            if (const auto shortage = measures::disk_shortage(file, bytes + kept)) {
-                throw std::runtime_error(*shortage);
-            }
-        }
         if (waveforms) {
             waveforms_ = std::make_unique<Waveforms>(files.front(), samples_);
         }
@@ -247,6 +257,7 @@ Json provenance_of(const Scene& scene, const Resolution& resolved, const studies
 Exit field(const FieldOptions& options) {
     using Clock = std::chrono::steady_clock;
     const CheckedField asked = checked(options);
+    refuse_disk_shortages(options, asked.parsed.scene);
     auto resolved = resolved_scene(asked.parsed);
     if (!resolved) {
         throw WrongUse(fault_text(resolved.error()));
