@@ -9,7 +9,6 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -185,7 +184,11 @@ private:
 
     template <class Measure>
     std::size_t first_of_least(Measure measure) const {
-        return *std::ranges::min_element(std::views::iota(std::size_t{0}, grid_.size()), {}, measure);
+        std::size_t best = 0;
+        for (std::size_t number = 1; number < grid_.size(); ++number) {
+            best = measure(number) < measure(best) ? number : best;
+        }
+        return best;
     }
 
     void read(std::int64_t row, recordings::TableRow& into) {
