@@ -235,7 +235,7 @@ CheckedField checked(const FieldOptions& options) {
         }
     }
     recordings::Table like;
-    like.columns = {{{"status", "", ""}, recordings::CellKind::text, 2}};
+    like.columns = field_columns();
     if (options.waveforms) {
         like.samples = recordings::TableSamples{"p_points", "Pa", 1};
     }

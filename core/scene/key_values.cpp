@@ -151,11 +151,14 @@ std::optional<SceneValue> value_as(ValueKind kind, const SceneValue& value) {
 
 std::optional<SceneValue> read_value(ValueKind kind, std::string_view text) {
     // without a look at TOML's other ways to write a number
-    if (const auto plain = parsed_number<double>(text); plain && kind == ValueKind::number) {
-        return *plain;
-    }
-    if (const auto plain = parsed_number<std::int64_t>(text); plain && kind == ValueKind::integer) {
-        return *plain;
+    if (kind == ValueKind::number) {
+        if (const auto plain = parsed_number<double>(text)) {
+            return *plain;
+        }
+    } else if (kind == ValueKind::integer) {
+        if (const auto plain = parsed_number<std::int64_t>(text)) {
+            return *plain;
+        }
     }
     const auto found = toml_value(text);
     const auto* const given = found ? std::get_if<SceneValue>(&*found) : nullptr;
