@@ -201,15 +201,17 @@ class LiveDrive(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             file = f"{folder}/out.sigmf-meta"
             with Driven("--wait-for-subscriber", "--set", "drive.on_underrun=zero", "--record", file) as driven:
-                driven.send(burst()[:1500])
+                sent = burst()[:1500]
+                driven.send(sent, cut=len(sent))
                 heard, end = driven.to_the_end()
             self.assertGreaterEqual(end["drive_underruns"], 1)
             self.assertEqual(end["drive_samples"], 1500 + end["drive_zeros"])
-            expected, _, _ = heard_of(burst()[:1500])
-            self.assertTrue(np.array_equal(heard["v_out"], expected["v_out"]))
             held = np.fromfile(f"{folder}/out-drive.sigmf-data", "<f4")
             self.assertEqual(len(held), end["drive_samples"])
-            self.assertTrue(np.array_equal(held[:1500], burst()[:1500]))
+            # zeros may also stand between samples that arrived together, where the thread that receives was held up
+            self.assertTrue(np.array_equal(held[held != 0], sent[sent != 0]))
+            expected, _, _ = heard_of(held)
+            self.assertTrue(np.array_equal(heard["v_out"], expected["v_out"]))
 
     def test_a_flood_waits(self):
         with Driven("--wait-for-subscriber") as driven:
