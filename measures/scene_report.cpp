@@ -254,7 +254,8 @@ void add_accuracy(Report& report, const Resolution& resolved) {
     report.push_back(
         {"accuracy", "estimated over the first", "estimated_over_s", "s", if_any(known, estimate.over_s)});
     report.push_back({"accuracy", "request can be met", "accuracy_met", "",
-                      advice.accuracy_met && !resolved.misses_accuracy()});
+                      advice.accuracy_met && !resolved.misses_accuracy() &&
+                          (!known || estimate.error <= advice.accuracy)});
     report.push_back({"accuracy", "pilot runs", "pilots", "", static_cast<std::int64_t>(resolved.pilots)});
     report.push_back(
         {"accuracy", "pilots choose the step over", "pilot_duration_s", "s", advice.pilot_duration_s});

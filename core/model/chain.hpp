@@ -52,6 +52,9 @@ struct Chain {
     double impact_velocity = 0;  ///< of the first spheres at the start [m/s]
     Eigen::Index impact_spheres = 0;  ///< how many they are
 
+    /// 1/mass of the lighter body at each contact [1/kg].
+    Eigen::ArrayXd mobility() const;
+
     /// Whether the static forces hold each other: then nothing moves but strikers, and what they or the horn push.
     bool balanced() const noexcept { return (bias == 0).all(); }
 };

@@ -82,6 +82,25 @@ TEST_P(Impact, SphereStruckByAWallLeavesTwiceAsFastAfterTheTimeThatHertzSays) {
     EXPECT_EQ(simulation.contact_events(), 2);
 }
 
+TEST_P(Impact, ASphereThrownAtAWallComesBackAsFastAsItWent) {
+    Scene scene = loose_spheres(GetParam(), 1);
+    scene.end.kind = EndKind::wall;
+    scene.drive.kind = DriveKind::none;
+    scene.output.sample_rate_hz = 1 / fine_step;
+    for (const double speed : {0.01, 1.0}) {
+        scene.chain.impact_velocity_m_per_s = speed;
+        Simulation simulation(scene);
+        const double mass = 1 / simulation.chain().inv_mass[0];
+        const double k = simulation.chain().stiffness[1];
+        const double expected = impact_duration(mass, k, speed);
+        ASSERT_EQ(simulation.skip(std::llround(1.5 * expected / fine_step)), Status::running);
+        EXPECT_NEAR(simulation.state().v[0] / speed, -1, 2e-7);
+        const double left_at = simulation.time_s() + simulation.state().x[0] / speed;
+        EXPECT_NEAR(left_at / expected, 1, 1e-5);
+        EXPECT_EQ(simulation.contact_events(), 2);
+    }
+}
+
 TEST_P(Impact, TwoEqualSpheresExchangeTheirVelocitiesInTheTimeThatHertzSays) {
     const BareChain pair = collided(loose_spheres(GetParam(), 2), 2000);
     const double reduced_mass = 0.5 / pair.chain.inv_mass[0];
