@@ -514,10 +514,6 @@ std::vector<double> numbers_of(const Run& run, std::span<const NumberColumn> col
     return numbers;
 }
 
-double number_of(const Run& run, const NumberColumn& column) {
-    return numbers_of(run, {&column, 1}).front();
-}
-
 }  // namespace hertzline::measures
 
 namespace hertzline {
@@ -530,7 +526,7 @@ double Run::operator[](std::string_view name) const {
     if (std::ranges::find(taps, column->tap, &TapRecord::tap) == taps.end()) {
         throw std::out_of_range("the run has not measured " + std::string(row_of(column->tap).name));
     }
-    return measures::number_of(*this, *column);
+    return measures::numbers_of(*this, {&*column, 1}).front();
 }
 
 Json summary_json(const Run& run) {

@@ -93,6 +93,5 @@ inline constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 
 /// The run's numbers in those columns; no_number where the run does not determine it.
 std::vector<double> numbers_of(const Run& run, std::span<const NumberColumn> columns);
-double number_of(const Run& run, const NumberColumn& column);
 
 }  // namespace hertzline::measures

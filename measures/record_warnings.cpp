@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "core/model/drive.hpp"
+#include "core/scene/elements.hpp"
 
 namespace hertzline::measures {
 
@@ -16,9 +17,10 @@ namespace {
 /// A share of the horn's velocity; a quieter output has not passed the chain.
 constexpr double silence = 1e-9;
 
-/// Until the end of the first burst.
-double burst_s(const Drive& drive) {
-    return drive.start_s + burst_duration_s(drive);
+/// Until the end of the first burst, in an array of the last element's.
+double burst_s(const Scene& scene) {
+    const std::vector<double> delays_s = element_delays_s(scene);
+    return scene.drive.start_s + std::ranges::max(delays_s) + burst_duration_s(scene.drive);
 }
 
 /// Rounded up to two digits, so that it can be typed.
@@ -32,11 +34,11 @@ std::string duration_setting(double seconds) {
 }
 
 /// Samples in the burst.
-std::size_t burst_samples(const Scene& scene) noexcept {
-    return static_cast<std::size_t>(burst_s(scene.drive) * scene.output.sample_rate_hz);
+std::size_t burst_samples(const Scene& scene) {
+    return static_cast<std::size_t>(burst_s(scene) * scene.output.sample_rate_hz);
 }
 /// Whether the record covers two periods after the burst.
-bool shows_ringing(const Scene& scene, std::size_t samples) noexcept {
+bool shows_ringing(const Scene& scene, std::size_t samples) {
     return samples >= burst_samples(scene) + 2 * period_samples(scene);
 }
 
@@ -77,15 +79,35 @@ std::optional<std::string> cut_off(const Scene& scene) {
         nyquist, rounded_up(4 * highest));
 }
 
-}  // namespace
-
-double burst_shown_ratio(const Scene& scene) noexcept {
-    return scene.drive.kind == DriveKind::none
-               ? 1
-               : std::min(1.0, scene.output.duration_s / burst_s(scene.drive));
+/// @returns whether a horn's first burst is not over at the end of the run
+bool ends_within_burst(const Scene& scene) {
+    return scene.drive.kind != DriveKind::none && scene.output.duration_s < burst_s(scene);
 }
 
-std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept {
+}  // namespace
+
+std::vector<std::string> run_warnings(const Scene& scene) {
+    std::vector<std::string> warnings;
+    if (velocity_given(scene) == 0) {
+        return warnings;
+    }
+    if (ends_within_burst(scene)) {
+        warnings.push_back(
+            fmt::format("the run ends at {:g} s, within the burst of {:g} s: peaks and spectrum are those of "
+                        "its beginning; {} would hold the burst",
+                        scene.output.duration_s, burst_s(scene), duration_setting(1.5 * burst_s(scene))));
+    }
+    if (const auto found = cut_off(scene); scene.drive.kind != DriveKind::none && found) {
+        warnings.push_back(*found);
+    }
+    return warnings;
+}
+
+double burst_shown_ratio(const Scene& scene) {
+    return scene.drive.kind == DriveKind::none ? 1 : std::min(1.0, scene.output.duration_s / burst_s(scene));
+}
+
+std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) {
     const double peak = peak_of(v_out);
     if (scene.drive.repetition_hz > 0 || !(peak > silence * velocity_given(scene)) ||
         !shows_ringing(scene, v_out.size())) {
@@ -122,30 +144,21 @@ std::size_t period_samples(const Scene& scene) noexcept {
 
 std::vector<std::string> record_warnings(const Scene& scene, std::span<const double> v_out,
                                          std::optional<double> rung_down_s) {
-    std::vector<std::string> warnings;
-    const Drive& drive = scene.drive;
+    std::vector<std::string> warnings = run_warnings(scene);
     const double given = velocity_given(scene);
-    const bool horn = drive.kind != DriveKind::none;
-    const double peak = peak_of(v_out);
-    if (given == 0) {
+    if (given == 0 || ends_within_burst(scene)) {
         return warnings;
     }
-    if (horn && scene.output.duration_s < burst_s(drive)) {
-        warnings.push_back(
-            fmt::format("the run ends at {:g} s, within the burst of {:g} s: peaks and spectrum are those of "
-                        "its beginning; {} would hold the burst",
-                        scene.output.duration_s, burst_s(drive), duration_setting(1.5 * burst_s(drive))));
-    } else if (peak < silence * given) {
-        warnings.emplace_back(
+    std::optional<std::string> found;
+    if (peak_of(v_out) < silence * given) {
+        found =
             "v_out is silent: the wave does not reach the end of the chain within the run "
-            "(output.duration_s), or does not pass the chain");
-    } else if (horn && drive.repetition_hz == 0) {
-        if (const auto found = ringing(scene, v_out, rung_down_s)) {
-            warnings.push_back(*found);
-        }
+            "(output.duration_s), or does not pass the chain";
+    } else if (scene.drive.kind != DriveKind::none && scene.drive.repetition_hz == 0) {
+        found = ringing(scene, v_out, rung_down_s);
     }
-    if (const auto found = cut_off(scene); horn && found) {
-        warnings.push_back(*found);
+    if (found) {
+        warnings.insert(warnings.begin(), *std::move(found));
     }
     return warnings;
 }

@@ -17,12 +17,16 @@ inline constexpr double ringing_share = 0.01;
 /// A line belongs to the switching of v_out when it is this much lower without [dB]: half of its amplitude.
 inline constexpr double switching_limit_db = 6;
 
+/// Warnings of a run whose length and sample rate cannot show the drive, whatever comes out: it ends within the burst, or has harmonics above
+/// half its rate.
+std::vector<std::string> run_warnings(const Scene& scene);
+
 /// The part of the burst that lies within the run: 1 where all of it does.
-double burst_shown_ratio(const Scene& scene) noexcept;
+double burst_shown_ratio(const Scene& scene);
 
 /// Returns the largest v_out in the record's last period of the drive, over its peak. Nothing where bursts repeat,
 /// where v_out is silent, and where the record ends less than two periods after the burst.
-std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out) noexcept;
+std::optional<double> ringing_ratio(const Scene& scene, std::span<const double> v_out);
 
 /// Samples in a period of the drive.
 std::size_t period_samples(const Scene& scene) noexcept;

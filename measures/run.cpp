@@ -416,8 +416,14 @@ void measure(Run& run, SpectrumAnalyser* analyser, std::optional<double> band_fr
         run.alone_p_pa = peak_of_one_alone(scene);
     }
     append(run.warnings, record_warnings(scene, v_out, run.rung_down_s));
-    if (auto late = late_sound_warning(scene)) {
-        run.warnings.push_back(*std::move(late));
+    append(run.warnings, late_sound_warnings(scene));
+    if (constexpr double far_off = 0.1; !(run.energy_residual <= far_off)) {
+        run.warnings.push_back(
+            fmt::format("the ledger of energy does not close: energy_residual is {:.2g} of what came and "
+                        "went, so the motion is not "
+                        "that of the scene; a shorter numerics.step_s, or another numerics.integrator, shows "
+                        "whether it changes",
+                        run.energy_residual));
     }
     append(run.warnings, band_warnings("v_out", run.taps.front().spectrum));
     append(run.warnings, switching_warnings(run.switching_db));

@@ -1,6 +1,7 @@
 // hertzline check: validates a scene and reports its properties.
 
 #include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <variant>
@@ -94,11 +95,10 @@ Exit check(const CheckOptions& options) {
     const auto peaks =
         measures::peak_overlaps(scene, std::min(scene.output.duration_s, measures::first_burst_s(scene)));
     std::vector<std::string> warnings = measures::contact_warnings(scene, peaks);
-    for (auto late : {late_wave_warning(scene), late_sound_warning(scene)}) {
-        if (late) {
-            warnings.push_back(*std::move(late));
-        }
+    if (auto late = late_wave_warning(scene)) {
+        warnings.push_back(*std::move(late));
     }
+    std::ranges::move(late_sound_warnings(scene), std::back_inserter(warnings));
     for (const std::string& text : warnings) {
         spdlog::warn("{}: {}", printable(options.scene.scene), text);
     }

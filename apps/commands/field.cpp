@@ -31,6 +31,7 @@
 #include "hertzline/spectrum.hpp"
 #include "hertzline/taps.hpp"
 #include "measures/provenance.hpp"
+#include "measures/record_warnings.hpp"
 #include "measures/resources.hpp"
 #include "measures/run.hpp"
 #include "recordings/files/staged_file.hpp"
@@ -242,6 +243,7 @@ CheckedField checked(const FieldOptions& options) {
     for (const std::string& file : options.files) {
         faults.add("-o", recordings::table_fault(file, like));
     }
+    check_inputs_stay("-o", options.files, files_of(options.scene), faults);
     faults.add("--jobs", studies::jobs_fault(options.jobs.value_or(studies::usual_jobs())));
     faults.refuse<WrongUse>();
     return result;
@@ -269,8 +271,10 @@ Exit field(const FieldOptions& options) {
     for (const std::string& file : options.files) {
         recordings::require_writable(file);
     }
-    if (const auto late = late_sound_warning(scene)) {
-        spdlog::warn("{}", *late);
+    for (const auto& warnings : {measures::run_warnings(scene), late_sound_warnings(scene)}) {
+        for (const std::string& text : warnings) {
+            spdlog::warn("{}", text);
+        }
     }
     stop_asked();  // from here on there are files to be cleaned up
     FieldTable table(asked.grid, scene, provenance_of(scene, *resolved, asked.grid), options.files,

@@ -305,35 +305,62 @@ std::optional<std::string> late_wave_warning(const Scene& scene) {
            " s or more to reach the end of the chain";
 }
 
-std::optional<std::string> late_sound_warning(const Scene& scene) {
-    const std::vector<std::array<double, 3>>& points = scene.output.points_m;
-    if (points.empty()) {
-        return std::nullopt;
+std::vector<std::string> late_sound_warnings(const Scene& scene) {
+    std::vector<std::string> warnings;
+    if (!provides(scene, Requires::modal_plate)) {
+        return warnings;
     }
-    const double wave_s = soonest_wave_s(scene);
     const double c = std::get<Fluid>(*find_material(scene, scene.medium.material)).sound_speed_m_per_s;
-    double latest_s = 0;
-    std::size_t silent = 0;
-    for (const auto& point : points) {
-        double way_m = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < chains_of(scene); ++i) {
+    const double wave_s = soonest_wave_s(scene);
+    const bool tone = scene.drive.kind == DriveKind::tone;  // a record may end with silence
+    const double burst_s = tone ? scene.drive.start_s + burst_duration_s(scene.drive) : 0;
+    const double end_s = scene.output.duration_s;
+    const std::vector<double> delays_s = element_delays_s(scene);
+    /// From the discs to a point: of the first sound, and of the last, which begins later by the delay of its element.
+    const auto ways_s = [&](const std::array<double, 3>& point) {
+        std::array<double, 2> ways{std::numeric_limits<double>::infinity(), 0};
+        for (std::size_t i = 0; i < delays_s.size(); ++i) {
             const double x = is_array(scene) ? scene.array.x_m[i] : 0;
             const double y = is_array(scene) ? scene.array.y_m[i] : 0;
             const double aside = std::hypot(point[0] - x, point[1] - y) - scene.end.radius_m;
-            way_m = std::min(way_m, std::hypot(std::max(aside, 0.0), point[2]));
+            const double way_s = delays_s[i] + std::hypot(std::max(aside, 0.0), point[2]) / c;
+            ways = {std::min(ways[0], way_s), std::max(ways[1], way_s)};
         }
-        const double arrival_s = wave_s + way_m / c;
-        silent += arrival_s > scene.output.duration_s ? 1 : 0;
-        latest_s = std::max(latest_s, arrival_s);
-    }
-    if (silent == 0) {
-        return std::nullopt;
-    }
-    return "the run ends after " + briefly(scene.output.duration_s) +
-           " s (output.duration_s), before the sound can reach " +
-           number_text(static_cast<std::int64_t>(silent)) + " of " +
-           number_text(static_cast<std::int64_t>(points.size())) + " points; the last one needs about " +
-           briefly(latest_s) + " s or more";
+        return ways;
+    };
+    const auto look_at = [&](std::span<const std::array<double, 3>> points, const std::string& one) {
+        std::size_t silent = 0;
+        std::size_t cut = 0;
+        double latest_s = 0;
+        double last_s = 0;
+        for (const auto& point : points) {
+            const auto [first, last] = ways_s(point);
+            silent += wave_s + first > end_s ? 1 : 0;
+            cut += burst_s + last > end_s ? 1 : 0;
+            latest_s = std::max(latest_s, wave_s + first);
+            last_s = std::max(last_s, burst_s + last);
+        }
+        const auto share = [&](std::size_t count) {
+            return one.empty() ? number_text(static_cast<std::int64_t>(count)) + " of " +
+                                     number_text(static_cast<std::int64_t>(points.size())) + " points"
+                               : one;
+        };
+        const std::string ends = "the run ends after " + briefly(end_s) + " s (output.duration_s), ";
+        if (silent > 0) {
+            warnings.push_back(ends + "before the sound can reach " + share(silent) +
+                               (one.empty() ? "; the last one needs about " : ", which needs about ") +
+                               briefly(latest_s) + " s or more");
+        } else if (cut > 0 && tone && burst_s <= end_s) {
+            warnings.push_back(ends + "while the burst still arrives at " + share(cut) +
+                               ": peaks and spectra there are those of its beginning; it needs " +
+                               briefly(last_s) + " s or more");
+        }
+    };
+    look_at(scene.output.points_m, "");
+    const auto [x, y] = middle_of(scene.array);
+    const std::array<double, 3> hydrophone{x, y, scene.output.hydrophone_m};
+    look_at({&hydrophone, 1}, "the hydrophone (output.hydrophone_m)");
+    return warnings;
 }
 
 std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chain) {

@@ -36,8 +36,9 @@ std::vector<std::string> validity_warnings(const Scene& scene, const Chain& chai
 /// Warns of a run that ends before its wave can reach the end of the chain: the earliest time when it could. Else nothing.
 std::optional<std::string> late_wave_warning(const Scene& scene);
 
-/// Warns of a run that ends before sound can reach some of output.points_m, whose pressure is 0 then. Else nothing.
-std::optional<std::string> late_sound_warning(const Scene& scene);
+/// Warnings of a run that ends before sound can reach the hydrophone of a modal plate or some of output.points_m, whose pressure is 0 then,
+/// or before a tone's burst has arrived there.
+std::vector<std::string> late_sound_warnings(const Scene& scene);
 
 /// Warnings about a motion: contacts that were pressed too deep.
 std::vector<std::string> validity_warnings(const ContactLoad& load);

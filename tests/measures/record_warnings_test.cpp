@@ -49,6 +49,17 @@ TEST(RecordWarnings, ABurstThatHasRungDownIsComplete) {
     EXPECT_THAT(warnings_of_ringing(50e-6), IsEmpty());  // 400 us are 8 tau
 }
 
+TEST(RecordWarnings, TheLastElementOfAnArrayHasItsBurstWithinTheRun) {
+    Scene scene = short_burst();
+    scene.array.x_m = {0, 0.02};
+    scene.array.y_m = {0, 0};
+    scene.array.delays_s = {0, 1e-3};
+    EXPECT_THAT(run_warnings(scene), ElementsAre(HasSubstr("within the burst of 0.0011 s")));
+    EXPECT_LT(burst_shown_ratio(scene), 1);
+    scene.array.delays_s = {0, 1e-4};
+    EXPECT_THAT(run_warnings(scene), IsEmpty());
+}
+
 TEST(RecordWarnings, RingingIsTold) {
     // exp(-390/200) = 14 % in the last period
     EXPECT_THAT(

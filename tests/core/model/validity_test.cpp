@@ -13,6 +13,7 @@ namespace hertzline {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -221,14 +222,28 @@ TEST(Validity, ARunThatEndsBeforeTheWaveArrivesIsNoticed) {
 
 TEST(Validity, ARunThatEndsBeforeItsSoundArrivesIsNoticed) {
     Scene scene = test::shipped("wet-vitreous-carbon");
-    EXPECT_FALSE(late_sound_warning(scene));
+    EXPECT_THAT(late_sound_warnings(scene), IsEmpty());
     scene.output.points_m = {{0, 0, 0.01}, {0, 0, 1.5}};  // the sound needs a millisecond for the second one
-    scene.output.duration_s = 3e-4;
-    EXPECT_THAT(
-        late_sound_warning(scene).value_or(""),
-        HasSubstr("before the sound can reach 1 of 2 points; the last one needs about 0.001 s or more"));
+    EXPECT_THAT(late_sound_warnings(scene),
+                ElementsAre(HasSubstr(
+                    "before the sound can reach 1 of 2 points; the last one needs about 0.001 s or more")));
     scene.output.duration_s = 2e-3;
-    EXPECT_FALSE(late_sound_warning(scene));
+    EXPECT_THAT(late_sound_warnings(scene), IsEmpty());
+    scene.output.hydrophone_m = 5;
+    EXPECT_THAT(late_sound_warnings(scene),
+                ElementsAre(HasSubstr("before the sound can reach the hydrophone")));
+}
+
+TEST(Validity, ARunThatEndsWhileTheBurstArrivesIsNoticed) {
+    Scene scene = test::shipped("wet-vitreous-carbon");
+    scene.output.points_m = {{0, 0, 0.1}, {0, 0, 0.5}};  // 0.34 ms of burst behind 0.07 and 0.34 ms
+    EXPECT_THAT(late_sound_warnings(scene),
+                ElementsAre(HasSubstr("while the burst still arrives at 1 of 2 points")));
+    scene.output.hydrophone_m = 0.5;
+    EXPECT_THAT(late_sound_warnings(scene),
+                Contains(HasSubstr("while the burst still arrives at the hydrophone (output.hydrophone_m)")));
+    scene.output.duration_s = 1e-3;
+    EXPECT_THAT(late_sound_warnings(scene), IsEmpty());
 }
 
 TEST(ContactLoad, IsThatOfTheTextbook) {
