@@ -1,7 +1,7 @@
 #include "studies/axis.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -36,14 +36,6 @@ SceneValue value_of(const SceneKey& key, double number) {
                                           : SceneValue(number);
 }
 
-/// Whether the unit of TO could be meant for FROM, which has none: "-8..8mm".
-bool may_lack_unit(std::string_view from, std::string_view to) noexcept {
-    const auto bare = parsed_number<double>(from);
-    double number = 0;
-    const char* const end = to.data() + to.size();
-    return bare && *bare != 0 && std::from_chars(to.data(), end, number).ptr != end && *bare < number;
-}
-
 /// Reads one option or list of values; its faults lack the place.
 class AxisReader {
 public:
@@ -62,6 +54,7 @@ private:
     bool find_key(std::string_view name);
     std::optional<SceneValue> value(std::string_view text);
     void add_to_list(tl::expected<SceneValue, Fault> value, std::string_view text = {});
+    void refuse_without_unit(std::span<const std::string_view> numbers);
     void read_list(std::string_view text);
     void read_range(std::string_view text);
     void read_count(std::string_view text);
@@ -105,9 +98,18 @@ void AxisReader::add_to_list(tl::expected<SceneValue, Fault> value, std::string_
     axis_.count = static_cast<std::int64_t>(axis_.list.size());
 }
 
+void AxisReader::refuse_without_unit(std::span<const std::string_view> numbers) {
+    if (auto fault = unit_fault(axis_.key, numbers)) {
+        faults.push_back(*std::move(fault));
+    }
+}
+
 void AxisReader::read_list(std::string_view text) {
-    for (const std::string_view part : split(text, ',')) {
-        add_to_list(read_allowed(scene_, axis_.key, without_blanks(part)), without_blanks(part));
+    std::vector<std::string_view> parts = split(text, ',');
+    std::ranges::transform(parts, parts.begin(), without_blanks);
+    refuse_without_unit(parts);
+    for (const std::string_view part : parts) {
+        add_to_list(read_allowed(scene_, axis_.key, part), part);
         if (faults.size() == max_faults) {
             return;
         }
@@ -166,6 +168,7 @@ void AxisReader::read_range(std::string_view text) {
     const std::size_t dots = ends.find("..");
     const std::string_view low = without_blanks(ends.substr(0, dots));
     const std::string_view high = without_blanks(ends.substr(dots + 2));
+    refuse_without_unit(std::array{low, high});
     const auto from = value(low);
     const auto to = value(high);
     if (sampling_ == Sampling::grid) {
@@ -176,10 +179,7 @@ void AxisReader::read_range(std::string_view text) {
     }
     axis_.from = number_of(*from);
     axis_.to = number_of(*to);
-    if (axis_.from < axis_.to && may_lack_unit(low, high)) {
-        refuse(ends, "a unit after both ends: without one, " + std::string(low) + " is in " +
-                         std::string(axis_.key.range.unit));
-    } else if (!(axis_.from < axis_.to)) {
+    if (!(axis_.from < axis_.to)) {
         refuse(ends, "a range that goes up: FROM below TO");
     } else if (axis_.spacing == Spacing::logarithmic && !(axis_.from > 0)) {
         refuse(ends, "a range above 0, as it is logarithmic");
@@ -203,7 +203,7 @@ std::optional<Axis> AxisReader::read(std::string_view option) {
 std::optional<Axis> AxisReader::read(SceneKey key, std::string_view text) {
     axis_.key = std::move(key);
     text = without_blanks(text);
-    if (text.find("..") != std::string_view::npos) {
+    if (!axis_.key.traits.is_text && text.find("..") != std::string_view::npos) {  // a path may have dots
         read_range(text);
     } else {
         read_list(text);
@@ -236,6 +236,13 @@ tl::expected<SceneKey, Fault> varied_key(const Scene& scene, std::string_view na
     auto key = scene_key_named(scene, name);
     if (key && key->is_list()) {
         return tl::unexpected(Fault{key->name, "a list", "an entry of it, as " + key->entry(0).name});
+    }
+    constexpr std::array how_to_read{"drive.sample_rate_hz", "drive.quantity", "drive.column"};
+    if (key && !scene.drive.samples.empty() &&
+        std::ranges::find(how_to_read, key->name) != how_to_read.end()) {
+        return tl::unexpected(
+            Fault{key->name, "a key by which the record was read, once for all points",
+                  "such a key beside --vary drive.file=FILE: each point then reads the record"});
     }
     return key;
 }

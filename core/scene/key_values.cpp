@@ -165,6 +165,19 @@ std::optional<SceneValue> read_value(ValueKind kind, std::string_view text) {
     return given != nullptr ? value_as(kind, *given) : std::nullopt;
 }
 
+std::optional<Fault> unit_fault(const SceneKey& key, std::span<const std::string_view> numbers) {
+    if (std::ranges::none_of(numbers, has_unit)) {
+        return std::nullopt;
+    }
+    for (const std::string_view number : numbers) {
+        if (parsed_number<double>(number).value_or(0) != 0) {
+            return Fault{key.name, quoted_briefly(number) + " beside a number with a unit",
+                         "a unit after each number but 0"};
+        }
+    }
+    return std::nullopt;
+}
+
 tl::expected<SceneValue, Fault> read_text(const SceneKey& key, std::string_view text) {
     if (key.traits.is_text) {
         const auto given = read_value(ValueKind::word, text);
@@ -172,6 +185,9 @@ tl::expected<SceneValue, Fault> read_text(const SceneKey& key, std::string_view 
     }
     if (key.is_list()) {
         const auto parts = parts_of_list(text);
+        if (auto fault = parts ? unit_fault(key, *parts) : std::nullopt) {
+            return tl::unexpected(*std::move(fault));
+        }
         return parts ? read_list(key, parts->size(),
                                  [&](const SceneKey& entry, std::size_t i) {
                                      return read_text(entry, (*parts)[i]);

@@ -158,6 +158,9 @@ std::optional<SceneValue> read_value(ValueKind kind, std::string_view text);
 /// of them in brackets. Bounds and words are left to value_fault().
 tl::expected<SceneValue, Fault> read_text(const SceneKey& key, std::string_view text);
 
+/// The fault of numbers of which some have a unit and another one, not 0, has none: that is rarely meant in the base unit.
+std::optional<Fault> unit_fault(const SceneKey& key, std::span<const std::string_view> numbers);
+
 /// The list of `count` entries, or its fault: of their number, before one is read, or of one of them.
 /// @param read gives the value of an entry's key, or its fault
 template <class Read>

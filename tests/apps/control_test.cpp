@@ -130,7 +130,7 @@ TEST(Control, SetsListsAndTheirEntries) {
     };
     const Json before = Json::parse(at({"get"}).out);
     EXPECT_EQ(thicknesses(), nullptr);
-    const Outcome set = at({"set", "end.materials=[aluminium,acrylic]", "end.thicknesses_m=[0.2mm, 5e-4]"});
+    const Outcome set = at({"set", "end.materials=[aluminium,acrylic]", "end.thicknesses_m=[0.2mm, 0.5mm]"});
     ASSERT_EQ(set.status, 0) << set.err;
     EXPECT_EQ(thicknesses(), Json({2e-4, 5e-4}));
     ASSERT_EQ(at({"set", "end.thicknesses_m[2]=0.4mm"}).status, 0);

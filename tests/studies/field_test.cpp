@@ -70,10 +70,11 @@ TEST(FieldGrid, NamesWhatIsWrong) {
     EXPECT_EQ(fault_in("z=0,y=2mm..1mm:3"),
               "y: found \"2mm..1mm\", allowed: a range that goes up: FROM below TO");
     EXPECT_EQ(fault_in("x=-8..8mm:5,z=0"),
-              "x: found \"-8..8mm\", allowed: a unit after both ends: without one, -8 is in m");
+              "x: found \"-8\" beside a number with a unit, allowed: a unit after each number but 0");
+    EXPECT_THAT(fault_in("z=1,2mm"), HasSubstr("z: found \"1\" beside a number with a unit"));
     EXPECT_EQ(fault_in("z=0..1mm:0"), "z: found \"0\", allowed: a count from 2 to 100000000");
     EXPECT_EQ(fault_in("z=0..1mm"), "z: found \"0..1mm\", allowed: z=FROM..TO:COUNT[:lin|log] or z=A,B,C");
-    EXPECT_EQ(fault_in("z=1mm,1e-3"), "z: found \"1e-3\", allowed: each value once");
+    EXPECT_EQ(fault_in("z=1mm,1000um"), "z: found \"1000um\", allowed: each value once");
     EXPECT_EQ(parse_grid(wet_scene(), "x=1kg,z=-1").error().size(), 2U);
     EXPECT_THAT(fault_in("z=0..1:4000,x=0..1:4000"),
                 HasSubstr("found 16000000 points, allowed: 1000000 at most"));

@@ -58,7 +58,7 @@ TEST(SceneLists, AreReadFromFilesWithUnitsAndFromOptionsWithoutQuotes) {
     for (const char* materials :
          {"[aluminium,acrylic]", "[ aluminium , \"acrylic\", ]", "['aluminium', 'acrylic']"}) {
         const std::vector<std::string> options{std::string("end.materials=") + materials,
-                                               "end.thicknesses_m=[0.2mm, 5e-4]"};
+                                               "end.thicknesses_m=[0.2mm, 0.5mm]"};
         EXPECT_EQ(parse_scene("", "scene.toml", options).value().scene, scene) << materials;
     }
     EXPECT_THAT(
@@ -185,6 +185,15 @@ TEST(SceneLists, AnEntryOfAListThatIsNotGivenIsOneAfterTheOptionOfTheMessage) {
             << entry;
     }
     EXPECT_THAT(faults_in("", {"array.delays_s[1]=0"}), ElementsAre(testing::EndsWith("the whole list")));
+}
+
+TEST(SceneLists, HaveUnitsAtEachNumberButZeroOrAtNone) {
+    EXPECT_THAT(
+        faults_in(two_layers, {"end.thicknesses_m=[0.2, 0.5mm]"}),
+        testing::Contains(HasSubstr("end.thicknesses_m: found \"0.2\" beside a number with a unit, allowed: "
+                                    "a unit after each number but 0")));
+    EXPECT_THAT(faults_in("", {"output.points_m=[[0, 0, 5mm], [0, 8, 5mm]]"}),
+                testing::Contains(HasSubstr("output.points_m[2]: found \"8\"")));
 }
 
 TEST(SceneLists, LayersHaveAMaterialAndAThicknessEach) {
