@@ -12,6 +12,7 @@
 #include "core/scene/text.hpp"
 #include "core/simd/target_choice.hpp"
 #include "hertzline/scene_file.hpp"
+#include "hertzline/taps.hpp"
 #include "measures/quantities.hpp"
 #include "measures/run.hpp"
 
@@ -95,7 +96,7 @@ List taps(TapSet there) {
     List list;
     for (const Tap tap : there) {
         list.push_back(
-            {std::string(row_of(tap).name), fmt::format("[{}] {}", row_of(tap).unit, meaning_of(tap))});
+            {std::string(row_of(tap).name), fmt::format("[{}] {}", row_of(tap).unit, row_of(tap).doc)});
     }
     return list;
 }
@@ -209,40 +210,6 @@ Choices choices_of(std::string_view option, std::string_view word, std::string_v
         throw std::logic_error(fmt::format("apps/arguments/choices.cpp has no row for {}", one));
     }
     return {Paths::none, std::move(list)};
-}
-
-std::string_view meaning_of(Tap tap) noexcept {
-    switch (tap) {
-        case Tap::v_out:
-            return "velocity into the medium";
-        case Tap::v_last:
-            return "velocity of the last sphere";
-        case Tap::v_plate:
-            return "velocity of the plate";
-        case Tap::v_chain:
-            return "velocities of all spheres";
-        case Tap::x_chain:
-            return "displacements of all spheres";
-        case Tap::v_horn:
-            return "velocity of the horn's tip";
-        case Tap::x_horn:
-            return "displacement of the horn's tip";
-        case Tap::f_first:
-            return "force of the horn on the first sphere";
-        case Tap::f_last:
-            return "force of the last sphere on the end";
-        case Tap::v_centre:
-            return "velocity of a modal plate under the contact";
-        case Tap::v_face:
-            return "mean velocity of a modal plate's face";
-        case Tap::p_axis:
-            return "pressure at the hydrophone";
-        case Tap::f_chain:
-            return "forces of all contacts";
-        case Tap::p_points:
-            return "pressures at the points of `output.points_m`";
-    }
-    return "";
 }
 
 }  // namespace hertzline::app

@@ -5,8 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "hertzline/taps.hpp"
-
 namespace hertzline::app {
 
 /// A value that an argument may take, or the beginning of one: "chain.preload_n=".
@@ -27,8 +25,5 @@ struct Choices {
 /// @param option that takes it, as "--measure"; empty: none does @param word as in --help: "OUTPUT", of a list "OUTPUT,...", of few
 /// words "drop|wait" @throws std::logic_error for a word that has no row in the table
 Choices choices_of(std::string_view option, std::string_view word, std::string_view typed);
-
-/// The meaning of an output.
-std::string_view meaning_of(Tap tap) noexcept;
 
 }  // namespace hertzline::app

@@ -22,6 +22,7 @@
 #include "core/scene/text.hpp"
 #include "hertzline/materials.hpp"
 #include "hertzline/scene_file.hpp"
+#include "hertzline/taps.hpp"
 #include "measures/provenance.hpp"
 #include "measures/quantities.hpp"
 
@@ -195,9 +196,9 @@ std::string tables_of_run() {
     std::string text = heading("OUTPUTS");
     text += roff_paragraph("The column is the name in a file, where `#` stands for the number of a channel.");
     for (const TapRow& row : tap_rows) {
-        text += entry(row.name, fmt::format(" [{}]", row.unit),
-                      fmt::format("{}{}; column `{}`", meaning_of(row.tap),
-                                  row.streamed ? "" : ", not streamed", row.column));
+        text += entry(
+            row.name, fmt::format(" [{}]", row.unit),
+            fmt::format("{}{}; column `{}`", row.doc, row.streamed ? "" : ", not streamed", row.column));
     }
     text += heading("NUMBERS OF THE SUMMARY");
     text += roff_paragraph(
