@@ -111,6 +111,40 @@ std::optional<tl::expected<ParsedScene, std::vector<Fault>>> scene_of_recording(
 
 }  // namespace
 
+std::vector<std::string> files_of(const SceneRequest& request) {
+    std::vector<std::string> files{request.scene};
+    constexpr std::string_view record = "drive.file=";
+    for (const std::string& setting : request.settings) {
+        if (setting.starts_with(record)) {
+            files.push_back(setting.substr(record.size()));
+        }
+    }
+    if (const auto parsed = parse_scene_file(request.scene, request.settings)) {
+        if (const auto file = recordings::record_of(*parsed)) {
+            files.push_back(file->string());
+        }
+    }
+    return files;
+}
+
+void check_inputs_stay(std::string_view option, std::span<const std::string> outputs,
+                       std::span<const std::string> inputs, Faults& faults) {
+    const auto same = [](const std::filesystem::path& a, const std::filesystem::path& b) {
+        std::error_code one_is_missing;
+        return std::filesystem::equivalent(a, b, one_is_missing);
+    };
+    for (const std::string& output : outputs) {
+        for (const std::string& input : inputs) {
+            if (same(output, input) ||
+                same(recordings::recording_name(output), recordings::recording_name(input))) {
+                faults.add(fmt::format("{} {}", option, printable(output)),
+                           "found a file that is read here, allowed: another file");
+                break;
+            }
+        }
+    }
+}
+
 std::size_t usable_threads() {
     return static_cast<std::size_t>(measures::usable_processors());
 }

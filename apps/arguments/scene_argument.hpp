@@ -1,12 +1,15 @@
 #pragma once
 // The SCENE argument and its --set options: from the command line to a scene that can be simulated.
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
+#include "core/scene/faults.hpp"
 #include "core/scene/scene_key.hpp"
 #include "hertzline/resolve.hpp"
 #include "hertzline/scene.hpp"
@@ -28,6 +31,13 @@ std::vector<SceneKey> documented_keys();
 
 /// The value of a key that a scene does not give: in TOML, or in words.
 std::string default_text(const SceneKey& key);
+
+/// The files that the scene is read from: its own, and the record that it names.
+std::vector<std::string> files_of(const SceneRequest& request);
+
+/// Adds a fault for each output that would take the place of an input. @param option of the outputs, as "-o"
+void check_inputs_stay(std::string_view option, std::span<const std::string> outputs,
+                       std::span<const std::string> inputs, Faults& faults);
 
 /// Reads the scene as it was asked for, or returns its faults.
 tl::expected<ParsedScene, std::vector<Fault>> parsed_scene(const SceneRequest& request);

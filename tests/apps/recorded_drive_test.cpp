@@ -104,6 +104,72 @@ TEST_F(RecordedDrive, FilesVaryInASweep) {
     EXPECT_THAT(hertzline(words).err, HasSubstr("found a key that varies"));
 }
 
+TEST_F(RecordedDrive, NoCommandPutsItsOutputInTheRecordsPlace) {
+    const std::string before = contents(horn_);
+    const std::string file = "drive.file=" + horn_;
+    const Words wall{"paper-wall", "--set", "drive.kind=file"};
+    const Words set{"--set", file};
+    const Words vary{
+        "--vary", "chain.preload_n=0.1..0.2", "--maximise", "peak_v_out_m_per_s", "--evaluations", "2"};
+    const Words field{"wet-vitreous-carbon", "--set", "drive.kind=file", "--plane", "z=1mm"};
+    for (const auto& [command, words] : {
+             std::pair<std::string, Words>{"run", with(wall, with(set, {"-o", horn_}))},
+             {"run", with(wall, with(set, {"--spectrum", horn_}))},
+             {"sweep", with(wall, with(set, {"--vary", "chain.preload_n=0.1,0.2", "-o", horn_}))},
+             {"sweep", with(wall, {"--vary", file, "-o", horn_})},
+             {"optimise", with(wall, with(set, with(vary, {"-o", horn_})))},
+             {"field", with(field, with(set, {"-o", horn_}))},
+             {"stream", with(wall, with(set, {"--record", horn_}))},
+         }) {
+        const Outcome outcome = hertzline(with({command}, words));
+        EXPECT_EQ(outcome.status, 2) << command;
+        EXPECT_THAT(outcome.err, HasSubstr("found a file that is read here")) << command;
+    }
+    ASSERT_EQ(hertzline(driven({"-o", folder_.file("a.h5")})).status, 0);
+    EXPECT_THAT(hertzline({"run", folder_.file("a.h5"), "-o", folder_.file("a.h5")}).err,
+                HasSubstr("found a file that is read here"));
+    EXPECT_EQ(contents(horn_), before);
+}
+
+TEST_F(RecordedDrive, PartsOfASweepHaveTheSameFiles) {
+    const std::string table = folder_.file("s.csv");
+    const Words sweep{"sweep",      "paper-wall",          "--set",  "drive.kind=file",
+                      "--vary",     "drive.file=" + horn_, "--vary", "chain.preload_n=0.1,0.2",
+                      "--quantity", "peak_v_out_m_per_s",  "-o",     table};
+    ASSERT_EQ(hertzline(with(sweep, {"--shard", "1/2"})).status, 0);
+    hertzline({"run", "paper-wall", "-o", horn_, "--columns", "v_horn", "--set", "drive.cycles=5"});
+    ASSERT_EQ(hertzline(with(sweep, {"--shard", "2/2"})).status, 0);
+    const Outcome merged =
+        hertzline({"sweep", "--merge", table + ".1-of-2.journal", table + ".2-of-2.journal", "-o", table});
+    EXPECT_NE(merged.status, 0);
+    EXPECT_THAT(merged.err, HasSubstr("content of drive.file"));
+    EXPECT_THAT(hertzline(with(sweep, {"--shard", "1/2", "--resume"})).err,
+                HasSubstr("content of drive.file"));
+}
+
+TEST_F(RecordedDrive, KeysByWhichARecordIsReadVaryWithItsFile) {
+    const Words fixed{"sweep", "paper-wall",          "--set", "drive.kind=file",
+                      "--set", "drive.file=" + horn_, "--json"};
+    for (const char* axis :
+         {"drive.sample_rate_hz=5e6,1e7", "drive.quantity=displacement", "drive.column=1"}) {
+        const Outcome outcome = hertzline(with(fixed, {"--vary", axis}));
+        EXPECT_EQ(outcome.status, 2) << axis;
+        EXPECT_THAT(outcome.err, HasSubstr("allowed: such a key beside --vary drive.file=FILE")) << axis;
+    }
+    const Words rate{"--set", "drive.sample_rate_hz=5e6"};
+    const json run = json::parse(hertzline(driven(with(rate, {"--json"}))).out);
+    const Outcome rows =
+        hertzline({"sweep", "paper-vitreous-carbon", "--set", "drive.kind=file", "--set",
+                   "output.duration_s=2e-4", "--vary", "drive.file=" + horn_, "--vary",
+                   "drive.sample_rate_hz=5e6,1e7", "--quantity", "fundamental_hz,thd_r", "--json"});
+    ASSERT_EQ(rows.status, 0) << rows.err;
+    const json row = json::parse(rows.out.substr(0, rows.out.find('\n')));
+    EXPECT_NEAR(row["fundamental_hz"].get<double>(), 36.5e3, 1e3);
+    EXPECT_EQ(row["fundamental_hz"], run["fundamental_hz"]);
+    EXPECT_THAT(row["message"].get<std::string>(),
+                HasSubstr("drive.sample_rate_hz = 5000000 takes its place"));
+}
+
 TEST_F(RecordedDrive, WarningsTellWhatIsOdd) {
     const Outcome cut = hertzline(driven({"--set", "drive.lowpass_hz=60e3"}));
     EXPECT_EQ(cut.status, 2);

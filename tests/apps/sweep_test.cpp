@@ -242,7 +242,7 @@ TEST(Sweep, WrongUseIsToldBeforeAnythingRuns) {
     const std::string points = folder.file("points.csv");
     write_text(points, "chain.preload_n\n0.1\n");
     EXPECT_THAT(fault({"paper-wall", "--points", points, "-o", points}),
-                HasSubstr("found the file of --points"));
+                HasSubstr("found a file that is read here"));
     EXPECT_EQ(contents(points), "chain.preload_n\n0.1\n");
     const Outcome absent = hertzline({"sweep", "paper-wall", "--points", folder.file("none.csv"), "--json"});
     EXPECT_EQ(absent.status, 1);

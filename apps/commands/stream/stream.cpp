@@ -157,6 +157,7 @@ CheckedArguments checked(const StreamOptions& arguments) {
     Faults faults;
     CheckedArguments result;
     check_recordings(arguments.recordings, faults);
+    check_inputs_stay("--record", arguments.recordings, files_of(arguments.scene), faults);
     result.curve = checked_curve(arguments.publish, faults);
     check_scope(arguments.scope, arguments.publish.curve, faults);
     result.control_curve = checked_control(arguments.control, arguments.publish.curve, faults);

@@ -95,13 +95,6 @@ void check_files(const SweepOptions& options, Faults& faults) {
         faults.add("--waveforms needs -o FILE.h5");
         return;
     }
-    for (const std::string& file : options.files) {
-        std::error_code there_is_none;
-        if (!options.points.empty() && std::filesystem::equivalent(file, options.points, there_is_none)) {
-            faults.add("-o " + printable(file), "found the file of --points, allowed: another file");
-            return;
-        }
-    }
     check_tables(options.files, options.waveform.empty() ? std::nullopt : std::optional(Tap::v_out), faults);
 }
 
@@ -143,6 +136,13 @@ std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Fault
     const auto shard = faults.value_of({}, shard_argument(options.shard));
     faults.add("--band-from", measures::band_from_fault(options.band_from_hz));
     std::optional<studies::SweepPlan> plan = plan_of(options, faults);
+    Json records = plan ? studies::varied_records(*plan) : Json();
+    std::vector<std::string> inputs = files_of(options.scene);
+    inputs.push_back(options.points);
+    for (const auto& [file, hash] : records.items()) {
+        inputs.push_back(file);
+    }
+    check_inputs_stay("-o", options.files, inputs, faults);
     studies::PlanSummary summary =
         plan ? studies::summary_of(*plan, measures::measurable_among(options.measures))
              : studies::PlanSummary{};
@@ -164,7 +164,8 @@ std::optional<ValidatedSweep> validated_sweep(const SweepOptions& options, Fault
     }
     point_options.columns = *std::move(columns);
     summary.memory_bytes += sizeof(float) * static_cast<double>(point_options.waveform_size());
-    return ValidatedSweep{{*std::move(plan), std::move(point_options), *shard}, std::move(summary)};
+    return ValidatedSweep{{*std::move(plan), std::move(point_options), *shard, nullptr, std::move(records)},
+                          std::move(summary)};
 }
 
 void add_point_options(CLI::App& app, SweepOptions& options) {
