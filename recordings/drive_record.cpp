@@ -22,14 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The file where it is looked for.
-fs::path located(const ParsedScene& parsed) {
-    const fs::path file(*parsed.scene.drive.file);
-    const auto place = parsed.places.find("drive.file");
-    const bool option = place != parsed.places.end() && place->second.line == 0;
-    return option ? file : fs::path(parsed.origin).parent_path() / file;
-}
-
 /// The number of the column, from 0 on, or its fault.
 tl::expected<std::size_t, Fault> chosen_column(const std::vector<Column>& columns,
                                                const std::optional<std::string>& wanted) {
@@ -81,6 +73,12 @@ std::optional<Fault> take_unit(Drive& drive, const Column& column,
         return Fault{"drive.scale", fmt::format("nothing, with {} in {}", column.name, column.unit),
                      fmt::format("the {} that one {} stands for{}", velocity ? "m/s" : "m", column.unit,
                                  velocity ? "" : R"(; with drive.quantity = "velocity" the m/s)")};
+    }
+    const bool otherwise =
+        metres || metres_per_s || in("m/s^2") || in("Pa");  // volts are what a scale is for
+    if (drive.scale && !unit && otherwise) {
+        warn(fmt::format("{} is in {}; drive.scale = {} takes it as {} all the same", column.name,
+                         column.unit, number_text(*drive.scale), velocity ? "m/s" : "m"));
     }
     constexpr double noticed = 1e-9;
     if (drive.scale && unit && !column.unit.empty() && std::abs(*drive.scale / *unit - 1) > noticed) {
@@ -207,6 +205,16 @@ void take_line(ParsedScene& parsed) {
 
 }  // namespace
 
+std::optional<fs::path> record_of(const ParsedScene& parsed) {
+    if (!parsed.scene.drive.file) {
+        return std::nullopt;
+    }
+    const fs::path file(*parsed.scene.drive.file);
+    const auto place = parsed.places.find("drive.file");
+    const bool option = place != parsed.places.end() && place->second.line == 0;
+    return option ? file : fs::path(parsed.origin).parent_path() / file;
+}
+
 std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(const std::string&)>& warn) {
     const Drive& drive = parsed.scene.drive;
     const bool record = drive.kind == DriveKind::file;
@@ -224,7 +232,7 @@ std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(co
             Fault{"drive.file", quoted_briefly(*drive.file) + " beside drive.samples", "one of them"});
     }
     try {
-        auto fault = read(parsed, located(parsed), warn);
+        auto fault = read(parsed, *record_of(parsed), warn);
         if (!fault && record) {
             take_line(parsed);
         }

@@ -1,6 +1,7 @@
 #pragma once
 // Records of the horn's motion: recordings that a scene names as its drive.
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,6 +16,9 @@ namespace hertzline::recordings {
 /// Scenes without such a name stay as they are. @param warn takes sentences about the file @returns the fault of a file that is none, is too
 /// long or has gaps
 std::optional<Fault> read_drive(ParsedScene& parsed, const std::function<void(const std::string&)>& warn);
+
+/// The record that the scene names, where read_drive() looks for it; nothing where it names none.
+std::optional<std::filesystem::path> record_of(const ParsedScene& parsed);
 
 /// parse_scene_file(), and read_drive().
 tl::expected<ParsedScene, std::vector<Fault>> parse_scene_with_drive(

@@ -66,8 +66,7 @@ double plain_number(std::uint64_t bits, const FileNumber& type) {
 
 /// An integer of an audio file is a share of the full scale.
 double audio_number(double number, const FileNumber& type) {
-    const bool is_integer = type.kind == Kind::integer || type.kind == Kind::natural;
-    if (!is_integer || type.bytes > longest_audio) {
+    if (!is_share(type)) {
         return number;
     }
     const double full_scale = std::ldexp(1.0, static_cast<int>(8 * type.bytes) - 1);
@@ -97,6 +96,10 @@ bool is_known(const FileNumber& type) noexcept {
             break;
     }
     return type.bytes == 1;
+}
+
+bool is_share(const FileNumber& type) noexcept {
+    return (type.kind == Kind::integer || type.kind == Kind::natural) && type.bytes <= longest_audio;
 }
 
 NumberType number_type_of(const FileNumber& type) noexcept {

@@ -25,6 +25,9 @@ bool is_known(const FileNumber& type) noexcept;
 /// The type of numbers that holds all of that type, or float64.
 NumberType number_type_of(const FileNumber& type) noexcept;
 
+/// Whether append_numbers() takes its numbers as shares of the full scale.
+bool is_share(const FileNumber& type) noexcept;
+
 /// Appends numbers. Integers of up to 32 bits are an audio file's: -1 to 1, natural numbers about their middle. Longer
 /// ones are taken as they are, truth values as 0 and 1. @param bytes of whole numbers of a type that is known
 void append_numbers(const FileNumber& type, std::span<const std::byte> bytes, std::vector<double>& numbers);

@@ -196,6 +196,9 @@ void PointRunner::measure(Candidate& candidate, PointResult& result) {
     if (auto missed = measures::missed_accuracy(run.resolved)) {
         warnings.insert(warnings.begin(), *std::move(missed));
     }
+    if (options_.waveform && waveform_taps(scene, options_).empty()) {
+        warnings.push_back("no waveform: this scene has no " + std::string(row_of(*options_.waveform).name));
+    }
     warnings.insert(warnings.end(), run.warnings.begin(), run.warnings.end());
     for (const std::string& text : warnings) {
         result.message += (result.message.empty() ? "" : "; ") + text;
@@ -209,12 +212,20 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
         if (scene.drive.frequency_hz != Drive{}.frequency_hz) {  // the scene gives it
             with_record.places.emplace("drive.frequency_hz", Place{});
         }
-        if (const auto fault = recordings::read_drive(with_record, [](const std::string&) {})) {
+        std::string said;
+        if (const auto fault = recordings::read_drive(with_record, [&said](const std::string& warning) {
+                said += "drive.file: " + warning + "; ";
+            })) {
             result.status = PointStatus::refused;
             result.message = fault->message();
             return true;
         }
-        return try_run(with_record.scene, result);
+        const bool done = try_run(with_record.scene, result);
+        if (result.message.empty()) {
+            said.resize(said.size() - std::min(said.size(), std::size_t{2}));
+        }
+        result.message.insert(0, said);
+        return done;
     }
     result.message = scene_refusal(scene);
     if (!result.message.empty()) {

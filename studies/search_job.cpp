@@ -45,7 +45,11 @@ Study study_of(const SearchRequest& request) {
     for (const Axis& axis : request.axes) {
         keys.push_back(axis.key);
     }
-    return {SweepPlan::growing(request.base, std::move(keys)), request.options, {}, request_json(request)};
+    return {SweepPlan::growing(request.base, std::move(keys)),
+            request.options,
+            {},
+            request_json(request),
+            varied_records(request.axes)};
 }
 
 SearchJob::SearchJob(SearchRequest request, Journal& journal, int jobs, const std::atomic<bool>& stop,

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -45,6 +49,7 @@ struct Member {
 };
 /// The members that must be equal, in the order of comparison.
 constexpr std::array members{Member{"scene", "scene"},
+                             Member{"records", "content of drive.file"},
                              Member{"vary", "--vary"},
                              Member{"sobol", "--sobol"},
                              Member{"points", "--points"},
@@ -83,6 +88,7 @@ Json identity_of(const Study& study) {
     json["waveform_samples"] = options.waveform_samples;
     json["waveform_channels"] = options.waveform_channels;
     json["shard"] = {study.shard.part, study.shard.parts};
+    json["records"] = study.records;
     return json;
 }
 
@@ -201,6 +207,60 @@ PlanSummary summary_of(const SweepPlan& plan, TapSet measured) {
     return summary;
 }
 
+namespace {
+
+constexpr std::string_view varied_file = "drive.file";
+
+/// SigMF has its samples in a file beside.
+Json hashes_of(const std::set<std::string>& files) {
+    const auto content = [](const std::filesystem::path& file) {
+        std::ifstream stream(file, std::ios::binary);
+        return std::string(std::istreambuf_iterator(stream), {});
+    };
+    Json json = Json::object();
+    for (const std::string& file : files) {
+        std::error_code unknown;
+        Json& hash = json[file] = nullptr;
+        if (std::filesystem::is_regular_file(file, unknown)) {
+            const std::filesystem::path samples =
+                std::filesystem::path(file).replace_extension(".sigmf-data");
+            const bool two = std::filesystem::path(file).extension() == ".sigmf-meta";
+            hash = hash_text(content(file)) + (two ? hash_text(content(samples)) : "");
+        }
+    }
+    return json;
+}
+
+}  // namespace
+
+Json varied_records(std::span<const Axis> axes) {
+    const auto axis = std::ranges::find(axes, varied_file, [](const Axis& one) { return one.key.name; });
+    if (axis == axes.end()) {
+        return nullptr;
+    }
+    std::set<std::string> files;
+    for (const SceneValue& value : axis->list) {
+        files.insert(std::get<std::string>(value));
+    }
+    return hashes_of(files);
+}
+
+Json varied_records(const SweepPlan& plan) {
+    if (!plan.axes().empty()) {
+        return varied_records(plan.axes());
+    }
+    const auto key = std::ranges::find(plan.keys(), varied_file, &SceneKey::name);
+    if (key == plan.keys().end()) {
+        return nullptr;
+    }
+    const auto column = static_cast<std::size_t>(key - plan.keys().begin());
+    std::set<std::string> files;
+    for (std::int64_t point = 0; point < plan.size(); ++point) {
+        files.insert(std::get<std::string>(plan.values(point)[column]));
+    }
+    return hashes_of(files);
+}
+
 void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,
                     std::string_view subject, Faults& faults) {
     options.waveform = faults.value_of(subject, measures::find_tap(name, plan.there()));
@@ -264,6 +324,7 @@ Study sweep_of_journal(const std::string& text) {
         if (study.shard.part < 1 || study.shard.part > study.shard.parts || study.shard.parts > max_points) {
             throw std::runtime_error("its part of a sweep does not exist");
         }
+        study.records = json.value("records", Json());
         return study;
     } catch (const Json::exception&) {
         throw std::runtime_error("its plan is incomplete");
@@ -278,6 +339,9 @@ Json provenance_of(const Study& study) {
     }
     if (study.options.waveform) {
         json["waveform"] = hertzline::row_of(*study.options.waveform).name;
+    }
+    if (!study.records.is_null()) {
+        json["records"] = study.records;
     }
     if (study.is_search()) {
         json["search"] = study.search;

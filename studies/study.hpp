@@ -34,7 +34,8 @@ struct Study {
     SweepPlan plan;
     PointOptions options;
     Shard shard;
-    Json search = nullptr;  ///< the request of a search, which its files have in place of the plan
+    Json search = nullptr;   ///< the request of a search, which its files have in place of the plan
+    Json records = nullptr;  ///< varied_records() at its begin
 
     bool is_search() const noexcept { return !search.is_null(); }
     std::size_t samples() const noexcept { return options.waveform_size(); }
@@ -55,6 +56,11 @@ struct PlanSummary {
     /// Those of them that have numbers of their own.
     TapSet measurable() const noexcept { return there() & measures::measurable_taps; }
 };
+
+/// The hashes of the files that drive.file of the points names, by name: their content belongs to a study as the scene does. Null where
+/// the key does not vary, and for a file that cannot be read.
+Json varied_records(const SweepPlan& plan);
+Json varied_records(std::span<const Axis> axes);
 
 /// Lets a study keep the samples of the tap of that name, or adds its fault. @param subject of the fault
 void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,

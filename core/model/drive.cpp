@@ -158,13 +158,17 @@ std::vector<Fault> drive_faults(const Drive& drive) {
     const RecordFacts& record = SampledMotion::of(drive)->facts();
     constexpr double largest_start = 0.01;  // of the peak
     const auto percent = [](double share) { return number_text(std::round(1e3 * share) / 10) + " %"; };
-    if (record.start_share > largest_start && record.raw_start_share <= largest_start) {
+    constexpr double seen_in_noise = 8;  // times its rms, which is larger at the edge: less is no motion
+    const bool begins_in_motion =
+        record.start_share > largest_start &&
+        record.start_share * record.largest_velocity > seen_in_noise * record.noise_velocity;
+    if (begins_in_motion && record.raw_start_share <= largest_start) {
         faults.push_back({"drive.lowpass_hz",
                           number_text(lowpass_hz(drive)) +
                               ", with which the motion begins before the record, at " +
                               percent(record.start_share) + " of its largest velocity at its first sample",
                           "a higher one, or a record with a longer rest before the motion"});
-    } else if (record.start_share > largest_start) {
+    } else if (begins_in_motion) {
         faults.push_back(
             {"drive.samples",
              "a record that begins amid a motion, at " + percent(record.start_share) +

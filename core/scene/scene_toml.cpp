@@ -173,17 +173,7 @@ std::string to_toml(const Scene& scene) {
 
 std::string scene_hash(const Scene& scene) {
     static const auto& defaults = *new const Scene();  // never destroyed, as scene_keys()
-    // Constants: http://www.isthe.com/chongo/tech/comp/fnv/ (Fowler, Noll, Vo).
-    std::uint64_t hash = 0xCBF29CE484222325;
-    for (const char c : text_of(scene, &defaults)) {
-        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3;
-    }
-    constexpr std::string_view hex = "0123456789abcdef";
-    std::string digits;
-    for (int shift = 60; shift >= 0; shift -= 4) {
-        digits += hex[(hash >> shift) & 0xF];
-    }
-    return digits;
+    return hash_text(text_of(scene, &defaults));
 }
 
 }  // namespace hertzline

@@ -171,4 +171,17 @@ std::string suggestion(std::string_view text, std::span<const std::string> candi
     return meant != nullptr ? "; did you mean '" + *meant + "'?" : "";
 }
 
+std::string hash_text(std::string_view bytes) {
+    std::uint64_t hash = 0xCBF29CE484222325;
+    for (const char c : bytes) {
+        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001B3;
+    }
+    constexpr std::string_view hex = "0123456789abcdef";
+    std::string digits;
+    for (int shift = 60; shift >= 0; shift -= 4) {
+        digits += hex[(hash >> shift) & 0xF];
+    }
+    return digits;
+}
+
 }  // namespace hertzline

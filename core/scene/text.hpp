@@ -56,6 +56,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// text also resembles the candidates that share its last part, or begin with it ("end.damping").
 std::string suggestion(std::string_view text, std::span<const std::string> candidates);
 
+/// The FNV-1a hash of the bytes, 64 bits as 16 hexadecimal digits (Fowler, Noll, Vo: http://www.isthe.com/chongo/tech/comp/fnv/).
+std::string hash_text(std::string_view bytes);
+
 /// "steel", "steel and pyrex", "steel, pyrex and acrylic"
 std::string enumeration(const std::vector<std::string>& names);
 

@@ -233,6 +233,13 @@ private:
 
     void take_foreign(const ReadOptions& options) {
         name_apart(head_.columns);
+        if (std::ranges::any_of(stretches_, [](const Stretch& one) { return is_share(one.type); })) {
+            options.tell(
+                fmt::format("{}: its integers are shares of the full scale, as in audio files: -1 to 1; "
+                            "int64 or float are "
+                            "taken as they are",
+                            file_.path().string()));
+        }
         if (time_) {
             const TimeDigits digits =
                 time_->type.kind == FileNumber::Kind::floating && time_->bytes < sizeof(double)

@@ -42,10 +42,11 @@ bool motion_goes_on(const Scene& from, const Scene& to) {
 
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
     std::vector<Fault> faults;
-    const auto add = [&](const char* name) {
+    const auto add = [&](const char* name,
+                         const char* allowed =
+                             "the value at the start of the stream, on which its frames depend") {
         const SceneValue value = scene_key_named(to, name)->value(to).value_or(std::string("none"));
-        faults.push_back(
-            {name, value_text(value), "the value at the start of the stream, on which its frames depend"});
+        faults.push_back({name, value_text(value), allowed});
     };
     if (from.output.sample_rate_hz != to.output.sample_rate_hz) {
         add("output.sample_rate_hz");
@@ -65,6 +66,15 @@ std::vector<Fault> frame_faults(const Scene& from, const Scene& to) {
         add("output.points_m");
     } else if (taps_of(from) != taps_of(to)) {
         add(from.end.kind != to.end.kind ? "end.kind" : "end.model");
+    }
+    if (!from.drive.samples.empty() && from.drive.samples == to.drive.samples) {
+        const char* const as_read = "the value by which the record was read";
+        if (from.drive.sample_rate_hz != to.drive.sample_rate_hz) {
+            add("drive.sample_rate_hz", as_read);
+        }
+        if (from.drive.quantity != to.drive.quantity) {
+            add("drive.quantity", as_read);
+        }
     }
     return faults;
 }

@@ -23,7 +23,7 @@ Json faults_json(const std::vector<Fault>& faults);
 /// not. Else it restarts from static equilibrium.
 bool motion_goes_on(const Scene& from, const Scene& to);
 
-/// Returns the changes that a stream cannot make, because its frames depend on these values.
+/// Returns the changes that a stream cannot make, because its frames depend on these values, or a record was read by them.
 std::vector<Fault> frame_faults(const Scene& from, const Scene& to);
 
 /// Simulated seconds in a second of work that are to be expected of a scene, roughly.

@@ -93,7 +93,7 @@ LiveDrive::LiveDrive(const Scene& scene, Keep keep)
       messages_(limits_of(scene.drive)),
       socket_(context_, drive_.socket == DriveSocket::pull ? zmq::socket_type::pull : zmq::socket_type::sub) {
     open();
-    opened_at_ = MonotonicClock::now();
+    last_at_ = MonotonicClock::now();
     thread_ = std::thread([this] {
         pthread_setname_np(pthread_self(), driving_thread_name);
         serve();
@@ -239,10 +239,17 @@ void LiveDrive::warn_of_size() {
 /// A stream that gives nothing, for want of samples, says so.
 void LiveDrive::warn_of_silence() {
     constexpr Nanoseconds long_s = std::chrono::seconds(2);
-    if (!begun_ && MonotonicClock::now() - opened_at_ > long_s) {
+    if (MonotonicClock::now() - last_at_ <= long_s) {
+        return;
+    }
+    if (!begun_) {
         warn_once(
             told_of_silence_,
             fmt::format("the drive: no samples have come to {} yet, for which the stream waits", endpoint_));
+    } else if (drive_.on_underrun == OnUnderrun::wait) {
+        warn_once(told_of_pause_,
+                  fmt::format("the drive: no samples have come to {} for 2 s, the stream waits for more",
+                              endpoint_));
     }
 }
 
@@ -252,6 +259,7 @@ void LiveDrive::note_arrival(std::size_t samples) {
         return;
     }
     const Nanoseconds now = MonotonicClock::now();
+    last_at_ = now;
     if (!std::exchange(begun_, true)) {
         first_at_ = now;
         return;
@@ -294,7 +302,9 @@ void LiveDrive::push(std::span<const float> samples) {
         if (!motion_->has_room()) {  // then the samples wait for the simulation, not the other way round
             const Nanoseconds since = MonotonicClock::now();
             emptying_.wait_until(never, [this] { return motion_->has_room() || stopping(); });
-            first_at_ += MonotonicClock::now() - since;
+            const Nanoseconds waited = MonotonicClock::now() - since;
+            first_at_ += waited;
+            last_at_ += waited;
         }
         if (stopping()) {
             return;

@@ -98,7 +98,7 @@ private:
     std::vector<float> zeros_ = std::vector<float>(LiveMotion::portion);
 
     // of the driving thread
-    Nanoseconds opened_at_{0};
+    Nanoseconds last_at_{0};  ///< when samples came last, or the socket was opened
     bool begun_ = false;
     Nanoseconds first_at_{
         0};  ///< when the first sample came, or would have, if the last one that was late was not
@@ -106,6 +106,7 @@ private:
     bool told_of_refused_ = false;
     bool told_of_size_ = false;
     bool told_of_silence_ = false;
+    bool told_of_pause_ = false;
     bool told_of_lost_ = false;
     bool told_of_underruns_ = false;
 

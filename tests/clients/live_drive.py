@@ -235,6 +235,18 @@ class LiveDrive(unittest.TestCase):
         # joined to whatever of the stream was heard: its first frames may have been sent before
         self.assertLess(np.abs(heard["v_horn"][latency:] - horn[:8000 - latency]).max(), 1e-5 * np.abs(horn).max())
 
+    def test_a_sender_that_falls_silent_is_told_of(self):
+        with Driven("--wait-for-subscriber") as driven:
+            driven.send(burst()[:1500])
+            for line in driven.stream.process.stderr:
+                if "for 2 s, the stream waits for more" in line:
+                    break
+            else:
+                self.fail("the stream said nothing")
+            driven.send(padded(burst())[1500:])
+            heard, _ = driven.to_the_end()
+        self.assertTrue(np.array_equal(heard["v_out"], self.heard["v_out"]))
+
     def test_ends_at_once_without_samples(self):
         with Driven() as driven:
             time.sleep(0.3)

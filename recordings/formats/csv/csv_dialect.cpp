@@ -212,13 +212,16 @@ CsvNames read_csv_names(CsvLines& lines, bool rate_is_given) {
     return names;
 }
 
-bool CsvNumbers::next(CsvLines& lines) {
+bool CsvNumbers::next(CsvLines& lines, std::string* empty) {
     while (lines.next()) {
         const std::string_view line = lines.line();
         const bool is_comment =
             std::ranges::any_of(comments, [line](std::string_view sign) { return line.starts_with(sign); });
         if (!is_comment && line.find_first_not_of(" \t\r,;") != std::string_view::npos) {
             return true;
+        }
+        if (!is_comment && empty != nullptr && empty->empty()) {
+            *empty = lines.name();
         }
     }
     return false;

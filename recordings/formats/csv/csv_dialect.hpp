@@ -38,7 +38,8 @@ public:
           first_(names.has_times ? 0 : 1) {}
 
     /// Goes to the next line with numbers, past blank lines and comments; false at the end.
-    static bool next(CsvLines& lines);
+    /// @param empty takes path and number of the first blank line that was passed over
+    static bool next(CsvLines& lines, std::string* empty = nullptr);
     /// Reads the present line: its time, if it has one, then one number for each column. Fails when it has others.
     void read(const CsvLines& lines, double& time, std::vector<double>& row);
     /// Reads the time alone. @param digits count its digits

@@ -3,6 +3,8 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "core/scene/json.hpp"
@@ -52,7 +54,7 @@ public:
             }
             rows.values.insert(rows.values.end(), row_.begin(), row_.end());
             due_ = sample_ + 1;
-            ahead_ = CsvNumbers::next(lines_) && read_row();
+            ahead_ = next_row();
         }
         return !rows.values.empty() && !lines_.interrupted();
     }
@@ -87,6 +89,20 @@ private:
         head_.provenance = metadata.at("urn:hertzline:provenance");
         const bool single = metadata.at("tableSchema").at("columns").at(1).at("datatype") == "float";
         head_.numbers = single ? NumberType::float32 : NumberType::float64;
+    }
+
+    /// Without times nothing shows that a sample is missing but its empty line.
+    bool next_row() {
+        std::string empty;
+        if (!CsvNumbers::next(lines_, &empty)) {
+            return false;
+        }
+        if (!names_.has_times && !empty.empty()) {
+            throw std::runtime_error(empty +
+                                     ": found no number between two samples, allowed: one for each, or a "
+                                     "column of times, which shows gaps");
+        }
+        return read_row();
     }
 
     /// Reads the numbers of the present line; false when the file stops within it.

@@ -239,6 +239,20 @@ TEST(DriveFaults, NameRecordsThatDriveNoHorn) {
     EXPECT_THAT(fault_of(drive), HasSubstr("drive.file: found \"horn.csv\", which was not read"));
 }
 
+TEST(DriveFaults, NoiseAtRestIsNoMotion) {
+    std::mt19937 generator(1);
+    for (const double noise_m : {1e-9, 3e-9, 1e-8}) {
+        std::normal_distribution<double> noise(0, noise_m);
+        for (int record = 0; record < 20; ++record) {
+            EXPECT_EQ(
+                fault_of(sampled([&](double t) { return SmoothBurst::displacement(t) + noise(generator); },
+                                 5e6, 400e-6)),
+                "")
+                << noise_m;
+        }
+    }
+}
+
 TEST(DriveFaults, ASilentRecordIsNone) {
     EXPECT_EQ(fault_of(sampled([](double) { return 0; }, 10e6, 400e-6)), "");
     EXPECT_EQ(fault_of(sampled([](double) { return 4e-6; }, 10e6, 400e-6)), "");

@@ -184,7 +184,7 @@ TEST(CsvReader, AColumnWithoutTimesNeedsItsRate) {
     };
     const std::vector<double> numbers{0, -1.5, 2e-6};
     EXPECT_EQ(read("0\n-1.5\n2e-6\n"), std::pair(Column({"channel_1", "channel_1", ""}), numbers));
-    EXPECT_EQ(read("# of a vibrometer\r\n0\r\n\r\n-1.5\r\n2e-6\r\n").second, numbers);
+    EXPECT_EQ(read("# of a vibrometer\r\n\r\n0\r\n-1.5\r\n2e-6\r\n\r\n").second, numbers);
     EXPECT_EQ(read("x_um\n0\n-1.5\n2e-6\n").first, column_named("x_um"));
     EXPECT_EQ(read("Channel 1 (mm/s)\n0\n-1.5\n2e-6\n").first.unit, "mm/s");
     const auto fault = [&](const std::string& text) {
@@ -446,6 +446,13 @@ TEST(CsvReader, ALastLineWithoutItsEndIsLeftOutWithAWarning) {
     fs::resize_file(folder.file("a.csv"), fs::file_size(folder.file("a.csv")) - 10);
     EXPECT_THAT(read_rows(*open_csv_reader(folder.file("a.csv"))).at(0).values,
                 testing::AllOf(testing::SizeIs(9), testing::Each(1.0 / 3)));
+}
+
+TEST(CsvReader, AnEmptyLineBetweenSamplesWithoutTimesIsALostSample) {
+    EXPECT_THAT(read_csv("v\n\n1\n# a remark\n2\n3\n\n\n", 1000).rows.at(0).values, ElementsAre(1, 2, 3));
+    EXPECT_THAT(error_of([] { read_csv("v\n1\n2\n\n3\n", 1000); }),
+                HasSubstr("a.csv:4: found no number between two samples"));
+    EXPECT_THAT(error_of([] { read_csv("v\n1\n,\n3\n", 1000); }), HasSubstr("a.csv:3: found no number"));
 }
 
 TEST(CsvReader, RefusesMetadataThatAreNone) {

@@ -112,6 +112,10 @@ TEST_F(Npy, OtherTypesAndOrdersAreRead) {
     put<std::int16_t>({{{"", "<i2"}}, {3}, false}, {16384, -32768, 1});
     EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values,
                 testing::ElementsAre(0.5, -1, 1 / 32768.0));
+    std::string warning;
+    open_npy_reader(file, {.sample_rate_hz = std::nullopt,
+                           .warn = [&warning](const std::string& text) { warning = text; }});
+    EXPECT_THAT(warning, HasSubstr("its integers are shares of the full scale"));
     put<std::uint8_t>({{{"", "|u1"}}, {2}, false}, {0, 192});
     EXPECT_THAT(test::read_rows(*open_npy_reader(file)).at(0).values, testing::ElementsAre(-1, 0.5));
     put<std::uint8_t>({{{"", ">i2"}}, {1}, false}, {0x40, 0});

@@ -36,6 +36,19 @@ TEST(SceneChange, WhatFramesHoldStays) {
               3U);
 }
 
+TEST(SceneChange, ARecordStaysAsItWasRead) {
+    Scene scene = steady_scene();
+    scene.drive.kind = DriveKind::file;
+    scene.drive.samples.assign(20, 1e-6);
+    scene.drive.sample_rate_hz = 1e6;
+    scene.drive.quantity = DriveQuantity::displacement;
+    const auto faults = [&](const Json& values) { return frame_faults(scene, *with_values(scene, values)); };
+    EXPECT_THAT(faults({{"drive.sample_rate_hz", 2e6}}),
+                ElementsAre(Field(&Fault::key, "drive.sample_rate_hz")));
+    EXPECT_THAT(faults({{"drive.quantity", "velocity"}}), ElementsAre(Field(&Fault::key, "drive.quantity")));
+    EXPECT_THAT(faults({{"drive.scale", 2}, {"drive.start_s", 1e-6}}), IsEmpty());
+}
+
 TEST(SceneChange, AnArrayKeepsItsElements) {
     const Scene array = *with_values(steady_scene(), {{"array.x_m", {-0.01, 0.01}}, {"array.y_m", {0, 0}}});
     const auto with = [&](const Json& values) { return *with_values(array, values); };
