@@ -215,7 +215,8 @@ const std::array table{
              "largest overlap over a sphere's radius; Hertz's law is for less than 0.05, and `run` warns beyond",
              [](R run) { return Json(run.load.overlap_ratio); }},
     Quantity{G::contacts, "contact_events", "", K::count, C::among,
-             "openings and closings of all contacts",
+             "openings and closings of all contacts; with `chain.tension = \"clamped\"` also contacts that let go and push again while "
+             "they overlap",
              [](R run) { return Json(run.contact_events); }},
     Quantity{G::contacts, "damping_law", "", K::text, C::none,
              "how contacts lose energy ([model.md](model.md#3-contacts)), where it is not the paper's dashpot",
@@ -224,8 +225,8 @@ const std::array table{
     Quantity{G::trust, "estimated_error", "", K::number, C::first,
              "relative L2 error of the worst of `v_last` and the plate's outputs (`v_plate`, `v_out`; of a modal plate `v_centre`, `v_face`, "
              "`p_axis`, `p_points`, and the error of its fit), from a pilot run with the step in use "
-             "([core](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning; null "
-             "when the step is too short for a pilot run of about a second",
+             "([core](../core/README.md#ask-for-an-accuracy-not-a-step)); good: at most `numerics.accuracy`, else there is a warning, "
+             "unless the scene gives its step, which asks for no accuracy; null when the step is too short for a pilot run of about a second",
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->error) : Json(nullptr); }},
     Quantity{G::trust, "estimated_over_s", "s", K::number, C::first,
              "for how long that holds, from the start: the run, with a warning if that would take too long, or the stretch that pilots watch "
@@ -234,7 +235,7 @@ const std::array table{
              [](R run) { return run.resolved.estimate ? Json(run.resolved.estimate->over_s) : Json(nullptr); }},
     Quantity{G::trust, "energy_residual", "", K::number, C::among,
              "energy missing in the ledger over the energy that came and went ([model.md](model.md#8-energy)); good: far below 1; with "
-             "series about the accuracy asked for, or below",
+             "series about the accuracy asked for, or below; above 0.1 there is a warning",
              [](R run) { return Json(run.energy_residual); }},
     Quantity{G::trust, "horn_source_j", "J", K::number, C::none,
              "energy that the source of the horn gave; only with `drive.horn_mass_kg`",

@@ -93,10 +93,9 @@ double fastest_frequency(const Chain& chain, const Eigen::Ref<const Eigen::Array
 
 double fastest_decay(const Chain& chain, const Eigen::Ref<const Eigen::ArrayXd>& overlaps) noexcept {
     double fastest = 0;
-    const Eigen::ArrayXd mobility = chain.mobility();
     for (Eigen::Index c = 0; c < chain.bodies(); ++c) {
         const double damping = chain.damping[c] * damping_power(chain.damping_law, overlaps[c]);
-        fastest = std::max(fastest, damping * mobility[c]);
+        fastest = std::max(fastest, damping * chain.mobility(c));
     }
     return 2 * fastest + chain.holder_rate;
 }

@@ -80,15 +80,6 @@ Chain::Chain(const Scene& scene)
     }
 }
 
-Eigen::ArrayXd Chain::mobility() const {
-    Eigen::ArrayXd lightest = inv_mass;
-    lightest[0] = std::max(lightest[0], horn_inv_mass);
-    for (Eigen::Index contact = 1; contact < bodies(); ++contact) {
-        lightest[contact] = std::max(inv_mass[contact - 1], inv_mass[contact]);
-    }
-    return lightest;
-}
-
 std::vector<Fault> chain_faults(const Scene& scene) {
     const SphereRow row(scene);
     std::vector<Fault> faults;

@@ -7,6 +7,7 @@
 //
 // Forces are kept relative to the static state: a chain at rest then has forces of exactly zero and stays at rest.
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -52,8 +53,10 @@ struct Chain {
     double impact_velocity = 0;  ///< of the first spheres at the start [m/s]
     Eigen::Index impact_spheres = 0;  ///< how many they are
 
-    /// 1/mass of the lighter body at each contact [1/kg].
-    Eigen::ArrayXd mobility() const;
+    /// 1/mass of the lighter body at a contact [1/kg].
+    double mobility(Eigen::Index contact) const noexcept {
+        return std::max(contact > 0 ? inv_mass[contact - 1] : horn_inv_mass, inv_mass[contact]);
+    }
 
     /// Whether the static forces hold each other: then nothing moves but strikers, and what they or the horn push.
     bool balanced() const noexcept { return (bias == 0).all(); }

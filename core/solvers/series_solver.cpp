@@ -48,13 +48,19 @@ double velocity_scale(const Chain& chain, const Drive& drive, double omega) {
 /// @param tolerance [m/s] @param step [s]
 double negligible_overlap(const Chain& chain, double tolerance, double step) noexcept {
     constexpr double share = 1e-3;
-    const Eigen::ArrayXd mobility = chain.mobility();
-    const double stiffest = (chain.stiffness * mobility).maxCoeff();
+    const auto largest = [&chain](const Eigen::ArrayXd& of_contacts) {
+        double most = 0;
+        for (Eigen::Index contact = 0; contact < chain.bodies(); ++contact) {
+            most = std::max(most, of_contacts[contact] * chain.mobility(contact));
+        }
+        return most;
+    };
+    const double stiffest = largest(chain.stiffness);
     double overlap = std::pow(share * tolerance / (stiffest * step), 2.0 / 3);
     if (chain.damping_law !=
         DampingLaw::dashpot) {  // whose force grows from zero, but faster than the elastic one
         const double power = damping_exponent(chain.damping_law) + 1;
-        const double strongest = (chain.damping * mobility).maxCoeff() / power;
+        const double strongest = largest(chain.damping) / power;
         overlap = std::min(overlap, std::pow(share * tolerance / strongest, 1 / power));
     }
     const double least_at_rest = (chain.static_overlap > 0)

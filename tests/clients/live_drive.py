@@ -217,7 +217,8 @@ class LiveDrive(unittest.TestCase):
         with Driven("--wait-for-subscriber") as driven:
             driven.sender.send(padded(burst(), 20_000_000).tobytes())  # 80 MB at once
             heard, end = driven.to_the_end()
-        self.assertLess(end["drive_samples"], end["samples"] + 100_000)
+        # the ring of the stream lasts 50 ms, which the simulation may be ahead at the end
+        self.assertLess(end["drive_samples"], end["samples"] + 1_000_000)
         self.assertTrue(np.array_equal(heard["v_out"], self.heard["v_out"]))
 
     def test_a_recording_replayed_drives_another_chain(self):
