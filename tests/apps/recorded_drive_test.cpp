@@ -166,8 +166,7 @@ TEST_F(RecordedDrive, KeysByWhichARecordIsReadVaryWithItsFile) {
     const json row = json::parse(rows.out.substr(0, rows.out.find('\n')));
     EXPECT_NEAR(row["fundamental_hz"].get<double>(), 36.5e3, 1e3);
     EXPECT_EQ(row["fundamental_hz"], run["fundamental_hz"]);
-    EXPECT_THAT(row["message"].get<std::string>(),
-                HasSubstr("drive.sample_rate_hz = 5e+06 takes its place"));
+    EXPECT_THAT(row["message"].get<std::string>(), HasSubstr("drive.sample_rate_hz = 5e+06 takes its place"));
 }
 
 TEST_F(RecordedDrive, WarningsTellWhatIsOdd) {
