@@ -213,18 +213,17 @@ bool PointRunner::try_run(const Scene& scene, PointResult& result) {
             with_record.places.emplace("drive.frequency_hz", Place{});
         }
         std::string said;
-        if (const auto fault = recordings::read_drive(with_record, [&said](const std::string& warning) {
-                said += "drive.file: " + warning + "; ";
-            })) {
+        const auto warn = [&said](const std::string& warning) {
+            said += (said.empty() ? "drive.file: " : "; drive.file: ") + warning;
+        };
+        if (const auto fault = recordings::read_drive(with_record, warn)) {
             result.status = PointStatus::refused;
             result.message = fault->message();
             return true;
         }
         const bool done = try_run(with_record.scene, result);
-        if (result.message.empty()) {
-            said.resize(said.size() - std::min(said.size(), std::size_t{2}));
-        }
-        result.message.insert(0, said);
+        const bool both = !said.empty() && !result.message.empty();
+        result.message.insert(0, said + (both ? "; " : ""));
         return done;
     }
     result.message = scene_refusal(scene);

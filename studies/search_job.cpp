@@ -49,7 +49,7 @@ Study study_of(const SearchRequest& request) {
             request.options,
             {},
             request_json(request),
-            varied_records(request.axes)};
+            request.records};
 }
 
 SearchJob::SearchJob(SearchRequest request, Journal& journal, int jobs, const std::atomic<bool>& stop,

@@ -24,6 +24,7 @@ struct SearchRequest {
     std::uint64_t seed = 0;
     PointOptions options;    ///< its columns have the measures of the goal
     std::int64_t after = 0;  ///< evaluations of an earlier search, the first rows of the journal
+    Json records = nullptr;  ///< varied_records(): as of its study
 };
 
 /// Returns the search as a study without points.

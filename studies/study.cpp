@@ -233,30 +233,20 @@ Json hashes_of(const std::set<std::string>& files) {
 
 }  // namespace
 
-Json varied_records(std::span<const Axis> axes) {
-    const auto axis = std::ranges::find(axes, varied_file, [](const Axis& one) { return one.key.name; });
-    if (axis == axes.end()) {
-        return nullptr;
-    }
-    std::set<std::string> files;
-    for (const SceneValue& value : axis->list) {
-        files.insert(std::get<std::string>(value));
-    }
-    return hashes_of(files);
-}
-
 Json varied_records(const SweepPlan& plan) {
-    if (!plan.axes().empty()) {
-        return varied_records(plan.axes());
-    }
     const auto key = std::ranges::find(plan.keys(), varied_file, &SceneKey::name);
     if (key == plan.keys().end()) {
         return nullptr;
     }
     const auto column = static_cast<std::size_t>(key - plan.keys().begin());
     std::set<std::string> files;
+    const auto add = [&files](const SceneValue& value) { files.insert(std::get<std::string>(value)); };
+    if (!plan.axes().empty()) {
+        std::ranges::for_each(plan.axes()[column].list, add);
+        return hashes_of(files);
+    }
     for (std::int64_t point = 0; point < plan.size(); ++point) {
-        files.insert(std::get<std::string>(plan.values(point)[column]));
+        add(plan.values(point)[column]);
     }
     return hashes_of(files);
 }

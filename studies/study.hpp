@@ -60,7 +60,6 @@ struct PlanSummary {
 /// The hashes of the files that drive.file of the points names, by name: their content belongs to a study as the scene does. Null where
 /// the key does not vary, and for a file that cannot be read.
 Json varied_records(const SweepPlan& plan);
-Json varied_records(std::span<const Axis> axes);
 
 /// Lets a study keep the samples of the tap of that name, or adds its fault. @param subject of the fault
 void keep_waveforms(PointOptions& options, std::string_view name, const PlanSummary& plan,

@@ -236,8 +236,7 @@ private:
         if (std::ranges::any_of(stretches_, [](const Stretch& one) { return is_share(one.type); })) {
             options.tell(
                 fmt::format("{}: its integers are shares of the full scale, as in audio files: -1 to 1; "
-                            "int64 or float are "
-                            "taken as they are",
+                            "int64 or float are taken as they are",
                             file_.path().string()));
         }
         if (time_) {

@@ -98,9 +98,11 @@ ValidatedSearch validated_search(const OptimiseOptions& options) {
         }
     }
     faults.refuse<WrongUse>();
-    return {{sample->study.plan.base(), space.axes(), *std::move(goal), options.evaluations, options.seed,
-             std::move(sample->study.options)},
-            std::move(sample->summary)};
+    ValidatedSearch search{{sample->study.plan.base(), space.axes(), *std::move(goal), options.evaluations,
+                            options.seed, std::move(sample->study.options)},
+                           std::move(sample->summary)};
+    search.request.records = std::move(sample->study.records);
+    return search;
 }
 
 void add_optimise_options(CLI::App& app, OptimiseOptions& options) {
